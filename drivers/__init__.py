@@ -1,0 +1,37 @@
+"""Devices: small protocols, the clock they run on, and one module per real device."""
+
+from drivers._clock import Clock, RealClock, SimulatedClock
+from drivers._protocols import (
+    Channel,
+    Device,
+    DeviceError,
+    Identity,
+    MarkerFrame,
+    MarkerStatus,
+    MotionCapture,
+    PressureController,
+    PressureSample,
+    Scan,
+    Scanner,
+    VentNotConfirmedError,
+    VentReport,
+)
+
+__all__ = [
+    "Channel",
+    "Clock",
+    "Device",
+    "DeviceError",
+    "Identity",
+    "MarkerFrame",
+    "MarkerStatus",
+    "MotionCapture",
+    "PressureController",
+    "PressureSample",
+    "RealClock",
+    "Scan",
+    "Scanner",
+    "SimulatedClock",
+    "VentNotConfirmedError",
+    "VentReport",
+]

@@ -1,0 +1,1 @@
+"""The simulated rig: devices that behave like the real ones, over one shared plant."""

@@ -1,0 +1,1 @@
+"""The messages of the log, generated from the .proto files beside this module."""

@@ -1,0 +1,1 @@
+"""Procedures: what a lab user reads, copies and edits."""
