@@ -1,0 +1,54 @@
+# make demo · make test: each sets up what it needs, once, in .venv and (system libraries) with apt.
+# make check · make format · make lock · make clean
+
+PYTHON ?= python3
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+
+.PHONY: demo test check format lock clean
+
+demo: .venv/.demo-installed
+	$(BIN)/labrig demo
+
+test: check .venv/.system-libraries
+	$(BIN)/python -m pytest
+
+check: .venv/.all-installed
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+format: .venv/.all-installed
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+# Versions are pinned by requirements.lock: the demo takes from it what labrig itself needs, the tests all of it.
+.venv/.demo-installed: .venv/.made requirements.lock pyproject.toml
+	$(PIP) install --constraint requirements.lock hatchling editables
+	$(PIP) install --constraint requirements.lock --no-build-isolation --editable .
+	@touch $@
+
+.venv/.all-installed: .venv/.demo-installed
+	$(PIP) install --requirement requirements.lock
+	@touch $@
+
+.venv/.made:
+	@bash .ci/system-libraries python $(PYTHON)
+	$(PYTHON) -m venv .venv
+	@touch $@
+
+.venv/.system-libraries: .ci/system-libraries .venv/.made
+	@bash .ci/system-libraries viewer
+	@touch $@
+
+# What a fresh resolution of pyproject.toml gives today; only run this to move to newer versions.
+lock:
+	$(PYTHON) -m venv --clear build/lock
+	build/lock/bin/python -m pip install --quiet '.[dev]'
+	build/lock/bin/python -m pip freeze --exclude labrig > requirements.lock.new
+	mv requirements.lock.new requirements.lock
+	rm -rf build/lock
+
+clean:
+	rm -rf .venv build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache
