@@ -1,0 +1,181 @@
+"""A reduced model of an inflated surface: each chamber is a membrane, the surface follows their deflections.
+
+A chamber's deflection d solves  d + d^3 / limit^2 = gain * p  (a pre-tensioned membrane: linear at first, cubic
+when stretched), so it grows monotonically with pressure and has a closed form. Points move along their normals by
+the weighted sum of the deflections, and tangentially by the second-order term of a membrane that is
+pulled up a slope, -b h grad(h).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from labrig._errors import LabrigError
+from labrig.physics._geometry import GEOMETRIES, Geometry, profiles, tangents
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Points:
+    """What is needed to move a set of points: rest (P, 3), normal (P, 3), weight (P, C), gradient (P, C, 3)."""
+
+    rest_mm: Array
+    normal: Array
+    weight: Array
+    gradient_per_mm: Array
+
+    @classmethod
+    def at(cls, geometry: Geometry, u: Array, v: Array) -> "_Points":
+        along_u, along_v, normal = tangents(geometry, u, v)
+        weight, slope_u, slope_v = profiles(geometry, u, v)
+        uu, uv, vv = ((a * b).sum(-1)[:, None] for a, b in ((along_u, along_u), (along_u, along_v), (along_v, along_v)))
+        determinant = uu * vv - uv * uv
+        up = (vv * slope_u - uv * slope_v) / determinant
+        right = (uu * slope_v - uv * slope_u) / determinant
+        gradient = up[..., None] * along_u[:, None] + right[..., None] * along_v[:, None]
+        return cls(geometry.rest(u, v), normal, weight, gradient)
+
+    def moved(self, deflection_mm: Array, tangential: float) -> Array:
+        """Positions, mm, (F, P, 3) for deflections (F, C)."""
+        height = deflection_mm @ self.weight.T
+        slope = np.tensordot(deflection_mm, self.gradient_per_mm, axes=([1], [1]))
+        return self.rest_mm + height[..., None] * (self.normal - tangential * slope)
+
+
+class Surface:
+    """The base simulator of a rig: pressures in, marker positions and a mesh out; no memory, no noise.
+
+    Attributes: `chamber_names` (C), `marker_names` (M), `rest_mm` (M, 3), and `parameters`, the physical
+    parameters that the model declares as its own (none: its stiffnesses are taken as known).
+    """
+
+    def __init__(self, geometry: Geometry, chamber_names: tuple[str, ...], marker_names: tuple[str, ...]) -> None:
+        self.geometry = geometry
+        self.chamber_names = chamber_names
+        self.marker_names = marker_names
+        self.parameters: MappingProxyType[str, float] = MappingProxyType({})
+        index = [int(name[1:]) - 1 for name in marker_names]
+        self.marker_uv = geometry.markers_uv[index]
+        self._markers = _Points.at(geometry, self.marker_uv[:, 0], self.marker_uv[:, 1])
+        self._gain = np.array([patch.gain_mm_per_kpa for patch in geometry.patches])
+        self._limit = np.array([patch.limit_mm for patch in geometry.patches])
+
+    @property
+    def rest_mm(self) -> Array:
+        """Marker positions with every chamber vented, mm, (M, 3)."""
+        return self._markers.rest_mm
+
+    @property
+    def normal(self) -> Array:
+        """Outward unit normals at the markers at rest, (M, 3)."""
+        return self._markers.normal
+
+    @property
+    def weight(self) -> Array:
+        """Normal displacement of each marker per mm of deflection of each chamber, (M, C)."""
+        return self._markers.weight
+
+    @property
+    def compliance_mm_per_kpa(self) -> Array:
+        """Deflection per pressure at rest, (C,)."""
+        return self._gain
+
+    @property
+    def limit_mm(self) -> Array:
+        """Deflection at which the cubic stiffness of a chamber equals its linear one, (C,)."""
+        return self._limit
+
+    @property
+    def tangential(self) -> float:
+        """The second-order tangential coefficient, dimensionless."""
+        return self.geometry.tangential
+
+    def deflection_mm(self, pressure_kpa: ArrayLike) -> Array:
+        """Deflection of each chamber at the middle of its patch, mm, same shape as the pressures (..., C)."""
+        load = self._gain * np.asarray(pressure_kpa, dtype=float)
+        scale = 2.0 * self._limit / np.sqrt(3.0)
+        return scale * np.sinh(np.arcsinh(1.5 * np.sqrt(3.0) * load / self._limit) / 3.0)
+
+    def shape_mm(self, deflection_mm: Array) -> Array:
+        """Marker positions for chamber deflections (F, C): (F, M, 3), mm."""
+        return self._markers.moved(np.atleast_2d(deflection_mm), self.tangential)
+
+    def predict(self, pressure_kpa: ArrayLike) -> Array:
+        """Marker positions, mm, (F, M, 3), for pressures (F, C), kPa; NaN in, NaN out."""
+        return self.shape_mm(self.deflection_mm(self._checked(pressure_kpa)))
+
+    def jacobian(self, pressure_kpa: ArrayLike) -> Array:
+        """d position / d pressure, mm/kPa, (F, M, 3, C), at pressures (F, C); analytic."""
+        deflection = self.deflection_mm(self._checked(pressure_kpa))
+        points = self._markers
+        height = deflection @ points.weight.T
+        slope = np.tensordot(deflection, points.gradient_per_mm, axes=([1], [1]))
+        gradient = points.gradient_per_mm.transpose(0, 2, 1)
+        by_deflection = (points.normal - self.tangential * slope)[..., None] * points.weight[:, None]
+        by_deflection = by_deflection - self.tangential * height[..., None, None] * gradient
+        by_pressure = self._gain / (1.0 + 3.0 * (deflection / self._limit) ** 2)
+        return by_deflection * by_pressure[:, None, None, :]
+
+    def mesh(self, pressure_kpa: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+        """The whole surface at one set of pressures (C,): vertices mm (V, 3), triangles (T, 3), wound outwards."""
+        return self.mesh_at(self.deflection_mm(self._checked(pressure_kpa)[0])), self.triangles
+
+    def mesh_at(self, deflection_mm: Array) -> Array:
+        """Mesh vertices, mm, (V, 3), for chamber deflections (C,)."""
+        return self._mesh_points.moved(np.atleast_2d(deflection_mm), self.tangential)[0]
+
+    @cached_property
+    def mesh_weight(self) -> Array:
+        """Normal displacement of each mesh vertex per mm of deflection of each chamber, (V, C)."""
+        return self._mesh_points.weight
+
+    _MESH_ACROSS, _MESH_UP = 61, 81
+
+    @cached_property
+    def _mesh_points(self) -> _Points:
+        u, v = np.meshgrid(np.linspace(0, 1, self._MESH_ACROSS), np.linspace(0, 1, self._MESH_UP), indexing="xy")
+        return _Points.at(self.geometry, u.ravel(), v.ravel())
+
+    @cached_property
+    def triangles(self) -> NDArray[np.int64]:
+        """Triangles of the mesh, (T, 3) vertex indices, wound so that normals point outwards."""
+        corner = np.arange(self._MESH_ACROSS * self._MESH_UP).reshape(self._MESH_UP, self._MESH_ACROSS)
+        a, b, c, d = (x.ravel() for x in (corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]))
+        return np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int64)
+
+    def _checked(self, pressure_kpa: ArrayLike) -> Array:
+        pressure = np.atleast_2d(np.asarray(pressure_kpa, dtype=float))
+        if pressure.ndim != 2 or pressure.shape[1] != len(self.chamber_names):
+            raise LabrigError(
+                f"surface {self.geometry.name}: pressures of shape {np.shape(pressure_kpa)} given, "
+                f"(captures, {len(self.chamber_names)}) needed"
+            )
+        return pressure
+
+
+def load_surface(rig: dict) -> Surface:
+    """The base simulator of a rig, from the content of its rig.yaml.
+
+    The surface is named by `simulated: {surface: ...}` (mannequin, the default, or membrane). Chambers take the
+    rig's names in order; `markers`, where given, selects and orders the surface's own m01, m02, ...
+    Raises `LabrigError` for a surface that does not exist, or names or numbers that do not fit it.
+    """
+    name = (rig.get("simulated") or {}).get("surface", "mannequin")
+    if name not in GEOMETRIES:
+        raise LabrigError(f"rig: simulated.surface: there is no surface '{name}' (known: {', '.join(GEOMETRIES)})")
+    geometry = GEOMETRIES[name]
+    count = len(geometry.patches)
+    listed = [c["name"] if isinstance(c, dict) else str(c) for c in rig.get("chambers") or []]
+    chambers = listed or [f"c{i + 1}" for i in range(count)]
+    if len(chambers) != count:
+        raise LabrigError(f"rig: chambers: surface '{name}' has {count}, the rig names {len(chambers)}")
+    known = [f"m{i + 1:02d}" for i in range(len(geometry.markers_uv))]
+    markers = [str(m) for m in rig.get("markers") or known]
+    for marker in markers:
+        if marker not in known:
+            raise LabrigError(f"rig: markers: surface '{name}' has no marker '{marker}' (it has m01..{known[-1]})")
+    return Surface(geometry, tuple(chambers), tuple(markers))
