@@ -1,1 +1,22 @@
-"""labrig.log"""
+"""The log: written durably, step by step, and read back as an `xarray.Dataset`, whatever happened to it."""
+
+from labrig.log._layout import Layout
+from labrig.log._open import open_run
+from labrig.log._segments import LoadedSegment, load_segments, read_run_yaml, segment_path, segment_paths
+from labrig.log._table import layout_of, write_dataset
+from labrig.log._topics import Topic
+from labrig.log._writer import LogWriter
+
+__all__ = [
+    "Layout",
+    "LoadedSegment",
+    "LogWriter",
+    "Topic",
+    "layout_of",
+    "load_segments",
+    "open_run",
+    "read_run_yaml",
+    "segment_path",
+    "segment_paths",
+    "write_dataset",
+]

@@ -1,0 +1,85 @@
+"""What a log says of itself before its first message: names, units, limits, and where it came from."""
+
+import json
+import zlib
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from labrig._errors import LabrigError
+from logs_schema import VERSION
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The names and units of everything in a log; lists of numbers are in the order of their names.
+
+    `chamber_min`, `chamber_max` are in `unit`; `rest_mm` is None where nobody knows; observables are
+    (name, unit, marker or "", axis or ""), covariates (name, unit). `variables` names the optional Dataset
+    variables of a table (`table`: the rows are on /observation). `attributes` are passed on to the Dataset.
+    """
+
+    chambers: tuple[str, ...]
+    chamber_min: tuple[float, ...]
+    chamber_max: tuple[float, ...]
+    unit: str = "kPa"
+    markers: tuple[str, ...] = ()
+    rest_mm: tuple[tuple[float, float, float], ...] | None = None
+    observables: tuple[tuple[str, str, str, str], ...] = ()
+    covariates: tuple[tuple[str, str], ...] = ()
+    variables: tuple[str, ...] = ()
+    source: str = "rig"
+    between_sessions: str = "released"
+    start_s: float = 0.0
+    table: bool = False
+    attributes: dict[str, Any] = field(default_factory=dict)
+
+
+def layout_to_text(layout: Layout) -> str:
+    """The layout as JSON; NaN and infinity are written as Python's json does."""
+    return json.dumps(asdict(layout))
+
+
+def layout_from_text(text: str) -> Layout:
+    """The inverse of `layout_to_text`."""
+    fields = json.loads(text)
+    for name in ("chambers", "chamber_min", "chamber_max", "markers", "variables"):
+        fields[name] = tuple(fields[name])
+    for name in ("observables", "covariates"):
+        fields[name] = tuple(tuple(item) for item in fields[name])
+    if fields["rest_mm"] is not None:
+        fields["rest_mm"] = tuple(tuple(point) for point in fields["rest_mm"])
+    return Layout(**fields)
+
+
+def pack_metadata(text: str) -> dict[str, str]:
+    """A metadata record that says whether it is whole: MCAP has no checksum for metadata."""
+    return {"version": str(VERSION), "json": text, "crc32": f"{zlib.crc32(text.encode()):08x}"}
+
+
+def unpack_metadata(record: dict[str, str], where: str) -> str | None:
+    """The text of a metadata record, or None if it is damaged.
+
+    Raises `LabrigError` when a newer labrig wrote it.
+    """
+    text = record.get("json")
+    if text is None or record.get("crc32") != f"{zlib.crc32(text.encode()):08x}":
+        return None
+    version = int(record.get("version", "1"))
+    if version > VERSION:
+        raise LabrigError(
+            f"{where} was written by a newer labrig (log version {version}, this one reads up to {VERSION}); "
+            "update labrig"
+        )
+    return migrate(text, version)
+
+
+MIGRATIONS: dict[int, Any] = {}
+"""Log version -> function that turns that version's layout or run text into the next version's."""
+
+
+def migrate(text: str, version: int) -> str:
+    """Bring a layout or run text of an older version up to date, one version at a time."""
+    while version < VERSION:
+        text = MIGRATIONS[version](text)
+        version += 1
+    return text

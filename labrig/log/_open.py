@@ -1,0 +1,30 @@
+"""Opens a run as an xarray Dataset."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labrig.log._dataset import to_dataset
+from labrig.log._rig_dataset import rig_arrays
+from labrig.log._segments import load_segments
+from labrig.log._table import table_arrays
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def open_run(path: str | Path) -> xr.Dataset:
+    """The campaign in a run folder or an .mcap file, as docs/reference/dataset.md describes it.
+
+    Damaged files are read as far as they are whole; `attrs["warnings"]` is a list of what was lost, empty
+    when nothing was. Raises `LabrigError` when there is nothing to read.
+    """
+    path = Path(path)
+    segments, warnings = load_segments(path)
+    layout = segments[0].layout
+    arrays = table_arrays(segments[0]) if layout.table else rig_arrays(segments)
+    attributes = {"run": str(path), "warnings": warnings}
+    if procedure := segments[0].run.get("procedure"):
+        attributes["procedure"] = procedure
+    return to_dataset(arrays, layout, attributes)

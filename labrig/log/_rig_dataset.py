@@ -1,0 +1,206 @@
+"""Runs that the rig recorded: steps, commands, frames and pressures become the arrays of a campaign."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.log._dataset import CampaignArrays
+from labrig.log._scan import Messages
+from labrig.log._segments import LoadedSegment
+from labrig.log._topics import Topic
+from labrig.log._writer import _POINT, to_ns
+
+_LONGEST_GAP_S = 0.5
+"""Between sensor samples further apart than this, nothing is known of the pressure."""
+
+Floats = NDArray[np.float64]
+Times = NDArray[np.int64]
+
+
+@dataclass
+class Series:
+    """Values over time: `time_ns` (N,), non-decreasing; `values` (N, ...)."""
+
+    time_ns: Times
+    values: NDArray[Any]
+
+    def between(self, start_ns: int, end_ns: int) -> slice:
+        """The samples after `start_ns`, up to and with `end_ns`."""
+        first, last = np.searchsorted(self.time_ns, [start_ns, end_ns], side="right")
+        return slice(int(first), int(last))
+
+
+@dataclass
+class _Capture:
+    session: str
+    event: int
+    commanded: Floats
+    repeat: str
+    time_s: Floats
+    hold_s: Floats
+    settled: NDArray[np.bool_]
+    measured: Floats
+    position_mm: Floats | None
+    covariates: Floats | None
+
+
+def marker_series(messages: Messages, markers: int) -> Series:
+    """Frames as (N, M, 3) positions mm, float32, NaN where not seen; a frame of another size is left out."""
+    from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
+
+    size = markers * _POINT.itemsize
+    parse = PointCloud.FromString
+    data = [parse(payload).data for payload in messages.payload]
+    kept = [index for index, points in enumerate(data) if len(points) == size]
+    points = np.frombuffer(b"".join([data[index] for index in kept]), dtype=_POINT)
+    time_ns = np.array(messages.time_ns, np.int64)[kept]
+    return _ordered(time_ns, points["position_mm"].reshape(-1, markers, 3))
+
+
+def status_series(messages: Messages, markers: int) -> Series:
+    """`MarkerStatus` of every frame, (N, M)."""
+    from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
+
+    points = np.frombuffer(b"".join([PointCloud.FromString(p).data for p in messages.payload]), dtype=_POINT)
+    return _ordered(np.array(messages.time_ns, np.int64), points["status"].reshape(-1, markers))
+
+
+def value_series(messages: Messages, kind: Any, field_name: str, width: int) -> Series:
+    """A repeated field of every message as (N, width)."""
+    values = [getattr(kind.FromString(payload), field_name) for payload in messages.payload]
+    return _ordered(np.array(messages.time_ns, np.int64), np.array(values, float).reshape(-1, width))
+
+
+def _ordered(time_ns: Times, values: NDArray[Any]) -> Series:
+    if np.any(np.diff(time_ns) < 0):
+        order = np.argsort(time_ns, kind="stable")
+        return Series(time_ns[order], values[order])
+    return Series(time_ns, values)
+
+
+def interpolate(series: Series, time_ns: Times) -> Floats:
+    """The series at other times, linear between samples; NaN in long gaps and before or after all samples."""
+    result = np.full((len(time_ns), *series.values.shape[1:]), np.nan)
+    if not len(series.time_ns) or not len(time_ns):
+        return result
+    after = np.clip(np.searchsorted(series.time_ns, time_ns, side="left"), 1, max(1, len(series.time_ns) - 1))
+    before = after - 1
+    after = np.minimum(after, len(series.time_ns) - 1)
+    span = series.time_ns[after] - series.time_ns[before]
+    weight = np.clip((time_ns - series.time_ns[before]) / np.maximum(span, 1), 0.0, 1.0)[:, None]
+    values = series.values[before] * (1 - weight) + series.values[after] * weight
+    nearest = np.minimum(np.abs(time_ns - series.time_ns[before]), np.abs(time_ns - series.time_ns[after]))
+    known = (nearest <= _LONGEST_GAP_S * 1e9) & (span <= 2 * _LONGEST_GAP_S * 1e9)
+    result[known] = values[known]
+    return result
+
+
+def rig_arrays(segments: list[LoadedSegment]) -> CampaignArrays:
+    """The arrays of a run that labrig recorded; every segment is a session."""
+    event_times, event_setpoints, event_sessions = [], [], []
+    captures: list[_Capture] = []
+    for loaded in segments:
+        times, setpoints = _events(loaded)
+        captures += _captures(loaded, times, setpoints, len(event_times))
+        event_times += [_seconds(time_ns, loaded) for time_ns in times]
+        event_setpoints += setpoints
+        event_sessions += [str(loaded.number)] * len(times)
+    layout = segments[0].layout
+    return CampaignArrays(
+        commanded=_rows([capture.commanded for capture in captures], len(layout.chambers)),
+        hold_s=_padded([capture.hold_s for capture in captures], ()),
+        time_s=_padded([capture.time_s for capture in captures], ()),
+        settled=_padded([capture.settled for capture in captures], (), False),
+        event_time_s=np.array(event_times, float),
+        event_commanded=_rows(event_setpoints, len(layout.chambers)),
+        session=[capture.session for capture in captures],
+        repeat=[capture.repeat for capture in captures],
+        event_session=event_sessions,
+        event_of=np.array([capture.event for capture in captures], np.int64),
+        measured=_padded([capture.measured for capture in captures], (len(layout.chambers),)),
+        position_mm=_optional([capture.position_mm for capture in captures], (len(layout.markers), 3)),
+        covariates=_optional([capture.covariates for capture in captures], (len(layout.covariates),)),
+    )
+
+
+def _seconds(time_ns: Any, loaded: LoadedSegment) -> Any:
+    return (time_ns - to_ns(loaded.layout.start_s)) * 1e-9
+
+
+def _events(loaded: LoadedSegment) -> tuple[list[int], list[Floats]]:
+    from logs_schema.pressure_pb2 import PressureCommand
+
+    messages = loaded.messages(Topic.COMMAND)
+    times, setpoints = [], []
+    for time_ns, payload in zip(messages.time_ns, messages.payload, strict=True):
+        command = PressureCommand.FromString(payload)
+        if command.event:
+            times.append(time_ns)
+            setpoints.append(np.array(command.setpoint, float))
+    return times, setpoints
+
+
+def _captures(
+    loaded: LoadedSegment, times: list[int], setpoints: list[Floats], first_event: int
+) -> list[_Capture]:
+    """Every completed recording, with everything since the actuation or the recording before it."""
+    from logs_schema.observation_pb2 import Environment
+    from logs_schema.pressure_pb2 import PressureMeasured
+    from logs_schema.step_pb2 import Step
+
+    layout = loaded.layout
+    pressures = value_series(
+        loaded.messages(Topic.MEASURED), PressureMeasured, "pressure", len(layout.chambers)
+    )
+    frames = marker_series(loaded.messages(Topic.MARKERS), len(layout.markers)) if layout.markers else None
+    environment = None
+    if layout.covariates:
+        messages = loaded.messages(Topic.ENVIRONMENT)
+        environment = value_series(messages, Environment, "value", len(layout.covariates))
+    captures, last_end, last_event = [], 0, -1
+    for payload in loaded.messages(Topic.STEP).payload:
+        step = Step.FromString(payload)
+        if step.state != Step.DONE or step.kind != "record":
+            continue
+        start_ns, end_ns = to_ns(step.started_s), to_ns(step.ended_s)
+        event = int(np.searchsorted(times, start_ns, side="right")) - 1
+        if event < 0:
+            continue
+        after = max(times[event], last_end if event == last_event else 0)
+        rows = (frames or pressures).between(after, end_ns)
+        time_ns = (frames or pressures).time_ns[rows]
+        captures.append(
+            _Capture(
+                session=str(loaded.number),
+                event=first_event + event,
+                commanded=setpoints[event],
+                repeat=json.loads(step.step_json).get("repeat", ""),
+                time_s=_seconds(time_ns, loaded),
+                hold_s=np.asarray((time_ns - times[event]) * 1e-9, np.float64),
+                settled=time_ns >= start_ns,
+                measured=interpolate(pressures, time_ns),
+                position_mm=None if frames is None else frames.values[rows],
+                covariates=None if environment is None else interpolate(environment, time_ns),
+            )
+        )
+        last_end, last_event = end_ns, event
+    return captures
+
+
+def _rows(rows: list[Floats], width: int) -> Floats:
+    return np.array(rows, float).reshape(-1, width)
+
+
+def _optional(holds: list[Any], shape: tuple[int, ...]) -> Floats | None:
+    return None if not shape[0] else _padded(holds, shape)
+
+
+def _padded(holds: list[Any], shape: tuple[int, ...], fill: Any = np.nan) -> Any:
+    longest = max((len(hold) for hold in holds), default=0)
+    result = np.full((len(holds), longest, *shape), fill, dtype=bool if fill is False else float)
+    for index, hold in enumerate(holds):
+        result[index, : len(hold)] = hold
+    return result

@@ -1,0 +1,205 @@
+"""Runs that came from a table: a Dataset becomes a run folder, and the folder the same Dataset again."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import yaml
+
+from labrig._errors import LabrigError
+from labrig.log._dataset import CampaignArrays
+from labrig.log._layout import Layout
+from labrig.log._segments import LoadedSegment, segment_path
+from labrig.log._topics import Topic
+from labrig.log._writer import LogWriter
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_REQUIRED = ("commanded", "hold_s", "time_s", "settled", "event_time_s", "event_commanded")
+_REQUIRED_COORDS = ("session", "repeat", "event_session", "event_of", "chamber_min", "chamber_max")
+_ROW_VARIABLES = ("measured", "observed", "covariates", "position_mm")
+_OWN_ATTRIBUTES = {"run", "source", "between_sessions", "units", "warnings"}
+
+
+def write_dataset(dataset: xr.Dataset, folder: Path, *, run_yaml: dict[str, Any]) -> Path:
+    """Write a campaign to a new run folder: `log.000.mcap` and `run.yaml`; returns the folder.
+
+    `open_run(folder)` gives back an equal Dataset, numbers to the last digit; rows after the last one that
+    has a time are padding and come back as NaN and not settled. The folder appears whole or not at all.
+
+    Raises `LabrigError` if the folder exists, a variable of docs/reference/dataset.md is missing, or a row
+    has values but no time.
+    """
+    folder = Path(folder)
+    if folder.exists():
+        raise LabrigError(f"{folder} exists already; choose another name or remove it")
+    _check(dataset)
+    run_yaml = json.loads(json.dumps(run_yaml, default=str))
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    partial = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".partial", dir=folder.parent))
+    try:
+        writer = LogWriter(segment_path(partial, 0), layout_of(dataset), run_yaml)
+        try:
+            _write_events(writer, dataset)
+            _write_captures(writer, dataset)
+        finally:
+            writer.close()
+        (partial / "run.yaml").write_text(yaml.safe_dump(run_yaml, sort_keys=False), encoding="utf-8")
+        partial.chmod(0o755)
+        os.rename(partial, folder)  # noqa: PTH104  (replaces nothing: a folder that appeared meanwhile stays)
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
+    return folder
+
+
+def _check(dataset: xr.Dataset) -> None:
+    missing = [name for name in _REQUIRED if name not in dataset.variables]
+    missing += [name for name in _REQUIRED_COORDS if name not in dataset.coords]
+    if missing:
+        raise LabrigError(f"the campaign has no {', '.join(missing)}; see docs/reference/dataset.md")
+    rows = _row_counts(dataset)
+    past = np.arange(dataset.sizes["time"]) >= rows[:, None]
+    for name in _ROW_VARIABLES:
+        if name in dataset:
+            values = dataset[name].to_numpy()
+            finite = np.isfinite(values).reshape(*values.shape[:2], -1).any(axis=2)
+            if (bad := np.argwhere(finite & past)).size:
+                raise LabrigError(
+                    f"{name} of capture {bad[0][0]} has values in row {bad[0][1]}, which has no time"
+                )
+
+
+def _row_counts(dataset: xr.Dataset) -> np.ndarray:
+    timed = np.isfinite(dataset["hold_s"].to_numpy()) | np.isfinite(dataset["time_s"].to_numpy())
+    indices = np.arange(1, dataset.sizes["time"] + 1)
+    return (timed * indices).max(axis=1, initial=0)
+
+
+def layout_of(dataset: xr.Dataset) -> Layout:
+    """What a Dataset says of itself, as a log's layout."""
+    coords = dataset.coords
+    units = dataset["commanded"].attrs.get("units", dataset.attrs.get("units", "kPa"))
+    rest = dataset["rest_mm"].to_numpy().tolist() if "rest_mm" in dataset else None
+    observables: list[Any] = []
+    covariates: list[Any] = []
+    if "observed" in dataset:
+        columns = [coords[name].to_numpy() for name in ("observable", "unit", "marker_of", "axis_of")]
+        observables = [tuple(str(item) for item in row) for row in zip(*columns, strict=True)]
+    if "covariates" in dataset:
+        columns = [coords[name].to_numpy() for name in ("covariate", "covariate_unit")]
+        covariates = [tuple(str(item) for item in row) for row in zip(*columns, strict=True)]
+    return Layout(
+        chambers=tuple(str(name) for name in coords["chamber"].to_numpy()),
+        chamber_min=tuple(float(value) for value in coords["chamber_min"].to_numpy()),
+        chamber_max=tuple(float(value) for value in coords["chamber_max"].to_numpy()),
+        unit=str(units),
+        markers=tuple(str(name) for name in coords["marker"].to_numpy()) if "marker" in coords else (),
+        rest_mm=None if rest is None else tuple(tuple(point) for point in rest),
+        observables=tuple(observables),
+        covariates=tuple(covariates),
+        variables=tuple(name for name in _ROW_VARIABLES if name in dataset),
+        table=True,
+        source=str(dataset.attrs.get("source", "table")),
+        between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
+        attributes={key: value for key, value in dataset.attrs.items() if key not in _OWN_ATTRIBUTES},
+    )
+
+
+def _write_events(writer: LogWriter, dataset: xr.Dataset) -> None:
+    times = dataset["event_time_s"].to_numpy()
+    setpoints = dataset["event_commanded"].to_numpy()
+    sessions = dataset["event_session"].to_numpy()
+    for time_s, setpoint, session in zip(times, setpoints, sessions, strict=True):
+        writer.command(float(time_s), setpoint, event=True, reason="import", session=str(session))
+
+
+def _write_captures(writer: LogWriter, dataset: xr.Dataset) -> None:
+    rows = {
+        name: dataset[name].to_numpy()
+        for name in (*_ROW_VARIABLES, "time_s", "hold_s", "settled")
+        if name in dataset
+    }
+    setpoints = dataset["commanded"].to_numpy()
+    counts = _row_counts(dataset)
+    labels = {name: dataset[name].to_numpy() for name in ("session", "repeat", "event_of")}
+    lists = [name for name in _ROW_VARIABLES if name in rows]
+    earliest = min(0.0, float(np.nanmin(rows["time_s"], initial=0.0)))
+    for capture, count in enumerate(counts):
+        times, holds = rows["time_s"][capture], rows["hold_s"][capture]
+        writer.write(
+            Topic.CAPTURE,
+            float(times[0]) - earliest if count else 0.0,
+            capture=capture,
+            setpoint=setpoints[capture].tolist(),
+            session=str(labels["session"][capture]),
+            repeat=str(labels["repeat"][capture]),
+            event=int(labels["event_of"][capture]),
+        )
+        for row in range(count):
+            writer.write(
+                Topic.OBSERVATION,
+                float(times[row]) - earliest,
+                capture=capture,
+                time_s=float(times[row]),
+                hold_s=float(holds[row]),
+                settled=bool(rows["settled"][capture, row]),
+                **{name: rows[name][capture, row].ravel().tolist() for name in lists},
+            )
+
+
+def table_arrays(loaded: LoadedSegment) -> CampaignArrays:
+    """The arrays of a run that `write_dataset` wrote."""
+    from logs_schema.observation_pb2 import Observation
+    from logs_schema.pressure_pb2 import PressureCommand
+    from logs_schema.step_pb2 import Capture
+
+    layout = loaded.layout
+    captures = [Capture.FromString(payload) for payload in loaded.messages(Topic.CAPTURE).payload]
+    events = [PressureCommand.FromString(payload) for payload in loaded.messages(Topic.COMMAND).payload]
+    index_of = {capture.capture: index for index, capture in enumerate(captures)}
+    observations = [Observation.FromString(payload) for payload in loaded.messages(Topic.OBSERVATION).payload]
+    observations = [row for row in observations if row.capture in index_of]
+    of = np.array([index_of[row.capture] for row in observations], dtype=np.int64)
+    place = _place_in_group(of)
+    shape = (len(captures), int(place.max(initial=-1)) + 1)
+
+    def spread(values: np.ndarray, fill: Any = np.nan) -> np.ndarray:
+        result = np.full((*shape, *values.shape[1:]), fill, dtype=values.dtype)
+        result[of, place] = values
+        return result
+
+    widths = {"measured": len(layout.chambers), "observed": len(layout.observables)}
+    widths |= {"covariates": len(layout.covariates), "position_mm": 3 * len(layout.markers)}
+    lists = {}
+    for name in layout.variables:
+        values = np.array([getattr(row, name) for row in observations], float).reshape(-1, widths[name])
+        lists[name] = spread(values.reshape(-1, len(layout.markers), 3) if name == "position_mm" else values)
+    chambers = len(layout.chambers)
+    return CampaignArrays(
+        commanded=np.array([capture.setpoint for capture in captures], float).reshape(-1, chambers),
+        hold_s=spread(np.array([row.hold_s for row in observations], float)),
+        time_s=spread(np.array([row.time_s for row in observations], float)),
+        settled=spread(np.array([row.settled for row in observations], bool), False),
+        event_time_s=np.array([event.time_s for event in events], float),
+        event_commanded=np.array([event.setpoint for event in events], float).reshape(-1, chambers),
+        session=[capture.session for capture in captures],
+        repeat=[capture.repeat for capture in captures],
+        event_session=[event.session for event in events],
+        event_of=np.array([capture.event for capture in captures], dtype=np.int64),
+        **lists,
+    )
+
+
+def _place_in_group(of: np.ndarray) -> np.ndarray:
+    """For each row, how many rows of the same capture come before it; the captures are contiguous."""
+    starts = np.flatnonzero(np.r_[True, of[1:] != of[:-1]]) if of.size else np.array([], int)
+    lengths = np.diff(np.r_[starts, of.size])
+    return np.arange(of.size) - np.repeat(starts, lengths)

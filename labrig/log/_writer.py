@@ -1,0 +1,173 @@
+"""The log of one session: MCAP, protobuf, zstd chunks, durable at every step."""
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drivers import MarkerFrame, PressureSample
+from labrig._errors import LabrigError
+from labrig.log._layout import Layout, layout_to_text, pack_metadata
+from labrig.log._topics import Topic, descriptor_set, topic_table
+
+_CHUNK_BYTES = 1024 * 1024 - 64 * 1024
+"""A chunk is closed by the message that passes this: it stays below 1 MiB for messages below 64 KiB."""
+
+_MAX_NS = 2**63 - 1
+_POINT = np.dtype([("position_mm", "<f4", (3,)), ("status", "u1")])
+
+
+def to_ns(time_s: float) -> int:
+    """Seconds as the nanoseconds of a log; what cannot be expressed is moved to the nearest end."""
+    if math.isnan(time_s) or time_s <= 0:
+        return 0
+    return min(_MAX_NS, int(time_s) * 1_000_000_000 + round((time_s - int(time_s)) * 1e9))
+
+
+class LogWriter:
+    """Writes one segment (`log.000.mcap`, ...) of a run.
+
+    Raises `LabrigError` when the file exists; every write raises `OSError` when the disk does (a full disk).
+    What was written before `step_done` returned survives a kill and a power cut.
+    """
+
+    def __init__(self, path: Path, layout: Layout, run: dict[str, Any] | None = None) -> None:
+        import json
+
+        from mcap.writer import Writer
+
+        self.path = Path(path)
+        self.layout = layout
+        try:
+            self._file = self.path.open("xb")
+        except FileExistsError:
+            raise LabrigError(f"{self.path} exists already, and a log is never overwritten") from None
+        self._topics = topic_table()
+        self._sequence = dict.fromkeys(Topic, 0)
+        self._writer = Writer(self._file, chunk_size=_CHUNK_BYTES)
+        self._writer.start(profile="", library="labrig")
+        self._writer.add_metadata("labrig.layout", pack_metadata(layout_to_text(layout)))
+        if run is not None:
+            self._writer.add_metadata("labrig.run", pack_metadata(json.dumps(run)))
+        self._register()
+        self._write_plan(run or {})
+        self._cloud = self._empty_cloud()
+        self._points = np.zeros(len(layout.markers), dtype=_POINT)
+        self.closed = False
+
+    def _register(self) -> None:
+        names = ",".join(self.layout.chambers)
+        metadata = {
+            Topic.COMMAND: {"chambers": names, "unit": self.layout.unit},
+            Topic.MEASURED: {"chambers": names, "unit": self.layout.unit},
+            Topic.MARKERS: {"markers": ",".join(self.layout.markers), "unit": "mm"},
+            Topic.ENVIRONMENT: {
+                "columns": ",".join(f"{name} [{unit}]" for name, unit in self.layout.covariates)
+            },
+        }
+        for topic, info in self._topics.items():
+            descriptor = info.message.DESCRIPTOR
+            schema = self._writer.register_schema(
+                descriptor.full_name, "protobuf", descriptor_set(info.message)
+            )
+            self._writer.register_channel(info.name, "protobuf", schema, metadata.get(topic, {}))
+
+    def _write_plan(self, run: dict[str, Any]) -> None:
+        """The spare copy of what the metadata say, in a small chunk of its own, with the schemas."""
+        import json
+
+        self.write(
+            Topic.PLAN,
+            self.layout.start_s,
+            procedure=str(run.get("procedure", "")),
+            parameters_json=json.dumps(run.get("parameters", {})),
+            plan_sha256=str(run.get("plan_sha256", "")),
+            steps=int(run.get("steps", 0) or 0),
+            estimate_s=float(run.get("estimate_s", 0.0) or 0.0),
+            run_json=json.dumps(run),
+            layout_json=layout_to_text(self.layout),
+        )
+        self._writer.flush()
+
+    def _empty_cloud(self) -> Any:
+        from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
+
+        cloud = self._topics[Topic.MARKERS].message()
+        cloud.frame_id = "rig"
+        cloud.pose.position.x = 0.0
+        cloud.pose.orientation.w = 1.0
+        cloud.point_stride = _POINT.itemsize
+        for offset, name in ((0, "x"), (4, "y"), (8, "z")):
+            cloud.fields.add(name=name, offset=offset, type=PackedElementField.FLOAT32)
+        cloud.fields.add(name="status", offset=12, type=PackedElementField.UINT8)
+        return cloud
+
+    def _add(self, topic: Topic, time_s: float, message: Any) -> None:
+        time_ns = to_ns(time_s)
+        stamp = message.timestamp
+        stamp.seconds, stamp.nanos = divmod(time_ns, 1_000_000_000)
+        self._sequence[topic] = sequence = (self._sequence[topic] + 1) & 0xFFFFFFFF
+        self._writer.add_message(int(topic), time_ns, message.SerializeToString(), time_ns, sequence)
+
+    def command(
+        self, time_s: float, setpoint: ArrayLike, *, event: bool, reason: str = "actuate", session: str = ""
+    ) -> None:
+        """A command to the chambers, in `layout.unit`, shape (C,); `event` where an actuation begins."""
+        message = self._topics[Topic.COMMAND].message(
+            setpoint=np.asarray(setpoint, float).tolist(),
+            event=event,
+            reason=reason,
+            time_s=time_s,
+            session=session,
+        )
+        self._add(Topic.COMMAND, time_s, message)
+
+    def measured(self, sample: PressureSample) -> None:
+        """One pressure measurement."""
+        message = self._topics[Topic.MEASURED].message(pressure=sample.pressure_kpa.tolist())
+        self._add(Topic.MEASURED, sample.time_s, message)
+
+    def frame(self, frame: MarkerFrame) -> None:
+        """One motion capture frame; positions are kept as 32 bit floats (below 0.0001 mm at 1 m)."""
+        self._points["position_mm"] = frame.position_mm
+        self._points["status"] = frame.status
+        self._cloud.data = self._points.tobytes()
+        self._add(Topic.MARKERS, frame.time_s, self._cloud)
+
+    def environment(self, time_s: float, values: ArrayLike) -> None:
+        """One row of the layout's covariates."""
+        message = self._topics[Topic.ENVIRONMENT].message(value=np.asarray(values, float).tolist())
+        self._add(Topic.ENVIRONMENT, time_s, message)
+
+    def write(self, topic: Topic, at_s: float, /, **fields: Any) -> None:
+        """Any other message, by the field names of its .proto file."""
+        self._add(topic, at_s, self._topics[topic].message(**fields))
+
+    def event(self, time_s: float, text: str, level: str = "INFO") -> None:
+        """A line for people, as Foxglove's Log message; `level` is INFO, WARNING, ERROR or FATAL."""
+        kind = self._topics[Topic.EVENTS].message
+        self._add(Topic.EVENTS, time_s, kind(level=kind.Level.Value(level), message=text, name="labrig"))
+
+    def vectors(self, topic: Topic, time_s: float, model: str, vector_mm: NDArray[np.float64]) -> None:
+        """A prediction or a residual of the markers, mm, shape (M, 3)."""
+        self.write(topic, time_s, model=model, vector_mm=np.asarray(vector_mm, float).ravel().tolist())
+
+    def step_done(self) -> None:
+        """Make everything written so far durable: flush the chunk, then fsync the file."""
+        self._writer.flush()
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Write the indexes and close the file; calling it again does nothing."""
+        if self.closed:
+            return
+        self.closed = True
+        try:
+            self._writer.finish()
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        finally:
+            self._file.close()
