@@ -1,0 +1,72 @@
+"""One plant behind several twins, each with a thread of its own."""
+
+import threading
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers._clock import Clock
+from drivers._protocols import Channel
+
+
+class WirePlant(Protocol):
+    """What a twin asks of the plant behind it; times in s, pressures in kPa, positions in mm."""
+
+    channels: tuple[Channel, ...]
+    marker_names: tuple[str, ...]
+    rest_mm: NDArray[np.float64]
+
+    def command(self, time_s: float, pressure_kpa: NDArray[np.float64]) -> None:
+        """Set-points (C,) from `time_s` on."""
+        ...
+
+    def pressure_kpa(self, time_s: float) -> NDArray[np.float64]:
+        """True chamber pressures, (C,)."""
+        ...
+
+    def observe(self, time_s: float) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
+        """Marker positions (M, 3), NaN where not seen, and `MarkerStatus`, (M,)."""
+        ...
+
+    def surface(self, time_s: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Vertices (V, 3) and triangles (T, 3)."""
+        ...
+
+
+class SharedPlant:
+    """Lets several threads use one plant: one at a time, and at times that never run backward."""
+
+    def __init__(self, plant: WirePlant, clock: Clock) -> None:
+        self.plant = plant
+        self.clock = clock
+        self.marker_names = tuple(plant.marker_names)
+        self.channels = tuple(plant.channels)
+        self._lock = threading.Lock()
+        self._last_s = float("-inf")
+
+    def _time_s(self) -> float:
+        self._last_s = max(self._last_s, self.clock.now_s())
+        return self._last_s
+
+    def command(self, pressure_kpa: NDArray[np.float64]) -> None:
+        """Set-points (C,), kPa, from now on."""
+        with self._lock:
+            self.plant.command(self._time_s(), np.asarray(pressure_kpa, float))
+
+    def pressure_kpa(self) -> NDArray[np.float64]:
+        """True pressures (C,), kPa, now."""
+        with self._lock:
+            return np.array(self.plant.pressure_kpa(self._time_s()), float)
+
+    def observe(self) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
+        """What the cameras see now: positions (M, 3), mm, and `MarkerStatus`, (M,)."""
+        with self._lock:
+            position, status = self.plant.observe(self._time_s())
+            return np.array(position, float), np.array(status, np.int8)
+
+    def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """The surface now: vertices (V, 3), mm, and triangles (T, 3)."""
+        with self._lock:
+            vertices_mm, triangles = self.plant.surface(self._time_s())
+            return np.array(vertices_mm, float), np.array(triangles, np.int64)
