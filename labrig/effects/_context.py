@@ -1,0 +1,204 @@
+"""What an effect is given: the rows, the base model's prediction on them, and the history between them."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from labrig.effects._rows import Floats, Ints, Rows
+
+
+@dataclass(frozen=True)
+class Context:
+    """A campaign as seen by a base model.
+
+    Shapes, for F rows, K observables, C chambers: `base` (F, K) the prediction; `base_vented` (K,) the
+    prediction with every chamber vented; `jacobian` (F, K, C), change of the prediction per unit of actuation.
+    """
+
+    rows: Rows
+    base: Floats
+    base_vented: Floats
+    jacobian: Floats
+    base_kind: str = "python"
+    _memo: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def span(self) -> Floats:
+        """Range of each chamber's actuation, shape (C,)."""
+        return self.rows.high - self.rows.low
+
+    @cached_property
+    def residual(self) -> Floats:
+        """Measured minus predicted, shape (F, K), NaN where not seen."""
+        return self.rows.values - self.base
+
+    @cached_property
+    def displacement(self) -> Floats:
+        """Predicted minus predicted when vented, shape (F, K)."""
+        return self.base - self.base_vented
+
+    @cached_property
+    def travel(self) -> Floats:
+        """Predicted distance from the vented position, per observable, (F, K).
+
+        The three coordinates of a marker share their marker's distance.
+        """
+        square = self.displacement**2
+        out = np.sqrt(square)
+        for m in np.unique(self.rows.marker[self.rows.marker >= 0]):
+            own = self.rows.marker == m
+            out[:, own] = np.sqrt(square[:, own].sum(axis=1, keepdims=True))
+        return out
+
+    @cached_property
+    def started(self) -> Ints:
+        """Index of each event's predecessor in its history; -1 where the chambers were vented, shape (E,)."""
+        session = self.rows.event_session
+        before = np.arange(len(session)) - 1
+        if self.rows.between_sessions != "held":
+            before[np.flatnonzero(np.diff(session, prepend=-1))] = -1
+        return before
+
+    @cached_property
+    def previous(self) -> Floats:
+        """What was commanded before each event, shape (E, C); zero where the chambers were vented."""
+        before = self.started
+        out = np.where((before >= 0)[:, None], self.rows.event_actuation[before], self.vented)
+        return out
+
+    @property
+    def vented(self) -> Floats:
+        """The actuation of a vented chamber: zero, or the limit nearest to it, shape (C,)."""
+        return np.clip(0.0, self.rows.low, self.rows.high)
+
+    @cached_property
+    def direction(self) -> Floats:
+        """Sign of the last change of each chamber at each event, shape (E, C); 0 before the first change."""
+        change = np.sign(self.rows.event_actuation - self.previous)
+        out = np.zeros_like(change)
+        for e, before in enumerate(self.started):
+            out[e] = np.where(change[e] != 0, change[e], out[before] if before >= 0 else 0.0)
+        return out
+
+    @cached_property
+    def elapsed_s(self) -> Floats:
+        """Time since the actuation of each row, shape (F,); zero where nothing is known of it."""
+        hold = self.rows.hold_s.copy()
+        missing = ~np.isfinite(hold)
+        hold[missing] = (self.rows.time_s - self.rows.event_time_s[self.rows.event])[missing]
+        return np.maximum(np.nan_to_num(hold), 0.0)
+
+    @cached_property
+    def has_time(self) -> bool:
+        """Whether the moments of the actuations are known."""
+        return bool(np.isfinite(self.rows.event_time_s).all())
+
+    @cached_property
+    def has_holds(self) -> bool:
+        """Whether some hold has more than one row, so that change within a hold can be seen."""
+        return bool(np.bincount(self.rows.capture).max() > 1) and float(np.ptp(self.elapsed_s)) > 0
+
+    @cached_property
+    def moves(self) -> bool:
+        """Whether the actuation changes at all during the campaign."""
+        return bool((np.ptp(self.rows.event_actuation, axis=0) > 1e-9 * self.span).any())
+
+    def play(self, width: float) -> Floats:
+        """Play (backlash) operator of each chamber, shape (F, C), units of the actuation.
+
+        The state follows its input only once that has moved by `width` (a fraction of the chamber's
+        range) from where it turned: the elementary hysteron of Krasnosel'skii and Pokrovskii, of which
+        Prandtl-Ishlinskii models are weighted sums. Between two set-points the path is taken as straight.
+        """
+        key = ("play", width)
+        if key not in self._memo:
+            r = width * self.span
+            state = np.zeros_like(self.rows.event_actuation)
+            u = self.rows.event_actuation
+            for e, before in enumerate(self.started):
+                last = state[before] if before >= 0 else self.vented
+                state[e] = np.maximum(u[e] - r, np.minimum(u[e] + r, last))
+            self._memo[key] = state[self.rows.event]
+        return self._memo[key]
+
+    def relaxed(self, tau_s: float) -> Floats:
+        """First-order lag of the actuation with time constant `tau_s`, shape (F, C).
+
+        The strain of a Kelvin-Voigt element under the whole history of set-points; needs `has_time`.
+        """
+        key = ("relaxed", tau_s)
+        if key not in self._memo:
+            u = self.rows.event_actuation
+            t = self.rows.event_time_s
+            at_start = np.zeros_like(u)
+            for e, before in enumerate(self.started):
+                if before < 0:
+                    at_start[e] = self.vented
+                else:
+                    decay = np.exp(-max(t[e] - t[before], 0.0) / tau_s)
+                    at_start[e] = u[before] + (at_start[before] - u[before]) * decay
+            event = self.rows.event
+            left = np.exp(-self.elapsed_s / tau_s)[:, None]
+            self._memo[key] = u[event] + (at_start[event] - u[event]) * left
+        return self._memo[key]
+
+    @cached_property
+    def measured_error(self) -> Floats | None:
+        """Measured minus commanded pressure at the beginning of each hold, (F, C); None if not measured."""
+        excess = self.rows.measured - self.rows.actuation
+        if not np.isfinite(excess).all() or excess.shape[1] == 0:
+            return None
+        first = np.unique(self.rows.capture, return_index=True)
+        return excess[first[1]][np.searchsorted(first[0], self.rows.capture)]
+
+    @cached_property
+    def measured_fall(self) -> Floats | None:
+        """Change of the measured pressure since the beginning of each hold, (F, C); None if not measured."""
+        begin = self.measured_error
+        return None if begin is None else self.rows.measured - self.rows.actuation - begin
+
+    @cached_property
+    def session_time_s(self) -> Floats:
+        """Time since the session began, shape (F,); zeros when the table has no time."""
+        t = self.rows.time_s
+        if not np.isfinite(t).all():
+            return np.zeros(len(t))
+        out = t.copy()
+        for s in np.unique(self.rows.session):
+            own = self.rows.session == s
+            begin = np.nanmin(np.append(self.rows.event_time_s[self.rows.event_session == s], t[own].min()))
+            out[own] -= begin
+        return out
+
+    @cached_property
+    def motion(self) -> dict[str, tuple[Floats, float]]:
+        """Logged covariates that are a position: name -> (its speed per s (F,), its range)."""
+        out = {}
+        for name, cov in self.rows.covariates.items():
+            if cov.unit not in {"m", "cm", "mm", "um", "deg", "rad"} or name.lower() in {
+                "tilt",
+                "orientation",
+            }:
+                continue
+            speed = np.zeros(len(cov.values))
+            for s in np.unique(self.rows.session):
+                own = np.flatnonzero(self.rows.session == s)
+                if len(own) > 4:
+                    t = self.rows.time_s[own]
+                    t = (
+                        t
+                        if np.isfinite(t).all() and (np.diff(t) > 0).all()
+                        else np.arange(len(own), dtype=float)
+                    )
+                    speed[own] = np.gradient(_smooth(cov.values[own]), t)
+            if np.isfinite(speed).all() and np.ptp(speed) > 0:
+                out[name] = (speed, float(np.ptp(cov.values)))
+        return out
+
+
+def _smooth(x: Floats, half: int = 2) -> Floats:
+    """Running mean over `2 half + 1` samples, shorter at the ends."""
+    padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
+    return np.convolve(padded, np.ones(2 * half + 1) / (2 * half + 1), mode="valid")

@@ -1,0 +1,111 @@
+"""The small class that every physical effect is, and the terms by which it changes a prediction."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._rows import Floats
+
+Acts = Literal["pressure", "mechanics", "observation"]
+Kind = Literal["pressure", "pattern", "frame", "field"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One physical quantity of an effect: its unit, its bounds, and whether each chamber has its own."""
+
+    name: str
+    unit: str
+    low: float = -np.inf
+    high: float = np.inf
+    per: Literal["one", "chamber", "marker"] = "one"
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class Term:
+    """Columns that an effect adds, each multiplied by one unknown coefficient.
+
+    `kind` says where `feature` acts, for F rows, K observables, C chambers and q columns:
+
+    - `pressure`: (F, C, q), an equivalent change of the actuation, carried to the observables by the
+      base model's Jacobian;
+    - `pattern`: (F, q), a change whose shape over the observables is free;
+    - `frame`: (F,), a rigid motion of the measuring frame (three translations, three small rotations);
+    - `field`: (F, K, q), a change of the observables themselves.
+    """
+
+    parameter: str
+    kind: Kind
+    feature: Floats
+    labels: tuple[str, ...] = ()
+
+    @classmethod
+    def common(cls, parameter: str, change: Floats) -> "Term":
+        """One coefficient for all chambers; `change` (F, C), units of the actuation."""
+        return cls(parameter, "pressure", change[:, :, None])
+
+    @classmethod
+    def per_chamber(cls, parameter: str, change: Floats, chambers: tuple[str, ...]) -> "Term":
+        """A coefficient for each chamber; `change` (F, C), units of the actuation."""
+        F, C = change.shape
+        feature = np.zeros((F, C, C))
+        feature[:, range(C), range(C)] = change
+        return cls(parameter, "pressure", feature, chambers)
+
+    @classmethod
+    def pattern(cls, parameter: str, feature: Floats) -> "Term":
+        """A free pattern over the observables for each column of `feature` (F,) or (F, q)."""
+        return cls(parameter, "pattern", feature.reshape(len(feature), -1))
+
+    @classmethod
+    def field(cls, parameter: str, change: Floats, labels: tuple[str, ...] = ()) -> "Term":
+        """A change of the observables themselves, (F, K) or (F, K, q)."""
+        return cls(parameter, "field", change if change.ndim == 3 else change[:, :, None], labels)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One form that an effect may take: its terms, and the values of what is not linear in it."""
+
+    form: str
+    terms: tuple[Term, ...]
+    shape: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def key(self) -> str:
+        """A name that is unique within the effect, such as ``log-time tau_s=3``."""
+        return " ".join([self.form, *(f"{name}={value:g}" for name, value in self.shape.items())])
+
+
+class Effect(ABC):
+    """A named physical cause that changes a prediction.
+
+    A new effect is a subclass in a file of its own: the class attributes say what it is, and `variants`
+    yields the forms it may take on the campaign at hand (none where it can't act, or can't be seen).
+    """
+
+    name: ClassVar[str]
+    meaning: ClassVar[str]
+    acts_on: ClassVar[Acts]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    reference: ClassVar[str]
+    signature: ClassVar[str]
+    experiment: ClassVar[str]
+
+    @abstractmethod
+    def variants(self, context: Context) -> Iterator[Variant]:
+        """Yield the forms that this effect may take on `context`, the simplest first."""
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        """The covariate that betrays it, for plots: name, unit, values (F,)."""
+        return ("load", "1", context.rows.fraction.mean(axis=1))
+
+    @classmethod
+    def parameter(cls, name: str) -> Parameter:
+        """Look a parameter up by name."""
+        return next(p for p in cls.parameters if p.name == name)

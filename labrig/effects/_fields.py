@@ -1,0 +1,65 @@
+"""From an effect's coefficients to the change of the observables that they make."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Term, Variant
+from labrig.effects._rows import Floats
+
+
+def frame_modes(context: Context) -> Floats:
+    """How each observable changes under a small rigid motion of the measuring frame, shape (F, K, 6).
+
+    Columns: translations along x, y, z (mm), then rotations about x, y, z through the markers' centre
+    (rad), to first order: dq = t + w x (q - q0).
+    """
+    rows = context.rows
+    F, K = context.base.shape
+    modes = np.zeros((F, K, 6))
+    where = np.zeros((F, len(rows.markers), 3))
+    for m in range(len(rows.markers)):
+        for a in range(3):
+            own = np.flatnonzero((rows.marker == m) & (rows.axis == a))
+            if len(own) and rows.rest_mm is not None and m < len(rows.rest_mm):
+                where[:, m, a] = rows.rest_mm[m, a] + context.displacement[:, own[0]]
+            elif len(own):
+                where[:, m, a] = context.base[:, own[0]]
+    if len(rows.markers):
+        where -= where.mean(axis=(0, 1))
+    for k in range(K):
+        m, a = int(rows.marker[k]), int(rows.axis[k])
+        if a < 0 or m < 0:
+            continue
+        modes[:, k, a] = 1.0
+        b, c = (a + 1) % 3, (a + 2) % 3
+        modes[:, k, 3 + b] = where[:, m, c]
+        modes[:, k, 3 + c] = -where[:, m, b]
+    return modes
+
+
+def term_width(term: Term, n_observables: int) -> int:
+    """How many coefficients a term has when its pattern is free over all observables."""
+    if term.kind == "frame":
+        return 6
+    q = term.feature.shape[-1]
+    return q * n_observables if term.kind == "pattern" else q
+
+
+def contribution(context: Context, variant: Variant, coefficients: Sequence[Floats]) -> Floats:
+    """The change of the prediction, shape (F, K), by one array of coefficients for each term.
+
+    A pattern's coefficients have the shape (q, K), a frame's (6,), all others (q,).
+    """
+    total = np.zeros_like(context.base)
+    for term, beta in zip(variant.terms, coefficients, strict=True):
+        if term.kind == "pressure":
+            total += np.einsum("fkc,fc->fk", context.jacobian, term.feature @ beta)
+        elif term.kind == "pattern":
+            total += term.feature @ np.reshape(beta, (term.feature.shape[1], -1))
+        elif term.kind == "frame":
+            total += (frame_modes(context) @ beta) * term.feature[:, None]
+        else:
+            total += term.feature @ beta
+    return total

@@ -1,0 +1,78 @@
+"""Which effects there are: labrig's own, and those that a user wrote."""
+
+import importlib
+import importlib.util
+import inspect
+import pkgutil
+import sys
+from functools import cache
+from pathlib import Path
+
+from labrig._errors import LabrigError
+from labrig.effects._effect import Effect
+
+USER_FOLDER = "effects"
+"""A folder of this name beside the model file, or where labrig is called, holds the user's own effects."""
+
+
+@cache
+def shipped() -> dict[str, Effect]:
+    """The effects that come with labrig, by name."""
+    package = importlib.import_module("labrig.effects")
+    names = [m.name for m in pkgutil.iter_modules(package.__path__) if not m.name.startswith("_")]
+    found = {}
+    for name in names:
+        for effect in _effects_in(importlib.import_module(f"labrig.effects.{name}")):
+            found[effect.name] = effect
+    return found
+
+
+def library(*folders: Path) -> dict[str, Effect]:
+    """Every effect by name: labrig's own and those in the `effects` folder of each of `folders`.
+
+    Raises `LabrigError` when a user's file can't be read as an effect.
+    """
+    found = dict(shipped())
+    for folder in dict.fromkeys([Path.cwd(), *folders]):
+        for file in sorted((folder / USER_FOLDER).glob("*.py")):
+            if not file.name.startswith("_"):
+                for effect in _effects_in(_load(file)):
+                    found[effect.name] = effect
+    return found
+
+
+def get(name: str, *folders: Path) -> Effect:
+    """The effect called `name`; raises `LabrigError` that lists what there is."""
+    found = library(*folders)
+    if name not in found:
+        raise LabrigError(f"there is no effect {name!r}; choose one of: {', '.join(sorted(found))}")
+    return found[name]
+
+
+def _load(file: Path) -> object:
+    name = f"labrig_user_effects.{file.stem}"
+    spec = importlib.util.spec_from_file_location(name, file)
+    if spec is None or spec.loader is None:
+        raise LabrigError(f"{file}: not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise LabrigError(f"{file}: can't be read as an effect: {type(error).__name__}: {error}") from error
+    return module
+
+
+def _effects_in(module: object) -> list[Effect]:
+    classes = [
+        c
+        for _, c in inspect.getmembers(module, inspect.isclass)
+        if issubclass(c, Effect)
+        and not inspect.isabstract(c)
+        and c.__module__ == getattr(module, "__name__", "")
+    ]
+    for c in classes:
+        for name in ("name", "meaning", "acts_on", "parameters", "reference", "signature", "experiment"):
+            if not hasattr(c, name):
+                raise LabrigError(f"{inspect.getfile(c)}: the effect {c.__name__} does not say its {name!r}")
+    return [c() for c in classes]

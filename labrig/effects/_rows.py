@@ -1,0 +1,303 @@
+"""The rows that every analysis works on: a campaign's Dataset, flattened and its holds condensed.
+
+A row is one moment of one hold. Holds of hundreds of frames say little more than a few well chosen
+averages, so each is condensed to a handful of bins, denser at its beginning where creep and lag live.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TRANSIENT_S = 1.0
+"""Seconds after an actuation that a quasi-static model says nothing about (valves, inertia)."""
+
+_ROW_BUDGET = 1500
+_MAX_BINS, _MIN_BINS = 120, 4
+
+
+@dataclass(frozen=True)
+class Covariate:
+    """Something else that was logged with the rows: values (F,), NaN where it was not."""
+
+    unit: str
+    values: Floats
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A campaign as F rows of K observables under C chambers, with its E actuations.
+
+    Shapes: `actuation`, `measured` (F, C); `values` (F, K), NaN where not seen; `capture`, `session`,
+    `event` (F,) indices; `hold_s`, `time_s` (F,), NaN where unknown; `event_actuation` (E, C),
+    `event_time_s`, `event_session` (E,); `low`, `high` (C,) limits of the actuation; `unit`, `marker`,
+    `axis` (K,), the last two -1 where an observable is no marker's; `rest_mm` (M, 3) or None;
+    `repeat` (captures,) labels.
+    """
+
+    chambers: tuple[str, ...]
+    actuation_unit: str
+    low: Floats
+    high: Floats
+    actuation: Floats
+    measured: Floats
+    values: Floats
+    capture: Ints
+    session: Ints
+    event: Ints
+    hold_s: Floats
+    time_s: Floats
+    event_actuation: Floats
+    event_time_s: Floats
+    event_session: Ints
+    sessions: tuple[str, ...]
+    observables: tuple[str, ...]
+    unit: tuple[str, ...]
+    marker: Ints
+    axis: Ints
+    markers: tuple[str, ...]
+    rest_mm: Floats | None
+    repeat: tuple[str, ...]
+    covariates: dict[str, Covariate]
+    between_sessions: str
+    frame_noise: Floats
+    """Noise of the rows of `values` as seen from frame to frame within a hold, (K,), NaN if unknown."""
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def n_captures(self) -> int:
+        """How many captures there are."""
+        return len(self.repeat)
+
+    @property
+    def fraction(self) -> Floats:
+        """Actuation as a fraction of each chamber's range, shape (F, C)."""
+        return (self.actuation - self.low) / (self.high - self.low)
+
+    def thin(self, keep: NDArray[Any]) -> "Rows":
+        """Keep some rows (a mask or indices); events and captures stay, so that history stays whole."""
+        names = ("actuation", "measured", "values", "capture", "session", "event", "hold_s", "time_s")
+        changed: dict[str, Any] = {name: getattr(self, name)[keep] for name in names}
+        changed["covariates"] = {
+            name: replace(cov, values=cov.values[keep]) for name, cov in self.covariates.items()
+        }
+        return replace(self, **changed)
+
+
+def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
+    """Flatten a campaign (docs/reference/dataset.md) into rows.
+
+    Raises `LabrigError` when it has no capture, or no observable.
+    """
+    position = dataset.get("position_mm")
+    observed = dataset.get("observed")
+    n_captures = dataset.sizes.get("capture", 0)
+    if n_captures == 0:
+        raise LabrigError(f"{_where(dataset)}: the run has no captures; nothing can be compared")
+    if position is None and observed is None:
+        raise LabrigError(f"{_where(dataset)}: the run has no observables; name some under 'observables:'")
+
+    hold = np.asarray(dataset["hold_s"].values, float)
+    time = np.asarray(dataset["time_s"].values, float)
+    blocks: list[Floats] = []
+    names: list[str] = []
+    units: list[str] = []
+    marker_of: list[int] = []
+    axis_of: list[int] = []
+    markers: tuple[str, ...] = ()
+    if position is not None:
+        markers = tuple(str(m) for m in dataset["marker"].values)
+        blocks.append(np.asarray(position.values, float).reshape(*hold.shape, -1))
+        for m, marker in enumerate(markers):
+            for a, axis in enumerate("xyz"):
+                names.append(f"{marker}.{axis}")
+                units.append("mm")
+                marker_of.append(m)
+                axis_of.append(a)
+    if observed is not None:
+        blocks.append(np.asarray(observed.values, float))
+        owners = [str(v) for v in dataset["marker_of"].values]
+        letters = [str(v) for v in dataset["axis_of"].values]
+        markers += tuple(o for o in dict.fromkeys(owners) if o and o not in markers)
+        names += [str(v) for v in dataset["observable"].values]
+        units += [str(v) for v in dataset["unit"].values]
+        marker_of += [markers.index(o) if o else -1 for o in owners]
+        axis_of += ["xyz".find(a) if a else -1 for a in letters]
+    values = np.concatenate(blocks, axis=2)
+
+    measured_all = _extra(dataset, "measured", hold.shape, dataset.sizes["chamber"])
+    covariate_names = [str(v) for v in dataset["covariate"].values] if "covariates" in dataset else []
+    covariates_all = _extra(dataset, "covariates", hold.shape, len(covariate_names))
+    seen = np.isfinite(values).any(axis=2)
+    n_bins = int(np.clip(row_budget // n_captures, _MIN_BINS, _MAX_BINS))
+
+    picked: dict[str, list[Any]] = {n: [] for n in ("capture", "hold", "time", "values", "measured", "cov")}
+    jumps: list[Floats] = []
+    for c in range(n_captures):
+        index = np.flatnonzero(seen[c])
+        if not len(index):
+            continue
+        index, chunks = _bins(index, hold[c], n_bins)
+        if any(len(chunk) > 1 for chunk in chunks):
+            jumps.append(_middle(np.abs(np.diff(values[c, index], axis=0))))
+        for chunk in chunks:
+            picked["capture"].append(c)
+            picked["hold"].append(_mean(hold[c, chunk]))
+            picked["time"].append(_mean(time[c, chunk]))
+            picked["values"].append(_middle(values[c, chunk]))
+            picked["measured"].append(_middle(measured_all[c, chunk]))
+            picked["cov"].append(_middle(covariates_all[c, chunk]))
+    if not picked["capture"]:
+        raise LabrigError(f"{_where(dataset)}: no observable was seen in any capture")
+
+    capture = np.array(picked["capture"], dtype=np.int64)
+    commanded = np.asarray(dataset["commanded"].values, float)
+    event_of = np.asarray(dataset["event_of"].values, dtype=np.int64)
+    low, high = _limits(dataset, commanded)
+    session_names = [str(v) for v in dataset["session"].values]
+    event_sessions = [str(v) for v in dataset["event_session"].values]
+    sessions = tuple(dict.fromkeys(event_sessions + session_names))
+    code = {s: i for i, s in enumerate(sessions)}
+    with np.errstate(all="ignore"):
+        frame_noise = (
+            np.nanmedian(np.array(jumps), axis=0) / 0.954 if jumps else np.full(len(names), np.nan)
+        )  # median |difference of two normal deviates| is 0.954 sd
+    cov = np.array(picked["cov"]).reshape(len(capture), len(covariate_names))
+    rest = np.asarray(dataset["rest_mm"].values, float) if "rest_mm" in dataset else None
+    return Rows(
+        chambers=tuple(str(v) for v in dataset["chamber"].values),
+        actuation_unit=str(dataset["commanded"].attrs.get("units", "")),
+        low=low,
+        high=high,
+        actuation=commanded[capture],
+        measured=np.array(picked["measured"]).reshape(len(capture), -1),
+        values=np.array(picked["values"]),
+        capture=capture,
+        session=np.array([code[session_names[c]] for c in capture], dtype=np.int64),
+        event=event_of[capture],
+        hold_s=np.array(picked["hold"], float),
+        time_s=np.array(picked["time"], float),
+        event_actuation=np.asarray(dataset["event_commanded"].values, float),
+        event_time_s=np.asarray(dataset["event_time_s"].values, float),
+        event_session=np.array([code[s] for s in event_sessions], dtype=np.int64),
+        sessions=sessions,
+        observables=tuple(names),
+        unit=tuple(units),
+        marker=np.array(marker_of, dtype=np.int64),
+        axis=np.array(axis_of, dtype=np.int64),
+        markers=markers,
+        rest_mm=rest if rest is not None and np.isfinite(rest).all() and rest.size else None,
+        repeat=tuple(str(v) for v in dataset["repeat"].values),
+        covariates={
+            name: Covariate(str(unit), cov[:, i])
+            for i, (name, unit) in enumerate(
+                zip(covariate_names, dataset["covariate_unit"].values if covariate_names else [], strict=True)
+            )
+        },
+        between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
+        frame_noise=frame_noise,
+        warnings=tuple(str(w) for w in dataset.attrs.get("warnings", ())),
+    )
+
+
+def join_rows(parts: Sequence[Rows]) -> Rows:
+    """Put several runs of one rig one after the other; each keeps its own sessions and history.
+
+    Raises `LabrigError` when the runs have other chambers or observables.
+    """
+    first = parts[0]
+    if len(parts) == 1:
+        return first
+    for part in parts[1:]:
+        for name in ("chambers", "observables", "unit", "actuation_unit"):
+            if getattr(part, name) != getattr(first, name):
+                raise LabrigError(f"the runs differ in their {name}: they can't be diagnosed together")
+    captures = np.cumsum([0, *(p.n_captures for p in parts)])
+    events = np.cumsum([0, *(len(p.event_time_s) for p in parts)])
+    session = np.cumsum([0, *(len(p.sessions) for p in parts)])
+    joined: dict[str, Any] = {f.name: getattr(first, f.name) for f in fields(Rows)}
+    for name in ("actuation", "measured", "values", "hold_s", "time_s", "event_actuation", "event_time_s"):
+        joined[name] = np.concatenate([getattr(p, name) for p in parts])
+    offsets = {"capture": captures, "session": session, "event": events, "event_session": session}
+    for name, offset in offsets.items():
+        joined[name] = np.concatenate([getattr(p, name) + o for p, o in zip(parts, offset[:-1], strict=True)])
+    joined["sessions"] = tuple(f"{i + 1}:{s}" for i, p in enumerate(parts) for s in p.sessions)
+    joined["repeat"] = tuple(r for p in parts for r in p.repeat)
+    joined["low"] = np.min([p.low for p in parts], axis=0)
+    joined["high"] = np.max([p.high for p in parts], axis=0)
+    common = [n for n in first.covariates if all(n in p.covariates for p in parts)]
+    joined["covariates"] = {
+        n: Covariate(first.covariates[n].unit, np.concatenate([p.covariates[n].values for p in parts]))
+        for n in common
+    }
+    with np.errstate(all="ignore"):
+        joined["frame_noise"] = np.nanmean([p.frame_noise for p in parts], axis=0)
+    joined["warnings"] = tuple(w for p in parts for w in p.warnings)
+    return Rows(**joined)
+
+
+def _where(dataset: "Dataset") -> str:
+    return str(dataset.attrs.get("run", "run"))
+
+
+def _extra(dataset: "Dataset", name: str, shape: tuple[int, ...], width: int) -> Floats:
+    if name not in dataset:
+        return np.full((*shape, width), np.nan)
+    return np.asarray(dataset[name].values, float)
+
+
+def _limits(dataset: "Dataset", commanded: Floats) -> tuple[Floats, Floats]:
+    low = np.asarray(dataset["chamber_min"].values, float).copy()
+    high = np.asarray(dataset["chamber_max"].values, float).copy()
+    low = np.where(np.isfinite(low), low, np.minimum(0.0, commanded.min(axis=0)))
+    high = np.where(np.isfinite(high), high, commanded.max(axis=0))
+    return low, np.where(high > low, high, low + np.maximum(1.0, np.abs(low)))
+
+
+def _bins(index: Ints, hold_s: Floats, n_bins: int) -> tuple[Ints, list[Ints]]:
+    """Drop the transient and split one hold into at most `n_bins` runs of rows."""
+    t = hold_s[index]
+    if len(index) <= 2 or not np.isfinite(t).all() or t[-1] <= t[0]:
+        return index, [np.array([i]) for i in index] if len(index) <= n_bins else np.array_split(
+            index, n_bins
+        )
+    begin = min(TRANSIENT_S, t[0] + (t[-1] - t[0]) / 3)
+    kept = index[t >= begin - 1e-9]
+    t = hold_s[kept]
+    if len(kept) <= n_bins:
+        return kept, [np.array([i]) for i in kept]
+    floor = max(t[0], 1e-3)
+    log_edges = np.geomspace(floor, t[-1], n_bins // 2 + 1)
+    edges = np.unique(np.concatenate([log_edges, np.linspace(floor, t[-1], n_bins - n_bins // 2 + 1)]))
+    place = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(edges) - 2)
+    return kept, [kept[place == b] for b in np.unique(place)]
+
+
+def _mean(x: Floats) -> float:
+    good = x[np.isfinite(x)]
+    return float(good.mean()) if len(good) else float("nan")
+
+
+def _middle(x: Floats) -> Floats:
+    """Per column: the median of five or more rows (spikes don't move it), else the mean; NaN if unseen."""
+    if len(x) == 1:
+        return x[0]
+    out = np.full(x.shape[1], np.nan)
+    good = np.isfinite(x).sum(axis=0)
+    few = (good > 0) & (good < 5)
+    many = good >= 5
+    if few.any():
+        out[few] = np.nanmean(x[:, few], axis=0)
+    if many.any():
+        out[many] = np.nanmedian(x[:, many], axis=0)
+    return out

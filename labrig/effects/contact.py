@@ -1,0 +1,71 @@
+"""Contact: a limit is reached and the motion stops there."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class Contact(Effect):
+    name = "contact"
+    meaning = (
+        "Beyond some point the surface (or a piston, or the core) meets something and is stopped:\n"
+        "nothing below the limit, and a growing error above it."
+    )
+    acts_on = "mechanics"
+    parameters = (
+        Parameter("stopped", "1", 0.0, 1.5, "chamber", "share of the motion beyond the limit that is lost"),
+        Parameter(
+            "limit", "1", 0.0, 1.0, meaning="where the limit lies, fraction of the range (or of the travel)"
+        ),
+    )
+    reference = (
+        "P. Wriggers, Computational Contact Mechanics, 2nd ed. Springer 2006, ch. 2 (unilateral contact)"
+    )
+    signature = "a kink: no error below a pressure or a position, error in proportion to the excess above it"
+    experiment = "small steps of one chamber around the limit"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        if not context.moves:
+            return
+        x, chambers = context.rows.fraction, context.rows.chambers
+        for limit in (0.4, 0.5, 0.6, 0.7, 0.8, 0.9):
+            beyond = -np.maximum(x - limit, 0.0) * context.span
+            if (beyond < 0).mean() < 0.02:
+                continue
+            yield Variant("pressure", (Term.common("stopped", beyond),), {"limit": limit})
+            if len(chambers) > 1:
+                yield Variant(
+                    "per chamber", (Term.per_chamber("stopped", beyond, chambers),), {"limit": limit}
+                )
+        yield from self._positions(context)
+
+    def _positions(self, context: Context) -> Iterator[Variant]:
+        """The limit as a distance travelled, and as a wall across each axis."""
+        far = float(context.travel.max())
+        if far <= 0:
+            return
+        for limit in (0.3, 0.45, 0.6, 0.75, 0.9):
+            scale = np.maximum(0.0, 1 - limit * far / np.maximum(context.travel, 1e-12))
+            yield Variant("travel", (Term.field("stopped", -context.displacement * scale),), {"limit": limit})
+        for a, letter in enumerate("xyz"):
+            own = context.rows.axis == a
+            moved = context.displacement[:, own]
+            if moved.size == 0:
+                continue
+            for side in (1.0, -1.0):
+                reach = float((side * moved).max())
+                if reach < 0.1 * far:
+                    continue
+                for limit in (0.4, 0.6, 0.8):
+                    change = np.zeros_like(context.displacement)
+                    change[:, own] = -side * np.maximum(side * moved - limit * reach, 0.0)
+                    sign = "+" if side > 0 else "-"
+                    term = Term.field("stopped", change)
+                    yield Variant(f"wall at {sign}{letter}", (term,), {"limit": limit})
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))

@@ -1,0 +1,87 @@
+"""Coupling: neighbouring chambers act on each other."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class Coupling(Effect):
+    name = "coupling"
+    meaning = (
+        "Two chambers inflated together press on each other or share their wall: together they\n"
+        "move the surface by another amount than the sum of what each does alone."
+    )
+    acts_on = "mechanics"
+    parameters = (
+        Parameter("all", "1", -3.0, 3.0, meaning="change of a chamber's effect with every other one full"),
+        Parameter(
+            "neighbours", "1", -3.0, 3.0, meaning="the same, by how much two chambers' regions overlap"
+        ),
+        Parameter("chamber", "1", -3.0, 3.0, "chamber", "the same for each chamber as the one that suffers"),
+        Parameter("pair", "1", -6.0, 6.0, meaning="the same for each pair, both ways"),
+        Parameter("pattern", "observable", meaning="change with both at full pressure, for each observable"),
+    )
+    reference = (
+        "D. Drotman et al., IEEE Int. Conf. Robotics and Automation 2017, 5532-5538 (chamber interaction)"
+    )
+    signature = "error that grows with the product of two chambers' pressures and vanishes with either alone"
+    experiment = "chambers one at a time, then in pairs, at the same pressures"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        C = len(context.rows.chambers)
+        if C < 2 or not context.moves:
+            return
+        u, x = context.rows.actuation, context.rows.fraction
+        near = overlap(context)
+        partner = {"product": x, "saturating": x / (0.3 + x)}
+        for form, other in partner.items():
+            yield Variant(f"{form}, all", (Term.common("all", u * (other @ (1 - np.eye(C))) / (C - 1)),))
+            yield Variant(f"{form}, neighbours", (Term.common("neighbours", u * (other @ near)),))
+        both = np.sqrt(np.clip(x[:, :, None] * x[:, None, :], 0, None))
+        mutual = context.span * (both * near).sum(axis=2)
+        yield Variant("square root, neighbours", (Term.common("neighbours", mutual),))
+        yield Variant("per chamber", (Term.per_chamber("chamber", u * (x @ near), context.rows.chambers),))
+        pairs = neighbour_pairs(near)
+        if context.rows.n_captures > 1.5 * len(pairs):
+            for form, other in partner.items():
+                yield Variant(f"{form}, pairs", (self._pairs(context, pairs, other),))
+            if len(pairs) <= 40:
+                feature = np.stack([x[:, i] * x[:, j] for i, j in pairs], axis=1)
+                yield Variant("pattern", (Term.pattern("pattern", feature),))
+
+    @staticmethod
+    def _pairs(context: Context, pairs: list[tuple[int, int]], other: Floats) -> Term:
+        u = context.rows.actuation
+        feature = np.zeros((*u.shape, len(pairs)))
+        for q, (i, j) in enumerate(pairs):
+            feature[:, i, q] = u[:, i] * other[:, j]
+            feature[:, j, q] = u[:, j] * other[:, i]
+        names = context.rows.chambers
+        return Term("pair", "pressure", feature, tuple(f"{names[i]}-{names[j]}" for i, j in pairs))
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        x = context.rows.fraction
+        near = overlap(context)
+        return ("product of neighbouring pressures", "1", ((x @ near) * x).sum(axis=1) / len(near))
+
+
+def overlap(context: Context) -> Floats:
+    """How much two chambers move the same observables: |J_i| . |J_j|, rows summing to one, shape (C, C)."""
+    reach = np.abs(context.jacobian).mean(axis=0)
+    norm = np.linalg.norm(reach, axis=0)
+    reach = reach / np.where(norm > 0, norm, 1.0)
+    near = reach.T @ reach
+    np.fill_diagonal(near, 0.0)
+    near = np.where(near > 0.05 * near.max(), near, 0.0)
+    total = near.sum(axis=1, keepdims=True)
+    return near / np.where(total > 0, total, 1.0)
+
+
+def neighbour_pairs(near: Floats) -> list[tuple[int, int]]:
+    """The pairs of chambers whose regions overlap at all."""
+    return [(i, j) for i, j in combinations(range(len(near)), 2) if near[i, j] > 0 or near[j, i] > 0]

@@ -1,0 +1,36 @@
+"""Delay: what is seen lags behind what was commanded."""
+
+from collections.abc import Iterator
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class Delay(Effect):
+    name = "delay"
+    meaning = (
+        "Actuation or sensor lags: just after a change the old shape is still (partly) there,\n"
+        "and all of it is gone once a few time constants have passed."
+    )
+    acts_on = "pressure"
+    parameters = (
+        Parameter("share", "1", 0.6, 1.5, "chamber", "share of the change that lags; 1 is a plain lag"),
+        Parameter("tau_s", "s", 0.05, 30.0, meaning="time constant of the lag"),
+    )
+    reference = "K. Ogata, Modern Control Engineering, 5th ed. 2010, ch. 5 (first-order systems)"
+    signature = "error proportional to the last change of pressure, fading fast within the hold"
+    experiment = "one large step up and one down, recorded from the moment of the command"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        if not context.has_time or not context.moves:
+            return
+        u, chambers = context.rows.actuation, context.rows.chambers
+        for tau in (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0, 8.0):
+            lag = context.relaxed(tau) - u
+            yield Variant("first order", (Term.common("share", lag),), {"tau_s": tau})
+            if len(chambers) > 1:
+                yield Variant("per chamber", (Term.per_chamber("share", lag, chambers),), {"tau_s": tau})
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("time in hold", "s", context.elapsed_s)

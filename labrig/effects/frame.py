@@ -1,0 +1,32 @@
+"""Frame: the measuring frame is not where the model thinks it is."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class Frame(Effect):
+    name = "frame"
+    meaning = (
+        "The measuring frame is shifted and turned against the model's (a moved camera, a bad\n"
+        "registration): one rigid motion of all markers, in every capture."
+    )
+    acts_on = "observation"
+    parameters = (
+        Parameter("shift", "mm", meaning="translation along x, y, z"),
+        Parameter("turn", "rad", -0.5, 0.5, meaning="rotation about x, y, z through the markers' centre"),
+    )
+    reference = "K. S. Arun, T. S. Huang, S. D. Blostein, IEEE Trans. PAMI 9 (1987) 698-700"
+    signature = "the same rigid motion of all markers in every capture, at every pressure and time"
+    experiment = "the vented surface, registered again by three fixed markers"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        if (context.rows.axis >= 0).sum() >= 3:
+            yield Variant("rigid", (Term("shift", "frame", np.ones(len(context.base))),))
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("capture", "1", context.rows.capture.astype(float))

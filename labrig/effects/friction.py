@@ -1,0 +1,73 @@
+"""Friction: a force or a lag against the direction of motion, at once and in full."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class Friction(Effect):
+    name = "friction"
+    meaning = (
+        "Sliding parts hold back whatever moves: a jump of constant size when the direction turns,\n"
+        "which may grow with the load."
+    )
+    acts_on = "mechanics"
+    parameters = (
+        Parameter("coulomb", "actuation", 0.0, per="chamber", meaning="held back, as a pressure"),
+        Parameter("loaded", "1", -1.0, 1.0, "chamber", "held back for each unit of pressure"),
+        Parameter("force", "observable", meaning="held back, for each observable"),
+        Parameter("force_loaded", "observable", meaning="held back at full pressure, for each observable"),
+        Parameter(
+            "slip_speed", "1", 0.0, 1.0, meaning="speed at which it has its full size, of the median speed"
+        ),
+    )
+    reference = (
+        "H. Olsson et al., Friction models and friction compensation, Eur. J. Control 4 (1998) 176-195"
+    )
+    signature = "a step of the error when the direction turns, flat between turns, perhaps growing with load"
+    experiment = "small strokes back and forth around one set-point, at two loads"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        load = context.rows.fraction.mean(axis=1)
+        for speed, _ in context.motion.values():
+            typical = float(np.median(np.abs(speed[speed != 0]))) if (speed != 0).any() else 1.0
+            for share in (0.05, 0.2, 0.5):
+                s = np.tanh(speed / (share * typical))
+                shape = {"slip_speed": share}
+                yield Variant("Coulomb", (Term.pattern("force", -s),), shape)
+                yield Variant(
+                    "Coulomb, growing with load",
+                    (Term.pattern("force", -s), Term.pattern("force_loaded", -s * load)),
+                    shape,
+                )
+        if not context.moves or context.motion:
+            return
+        against = -context.direction[context.rows.event]
+        u, chambers = context.rows.actuation, context.rows.chambers
+        yield Variant("Coulomb", (Term.common("coulomb", against),))
+        yield Variant("growing with load", (Term.common("loaded", against * u),))
+        yield Variant(
+            "Coulomb, growing with load",
+            (Term.common("coulomb", against), Term.common("loaded", against * u)),
+        )
+        if len(chambers) > 1:
+            yield Variant("per chamber", (Term.per_chamber("coulomb", against, chambers),))
+            yield Variant(
+                "per chamber, growing with load",
+                (
+                    Term.per_chamber("coulomb", against, chambers),
+                    Term.per_chamber("loaded", against * u, chambers),
+                ),
+            )
+        else:
+            yield Variant("pattern", (Term.pattern("force", against),))
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        for name, cov in context.rows.covariates.items():
+            if name in context.motion:
+                return (name, cov.unit, cov.values)
+        return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

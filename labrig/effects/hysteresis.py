@@ -1,0 +1,47 @@
+"""Hysteresis: the surface lags behind its pressures, however slowly they change."""
+
+from collections.abc import Iterator
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
+
+
+class Hysteresis(Effect):
+    name = "hysteresis"
+    meaning = (
+        "The elastomer's response depends on where the pressure came from, not on how fast:\n"
+        "a set-point reached from above lies higher than the same one reached from below."
+    )
+    acts_on = "pressure"
+    parameters = (
+        Parameter("weight", "1", 0.0, 5.0, "chamber", "share of the response that goes through the play"),
+        Parameter("width", "1", 0.0, 1.0, meaning="half width of the play, fraction of the range"),
+    )
+    reference = "M. A. Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989 (play, P-I)"
+    signature = "up and down strokes apart, by an amount that grows with the stroke and then saturates"
+    experiment = "the same set-points approached from above and from below, small and large strokes"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        if not context.moves:
+            return
+        u, chambers = context.rows.actuation, context.rows.chambers
+        lag = {r: context.play(r) - u for r in WIDTHS}
+        for r in WIDTHS:
+            yield Variant("play", (Term.common("weight", lag[r]),), {"width": r})
+        for narrow, wide in ((0.05, 0.2), (0.1, 0.35), (0.2, 0.5)):
+            terms = (Term.common("weight", lag[narrow]), Term.common("weight", lag[wide]))
+            yield Variant("two plays", terms, {"width": narrow, "second": wide})
+        if len(chambers) > 1:
+            for r in WIDTHS:
+                yield Variant(
+                    "play per chamber", (Term.per_chamber("weight", lag[r], chambers),), {"width": r}
+                )
+        if len(chambers) <= 2:
+            for r in WIDTHS:
+                yield Variant("pattern", (Term.pattern("weight", lag[r] / context.span),), {"width": r})
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

@@ -1,0 +1,48 @@
+"""Leak: a chamber loses pressure within the hold."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0)
+
+
+class Leak(Effect):
+    name = "leak"
+    meaning = (
+        "Air escapes from a held chamber, the faster the higher its pressure;\n"
+        "the next actuation fills it up again."
+    )
+    acts_on = "pressure"
+    parameters = (
+        Parameter("loss", "1", 0.0, 2.0, "chamber", "share of the pressure that escapes in the end"),
+        Parameter("tau_s", "s", 0.1, 1e6, meaning="time constant of the escape"),
+        Parameter("sensor", "1", 0.2, 1.8, meaning="share of the measured loss that reaches the surface"),
+    )
+    reference = "ISO 6358-1:2013 (flow through pneumatic components); linearised: dp/dt = -p / tau"
+    signature = "error that grows with the time in hold against the load, in proportion to the pressure"
+    experiment = "the same long hold at two pressures: a leak doubles with the pressure, a drift does not"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        u, chambers = context.rows.actuation, context.rows.chambers
+        t = context.elapsed_s[:, None]
+        if not np.any(t > 0) or np.ptp(t) <= 0:
+            return
+        longest = float(t.max())
+        for tau in TAUS_S:
+            if tau > 30 * longest or tau < longest / 300:
+                continue
+            lost = -u * -np.expm1(-t / tau)
+            yield Variant("exponential", (Term.common("loss", lost),), {"tau_s": tau})
+            if len(chambers) > 1:
+                yield Variant("per chamber", (Term.per_chamber("loss", lost, chambers),), {"tau_s": tau})
+        fall = context.measured_fall
+        if fall is not None:
+            yield Variant("as measured", (Term.common("sensor", fall),))
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("time in hold", "s", context.elapsed_s)

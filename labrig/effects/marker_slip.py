@@ -1,0 +1,85 @@
+"""Marker slip: one marker moves on the surface, at one moment."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class MarkerSlip(Effect):
+    name = "marker_slip"
+    meaning = (
+        "A marker was knocked or peeled off and now sits somewhere else: from one capture on\n"
+        "it alone is off by a constant amount."
+    )
+    acts_on = "observation"
+    parameters = (
+        Parameter("slip", "mm", per="marker", meaning="where the marker went, along x, y, z"),
+        Parameter("marker", "1", 0.0, meaning="which marker, counted from 0"),
+        Parameter("since", "1", 0.0, meaning="first capture after the slip, counted from 0"),
+    )
+    reference = (
+        "E. S. Page, Continuous inspection schemes, Biometrika 41 (1954) 100-115 (the change is found so)"
+    )
+    signature = "one marker's error steps at one capture and stays; its neighbours see nothing"
+    experiment = "look at the marker; repeat one early capture"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        found = self.find(context)
+        if found is None:
+            return
+        marker, since = found
+        own = np.flatnonzero(context.rows.marker == marker)
+        change = np.zeros((*context.base.shape, len(own)))
+        change[np.ix_(context.rows.capture >= since, own)] = np.eye(len(own))
+        term = Term.field("slip", change, tuple(context.rows.observables[k] for k in own))
+        yield Variant("step", (term,), {"marker": float(marker), "since": float(since)})
+
+    @staticmethod
+    def find(context: Context) -> tuple[int, int] | None:
+        """The marker and the capture of the clearest step, or None when there are too few captures."""
+        rows = context.rows
+        captures = np.unique(rows.capture)
+        markers = np.unique(rows.marker[rows.marker >= 0])
+        if len(captures) < 8 or len(markers) < 4:
+            return None
+        error = np.stack([_mean(context.residual[rows.capture == c]) for c in captures])
+        for a in range(3):
+            own = rows.axis == a
+            if own.any():
+                error[:, own] -= _median(error[:, own])[:, None]
+        best, where = 0.0, None
+        for m in markers:
+            e = error[:, rows.marker == m]
+            seen = np.isfinite(e).all(axis=1)
+            if seen.sum() < 8:
+                continue
+            e, at = e[seen] - e[seen].mean(axis=0), captures[seen]
+            n = np.arange(1, len(e))
+            gain = (np.cumsum(e, axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
+            gain[:3] = gain[-3:] = 0.0
+            gain /= np.median(np.sum(np.diff(e, axis=0) ** 2, axis=1)) + 1e-12
+            i = int(np.argmax(gain))
+            if gain[i] > best:
+                best, where = float(gain[i]), (int(m), int(at[i + 1]))
+        return where
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("capture", "1", context.rows.capture.astype(float))
+
+
+def _mean(x: Floats) -> Floats:
+    seen = np.isfinite(x)
+    return np.where(
+        seen.any(axis=0), np.where(seen, x, 0).sum(axis=0) / np.maximum(seen.sum(axis=0), 1), np.nan
+    )
+
+
+def _median(x: Floats) -> Floats:
+    out = np.zeros(len(x))
+    some = np.isfinite(x).any(axis=1)
+    out[some] = np.nanmedian(x[some], axis=1)
+    return out

@@ -1,0 +1,53 @@
+"""Regulator: the chamber gets another pressure than the one commanded."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+
+
+class Regulator(Effect):
+    name = "regulator"
+    meaning = (
+        "The pressure regulator or its sensor has a wrong gain, an offset or a dead band,\n"
+        "so that a settled chamber holds another pressure than the one commanded."
+    )
+    acts_on = "pressure"
+    parameters = (
+        Parameter(
+            "gain", "1", -0.9, 9.0, "chamber", "error of the gain: true = (1 + gain) commanded + offset"
+        ),
+        Parameter("offset", "actuation", per="chamber", meaning="pressure held when zero is commanded"),
+        Parameter("dead_band", "1", 0.0, 1.5, meaning="share of the dead band's pressure that is lost"),
+        Parameter("band", "1", 0.0, 0.5, meaning="width of the dead band, fraction of the range"),
+        Parameter("sensor", "1", 0.2, 1.8, meaning="share of the measured error that reaches the surface"),
+    )
+    reference = "J. F. Blackburn, G. Reethof, J. L. Shearer, Fluid Power Control, MIT Press 1960, ch. 7"
+    signature = "error proportional to each chamber's pressure, the same in every direction and at every time"
+    experiment = "one chamber at a time over its range against a reference manometer"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        if not context.moves:
+            return
+        u = context.rows.actuation
+        one = np.ones_like(u)
+        chambers = context.rows.chambers
+        yield Variant("gain", (Term.common("gain", u),))
+        yield Variant("gain and offset", (Term.common("gain", u), Term.common("offset", one)))
+        if len(chambers) > 1:
+            yield Variant("gain per chamber", (Term.per_chamber("gain", u, chambers),))
+            yield Variant(
+                "gain and offset per chamber",
+                (Term.per_chamber("gain", u, chambers), Term.per_chamber("offset", one, chambers)),
+            )
+        for band in context.grid("band", (0.03, 0.08)):
+            lost = -np.clip(u, -band * context.span, band * context.span)
+            yield Variant("dead band", (Term.common("dead_band", lost),), {"band": band})
+        settled = context.measured_error
+        if settled is not None:
+            yield Variant("as measured", (Term.common("sensor", settled),))
+
+    def covariate(self, context: Context) -> tuple[str, str, np.ndarray]:
+        return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

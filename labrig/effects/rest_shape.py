@@ -1,0 +1,28 @@
+"""Rest shape: the unloaded geometry is not the model's."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class RestShape(Effect):
+    name = "rest_shape"
+    meaning = (
+        "The surface was made or mounted otherwise than modelled: each point is off by its own\n"
+        "constant amount that no rigid motion removes."
+    )
+    acts_on = "mechanics"
+    parameters = (Parameter("offset", "observable", meaning="constant error, for each observable"),)
+    reference = "P. Tian et al., RSS 2024, arXiv 2405.08935 (rest shape as source of the sim-to-real gap)"
+    signature = "the same error in every capture, at every pressure and time, different from point to point"
+    experiment = "one scan of the vented surface"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        yield Variant("offset", (Term.pattern("offset", np.ones(len(context.base))),))
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("capture", "1", context.rows.capture.astype(float))

@@ -1,0 +1,51 @@
+"""Stiffening: the compliance changes with pressure."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+
+
+class Stiffening(Effect):
+    name = "stiffening"
+    meaning = (
+        "The wall gets stiffer (or softer) as it stretches: each further kPa moves the surface\n"
+        "less (or more) than the one before, whatever the direction and the moment."
+    )
+    acts_on = "mechanics"
+    parameters = (
+        Parameter(
+            "quadratic", "1", -3.0, 3.0, "chamber", "change of compliance at full pressure; < 0 stiffens"
+        ),
+        Parameter("cubic", "1", -6.0, 6.0, "chamber", "the same, growing with the square of the pressure"),
+        Parameter("load", "1", -3.0, 3.0, meaning="change of all compliances at full load of all chambers"),
+        Parameter("pattern", "observable", meaning="change at full pressure, for each observable"),
+    )
+    reference = (
+        "A. N. Gent, Rubber Chem. Technol. 69 (1996) 59-61; R. W. Ogden, Proc. R. Soc. A 326 (1972) 565"
+    )
+    signature = "error curved in a chamber's own pressure; no loop between approach from above and below"
+    experiment = "one chamber swept up and down in small steps over its whole range"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        if not context.moves:
+            return
+        u = context.rows.actuation
+        x = context.rows.fraction
+        chambers = context.rows.chambers
+        second, third = u * x, u * x * x
+        yield Variant("quadratic", (Term.common("quadratic", second),))
+        yield Variant("cubic", (Term.common("cubic", third),))
+        yield Variant("quadratic and cubic", (Term.common("quadratic", second), Term.common("cubic", third)))
+        if len(chambers) > 1:
+            yield Variant("per chamber", (Term.per_chamber("quadratic", second, chambers),))
+            yield Variant(
+                "per chamber, cubic",
+                (Term.per_chamber("quadratic", second, chambers), Term.per_chamber("cubic", third, chambers)),
+            )
+            yield Variant("total load", (Term.common("load", u * x.mean(axis=1, keepdims=True)),))
+        if len(chambers) <= 3 or context.base_kind == "static":
+            yield Variant("pattern", (Term.pattern("pattern", x**2),))
+            yield Variant("cubic pattern", (Term.pattern("pattern", np.hstack([x**2, x**3])),))

@@ -1,0 +1,40 @@
+"""Tension: the pre-stretch of the top membrane is not the model's."""
+
+from collections.abc import Iterator
+
+from labrig.effects._context import Context
+from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._rows import Floats
+
+
+class Tension(Effect):
+    name = "tension"
+    meaning = (
+        "The membrane was mounted tighter (or slacker): it holds the surface back while it moves\n"
+        "little, and matters less the further the surface has come out."
+    )
+    acts_on = "mechanics"
+    parameters = (
+        Parameter(
+            "pre_stretch", "1", -1.5, 1.5, meaning="change of the displacement near rest; < 0 is tighter"
+        ),
+        Parameter(
+            "fades_at", "1", 0.0, 1.0, meaning="travel at which half of it is left, of the largest travel"
+        ),
+    )
+    reference = (
+        "W. B. Fichter, Some solutions for the large deflections of uniformly loaded membranes, NASA 1997"
+    )
+    signature = "error in proportion to small displacements that fades at large ones, for every chamber alike"
+    experiment = "all chambers together in small steps from zero"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        far = float(context.travel.max())
+        if not context.moves or far <= 0:
+            return
+        for share in (0.1, 0.2, 0.4):
+            held = context.displacement / (1 + (context.travel / (share * far)) ** 2)
+            yield Variant("fading", (Term.field("pre_stretch", held),), {"fades_at": share})
+
+    def covariate(self, context: Context) -> tuple[str, str, Floats]:
+        return ("mean travel", context.rows.unit[0], context.travel.mean(axis=1))
