@@ -1,6 +1,7 @@
 """What an effect is given: the rows, the base model's prediction on them, and the history between them."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +15,7 @@ class Context:
     """A campaign as seen by a base model.
 
     Shapes, for F rows, K observables, C chambers: `base` (F, K) the prediction; `base_vented` (K,) the
-    prediction with every chamber vented; `jacobian` (F, K, C), change of the prediction per unit of actuation.
+    prediction with every chamber vented; `jacobian` (F, K, C), its change per unit of actuation.
     """
 
     rows: Rows
@@ -22,7 +23,16 @@ class Context:
     base_vented: Floats
     jacobian: Floats
     base_kind: str = "python"
+    pinned: dict[str, float] = field(default_factory=dict)
     _memo: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    def pin(self, shape: dict[str, float]) -> "Context":
+        """The same context in which the named quantities take these values instead of a grid of them."""
+        return replace(self, pinned=shape)
+
+    def grid(self, name: str, values: Sequence[float]) -> Sequence[float]:
+        """The values to try for what is not linear in an effect; a pinned value replaces them all."""
+        return (self.pinned[name],) if name in self.pinned else values
 
     @property
     def span(self) -> Floats:
@@ -65,8 +75,7 @@ class Context:
     def previous(self) -> Floats:
         """What was commanded before each event, shape (E, C); zero where the chambers were vented."""
         before = self.started
-        out = np.where((before >= 0)[:, None], self.rows.event_actuation[before], self.vented)
-        return out
+        return np.where((before >= 0)[:, None], self.rows.event_actuation[before], self.vented)
 
     @property
     def vented(self) -> Floats:

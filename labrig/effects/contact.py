@@ -32,7 +32,7 @@ class Contact(Effect):
         if not context.moves:
             return
         x, chambers = context.rows.fraction, context.rows.chambers
-        for limit in (0.4, 0.5, 0.6, 0.7, 0.8, 0.9):
+        for limit in context.grid("limit", (0.4, 0.5, 0.6, 0.7, 0.8, 0.9)):
             beyond = -np.maximum(x - limit, 0.0) * context.span
             if (beyond < 0).mean() < 0.02:
                 continue
@@ -48,7 +48,7 @@ class Contact(Effect):
         far = float(context.travel.max())
         if far <= 0:
             return
-        for limit in (0.3, 0.45, 0.6, 0.75, 0.9):
+        for limit in context.grid("limit", (0.3, 0.45, 0.6, 0.75, 0.9)):
             scale = np.maximum(0.0, 1 - limit * far / np.maximum(context.travel, 1e-12))
             yield Variant("travel", (Term.field("stopped", -context.displacement * scale),), {"limit": limit})
         for a, letter in enumerate("xyz"):
@@ -60,7 +60,7 @@ class Contact(Effect):
                 reach = float((side * moved).max())
                 if reach < 0.1 * far:
                     continue
-                for limit in (0.4, 0.6, 0.8):
+                for limit in context.grid("limit", (0.4, 0.6, 0.8)):
                     change = np.zeros_like(context.displacement)
                     change[:, own] = -side * np.maximum(side * moved - limit * reach, 0.0)
                     sign = "+" if side > 0 else "-"

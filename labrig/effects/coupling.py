@@ -27,7 +27,7 @@ class Coupling(Effect):
         Parameter("pattern", "observable", meaning="change with both at full pressure, for each observable"),
     )
     reference = (
-        "D. Drotman et al., IEEE Int. Conf. Robotics and Automation 2017, 5532-5538 (chamber interaction)"
+        "P. Polygerinos et al., Soft robotics: fluid-driven devices, Adv. Eng. Mater. 19 (2017) 1700016"
     )
     signature = "error that grows with the product of two chambers' pressures and vanishes with either alone"
     experiment = "chambers one at a time, then in pairs, at the same pressures"

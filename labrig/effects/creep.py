@@ -1,6 +1,7 @@
 """Creep: the surface keeps moving under constant pressure, and remembers."""
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
@@ -8,15 +9,9 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
-TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
-CHAINS = (
-    (1.0, 10.0),
-    (3.0, 30.0),
-    (10.0, 100.0),
-    (1.0, 10.0, 100.0),
-    (3.0, 30.0, 300.0),
-    (10.0, 100.0, 1000.0),
-)
+TAUS_S = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
+DECADE = 10.0
 SETTLE_S = 3.0
 
 
@@ -46,16 +41,17 @@ class Creep(Effect):
             return
         u, chambers = context.rows.actuation, context.rows.chambers
         duration = float(np.nanmax(context.elapsed_s) + np.ptp(context.rows.event_time_s))
-        chains = [(tau,) for tau in TAUS_S] + list(CHAINS)
-        for chain in (c for c in chains if c[0] <= duration):
-            name = {1: "Kelvin-Voigt", 2: "two elements", 3: "log-time"}[len(chain)]
-            strain = sum(context.relaxed(tau) for tau in chain) / len(chain)
-            settled = sum(1 - np.exp(-SETTLE_S / tau) for tau in chain) / len(chain)
-            for known in (0.0, settled, 1.0):
+        for (name, n), tau in product(ELEMENTS.items(), context.grid("tau_s", TAUS_S)):
+            if tau > duration:
+                continue
+            chain = [tau * DECADE**i for i in range(n)]
+            strain = np.mean([context.relaxed(t) for t in chain], axis=0)
+            settled = float(np.mean([-np.expm1(-SETTLE_S / t) for t in chain]))
+            for known in context.grid("known", (0.0, settled, 1.0)):
                 change = strain - known * u
-                shape = {"tau_s": chain[0], "known": float(known)}
+                shape = {"tau_s": tau, "known": known}
                 yield Variant(name, (Term.common("amplitude", change),), shape)
-                if len(chambers) > 1 and len(chain) != 2:
+                if len(chambers) > 1 and n != 2:
                     yield Variant(
                         f"{name} per chamber", (Term.per_chamber("amplitude", change, chambers),), shape
                     )

@@ -6,6 +6,8 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
+TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0, 8.0)
+
 
 class Delay(Effect):
     name = "delay"
@@ -26,7 +28,7 @@ class Delay(Effect):
         if not context.has_time or not context.moves:
             return
         u, chambers = context.rows.actuation, context.rows.chambers
-        for tau in (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0, 8.0):
+        for tau in context.grid("tau_s", TAUS_S):
             lag = context.relaxed(tau) - u
             yield Variant("first order", (Term.common("share", lag),), {"tau_s": tau})
             if len(chambers) > 1:

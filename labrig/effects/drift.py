@@ -20,7 +20,7 @@ class Drift(Effect):
         Parameter("shift", "observable", meaning="shift by the end of the session, for each observable"),
         Parameter("gain", "1", -1.0, 1.0, meaning="change of the whole displacement by the end"),
         Parameter("pressure", "actuation", per="chamber", meaning="shift of the pressure zero by the end"),
-        Parameter("warm_up", "1", 0.0, 10.0, meaning="time constant of a warm-up, of the session; 0: linear"),
+        Parameter("warm_up", "1", 0.0, 10.0, meaning="time constant of a warm-up, of the session"),
     )
     reference = "JCGM 200:2012 (VIM), 4.21 instrumental drift"
     signature = "error that follows the time in session (or the temperature), not the pressure or the hold"
@@ -43,12 +43,12 @@ class Drift(Effect):
         t = context.session_time_s
         end = float(t.max())
         if end > 0:
-            yield "linear", t / end, {"warm_up": 0.0}
-            for share in (0.3, 1.0):
+            yield "linear", t / end, {}
+            for share in context.grid("warm_up", (0.3, 1.0)):
                 yield "warm-up", -np.expm1(-t / (share * end)), {"warm_up": share}
             whole = context.rows.time_s - np.nanmin(context.rows.time_s)
             if whole.max() > 1.5 * end:
-                yield "linear over all sessions", whole / whole.max(), {"warm_up": 0.0}
+                yield "linear over all sessions", whole / whole.max(), {}
         for name, cov in context.rows.covariates.items():
             known = np.isfinite(cov.values)
             warm = cov.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()

@@ -35,7 +35,7 @@ class Friction(Effect):
         load = context.rows.fraction.mean(axis=1)
         for speed, _ in context.motion.values():
             typical = float(np.median(np.abs(speed[speed != 0]))) if (speed != 0).any() else 1.0
-            for share in (0.05, 0.2, 0.5):
+            for share in context.grid("slip_speed", (0.05, 0.2, 0.5)):
                 s = np.tanh(speed / (share * typical))
                 shape = {"slip_speed": share}
                 yield Variant("Coulomb", (Term.pattern("force", -s),), shape)

@@ -7,6 +7,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
+WIDER = 3.0
 
 
 class Hysteresis(Effect):
@@ -18,6 +19,8 @@ class Hysteresis(Effect):
     acts_on = "pressure"
     parameters = (
         Parameter("weight", "1", 0.0, 5.0, "chamber", "share of the response that goes through the play"),
+        Parameter("wide", "1", 0.0, 5.0, meaning="the same for a second play, three times as wide"),
+        Parameter("pattern", "observable", meaning="the same for each observable, at full range"),
         Parameter("width", "1", 0.0, 1.0, meaning="half width of the play, fraction of the range"),
     )
     reference = "M. A. Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989 (play, P-I)"
@@ -28,20 +31,16 @@ class Hysteresis(Effect):
         if not context.moves:
             return
         u, chambers = context.rows.actuation, context.rows.chambers
-        lag = {r: context.play(r) - u for r in WIDTHS}
-        for r in WIDTHS:
-            yield Variant("play", (Term.common("weight", lag[r]),), {"width": r})
-        for narrow, wide in ((0.05, 0.2), (0.1, 0.35), (0.2, 0.5)):
-            terms = (Term.common("weight", lag[narrow]), Term.common("weight", lag[wide]))
-            yield Variant("two plays", terms, {"width": narrow, "second": wide})
-        if len(chambers) > 1:
-            for r in WIDTHS:
-                yield Variant(
-                    "play per chamber", (Term.per_chamber("weight", lag[r], chambers),), {"width": r}
-                )
-        if len(chambers) <= 2:
-            for r in WIDTHS:
-                yield Variant("pattern", (Term.pattern("weight", lag[r] / context.span),), {"width": r})
+        for r in context.grid("width", WIDTHS):
+            lag = context.play(r) - u
+            shape = {"width": r}
+            yield Variant("play", (Term.common("weight", lag),), shape)
+            second = context.play(WIDER * r) - u
+            yield Variant("two plays", (Term.common("weight", lag), Term.common("wide", second)), shape)
+            if len(chambers) > 1:
+                yield Variant("play per chamber", (Term.per_chamber("weight", lag, chambers),), shape)
+            if len(chambers) <= 2:
+                yield Variant("pattern", (Term.pattern("pattern", lag / context.span),), shape)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

@@ -32,10 +32,7 @@ class Leak(Effect):
         t = context.elapsed_s[:, None]
         if not np.any(t > 0) or np.ptp(t) <= 0:
             return
-        longest = float(t.max())
-        for tau in TAUS_S:
-            if tau > 30 * longest or tau < longest / 300:
-                continue
+        for tau in context.grid("tau_s", TAUS_S):
             lost = -u * -np.expm1(-t / tau)
             yield Variant("exponential", (Term.common("loss", lost),), {"tau_s": tau})
             if len(chambers) > 1:

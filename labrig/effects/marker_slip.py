@@ -28,7 +28,8 @@ class MarkerSlip(Effect):
     experiment = "look at the marker; repeat one early capture"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        found = self.find(context)
+        pinned = context.grid("marker", ()), context.grid("since", ())
+        found = (int(pinned[0][0]), int(pinned[1][0])) if all(pinned) else self.find(context)
         if found is None:
             return
         marker, since = found

@@ -17,7 +17,7 @@ class RestShape(Effect):
     )
     acts_on = "mechanics"
     parameters = (Parameter("offset", "observable", meaning="constant error, for each observable"),)
-    reference = "P. Tian et al., RSS 2024, arXiv 2405.08935 (rest shape as source of the sim-to-real gap)"
+    reference = "Y. Tian et al., RSS 2024, arXiv 2405.08935 (rest shape as source of the sim-to-real gap)"
     signature = "the same error in every capture, at every pressure and time, different from point to point"
     experiment = "one scan of the vented surface"
 

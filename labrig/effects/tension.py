@@ -22,9 +22,7 @@ class Tension(Effect):
             "fades_at", "1", 0.0, 1.0, meaning="travel at which half of it is left, of the largest travel"
         ),
     )
-    reference = (
-        "W. B. Fichter, Some solutions for the large deflections of uniformly loaded membranes, NASA 1997"
-    )
+    reference = "W. B. Fichter, Large deflections of uniformly loaded circular membranes, NASA TP-3658, 1997"
     signature = "error in proportion to small displacements that fades at large ones, for every chamber alike"
     experiment = "all chambers together in small steps from zero"
 
@@ -32,7 +30,7 @@ class Tension(Effect):
         far = float(context.travel.max())
         if not context.moves or far <= 0:
             return
-        for share in (0.1, 0.2, 0.4):
+        for share in context.grid("fades_at", (0.1, 0.2, 0.4)):
             held = context.displacement / (1 + (context.travel / (share * far)) ** 2)
             yield Variant("fading", (Term.field("pre_stretch", held),), {"fades_at": share})
 

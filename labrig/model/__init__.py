@@ -1,1 +1,20 @@
-"""labrig.model"""
+"""Models: model.yaml, its base, its effects, and what they predict."""
+
+from labrig.model._bases import BaseModel, build_base, jacobian
+from labrig.model._file import EffectEntry, ModelFile, Value, read_model_file, write_model_file
+from labrig.model._model import Model, base_context, evaluate, find_variant
+
+__all__ = [
+    "BaseModel",
+    "EffectEntry",
+    "Model",
+    "ModelFile",
+    "Value",
+    "base_context",
+    "build_base",
+    "evaluate",
+    "find_variant",
+    "jacobian",
+    "read_model_file",
+    "write_model_file",
+]

@@ -1,0 +1,104 @@
+"""model.yaml: a base and its effects, as a person reads and edits them."""
+
+import os
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from labrig._errors import LabrigError
+
+Numbers = float | list[float] | list[list[float]]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class PythonBase(_Strict):
+    """A function of the user's: ``predict(actuation: (F, C)) -> (F, K)``, in the units of the run."""
+
+    kind: Literal["python"]
+    file: str
+    function: str = "predict"
+
+
+class StaticBase(_Strict):
+    """A polynomial map from the pressures to each observable, fitted to the run."""
+
+    kind: Literal["static"]
+    degree: int = Field(1, ge=0, le=3)
+
+
+class SimulatorBase(_Strict):
+    """labrig's simulator of the rig that `rig` (a rig.yaml) describes."""
+
+    kind: Literal["simulator"]
+    rig: str
+
+
+Base = Annotated[PythonBase | StaticBase | SimulatorBase, Field(discriminator="kind")]
+
+
+class Value(_Strict):
+    """A fitted value: one number, or one for each chamber, pair or observable, and its standard deviation."""
+
+    value: Numbers
+    sd: Numbers | None = None
+    unit: str = "1"
+    per: list[str] | None = None
+
+
+class EffectEntry(_Strict):
+    """An effect of the model, the form it takes and its fitted values."""
+
+    name: str
+    form: str | None = None
+    parameters: dict[str, Value] = Field(default_factory=dict)
+
+
+class ModelFile(_Strict):
+    """The content of a model.yaml."""
+
+    base: Base
+    effects: list[EffectEntry] = Field(default_factory=list)
+
+
+def read_model_file(path: Path) -> ModelFile:
+    """Read a model.yaml; raises `LabrigError` that names the file and the field."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise LabrigError(f"{path}: can't read the model file ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise LabrigError(f"{path}: is not a text file; a model is YAML") from error
+    try:
+        content: Any = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        line = getattr(getattr(error, "problem_mark", None), "line", None)
+        where = f", line {line + 1}" if line is not None else ""
+        raise LabrigError(
+            f"{path}{where}: is not YAML ({getattr(error, 'problem', 'unreadable')})"
+        ) from error
+    if not isinstance(content, dict) or "base" not in content:
+        raise LabrigError(f"{path}: a model needs 'base:', for example  base: {{kind: static, degree: 1}}")
+    if isinstance(content["base"], dict) and content["base"].get("kind") == "surrogate":
+        raise LabrigError(
+            f"{path}: base kind 'surrogate' is not in this version; use simulator, static or python"
+        )
+    try:
+        return ModelFile.model_validate(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise LabrigError(f"{path}: {where}: {first['msg']}") from error
+
+
+def write_model_file(model: ModelFile, path: Path) -> None:
+    """Write a model.yaml, in one piece or not at all."""
+    content = model.model_dump(exclude_none=True)
+    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110)
+    partial = path.with_name(path.name + ".part")
+    partial.write_text(text, encoding="utf-8")
+    os.replace(partial, path)

@@ -1,0 +1,123 @@
+"""A model at work: its base and its effects, predicting a campaign."""
+
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.effects import Context, Effect, Rows, Variant, get, library
+from labrig.effects._fields import contribution
+from labrig.effects._rows import Floats
+from labrig.model._bases import BaseModel, build_base, jacobian
+from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
+
+
+@dataclass(frozen=True)
+class Model:
+    """A base and an ordered list of effects; `folder` is what its relative paths start from."""
+
+    file: ModelFile
+    folder: Path
+
+    @classmethod
+    def load(cls, path: Path | str) -> "Model":
+        """Read a model.yaml; raises `LabrigError` when it is not one, or names an unknown effect."""
+        path = Path(path)
+        model = cls(read_model_file(path), path.parent)
+        known = library(model.folder)
+        for entry in model.file.effects:
+            if entry.name not in known:
+                get(entry.name, model.folder)
+        return model
+
+    def save(self, path: Path | str) -> None:
+        """Write a model.yaml; files that it names stay where they are, their paths are made relative to it."""
+        path = Path(path)
+        file = self.file.model_copy(deep=True)
+        for name in ("file", "rig"):
+            if hasattr(file.base, name):
+                target = (self.folder / getattr(file.base, name)).resolve()
+                try:
+                    relative = os.path.relpath(target, path.parent.resolve())
+                except ValueError:  # another drive on Windows
+                    relative = str(target)
+                setattr(file.base, name, Path(relative).as_posix())
+        write_model_file(file, path)
+
+    def with_effect(self, entry: EffectEntry) -> "Model":
+        """The same model with one more effect at the end."""
+        file = self.file.model_copy(update={"effects": [*self.file.effects, entry]})
+        return replace(self, file=file)
+
+    def library(self) -> dict[str, Effect]:
+        """The effects that this model may name: labrig's and those in `effects/` beside its file."""
+        return library(self.folder)
+
+    def context(self, rows: Rows) -> Context:
+        """Predict the rows by base and effects, with the derivative by the actuation."""
+        base = build_base(self.file, self.folder, rows)
+        context = base_context(base, rows)
+        change = np.zeros_like(context.base)
+        for entry in self.file.effects:
+            change += evaluate(context, get(entry.name, self.folder), entry)
+        return replace(context, base=context.base + change, _memo={})
+
+    def declared(self, rows: Rows) -> Floats | None:
+        """Regressors (F, D) of what the base calls its own, or None."""
+        return build_base(self.file, self.folder, rows).declared(rows.actuation)
+
+
+def base_context(base: BaseModel, rows: Rows) -> Context:
+    """What a base predicts of the rows, without any effect."""
+    unique, inverse = np.unique(rows.actuation, axis=0, return_inverse=True)
+    vented = np.clip(0.0, rows.low, rows.high)[None]
+    return Context(
+        rows=rows,
+        base=base.predict(unique)[inverse.reshape(-1)],
+        base_vented=base.predict(vented)[0],
+        jacobian=jacobian(base, rows.actuation, rows.low, rows.high),
+        base_kind=base.kind,
+    )
+
+
+def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
+    """The change (F, K) that an effect with given values makes; raises `LabrigError` where it can't act."""
+    variant = find_variant(context, effect, entry)
+    coefficients = []
+    for term in variant.terms:
+        value = np.asarray(entry.parameters[term.parameter].value, dtype=float)
+        width = context.base.shape[1] if term.kind == "pattern" else 1
+        shape = (6,) if term.kind == "frame" else (term.feature.shape[-1], width)
+        size = int(np.prod(shape))
+        if value.size not in (1, size):
+            raise LabrigError(
+                f"effect {effect.name!r}: {term.parameter!r} has {value.size} values, this run needs {size}"
+            )
+        value = np.broadcast_to(value.reshape(-1), (size,)).reshape(shape)
+        coefficients.append(value if term.kind == "pattern" else value.reshape(-1))
+    return contribution(context, variant, coefficients)
+
+
+def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Variant:
+    """The form of an effect that a model's entry names: by `form`, else the first that its parameters fit."""
+    linear = {name for name, p in entry.parameters.items()}
+    pinned = {
+        name: float(np.asarray(p.value, dtype=float).reshape(-1)[0])
+        for name, p in entry.parameters.items()
+        if np.asarray(p.value).size == 1
+    }
+    for variant in effect.variants(context.pin(pinned)):
+        names = {t.parameter for t in variant.terms} | set(variant.shape)
+        if entry.form == variant.form or (entry.form is None and names == linear):
+            missing = names - linear
+            if missing:
+                raise LabrigError(
+                    f"effect {effect.name!r}: the model gives no value for {sorted(missing)[0]!r}"
+                )
+            return variant
+    form = f"form {entry.form!r}" if entry.form else f"parameters {', '.join(sorted(linear)) or 'none'}"
+    raise LabrigError(
+        f"effect {effect.name!r} can't act on this run in {form}; see: labrig effects show {effect.name}"
+    )
