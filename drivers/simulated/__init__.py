@@ -1,1 +1,23 @@
 """The simulated rig: devices that behave like the real ones, over one shared plant."""
+
+from drivers.simulated._devices import SimulatedMocap, SimulatedPressure, SimulatedScanner
+from drivers.simulated._plant import Plant, SimulatedPlant, build_plant
+from drivers.simulated._sealed import SEALED_NAME, choose, hide, reveal, seal
+from drivers.simulated.hidden import LISTED
+
+HIDDEN_EFFECTS: tuple[str, ...] = tuple(LISTED)
+
+__all__ = [
+    "HIDDEN_EFFECTS",
+    "SEALED_NAME",
+    "Plant",
+    "SimulatedMocap",
+    "SimulatedPlant",
+    "SimulatedPressure",
+    "SimulatedScanner",
+    "build_plant",
+    "choose",
+    "hide",
+    "reveal",
+    "seal",
+]

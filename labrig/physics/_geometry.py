@@ -60,7 +60,7 @@ def _spread_points(count: int, margin: float) -> Array:
     plastic = 1.32471795724474602596
     index = np.arange(1, count + 1)[:, None]
     points = (0.5 + index * np.array([1.0 / plastic, 1.0 / plastic**2])) % 1.0
-    return margin + (1.0 - 2.0 * margin) * points
+    return np.asarray(margin + (1.0 - 2.0 * margin) * points, dtype=float)
 
 
 def _grid_points(side: int) -> Array:

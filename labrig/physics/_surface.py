@@ -1,9 +1,9 @@
 """A reduced model of an inflated surface: each chamber is a membrane, the surface follows their deflections.
 
-A chamber's deflection d solves  d + d^3 / limit^2 = gain * p  (a pre-tensioned membrane: linear at first, cubic
-when stretched), so it grows monotonically with pressure and has a closed form. Points move along their normals by
-the weighted sum of the deflections, and tangentially by the second-order term of a membrane that is
-pulled up a slope, -b h grad(h).
+A chamber's deflection d solves  d + d^3 / limit^2 = gain * p  (a pre-tensioned membrane: linear at first,
+cubic when stretched), so it grows monotonically with pressure and has a closed form. Points move along their
+normals by the weighted sum of the deflections, and tangentially by the second-order term of a membrane that
+is pulled up a slope, -b h grad(h).
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,9 @@ class _Points:
     def at(cls, geometry: Geometry, u: Array, v: Array) -> "_Points":
         along_u, along_v, normal = tangents(geometry, u, v)
         weight, slope_u, slope_v = profiles(geometry, u, v)
-        uu, uv, vv = ((a * b).sum(-1)[:, None] for a, b in ((along_u, along_u), (along_u, along_v), (along_v, along_v)))
+        uu, uv, vv = (
+            (a * b).sum(-1)[:, None] for a, b in ((along_u, along_u), (along_u, along_v), (along_v, along_v))
+        )
         determinant = uu * vv - uv * uv
         up = (vv * slope_u - uv * slope_v) / determinant
         right = (uu * slope_v - uv * slope_u) / determinant
@@ -53,7 +55,9 @@ class Surface:
     parameters that the model declares as its own (none: its stiffnesses are taken as known).
     """
 
-    def __init__(self, geometry: Geometry, chamber_names: tuple[str, ...], marker_names: tuple[str, ...]) -> None:
+    def __init__(
+        self, geometry: Geometry, chamber_names: tuple[str, ...], marker_names: tuple[str, ...]
+    ) -> None:
         self.geometry = geometry
         self.chamber_names = chamber_names
         self.marker_names = marker_names
@@ -121,7 +125,9 @@ class Surface:
         return by_deflection * by_pressure[:, None, None, :]
 
     def mesh(self, pressure_kpa: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
-        """The whole surface at one set of pressures (C,): vertices mm (V, 3), triangles (T, 3), wound outwards."""
+        """The whole surface at one set of pressures (C,): vertices mm (V, 3), triangles (T, 3), wound
+        outwards.
+        """
         return self.mesh_at(self.deflection_mm(self._checked(pressure_kpa)[0])), self.triangles
 
     def mesh_at(self, deflection_mm: Array) -> Array:
@@ -137,7 +143,9 @@ class Surface:
 
     @cached_property
     def _mesh_points(self) -> _Points:
-        u, v = np.meshgrid(np.linspace(0, 1, self._MESH_ACROSS), np.linspace(0, 1, self._MESH_UP), indexing="xy")
+        u, v = np.meshgrid(
+            np.linspace(0, 1, self._MESH_ACROSS), np.linspace(0, 1, self._MESH_UP), indexing="xy"
+        )
         return _Points.at(self.geometry, u.ravel(), v.ravel())
 
     @cached_property
@@ -160,13 +168,15 @@ class Surface:
 def load_surface(rig: dict) -> Surface:
     """The base simulator of a rig, from the content of its rig.yaml.
 
-    The surface is named by `simulated: {surface: ...}` (mannequin, the default, or membrane). Chambers take the
-    rig's names in order; `markers`, where given, selects and orders the surface's own m01, m02, ...
+    The surface is named by `simulated: {surface: ...}` (mannequin, the default, or membrane). Chambers take
+    the rig's names in order; `markers`, where given, selects and orders the surface's own m01, m02, ...
     Raises `LabrigError` for a surface that does not exist, or names or numbers that do not fit it.
     """
     name = (rig.get("simulated") or {}).get("surface", "mannequin")
     if name not in GEOMETRIES:
-        raise LabrigError(f"rig: simulated.surface: there is no surface '{name}' (known: {', '.join(GEOMETRIES)})")
+        raise LabrigError(
+            f"rig: simulated.surface: there is no surface '{name}' (known: {', '.join(GEOMETRIES)})"
+        )
     geometry = GEOMETRIES[name]
     count = len(geometry.patches)
     listed = [c["name"] if isinstance(c, dict) else str(c) for c in rig.get("chambers") or []]
@@ -177,5 +187,7 @@ def load_surface(rig: dict) -> Surface:
     markers = [str(m) for m in rig.get("markers") or known]
     for marker in markers:
         if marker not in known:
-            raise LabrigError(f"rig: markers: surface '{name}' has no marker '{marker}' (it has m01..{known[-1]})")
+            raise LabrigError(
+                f"rig: markers: surface '{name}' has no marker '{marker}' (it has m01..{known[-1]})"
+            )
     return Surface(geometry, tuple(chambers), tuple(markers))
