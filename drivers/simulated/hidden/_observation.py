@@ -112,7 +112,7 @@ class Drift(Hidden):
             return position_mm
         moved = self.strength * self.warmth(time_s)[:, None, None]
         turned = np.cross(self.direction, position_mm - self.setting.body.rest_mm.mean(axis=0)) * 5e-4
-        return position_mm + moved * (np.roll(self.direction, 1) + turned)
+        return np.asarray(position_mm + moved * (np.roll(self.direction, 1) + turned), dtype=float)
 
 
 class MarkerSlip(Hidden):
