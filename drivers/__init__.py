@@ -1,5 +1,6 @@
 """Devices: small protocols, the clock they run on, and one module per real device."""
 
+from drivers._build import KINDS, build_device
 from drivers._clock import Clock, RealClock, SimulatedClock
 from drivers._protocols import (
     Channel,
@@ -18,6 +19,7 @@ from drivers._protocols import (
 )
 
 __all__ = [
+    "KINDS",
     "Channel",
     "Clock",
     "Device",
@@ -34,4 +36,5 @@ __all__ = [
     "SimulatedClock",
     "VentNotConfirmedError",
     "VentReport",
+    "build_device",
 ]
