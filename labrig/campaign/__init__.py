@@ -1,1 +1,58 @@
-"""labrig.campaign"""
+"""Campaigns: procedures yield steps, the runner carries them out, logs them, and leaves the rig vented."""
+
+from labrig.campaign._observe import Observer, Progress
+from labrig.campaign._plan import Plan, dry_run, rig_info
+from labrig.campaign._procedure import Procedure, RigInfo, Steps
+from labrig.campaign._replay import read_completed
+from labrig.campaign._runner import Watching, resume, run
+from labrig.campaign._session import Control
+from labrig.campaign._signals import Interrupted
+from labrig.campaign._steps import (
+    Actuate,
+    Actuated,
+    Completed,
+    Note,
+    Record,
+    Recording,
+    Result,
+    Scan,
+    Scanned,
+    Settle,
+    Settled,
+    Step,
+    Vent,
+    Vented,
+)
+from labrig.campaign._walk import ProcedureError
+
+__all__ = [
+    "Actuate",
+    "Actuated",
+    "Completed",
+    "Control",
+    "Interrupted",
+    "Note",
+    "Observer",
+    "Plan",
+    "Procedure",
+    "ProcedureError",
+    "Progress",
+    "Record",
+    "Recording",
+    "Result",
+    "RigInfo",
+    "Scan",
+    "Scanned",
+    "Settle",
+    "Settled",
+    "Step",
+    "Steps",
+    "Vent",
+    "Vented",
+    "Watching",
+    "dry_run",
+    "read_completed",
+    "resume",
+    "rig_info",
+    "run",
+]

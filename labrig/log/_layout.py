@@ -31,6 +31,7 @@ class Layout:
     between_sessions: str = "released"
     start_s: float = 0.0
     table: bool = False
+    session: str = "0"
     attributes: dict[str, Any] = field(default_factory=dict)
 
 

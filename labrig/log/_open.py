@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from labrig.log._dataset import to_dataset
 from labrig.log._rig_dataset import rig_arrays
-from labrig.log._segments import load_segments
+from labrig.log._segments import load_segments, sessions
 from labrig.log._table import table_arrays
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def open_run(path: str | Path) -> xr.Dataset:
     path = Path(path)
     segments, warnings = load_segments(path)
     layout = segments[0].layout
-    arrays = table_arrays(segments[0]) if layout.table else rig_arrays(segments)
+    arrays = table_arrays(segments[0]) if layout.table else rig_arrays(sessions(segments))
     attributes = {"run": str(path), "warnings": warnings}
     if procedure := segments[0].run.get("procedure"):
         attributes["procedure"] = procedure

@@ -32,6 +32,33 @@ class Series:
         first, last = np.searchsorted(self.time_ns, [start_ns, end_ns], side="right")
         return slice(int(first), int(last))
 
+    def during(self, start_ns: int, end_ns: int) -> "Series":
+        """The samples from `start_ns` to `end_ns`, both included."""
+        first = int(np.searchsorted(self.time_ns, start_ns, side="left"))
+        last = int(np.searchsorted(self.time_ns, end_ns, side="right"))
+        return Series(self.time_ns[first : max(first, last)], self.values[first : max(first, last)])
+
+
+@dataclass
+class RunSeries:
+    """What one segment measured: `frames` (N, M, 3) mm float32, `status` (N, M), `pressures` (P, C) kPa."""
+
+    frames: Series
+    status: Series
+    pressures: Series
+
+
+def run_series(loaded: LoadedSegment) -> RunSeries:
+    """The measurements of a segment of a rig's run as arrays."""
+    from logs_schema.pressure_pb2 import PressureMeasured
+
+    layout = loaded.layout
+    frames, status = marker_series(loaded.messages(Topic.MARKERS), len(layout.markers))
+    measured = loaded.messages(Topic.MEASURED)
+    return RunSeries(
+        frames, status, value_series(measured, PressureMeasured, "pressure", len(layout.chambers))
+    )
+
 
 @dataclass
 class _Capture:
@@ -47,8 +74,11 @@ class _Capture:
     covariates: Floats | None
 
 
-def marker_series(messages: Messages, markers: int) -> Series:
-    """Frames as (N, M, 3) positions mm, float32, NaN where not seen; a frame of another size is left out."""
+def marker_series(messages: Messages, markers: int) -> tuple[Series, Series]:
+    """Frames as (N, M, 3) positions mm, float32, NaN where not seen, and (N, M) `MarkerStatus`.
+
+    A frame of another size is left out.
+    """
     from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 
     size = markers * _POINT.itemsize
@@ -57,15 +87,8 @@ def marker_series(messages: Messages, markers: int) -> Series:
     kept = [index for index, points in enumerate(data) if len(points) == size]
     points = np.frombuffer(b"".join([data[index] for index in kept]), dtype=_POINT)
     time_ns = np.array(messages.time_ns, np.int64)[kept]
-    return _ordered(time_ns, points["position_mm"].reshape(-1, markers, 3))
-
-
-def status_series(messages: Messages, markers: int) -> Series:
-    """`MarkerStatus` of every frame, (N, M)."""
-    from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
-
-    points = np.frombuffer(b"".join([PointCloud.FromString(p).data for p in messages.payload]), dtype=_POINT)
-    return _ordered(np.array(messages.time_ns, np.int64), points["status"].reshape(-1, markers))
+    position = points["position_mm"].reshape(len(kept), markers, 3)
+    return _ordered(time_ns, position), _ordered(time_ns, points["status"].reshape(len(kept), markers))
 
 
 def value_series(messages: Messages, kind: Any, field_name: str, width: int) -> Series:
@@ -99,7 +122,7 @@ def interpolate(series: Series, time_ns: Times) -> Floats:
 
 
 def rig_arrays(segments: list[LoadedSegment]) -> CampaignArrays:
-    """The arrays of a run that labrig recorded; every segment is a session."""
+    """The arrays of a run that labrig recorded; one entry for each session."""
     event_times, event_setpoints, event_sessions = [], [], []
     captures: list[_Capture] = []
     for loaded in segments:
@@ -107,7 +130,7 @@ def rig_arrays(segments: list[LoadedSegment]) -> CampaignArrays:
         captures += _captures(loaded, times, setpoints, len(event_times))
         event_times += [_seconds(time_ns, loaded) for time_ns in times]
         event_setpoints += setpoints
-        event_sessions += [str(loaded.number)] * len(times)
+        event_sessions += [loaded.layout.session] * len(times)
     layout = segments[0].layout
     return CampaignArrays(
         commanded=_rows([capture.commanded for capture in captures], len(layout.chambers)),
@@ -148,14 +171,11 @@ def _captures(
 ) -> list[_Capture]:
     """Every completed recording, with everything since the actuation or the recording before it."""
     from logs_schema.observation_pb2 import Environment
-    from logs_schema.pressure_pb2 import PressureMeasured
     from logs_schema.step_pb2 import Step
 
     layout = loaded.layout
-    pressures = value_series(
-        loaded.messages(Topic.MEASURED), PressureMeasured, "pressure", len(layout.chambers)
-    )
-    frames = marker_series(loaded.messages(Topic.MARKERS), len(layout.markers)) if layout.markers else None
+    series = run_series(loaded)
+    pressures, frames = series.pressures, series.frames if layout.markers else None
     environment = None
     if layout.covariates:
         messages = loaded.messages(Topic.ENVIRONMENT)
@@ -174,7 +194,7 @@ def _captures(
         time_ns = (frames or pressures).time_ns[rows]
         captures.append(
             _Capture(
-                session=str(loaded.number),
+                session=loaded.layout.session,
                 event=first_event + event,
                 commanded=setpoints[event],
                 repeat=json.loads(step.step_json).get("repeat", ""),

@@ -2,7 +2,7 @@
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,27 @@ class LoadedSegment:
     def messages(self, topic: Topic) -> Messages:
         """The messages of a topic; none is an empty record."""
         return self.segment.topics.get(topic, Messages())
+
+
+def sessions(segments: list[LoadedSegment]) -> list[LoadedSegment]:
+    """The segments of each session as one: a long session is spread over several files."""
+    merged: list[LoadedSegment] = []
+    for loaded in segments:
+        if merged and merged[-1].layout.session == loaded.layout.session:
+            merged[-1] = _joined(merged[-1], loaded)
+        else:
+            merged.append(loaded)
+    return merged
+
+
+def _joined(first: LoadedSegment, second: LoadedSegment) -> LoadedSegment:
+    topics = dict(first.segment.topics)
+    for topic, more in second.segment.topics.items():
+        old = topics.get(topic, Messages())
+        topics[topic] = Messages(
+            old.time_ns + more.time_ns, old.payload + more.payload, old.sequence + more.sequence
+        )
+    return replace(first, segment=replace(first.segment, topics=topics, closed=second.segment.closed))
 
 
 def segment_paths(folder: Path) -> list[tuple[int, Path]]:

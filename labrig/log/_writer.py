@@ -1,5 +1,7 @@
 """The log of one session: MCAP, protobuf, zstd chunks, durable at every step."""
 
+import contextlib
+import json
 import math
 import os
 from pathlib import Path
@@ -35,8 +37,6 @@ class LogWriter:
     """
 
     def __init__(self, path: Path, layout: Layout, run: dict[str, Any] | None = None) -> None:
-        import json
-
         from mcap.writer import Writer
 
         self.path = Path(path)
@@ -77,8 +77,6 @@ class LogWriter:
 
     def _write_plan(self, run: dict[str, Any]) -> None:
         """The spare copy of what the metadata say, in a small chunk of its own, with the schemas."""
-        import json
-
         self.write(
             Topic.PLAN,
             self.layout.start_s,
@@ -155,17 +153,33 @@ class LogWriter:
         """A prediction or a residual of the markers, mm, shape (M, 3)."""
         self.write(topic, time_s, model=model, vector_mm=np.asarray(vector_mm, float).ravel().tolist())
 
+    def size_bytes(self) -> int:
+        """How much of the file is written; what is still in the open chunk does not count."""
+        return self._file.tell()
+
     def step_done(self) -> None:
         """Make everything written so far durable: flush the chunk, then fsync the file."""
         self._writer.flush()
         os.fsync(self._file.fileno())
 
-    def close(self) -> None:
-        """Write the indexes and close the file; calling it again does nothing."""
+    def abandon(self) -> None:
+        """Close the file as it is, without its indexes: what is whole in it can be read."""
+        self.closed = True
+        with contextlib.suppress(OSError):
+            self._file.close()
+
+    def close(self, reason: str = "") -> None:
+        """Write the indexes and close the file; calling it again does nothing.
+
+        `reason` says why the run ended, in the metadata record "labrig.end"; left out when it goes on.
+        """
         if self.closed:
             return
         self.closed = True
         try:
+            if reason:
+                self._writer.flush()
+                self._writer.add_metadata("labrig.end", pack_metadata(json.dumps({"reason": reason})))
             self._writer.finish()
             self._file.flush()
             os.fsync(self._file.fileno())

@@ -1,0 +1,231 @@
+"""Carries out one step on a session."""
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from threading import Thread
+from typing import Any
+
+import numpy as np
+
+from drivers import DeviceError, MarkerFrame, PressureSample, RealClock
+from labrig._errors import LabrigError
+from labrig.campaign._session import Session
+from labrig.campaign._steps import (
+    Actuate,
+    Actuated,
+    Floats,
+    Note,
+    Record,
+    Recording,
+    Result,
+    Scan,
+    Scanned,
+    Settle,
+    Settled,
+    Step,
+    Vent,
+    Vented,
+)
+from labrig.log import Topic, to_ns
+from labrig.rig import RigConfig
+
+_STILLNESS_S = 0.5
+_SCAN_GRACE_S = 5.0
+
+
+def limit_errors(step: Step, config: RigConfig) -> list[str]:
+    """Every limit that a step would break, each as one phrase; empty when it may be carried out."""
+    if not isinstance(step, Actuate):
+        return ["the rig has no scanner"] if isinstance(step, Scan) and config.scanner is None else []
+    if len(step.pressure_kpa) != len(config.chambers):
+        return [f"{len(step.pressure_kpa)} pressures for {len(config.chambers)} chambers"]
+    errors = []
+    for chamber, pressure_kpa in zip(config.chambers, step.pressure_kpa, strict=True):
+        if not math.isfinite(pressure_kpa):
+            errors.append(f"{chamber.name} {pressure_kpa} kPa is not a number")
+        elif pressure_kpa > chamber.max_kpa:
+            errors.append(
+                f"{chamber.name} {pressure_kpa:g} kPa is above its limit of {chamber.max_kpa:g} kPa"
+            )
+        elif pressure_kpa < chamber.min_kpa:
+            errors.append(
+                f"{chamber.name} {pressure_kpa:g} kPa is below its limit of {chamber.min_kpa:g} kPa"
+            )
+    return errors
+
+
+def execute(session: Session, step: Step, reason: str = "actuate") -> tuple[Result, dict[str, Any]]:
+    """Carry out a step; returns its result, and what of it goes into the log."""
+    for kind, action in _ACTIONS.items():
+        if isinstance(step, kind):
+            return action(session, step, reason)
+    raise LabrigError(f"a procedure yielded {step!r}, which is no step; see labrig.campaign")
+
+
+def _actuate(session: Session, step: Actuate, reason: str) -> tuple[Result, dict[str, Any]]:
+    target = np.array(step.pressure_kpa, float)
+    started_s = session.now_s()
+    session.log_command(started_s, target, event=True, reason=reason)
+    slew = np.array([chamber.slew_kpa_s for chamber in session.rig.config.chambers])
+    while True:
+        reach = slew * session.tick_s
+        change = np.clip(target - session.commanded_kpa, -reach, reach)
+        arrived = bool(np.all(np.abs(target - session.commanded_kpa) <= reach))
+        session.command(target if arrived else session.commanded_kpa + change, event=False, reason=reason)
+        if arrived:
+            session.poll()
+            return Actuated(started_s, tuple(step.pressure_kpa)), {"time_s": started_s}
+        session.wait_until(session.now_s() + session.tick_s)
+
+
+def _settle(session: Session, step: Settle, _reason: str) -> tuple[Result, dict[str, Any]]:
+    started_s = session.now_s()
+    session.wait_until(started_s + step.duration_s)
+    speeds = _marker_speeds(session.held.frames, session.now_s() - _STILLNESS_S)
+    known = bool(np.isfinite(speeds).any())
+    measured = session.held.samples[-1].pressure_kpa if session.held.samples else np.array([math.nan])
+    error = np.abs(measured - session.commanded_kpa)
+    result = Settled(
+        took_s=session.now_s() - started_s,
+        speed_mm_s=float(np.nanmedian(speeds)) if known else math.nan,
+        fastest_mm_s=float(np.nanmax(speeds)) if known else math.nan,
+        pressure_error_kpa=float(np.nanmax(error)) if np.isfinite(error).any() else math.nan,
+    )
+    return result, dict(vars(result))
+
+
+def _marker_speeds(frames: list[MarkerFrame], since_s: float) -> Floats:
+    """Each marker's speed over the last frames, mm/s, (M,), from the slope of its positions; NaN if unseen.
+
+    A slope over many frames, not a difference of two: noise of 0.1 mm would look like 10 mm/s.
+    """
+    last = [frame for frame in frames if frame.time_s >= since_s]
+    if len(last) < 3:
+        return np.full(1, np.nan)
+    time_s = np.array([frame.time_s for frame in last]) - last[0].time_s
+    position = np.array([frame.position_mm for frame in last])
+    seen = np.isfinite(position[..., 0])
+    count = np.count_nonzero(seen, axis=0)
+    enough = np.maximum(count, 1)
+    time = np.where(seen, time_s[:, None], 0.0)
+    centred_time = np.where(seen, time - time.sum(axis=0) / enough, 0.0)
+    moved = np.where(seen[..., None], position, 0.0)
+    spread = (centred_time**2).sum(axis=0)
+    slope = (centred_time[..., None] * moved).sum(axis=0) / np.where(spread > 0, spread, np.nan)[:, None]
+    return np.where(count >= 3, np.linalg.norm(slope, axis=1), np.nan)
+
+
+def _record(session: Session, step: Record, _reason: str) -> tuple[Result, dict[str, Any]]:
+    started_s = session.now_s()
+    session.wait_until(started_s + step.duration_s)
+    ended_s = session.now_s()
+    frames = [frame for frame in session.held.frames if started_s <= frame.time_s <= ended_s]
+    samples = [sample for sample in session.held.samples if started_s <= sample.time_s <= ended_s]
+    markers, chambers = len(session.rig.config.markers), len(session.rig.config.chambers)
+    result = Recording(
+        time_s=_logged_times(frames),
+        position_mm=np.array([frame.position_mm for frame in frames], float).reshape(-1, markers, 3),
+        pressure_time_s=_logged_times(samples),
+        pressure_kpa=np.array([sample.pressure_kpa for sample in samples], float).reshape(-1, chambers),
+    )
+    seen = float(result.seen.mean()) if result.seen.size else None
+    summary = {"frames": len(frames), "frame_ns": _span(frames), "samples": len(samples)}
+    return result, {**summary, "sample_ns": _span(samples), "seen": seen}
+
+
+def _logged_times(measurements: Sequence[MarkerFrame | PressureSample]) -> Floats:
+    """The times with the precision of the log, so that a replay gives back exactly these."""
+    return np.array([to_ns(measurement.time_s) for measurement in measurements], np.int64) * 1e-9
+
+
+def _span(measurements: Sequence[MarkerFrame | PressureSample]) -> list[int] | None:
+    """The first and the last time in the log: exactly which messages the procedure was given."""
+    return [to_ns(measurements[0].time_s), to_ns(measurements[-1].time_s)] if measurements else None
+
+
+def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str, Any]]:
+    scanner = session.rig.scanner
+    if scanner is None:
+        raise LabrigError(f"rig {session.rig.config.name} has no scanner")
+    scan = _while_polling(session, lambda: scanner.scan(step.timeout_s), step.timeout_s + _SCAN_GRACE_S)
+    vertices = np.asarray(scan.vertices_mm, float)
+    result = Scanned(
+        files=tuple(_relative(session, file) for file in scan.files),
+        sha256=scan.sha256,
+        vertices=len(vertices),
+        triangles=len(scan.triangles),
+        registration_error_mm=math.nan if scan.registration_error_mm is None else scan.registration_error_mm,
+    )
+    if session.log is not None:
+        with session.signals.shield():
+            session.log.write(
+                Topic.SCAN,
+                scan.time_s,
+                **vars(result),
+                min_mm=vertices.min(axis=0).tolist() if len(vertices) else [],
+                max_mm=vertices.max(axis=0).tolist() if len(vertices) else [],
+            )
+    return result, {**vars(result), "files": list(result.files)}
+
+
+def _relative(session: Session, file: Any) -> str:
+    folder = session.folder
+    return file.relative_to(folder).as_posix() if folder and file.is_relative_to(folder) else str(file)
+
+
+def _while_polling(session: Session, call: Callable[[], Any], limit_s: float) -> Any:
+    """Run a call that waits on a thread while the devices are polled; on a simulated clock, just run it."""
+    if not isinstance(session.clock, RealClock):
+        value = call()
+        session.forget_silence()
+        session.poll()
+        return value
+    future: Future[Any] = Future()
+
+    def work() -> None:
+        try:
+            future.set_result(call())
+        except BaseException as error:
+            future.set_exception(error)
+
+    Thread(target=work, name="labrig scan", daemon=True).start()
+    end_s = session.now_s() + limit_s
+    while not future.done():
+        if session.now_s() > end_s:
+            raise DeviceError(f"{session.rig.scanner.name}: no scan within {limit_s:g} s")  # type: ignore[union-attr]
+        session.poll()
+        session.clock.sleep(session.tick_s)
+    return future.result()
+
+
+def _note(session: Session, step: Note, _reason: str) -> tuple[Result, dict[str, Any]]:
+    session.event(step.text)
+    return None, {}
+
+
+def _vent(session: Session, _step: Vent, reason: str) -> tuple[Result, dict[str, Any]]:
+    result = vent(session, "vent" if reason == "actuate" else reason)
+    return result, {"pressure_kpa": list(result.pressure_kpa), "took_s": result.took_s}
+
+
+def vent(session: Session, reason: str = "vent") -> Vented:
+    """Vent and confirm; the log hears of it afterwards."""
+    time_s = session.now_s()
+    with session.signals.shield():
+        report = session.rig.vent()
+    session.commanded_kpa = np.zeros(len(session.rig.config.chambers))
+    session.log_command(time_s, session.commanded_kpa, event=True, reason=reason)
+    session.forget_silence()
+    session.poll()
+    return Vented(tuple(float(value) for value in report.pressure_kpa), report.took_s)
+
+
+_ACTIONS: dict[type[Step], Callable[[Session, Any, str], tuple[Result, dict[str, Any]]]] = {
+    Actuate: _actuate,
+    Settle: _settle,
+    Record: _record,
+    Scan: _scan,
+    Note: _note,
+    Vent: _vent,
+}

@@ -1,0 +1,112 @@
+"""What a run's log says was completed, as the results that the procedure was given then."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.campaign._steps import (
+    Actuate,
+    Actuated,
+    Completed,
+    Record,
+    Recording,
+    Result,
+    Scan,
+    Scanned,
+    Settle,
+    Settled,
+    Step,
+    Vent,
+    Vented,
+    step_from_dict,
+)
+from labrig.log import LoadedSegment, RunSeries, Topic, load_segments, run_series, sessions
+
+
+def read_completed(folder: Path) -> list[Completed]:
+    """Every completed step from the first one on, without gaps, with its result.
+
+    Raises `LabrigError` when the log cannot be read.
+    """
+    segments, _ = load_segments(folder)
+    found: dict[int, Completed] = {}
+    for loaded in sessions(segments):
+        series = run_series(loaded)
+        for completed in _done(loaded, series):
+            found.setdefault(completed.index, completed)
+    steps = []
+    while len(steps) in found:
+        steps.append(found[len(steps)])
+    return steps
+
+
+def _done(loaded: LoadedSegment, series: RunSeries) -> list[Completed]:
+    from logs_schema.step_pb2 import Step as StepMessage
+
+    completed = []
+    for payload in loaded.messages(Topic.STEP).payload:
+        message = StepMessage.FromString(payload)
+        if message.state != StepMessage.DONE:
+            continue
+        step = step_from_dict(json.loads(message.step_json))
+        values = json.loads(message.result_json) if message.result_json else {}
+        result = _result(step, values, series, message.index)
+        completed.append(Completed(message.index, step, result, message.started_s, message.ended_s, True))
+    return completed
+
+
+def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int) -> Result:
+    if isinstance(step, Actuate):
+        return Actuated(values["time_s"], tuple(step.pressure_kpa))
+    if isinstance(step, Settle):
+        return Settled(**values)
+    if isinstance(step, Record):
+        return _recording(values, series, index)
+    if isinstance(step, Scan):
+        return Scanned(**{**values, "files": tuple(values["files"])})
+    if isinstance(step, Vent):
+        return Vented(tuple(values["pressure_kpa"]), values["took_s"])
+    return None
+
+
+def _recording(values: dict[str, Any], series: RunSeries, index: int) -> Recording:
+    frames = series.frames.during(*_span(values["frame_ns"]))
+    samples = series.pressures.during(*_span(values["sample_ns"]))
+    if len(frames.time_ns) != values["frames"] or len(samples.time_ns) != values["samples"]:
+        raise LabrigError(
+            f"the recording of step {index} is damaged: {len(frames.time_ns)} of {values['frames']} frames and "
+            f"{len(samples.time_ns)} of {values['samples']} pressure samples are left; it cannot be replayed"
+        )
+    return Recording(
+        time_s=np.asarray(frames.time_ns * 1e-9, np.float64),
+        position_mm=frames.values.astype(np.float64),
+        pressure_time_s=np.asarray(samples.time_ns * 1e-9, np.float64),
+        pressure_kpa=samples.values,
+    )
+
+
+def _span(span: list[int] | None) -> tuple[int, int]:
+    return (span[0], span[1]) if span else (1, 0)
+
+
+def holds_to_restore(completed: list[Completed], next_step: Step) -> list[tuple[Actuate, float]]:
+    """The set-points that bring a resumed rig back, and how long each is held, s.
+
+    The present hold, if the run stopped in the middle of one, and the one before it: what a chamber did last is
+    part of its history. A vent ends the search: the rig is vented already.
+    """
+    wanted = 1 if isinstance(next_step, Actuate | Vent) else 2
+    holds: list[tuple[Actuate, float]] = []
+    held_s = 0.0
+    for done in reversed(completed):
+        if isinstance(done.step, Vent) or len(holds) == wanted:
+            break
+        if isinstance(done.step, Settle | Record):
+            held_s += done.step.duration_s
+        elif isinstance(done.step, Actuate):
+            holds.insert(0, (done.step, held_s))
+            held_s = 0.0
+    return [] if isinstance(next_step, Vent) else holds

@@ -1,0 +1,103 @@
+"""run.yaml: what a run is, written before anything moves, and compared before a run is resumed."""
+
+import getpass
+import os
+import platform
+import subprocess
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from labrig import __version__
+from labrig._errors import LabrigError
+from labrig.campaign._plan import Plan, plan_facts, sha256_of
+from labrig.campaign._procedure import Procedure
+from labrig.rig import Rig
+
+
+def run_facts(
+    procedure: Procedure, rig: Rig, seed: int, plan: Plan, context: dict[str, Any]
+) -> dict[str, Any]:
+    """The content of run.yaml; `context` is added as it is (file names, for the command line)."""
+    facts = plan_facts(procedure, rig.config, seed, plan)
+    return {
+        "procedure": facts["procedure"],
+        "parameters": facts["parameters"],
+        "seed": seed,
+        "plan_sha256": sha256_of(facts),
+        "steps_sha256": facts["steps_sha256"],
+        "closed_loop": procedure.closed_loop,
+        "steps": len(plan.steps),
+        "captures": plan.captures,
+        "estimate_s": round(plan.duration_s, 3),
+        "started": datetime.fromtimestamp(rig.clock.now_s(), UTC).isoformat(timespec="seconds"),
+        "start_s": rig.clock.now_s(),
+        "operator": _operator(),
+        "rig": rig.config.to_dict(),
+        "identity": {
+            role: {"kind": identity.kind, "description": identity.description}
+            for role, identity in rig.identity.items()
+        },
+        "versions": {"labrig": __version__, "python": platform.python_version(), "system": platform.system()},
+        "git_commit": _git_commit(),
+        **context,
+    }
+
+
+def _operator() -> str:
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        return ""
+
+
+def _git_commit() -> str | None:
+    """The commit of the folder that labrig was started in, if it is a git repository."""
+    try:
+        answer = subprocess.run(
+            ["git", "rev-parse", "HEAD"], capture_output=True, text=True, timeout=5, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return answer.stdout.strip() or None
+
+
+def write_run_yaml(folder: Path, facts: dict[str, Any]) -> None:
+    """Write run.yaml, whole or not at all, and durably."""
+    partial = folder / "run.yaml.partial"
+    with partial.open("w", encoding="utf-8") as file:
+        yaml.safe_dump(facts, file, sort_keys=False, allow_unicode=True)
+        file.flush()
+        os.fsync(file.fileno())
+    partial.replace(folder / "run.yaml")
+
+
+def check_resumable(folder: Path, old: dict[str, Any], new: dict[str, Any]) -> None:
+    """Raise `LabrigError` naming the first thing that is not as it was when the run began."""
+    for field, what in (("procedure", "procedure"), ("parameters", "parameters"), ("seed", "seed")):
+        _same(folder, what, old.get(field), new[field])
+    old_rig, new_rig = old.get("rig", {}), new["rig"]
+    for field, what in (("name", "rig"), ("chambers", "limits of the chambers"), ("markers", "markers")):
+        _same(folder, what, old_rig.get(field), new_rig.get(field))
+    _same(folder, "devices", old.get("identity"), new["identity"])
+    if old.get("steps_sha256") != new["steps_sha256"]:
+        raise LabrigError(
+            f"cannot resume {folder}: procedure {new['procedure']} no longer makes the steps that it made when "
+            "the run began; start a new run"
+        )
+
+
+def _same(folder: Path, what: str, old: Any, new: Any) -> None:
+    if old == new:
+        return
+    if isinstance(old, dict) and isinstance(new, dict):
+        key = next(key for key in [*old, *new] if old.get(key) != new.get(key))
+        detail = f"{key} was {old.get(key)!r}, now it is {new.get(key)!r}"
+    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        pair = next((before, now) for before, now in zip(old, new, strict=True) if before != now)
+        detail = f"{pair[0]!r} became {pair[1]!r}"
+    else:
+        detail = f"{old!r} became {new!r}"
+    raise LabrigError(f"cannot resume {folder}: the {what} changed ({detail}); start a new run")

@@ -1,0 +1,332 @@
+"""Runs a procedure on a rig: vented first, logged always, resumed by replay."""
+
+import contextlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivers import Clock, DeviceError, RealClock, VentNotConfirmedError, VentReport
+from labrig._errors import LabrigError
+from labrig.campaign._execute import execute, limit_errors, vent
+from labrig.campaign._observe import Observation, Observer, Progress
+from labrig.campaign._plan import Plan, dry_run, rig_info
+from labrig.campaign._procedure import Procedure
+from labrig.campaign._replay import holds_to_restore, read_completed
+from labrig.campaign._runfile import check_resumable, run_facts, write_run_yaml
+from labrig.campaign._session import Control, Session
+from labrig.campaign._signals import Interrupted, SignalGuard
+from labrig.campaign._steps import Actuate, Completed, Record, Result, Settle, Step
+from labrig.campaign._walk import Walk
+from labrig.log import Layout, LogWriter, read_run_yaml, segment_path, segment_paths
+from labrig.rig import Rig
+
+_PROGRESS_S = 0.5
+_RETRY_S = 0.5
+
+
+@dataclass
+class Watching:
+    """Who watches a run and who may pause it; all of it optional."""
+
+    observers: Sequence[Observer] = ()
+    control: Control = field(default_factory=Control)
+    context: dict[str, Any] = field(default_factory=dict)
+
+
+def run(
+    procedure: Procedure,
+    rig: Rig,
+    folder: str | Path,
+    clock: Clock | None = None,
+    seed: int = 0,
+    progress: Callable[[Progress], None] | None = None,
+    watching: Watching | None = None,
+) -> Path:
+    """Run a procedure on a connected rig and log it to `folder`; returns the folder.
+
+    Every limit of the plan is checked before anything moves. However the run ends, the chambers are vented first,
+    and the vent is confirmed by reading; only then does this function return or raise. It does not close the rig.
+
+    Raises `LabrigError` (broken limits, an error in the procedure, a log that cannot be written), `DeviceError`
+    (a device failed or the rig is no longer safe), `VentNotConfirmedError` (the chambers may be under pressure),
+    `Interrupted` (a signal).
+    """
+    folder, watching = Path(folder), watching or Watching()
+    rig = rig if clock is None else replace(rig, clock=clock)
+    plan = _checked_plan(procedure, rig, seed)
+    folder.mkdir(parents=True, exist_ok=True)
+    if segment_paths(folder):
+        raise LabrigError(f"{folder} holds a run already; choose another folder, or resume it")
+    facts = run_facts(procedure, rig, seed, plan, watching.context)
+    write_run_yaml(folder, facts)
+    return _Run(procedure, rig, folder, facts, plan, [], watching, progress).go()
+
+
+def resume(
+    procedure: Procedure,
+    rig: Rig,
+    folder: str | Path,
+    clock: Clock | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    watching: Watching | None = None,
+) -> Path:
+    """Go on with a run that was interrupted, after its last completed step; returns the folder.
+
+    Raises `LabrigError` when the procedure, its parameters, the rig or its limits are not what they were, or when
+    there is nothing left to do; otherwise as `run`.
+    """
+    folder, watching = Path(folder), watching or Watching()
+    rig = rig if clock is None else replace(rig, clock=clock)
+    old = read_run_yaml(folder)
+    if not old:
+        raise LabrigError(f"cannot resume {folder}: it has no run.yaml that can be read")
+    seed = int(old.get("seed", 0))
+    plan = _checked_plan(procedure, rig, seed)
+    check_resumable(folder, old, run_facts(procedure, rig, seed, plan, {}))
+    completed = read_completed(folder)
+    if not procedure.closed_loop and len(completed) >= len(plan.steps):
+        raise LabrigError(f"{folder} is complete: all {len(completed)} steps are done")
+    return _Run(procedure, rig, folder, old, plan, completed, watching, progress).go()
+
+
+def _checked_plan(procedure: Procedure, rig: Rig, seed: int) -> Plan:
+    plan = dry_run(procedure, rig.config, seed)
+    if plan.broken and not procedure.closed_loop:
+        more = f" (and {len(plan.broken) - 1} more)" if len(plan.broken) > 1 else ""
+        raise LabrigError(f"nothing was moved: {plan.broken[0]}{more}")
+    return plan
+
+
+class _Run:
+    """One session of a run, from the first vent to the last."""
+
+    def __init__(
+        self,
+        procedure: Procedure,
+        rig: Rig,
+        folder: Path,
+        facts: dict[str, Any],
+        plan: Plan,
+        completed: list[Completed],
+        watching: Watching,
+        progress: Callable[[Progress], None] | None,
+    ) -> None:
+        self.procedure, self.rig, self.folder, self.facts = procedure, rig, folder, facts
+        self.plan, self.completed, self.control = plan, completed, watching.control
+        self.seed = int(facts["seed"])
+        observers = [*watching.observers, *([_Callback(progress)] if progress else [])]
+        self.observation = Observation(observers)
+        self.signals = SignalGuard(self.control.toggle)
+        self.walk = Walk(procedure, rig_info(rig.config, self.seed))
+        self.started_s = self.step_started_s = rig.clock.now_s()
+        self.session: Session | None = None
+        self.next_segment = max((number for number, _ in segment_paths(folder)), default=-1) + 1
+        self.session_name = str(self.next_segment)
+        self.captures_done = 0
+        self.last_progress_s = -1e9
+        self.step: Step | None = None
+
+    def go(self) -> Path:
+        """Run to the end, whatever it is; returns the folder or raises what ended the run, vented."""
+        error: BaseException | None = None
+        vented: VentReport | DeviceError
+        with self.signals:
+            try:
+                self._work()
+            except BaseException as caught:
+                error = caught
+            self.signals.close()
+            vent_started_s = self.rig.clock.now_s()
+            vented = vent_for_sure(self.rig)
+            log_error = self._write_end(error, vented, vent_started_s)
+        self.walk.close()
+        self.observation.tell("finished", _reason(error))
+        self.observation.close()
+        self._raise(error or log_error, vented)
+        return self.folder
+
+    def _work(self) -> None:
+        self.session = session = Session(
+            self.rig, self._open_log, self.observation, self.signals, self.control
+        )
+        session.on_tick = self._tick
+        self.observation.tell("started", rig_info(self.rig.config, self.seed), self.rig.rest_mm)
+        session.forget_silence()
+        vent(session, "start")
+        session.event(f"{self.procedure.procedure_name()} begins: {len(self.plan.steps)} steps")
+        self.walk.run(self._carry_out, self.rig.thinking)
+
+    def _open_log(self) -> LogWriter:
+        chambers = self.rig.config.chambers
+        rest_mm = self.rig.rest_mm
+        layout = Layout(
+            chambers=tuple(chamber.name for chamber in chambers),
+            chamber_min=tuple(chamber.min_kpa for chamber in chambers),
+            chamber_max=tuple(chamber.max_kpa for chamber in chambers),
+            markers=self.rig.config.markers,
+            rest_mm=None if rest_mm is None else tuple(tuple(point) for point in rest_mm.tolist()),
+            start_s=float(self.facts["start_s"]),
+            session=self.session_name,
+        )
+        writer = LogWriter(segment_path(self.folder, self.next_segment), layout, self.facts)
+        self.next_segment += 1
+        return writer
+
+    def _carry_out(self, index: int, step: Step) -> Result:
+        if index < len(self.completed):
+            return self._replay(index, step)
+        session = self._session()
+        if index == len(self.completed) and index > 0:
+            self._restore(step)
+        if broken := limit_errors(step, self.rig.config):
+            raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; nothing was moved")
+        if self.control.paused and isinstance(step, Actuate):
+            self._pause()
+        self.step, self.step_started_s = step, session.now_s()
+        session.begin_step(step, index)
+        done = Completed(index, step, None, self.step_started_s)
+        session.step_message(done, "STARTED")
+        result, logged = execute(session, step)
+        done = Completed(index, step, result, self.step_started_s, session.now_s())
+        session.step_message(done, "DONE", logged)
+        self.captures_done += isinstance(step, Record)
+        self.observation.tell("step_done", done)
+        self._report(step, index + 1)
+        return result
+
+    def _session(self) -> Session:
+        if self.session is None:
+            raise LabrigError("the run has not begun")
+        return self.session
+
+    def _replay(self, index: int, step: Step) -> Result:
+        done = self.completed[index]
+        if done.step != step:
+            raise LabrigError(
+                f"cannot resume {self.folder}: step {index} was {done.step.to_dict()}, and the procedure now asks "
+                f"for {step.to_dict()}; start a new run"
+            )
+        self.captures_done += isinstance(step, Record)
+        return done.result
+
+    def _restore(self, next_step: Step) -> None:
+        """Bring a resumed rig back to where the run stopped: the same set-points, held as long as they were."""
+        session = self._session()
+        session.event(f"resumed after {len(self.completed)} completed steps")
+        for actuate, held_s in holds_to_restore(self.completed, next_step):
+            session.begin_step(actuate, len(self.completed) - 1)
+            execute(session, actuate, "restore")
+            session.begin_step(Settle(held_s), len(self.completed) - 1)
+            execute(session, Settle(held_s))
+
+    def _pause(self) -> None:
+        session = self._session()
+        session.event("paused: vented, waiting")
+        vent(session, "pause")
+        while self.control.paused:
+            session.held.frames.clear()
+            session.held.samples.clear()
+            self._tick()
+            session.wait_until(session.now_s() + session.tick_s)
+            if not isinstance(session.clock, RealClock):
+                RealClock().sleep(0.01)  # a simulated clock would write a log of hours meanwhile
+        session.event("going on")
+
+    def _tick(self) -> None:
+        now_s = self.rig.clock.now_s()
+        if now_s - self.last_progress_s >= _PROGRESS_S and self.step is not None:
+            self.last_progress_s = now_s
+            self._report(self.step, self.walk.index)
+
+    def _report(self, step: Step, steps_done: int) -> None:
+        plan, now_s = self.plan, self.rig.clock.now_s()
+        known = not self.procedure.closed_loop
+        planned_s = plan.start_s[steps_done] if steps_done < len(plan.start_s) else plan.duration_s
+        if steps_done == self.walk.index and self.step is not None:
+            planned_s = min(planned_s + now_s - self.step_started_s, plan.duration_s)
+        progress = Progress(
+            steps_done=steps_done,
+            steps=len(plan.steps) if known else None,
+            captures_done=self.captures_done,
+            captures=plan.captures if known else None,
+            elapsed_s=now_s - self.started_s,
+            remaining_s=plan.duration_s - planned_s if known else None,
+            step=step.kind,
+            paused=self.control.paused,
+        )
+        self.observation.tell("progress", progress)
+
+    def _write_end(
+        self, error: BaseException | None, vented: VentReport | DeviceError, vent_s: float
+    ) -> OSError | None:
+        """Write how the run ended and close the log; the rig is vented already, so this may fail."""
+        if self.session is None or self.session.log is None:
+            return None
+        session, log = self.session, self.session.log
+        try:
+            if isinstance(vented, VentReport):
+                zeros = np.zeros(len(self.rig.config.chambers))
+                session.log_command(vent_s, zeros, event=True, reason="end")
+                with contextlib.suppress(DeviceError):
+                    session.poll()
+            else:
+                session.event(str(vented), "FATAL")
+            session.event(_reason(error), "INFO" if error is None else "ERROR")
+            log.close(_reason(error))
+        except OSError as problem:
+            log.abandon()
+            return problem
+        return None
+
+    def _raise(self, error: BaseException | None, vented: VentReport | DeviceError) -> None:
+        if isinstance(vented, DeviceError):
+            because = f"; the run had ended because: {_reason(error)}" if error is not None else ""
+            raise VentNotConfirmedError(f"{vented}{because}") from error
+        if isinstance(error, OSError):
+            raise LabrigError(
+                f"the log in {self.folder} cannot be written: {error.strerror or error}; the chambers are vented"
+            ) from error
+        if isinstance(error, KeyboardInterrupt):
+            done = f"after {self.walk.index} steps and {self.captures_done} captures"
+            raise Interrupted(f"stopped by {_reason(error)} {done}; the chambers are vented") from error
+        if error is not None:
+            raise error
+
+
+def vent_for_sure(rig: Rig) -> VentReport | DeviceError:
+    """Vent, again and again for as long as the rig's `vent_patience_s`, until it is confirmed.
+
+    A link that was lost may come back. Returns the report, or the last error.
+    """
+    end_s = rig.clock.now_s() + rig.config.safety.vent_patience_s
+    while True:
+        try:
+            return rig.vent()
+        except DeviceError as error:
+            problem = error
+        except Exception as error:  # a driver's own fault must not keep the next attempt from being made
+            problem = DeviceError(f"{rig.pressure.name}: {type(error).__name__}: {error}")
+        if rig.clock.now_s() >= end_s:
+            return problem
+        rig.clock.sleep(_RETRY_S)
+
+
+def _reason(error: BaseException | None) -> str:
+    if error is None:
+        return "completed"
+    if isinstance(error, KeyboardInterrupt):
+        return str(error) or "Ctrl-C"
+    return str(error) or type(error).__name__
+
+
+class _Callback(Observer):
+    """A plain function that wants to know the progress."""
+
+    def __init__(self, function: Callable[[Progress], None]) -> None:
+        self._function = function
+
+    def progress(self, progress: Progress) -> None:
+        self._function(progress)

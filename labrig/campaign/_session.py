@@ -1,0 +1,216 @@
+"""One session of a run: polls the devices, logs what they say, and notices when the rig is no longer safe."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
+from labrig.campaign._observe import Observation
+from labrig.campaign._signals import SignalGuard
+from labrig.campaign._steps import Completed, Floats, Step
+from labrig.log import LogWriter, Topic
+from labrig.rig import Rig
+
+TICK_S = 0.05
+"""How often devices are asked what is new while the run waits, s."""
+
+SEGMENT_BYTES = 512 * 1024 * 1024
+"""A segment that has grown to this is closed at the end of a step, and the next one begun."""
+
+
+class Control:
+    """Asks a run to pause or go on, from any thread; a pause begins before the next actuation, vented."""
+
+    def __init__(self) -> None:
+        self._paused = threading.Event()
+
+    @property
+    def paused(self) -> bool:
+        """Whether a pause was asked for."""
+        return self._paused.is_set()
+
+    def pause(self) -> None:
+        """Finish the hold that is being recorded, then vent and wait."""
+        self._paused.set()
+
+    def go_on(self) -> None:
+        """End the pause."""
+        self._paused.clear()
+
+    def toggle(self) -> None:
+        """Pause, or go on."""
+        if self.paused:
+            self.go_on()
+        else:
+            self.pause()
+
+
+@dataclass
+class Held:
+    """What arrived since the present step began."""
+
+    frames: list[MarkerFrame] = field(default_factory=list)
+    samples: list[PressureSample] = field(default_factory=list)
+
+
+class Session:
+    """The rig, the log and the observers of one run, between which the steps move data."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        open_log: Callable[[], LogWriter] | None,
+        observation: Observation,
+        signals: SignalGuard,
+        control: Control,
+        tick_s: float = TICK_S,
+    ) -> None:
+        self.rig, self.clock = rig, rig.clock
+        self._open_log = open_log
+        self.log = open_log() if open_log is not None else None
+        self.observation, self.signals, self.control = observation, signals, control
+        self.tick_s = tick_s
+        self.commanded_kpa: Floats = np.zeros(len(rig.config.chambers))
+        self.held = Held()
+        now_s = self.clock.now_s()
+        self._last_sample_s = self._last_frame_s = now_s
+        self.on_tick: Callable[[], None] = _nothing
+
+    def now_s(self) -> float:
+        """The time now on the run's clock."""
+        return self.clock.now_s()
+
+    def wait_until(self, time_s: float) -> None:
+        """Poll the devices until `time_s`, and once more then."""
+        while True:
+            self.poll()
+            remaining_s = time_s - self.clock.now_s()
+            if remaining_s <= 0:
+                return
+            self.clock.sleep(min(self.tick_s, remaining_s))
+
+    def poll(self) -> None:
+        """Take in and log what the devices have; raises `DeviceError` when the rig is not safe to go on with."""
+        samples = self.rig.pressure.samples()
+        frames = self.rig.mocap.frames() if self.rig.mocap is not None else []
+        with self.signals.shield():
+            self.held.samples += samples
+            self.held.frames += [replace(frame, position_mm=_as_logged(frame)) for frame in frames]
+            self._write(samples, frames)
+        if samples:
+            self._last_sample_s = samples[-1].time_s
+        if frames and any(frame.status.min(initial=9) < MarkerStatus.STALE for frame in frames):
+            self._last_frame_s = frames[-1].time_s
+        for sample in samples:
+            self.observation.tell("sample", sample)
+        for frame in frames:
+            self.observation.tell("frame", frame)
+        self.on_tick()
+        self._check(samples)
+
+    def _write(self, samples: list[PressureSample], frames: list[MarkerFrame]) -> None:
+        if self.log is None:
+            return
+        for sample in samples:
+            self.log.measured(sample)
+        for frame in frames:
+            self.log.frame(frame)
+
+    def _check(self, samples: list[PressureSample]) -> None:
+        safety, now_s = self.rig.config.safety, self.clock.now_s()
+        silent_s = now_s - self._last_sample_s
+        if silent_s > safety.stale_pressure_s:
+            raise DeviceError(
+                f"{self.rig.pressure.name}: no measurement for {silent_s:.1f} s "
+                f"(the limit is {safety.stale_pressure_s:g} s); check its link"
+            )
+        if self.rig.mocap is not None and now_s - self._last_frame_s > safety.lost_mocap_s:
+            raise DeviceError(
+                f"{self.rig.mocap.name}: no frame for {now_s - self._last_frame_s:.0f} s "
+                f"(the limit is {safety.lost_mocap_s:g} s); check its stream"
+            )
+        for sample in samples:
+            for chamber, pressure_kpa in zip(self.rig.config.chambers, sample.pressure_kpa, strict=True):
+                if pressure_kpa > chamber.max_kpa + safety.over_pressure_kpa:
+                    raise DeviceError(
+                        f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
+                        f"{safety.over_pressure_kpa:g} kPa above its limit of {chamber.max_kpa:g} kPa"
+                    )
+
+    def forget_silence(self) -> None:
+        """Begin the staleness checks anew, after something that did not poll."""
+        self._last_sample_s = self._last_frame_s = self.clock.now_s()
+
+    def command(self, target_kpa: Floats, *, event: bool, reason: str) -> None:
+        """Send a set-point and log it; `event` where an actuation begins, then the log gets the target."""
+        now_s = self.clock.now_s()
+        self.rig.pressure.set(target_kpa)
+        self.commanded_kpa = np.array(target_kpa, float)
+        if not event:
+            self.log_command(now_s, target_kpa, event=False, reason=reason)
+
+    def log_command(self, time_s: float, setpoint_kpa: Floats, *, event: bool, reason: str) -> None:
+        """Log what was commanded."""
+        if self.log is not None:
+            with self.signals.shield():
+                self.log.command(time_s, setpoint_kpa, event=event, reason=reason)
+        self.observation.tell("commanded", time_s, tuple(float(value) for value in setpoint_kpa))
+
+    def event(self, text: str, level: str = "INFO") -> None:
+        """A line for people, in the log and for the observers."""
+        if self.log is not None:
+            with self.signals.shield():
+                self.log.event(self.now_s(), text, level)
+        self.observation.tell("event", self.now_s(), text, level)
+
+    def step_message(self, completed: Completed, state: str, result: dict[str, Any] | None = None) -> None:
+        """Log a step's STARTED, DONE or FAILED; DONE makes everything so far durable."""
+        import json
+
+        from logs_schema import step_pb2
+
+        if self.log is None:
+            return
+        with self.signals.shield():
+            self.log.write(
+                Topic.STEP,
+                self.now_s(),
+                index=completed.index,
+                kind=completed.step.kind,
+                state=step_pb2.Step.State.Value(state),
+                step_json=json.dumps(completed.step.to_dict()),
+                result_json=json.dumps(result) if result is not None else "",
+                started_s=completed.started_s,
+                ended_s=completed.ended_s,
+            )
+            if state == "DONE":
+                self.log.step_done()
+                self._rotate()
+
+    def _rotate(self) -> None:
+        if self.log is not None and self._open_log is not None and self.log.size_bytes() > SEGMENT_BYTES:
+            self.log.close()
+            self.log = self._open_log()
+
+    def begin_step(self, step: Step, index: int) -> None:
+        """Forget what arrived before, and say that a step begins."""
+        self.held = Held()
+        self.observation.tell("step_started", index, step)
+
+    @property
+    def folder(self) -> Path | None:
+        """The run's folder; None in a dry run."""
+        return self.log.path.parent if self.log is not None else None
+
+
+def _nothing() -> None:
+    return
+
+
+def _as_logged(frame: MarkerFrame) -> Floats:
+    """The positions with the precision of the log, so that a replay gives back exactly these."""
+    return np.asarray(frame.position_mm, np.float32).astype(np.float64)

@@ -1,0 +1,85 @@
+"""Turns signals into an exception that a run can vent on, but never in the middle of a vent or a write."""
+
+import signal
+import threading
+from collections.abc import Callable
+from types import FrameType
+from typing import Self
+
+_NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
+_WORDS = {"SIGINT": "Ctrl-C", "SIGBREAK": "Ctrl-Break"}
+
+
+class Interrupted(KeyboardInterrupt):
+    """Somebody asked the run to stop; the message says how."""
+
+
+class SignalGuard:
+    """While it is entered, signals that end a program raise `Interrupted` in the main thread.
+
+    Inside `with guard.shield():` they wait until the shield is left. In another thread than the main one nothing
+    is installed. `on_pause` is called on SIGUSR1 (POSIX only).
+    """
+
+    def __init__(self, on_pause: Callable[[], None] | None = None) -> None:
+        self._on_pause = on_pause
+        self._old: dict[int, object] = {}
+        self._depth = 0
+        self._pending: str | None = None
+        self._closed = False
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is not threading.main_thread():
+            return self
+        for name in _NAMES:
+            number = getattr(signal, name, None)
+            if number is not None:
+                self._old[number] = signal.signal(number, self._handle)
+        if self._on_pause is not None and hasattr(signal, "SIGUSR1"):
+            self._old[signal.SIGUSR1] = signal.signal(signal.SIGUSR1, self._pause)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._old.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+        self._old.clear()
+
+    def _handle(self, number: int, _frame: FrameType | None) -> None:
+        name = signal.Signals(number).name
+        word = _WORDS.get(name, name)
+        if self._depth or self._closed:
+            self._pending = self._pending or word
+        else:
+            raise Interrupted(word)
+
+    def _pause(self, _number: int, _frame: FrameType | None) -> None:
+        if self._on_pause is not None:
+            self._on_pause()
+
+    def shield(self) -> "_Shield":
+        """A context in which signals wait."""
+        return _Shield(self)
+
+    def close(self) -> None:
+        """From here on signals are remembered and raise nothing: the run is ending, and vents."""
+        self._closed = True
+
+    def _enter_shield(self) -> None:
+        self._depth += 1
+
+    def _leave_shield(self, failing: bool) -> None:
+        self._depth -= 1
+        if self._depth == 0 and self._pending and not self._closed and not failing:
+            word, self._pending = self._pending, None
+            raise Interrupted(word)
+
+
+class _Shield:
+    def __init__(self, guard: SignalGuard) -> None:
+        self._guard = guard
+
+    def __enter__(self) -> None:
+        self._guard._enter_shield()
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        self._guard._leave_shield(failing=kind is not None)

@@ -1,0 +1,180 @@
+"""What a procedure yields, and what it gets back: small frozen values, no devices."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One thing to do; see the subclasses."""
+
+    kind: ClassVar[str] = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The step as plain values, its kind first."""
+        return {"kind": self.kind, **asdict(self)}
+
+
+@dataclass(frozen=True)
+class Actuate(Step):
+    """Bring the chambers to `pressure_kpa`, shape (C,), in the rig's order; answered by `Actuated`.
+
+    The way there respects each chamber's slew limit. The runner does not wait for the pressures to arrive.
+    """
+
+    kind: ClassVar[str] = "actuate"
+    pressure_kpa: Sequence[float]
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pressure_kpa", tuple(float(value) for value in self.pressure_kpa))
+
+
+@dataclass(frozen=True)
+class Settle(Step):
+    """Wait `duration_s` while everything is logged; answered by `Settled`, which says how still it became."""
+
+    kind: ClassVar[str] = "settle"
+    duration_s: float = 3.0
+
+
+@dataclass(frozen=True)
+class Record(Step):
+    """Record for `duration_s`: one capture; answered by `Recording`.
+
+    Captures with the same non-empty `repeat` are repeats of one set-point.
+    """
+
+    kind: ClassVar[str] = "record"
+    duration_s: float = 1.0
+    repeat: str = ""
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Scan(Step):
+    """Take a 3D scan, waiting `timeout_s` for it at most; answered by `Scanned`."""
+
+    kind: ClassVar[str] = "scan"
+    timeout_s: float = 120.0
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Note(Step):
+    """Write a line into the log; answered by None."""
+
+    kind: ClassVar[str] = "note"
+    text: str
+
+
+@dataclass(frozen=True)
+class Vent(Step):
+    """Vent every chamber and confirm it by reading; answered by `Vented`."""
+
+    kind: ClassVar[str] = "vent"
+
+
+STEP_KINDS: dict[str, type[Step]] = {kind.kind: kind for kind in (Actuate, Settle, Record, Scan, Note, Vent)}
+
+
+def step_from_dict(fields: dict[str, Any]) -> Step:
+    """The inverse of `Step.to_dict`."""
+    values = {key: value for key, value in fields.items() if key != "kind"}
+    return STEP_KINDS[fields["kind"]](**values)
+
+
+@dataclass(frozen=True)
+class Actuated:
+    """When the actuation began, and what was commanded, kPa, shape (C,)."""
+
+    time_s: float
+    pressure_kpa: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Settled:
+    """How still it was: the median and the fastest marker's speed over the last 0.5 s (NaN without markers), and
+
+    the largest difference between the pressures commanded and measured.
+    """
+
+    took_s: float
+    speed_mm_s: float = math.nan
+    fastest_mm_s: float = math.nan
+    pressure_error_kpa: float = math.nan
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One capture as it was recorded: N frames of M markers (NaN: not seen), P samples of C pressures."""
+
+    time_s: Floats
+    position_mm: Floats
+    pressure_time_s: Floats
+    pressure_kpa: Floats
+
+    @property
+    def mean_mm(self) -> Floats:
+        """The mean position of each marker over the frames that saw it, (M, 3); NaN if none did."""
+        return _mean(self.position_mm)
+
+    @property
+    def mean_kpa(self) -> Floats:
+        """The mean measured pressure of each chamber, (C,)."""
+        return _mean(self.pressure_kpa)
+
+    @property
+    def seen(self) -> Floats:
+        """The share of frames that saw each marker, (M,)."""
+        if not len(self.position_mm):
+            return np.zeros(self.position_mm.shape[1])
+        return np.isfinite(self.position_mm).all(axis=2).mean(axis=0)
+
+
+def _mean(values: Floats) -> Floats:
+    finite = np.isfinite(values)
+    count = finite.sum(axis=0)
+    total = np.where(finite, values, 0.0).sum(axis=0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """A scan: its files as the scanner left them, their common hash, its size, and the registration error."""
+
+    files: tuple[str, ...]
+    sha256: str
+    vertices: int
+    triangles: int
+    registration_error_mm: float = math.nan
+
+
+@dataclass(frozen=True)
+class Vented:
+    """A confirmed vent: the last pressures read, kPa, and how long it took."""
+
+    pressure_kpa: tuple[float, ...]
+    took_s: float
+
+
+Result = Actuated | Settled | Recording | Scanned | Vented | None
+
+
+@dataclass(frozen=True)
+class Completed:
+    """A step that is done: its number, what was asked, what came out, and when."""
+
+    index: int
+    step: Step
+    result: Result = None
+    started_s: float = 0.0
+    ended_s: float = 0.0
+    replayed: bool = field(default=False)

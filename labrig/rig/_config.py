@@ -1,0 +1,130 @@
+"""rig.yaml: which chambers, markers and devices a rig has, checked before anything is connected."""
+
+from pathlib import Path
+from typing import Any, Self
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from drivers import Channel
+from labrig._errors import LabrigError
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ChamberConfig(_Section):
+    """One chamber and the limits that are checked before every write."""
+
+    name: str = Field(min_length=1)
+    min_kpa: float = Field(default=0.0, ge=-100.0, le=1000.0)
+    max_kpa: float = Field(ge=-100.0, le=1000.0)
+    slew_kpa_s: float = Field(default=100.0, gt=0.0)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.min_kpa <= 0.0 <= self.max_kpa:
+            raise ValueError("0 kPa (vented) must lie between min_kpa and max_kpa")
+        return self
+
+
+class DeviceConfig(BaseModel):
+    """One device: its kind, and whatever that kind asks for."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    kind: str
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Everything but the kind."""
+        return dict(self.model_extra or {})
+
+
+class SafetyConfig(_Section):
+    """When labrig gives up and vents."""
+
+    vent_timeout_s: float = Field(default=10.0, gt=0.0)
+    vent_patience_s: float = Field(default=60.0, gt=0.0)
+    vented_kpa: float = Field(default=2.0, gt=0.0)
+    stale_pressure_s: float = Field(default=1.0, gt=0.0)
+    over_pressure_kpa: float = Field(default=5.0, gt=0.0)
+    lost_mocap_s: float = Field(default=30.0, gt=0.0)
+    heartbeat_s: float = Field(default=2.0, gt=0.0)
+    think_s: float = Field(default=60.0, gt=0.0)
+
+
+class RigConfig(_Section):
+    """A rig as rig.yaml describes it; `folder` is where the file lies, for the paths in it."""
+
+    name: str = Field(min_length=1)
+    chambers: tuple[ChamberConfig, ...] = Field(min_length=1)
+    markers: tuple[str, ...] = ()
+    rest_mm: dict[str, tuple[float, float, float]] | None = None
+    pressure: DeviceConfig
+    mocap: DeviceConfig | None = None
+    scanner: DeviceConfig | None = None
+    simulated: dict[str, Any] | None = None
+    safety: SafetyConfig = SafetyConfig()
+    folder: Path = Path()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        for what, names in (("chamber", [c.name for c in self.chambers]), ("marker", list(self.markers))):
+            if twice := sorted({name for name in names if names.count(name) > 1}):
+                raise ValueError(f"{what} {twice[0]} is named twice")
+        if self.markers and self.mocap is None:
+            raise ValueError("markers are named but there is no mocap device")
+        simulated = any(device is not None and device.kind == "simulated" for device in self.devices.values())
+        if simulated and self.simulated is None:
+            raise ValueError("a device is simulated, so a section `simulated` is needed (surface, seed, ...)")
+        return self
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """The chambers as the drivers know them."""
+        return tuple(Channel(c.name, c.min_kpa, c.max_kpa, c.slew_kpa_s) for c in self.chambers)
+
+    @property
+    def devices(self) -> dict[str, DeviceConfig | None]:
+        """The three devices by role."""
+        return {"pressure": self.pressure, "mocap": self.mocap, "scanner": self.scanner}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of rig.yaml with every default written out."""
+        return self.model_dump(mode="json", exclude={"folder"}, exclude_none=True)
+
+
+def load_rig(path: str | Path) -> RigConfig:
+    """Read and check a rig.yaml.
+
+    Raises `LabrigError` naming the file, the field and what is wrong with it.
+    """
+    path = Path(path)
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise LabrigError(f"cannot read the rig {path}: {error.strerror or error}") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise LabrigError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(content, dict):
+        raise LabrigError(f"{path} is not a rig: it should begin with `name: ...`")
+    return parse_rig(content, str(path), path.resolve().parent)
+
+
+def parse_rig(content: dict[str, Any], where: str, folder: Path) -> RigConfig:
+    """A rig from the content of its file; raises `LabrigError` as `load_rig` does."""
+    try:
+        return RigConfig.model_validate({**content, "folder": folder})
+    except ValidationError as error:
+        raise LabrigError(f"{where}: {describe(error)}") from None
+
+
+def describe(error: ValidationError) -> str:
+    """The first thing that pydantic found wrong, as `field: what`, and how many more there are."""
+    first, *others = error.errors(include_url=False)
+    place = ".".join(str(part) for part in first["loc"])
+    message = first["msg"].removeprefix("Value error, ")
+    more = f" (and {len(others)} more)" if others else ""
+    return f"{place}: {message}{more}" if place else f"{message}{more}"
