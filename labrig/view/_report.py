@@ -1,0 +1,315 @@
+"""The report of a diagnosis: one HTML file that reads like a colleague's note."""
+
+import os
+from datetime import datetime
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig.view import _figures
+from labrig.view._fields import cloud, skin, worst_captures
+from labrig.view._page import Page, bar, table
+from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
+from labrig.view._waterfall import waterfall_svg
+from labrig.view._words import amount, note, number, percent, word
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+
+REPORT_NAME = "report.html"
+ROWS_A_GROUP = 6
+RANKED = 8
+
+_GROUPS = {
+    "marker": "marker",
+    "region": "region of the surface",
+    "chamber": "chamber",
+    "pressure band": "pressure",
+    "direction": "direction of approach",
+    "hold time": "time in the hold",
+    "session time": "time in the session",
+    "pair": "pair of chambers",
+    "observable": "observable",
+}
+
+
+def write_report(result: "Result", folder: str | Path) -> Path:
+    """Write `report.html` into `folder` (made if it is missing) and return its path.
+
+    The file is complete in itself: it opens without a network. It is written under another name first, so
+    that a report is never half a report.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / REPORT_NAME
+    temporary = folder / f".{REPORT_NAME}.{os.getpid()}"
+    try:
+        temporary.write_text(report_html(result), encoding="utf-8")
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path
+
+
+def report_html(result: "Result") -> str:
+    """The report as one string of HTML."""
+    words = note(result.summary)
+    page = Page(f"labrig: {words.headline}")
+    _opening(page, result)
+    _waterfall(page, result)
+    _ranking(page, result.summary)
+    _surface(page, result)
+    _where(page, result)
+    _signatures(page, result)
+    _captures(page, result)
+    _closing(page, result.summary)
+    return page.html()
+
+
+def _opening(page: Page, result: "Result") -> None:
+    summary, fields = result.summary, result.fields
+    words = note(summary)
+    run = str(fields.attrs.get("run", ""))
+    sizes = [f"{fields.sizes['capture']} captures", f"{fields.sizes['observable']} observables"]
+    if fields.sizes.get("marker", 0):
+        sizes[1] = f"{fields.sizes['marker']} markers"
+    about = " · ".join(
+        filter(
+            None, ["labrig", Path(run).name, *sizes, datetime.now().astimezone().strftime("%d %B %Y, %H:%M")]
+        )
+    )
+    probability = summary.get("probability")
+    sure = (
+        f", {percent(probability)} sure" if words.verdict != "comparison" and probability is not None else ""
+    )
+    colour = VERDICT_COLOURS[words.verdict]
+    page.add(
+        f'<div class="over"><span class="badge" style="background:{colour}">{escape(words.verdict + sure)}</span>'
+        f"<span>{escape(about)}</span></div>"
+    )
+    page.add(f"<h1>{escape(words.headline)}</h1>")
+    page.add(f'<p class="lead">{escape(words.why)}</p>')
+    page.add(_errors(summary))
+    answers = [
+        ("What else could it be?", words.else_),
+        ("What to measure next", words.next_),
+    ]
+    shown = "".join(
+        f"<div><h3>{escape(question)}</h3><p>{_with_code(answer)}</p></div>"
+        for question, answer in answers
+        if answer
+    )
+    page.add(f'<div class="answers">{shown}</div>')
+    if summary.get("warnings"):
+        lines = "".join(f"<p>{escape(str(line))}</p>" for line in summary["warnings"])
+        page.add(f'<div class="warnings"><h3>Keep in mind</h3>{lines}</div>')
+
+
+def _errors(summary: dict[str, Any]) -> str:
+    verdict = summary.get("verdict")
+    added = "with " + ", ".join(word(str(name)) for name in summary.get("effects", []))
+    after = added if summary.get("effects") else "with the best candidate"
+    names = [("base", "the model as it was", BEFORE), ("model", after, AFTER)]
+    if not verdict or verdict in ("nothing_missing", "underpowered"):
+        names = [("base" if "base" in summary.get("error", {}) else "model", "the model as it is", AFTER)]
+    names += [("ceiling", "could be explained", CEILING), ("floor", "repeats differ by", FLOOR)]
+    error, units = summary.get("error", {}), escape(str(summary.get("units", "")))
+    shown = "".join(
+        f'<div class="figure" style="border-color:{colour}"><b>{number(error[key])} <small>{units}</small></b>'
+        f"<span>{escape(label)}</span></div>"
+        for key, label, colour in names
+        if error.get(key) is not None
+    )
+    return f'<div class="figures">{shown}</div>'
+
+
+def _waterfall(page: Page, result: "Result") -> None:
+    if len(result.waterfall) < 2:
+        return
+    page.section(
+        "From the model to the noise",
+        "Root-mean-square error on held-out captures. Nothing can be explained below the floor.",
+    )
+    page.add(waterfall_svg(result.waterfall, str(result.summary.get("units", ""))))
+
+
+def _ranking(page: Page, summary: dict[str, Any]) -> None:
+    ranking = summary.get("ranking", [])
+    if not ranking:
+        return
+    chosen = [str(name) for name in summary.get("effects", [])]
+    order = sorted(ranking, key=lambda row: str(row.get("effect")) not in chosen)
+    page.section(
+        "Who could have done it",
+        "Every effect was fitted beside what the model declares as its own, and scored on captures it had not seen. "
+        "Explained: the share of the explainable error that goes away.",
+    )
+    best = max((row.get("drop") or 0.0 for row in order), default=0.0) or 1.0
+
+    def cells(row: dict[str, Any]) -> list[str]:
+        drop = row.get("drop")
+        share = "–" if drop is None else percent(max(0.0, drop))
+        uncertainty = f" ± {number(row['se'])}" if row.get("se") is not None else ""
+        return [
+            escape(word(str(row.get("effect")))),
+            number(row.get("heldout_error")) + uncertainty,
+            f"{bar((drop or 0.0) / max(best, 1.0), 90)} {share}",
+            percent(row.get("probability")),
+            f'<span class="parameters">{_parameters(row.get("parameters") or {})}</span>',
+        ]
+
+    header = [
+        "effect",
+        f"held-out error, {escape(str(summary.get('units', '')))}",
+        "explained",
+        "probability",
+        "values",
+    ]
+    classes = ["", "number", "", "number", ""]
+    marked = sum(str(row.get("effect")) in chosen for row in order)
+    page.add(table(header, [cells(row) for row in order[:RANKED]], classes, marked))
+    if len(order) > RANKED:
+        rest = table(header, [cells(row) for row in order[RANKED:]], classes)
+        page.add(f"<details><summary>{len(order) - RANKED} more</summary>{rest}</details>")
+
+
+def _parameters(parameters: dict[str, Any]) -> str:
+    shown = []
+    for name, entry in list(parameters.items())[:6]:
+        if not isinstance(entry, dict):
+            shown.append(f"{escape(word(name))} {number(entry)}")
+            continue
+        unit = str(entry.get("unit", ""))
+        name = name.removesuffix(f"_{unit}")
+        unit = "" if unit == "1" else f" {escape(unit)}"
+        uncertainty = f" ± {number(entry['sd'])}" if entry.get("sd") is not None else ""
+        value = entry.get("value")
+        if isinstance(value, dict | list):
+            shown.append(f"{escape(word(name))}: {len(value)} values")
+        else:
+            shown.append(f"{escape(word(name))} {number(value)}{uncertainty}{unit}")
+    more = f", {len(parameters) - 6} more" if len(parameters) > 6 else ""
+    return ", ".join(shown) + more
+
+
+def _surface(page: Page, result: "Result") -> None:
+    summary, markers = result.summary, cloud(result.fields)
+    units = str(summary.get("units", ""))
+    both = bool(summary.get("effects")) or summary.get("verdict") in ("confounded", "unknown")
+    if markers is None:
+        page.section(
+            "Measured against predicted",
+            "Every number that was measured; on the dotted line the model is exact.",
+        )
+        page.add(page.plot(_figures.fit(result.fields)))
+        return
+    page.section(
+        "On the surface",
+        "Root-mean-square error of each marker over the campaign, in colour, on one scale. Turn it with the mouse."
+        if both
+        else "Root-mean-square error of each marker over the campaign, in colour. Turn it with the mouse.",
+    )
+    before, after = _figures.surfaces(markers, skin(markers.rest_mm), units)
+    if both:
+        added = " and ".join(word(str(name)) for name in summary.get("effects", [])) or "the best candidate"
+        page.add(
+            f'<div class="plots"><div class="plot"><h3>Before: the model as it was</h3>{page.plot(before)}</div>'
+            f'<div class="plot"><h3>After: with {escape(added)}</h3>{page.plot(after)}</div></div>'
+        )
+    else:
+        page.add(page.plot(after))
+
+
+def _where(page: Page, result: "Result") -> None:
+    rows = [row for row in result.where if row.get("error") is not None and row["error"] == row["error"]]
+    if not rows:
+        return
+    units = str(result.summary.get("units", ""))
+    page.section(
+        "Where it fails",
+        f"Error of the model as it was, in {units}, and its share of what can be explained. "
+        "Pale: not clear of the noise.",
+    )
+    groups = sorted({str(row["group"]) for row in rows}, key=lambda name: [*_GROUPS, name].index(name))
+    top = max(float(row["error"]) for row in rows) or 1.0
+    blocks = []
+    for group in groups:
+        inside = [row for row in rows if row["group"] == group]
+        ordered = group in ("pressure band", "direction", "hold time", "session time")
+        if not ordered:
+            inside.sort(key=lambda row: -row["error"])
+        cells = [
+            [
+                escape(str(row["name"])),
+                bar(row["error"] / top, 170, pale=not row.get("clear", True)),
+                number(row["error"]),
+                percent(row.get("share")),
+            ]
+            for row in (inside if ordered else inside[:ROWS_A_GROUP])
+        ]
+        body = table(
+            [_GROUPS.get(group, group), "", f"error, {units}", "share"], cells, ["", "", "number", "number"]
+        )
+        blocks.append(f'<div class="plot">{body}</div>')
+    page.add(f'<div class="plots">{"".join(blocks)}</div>')
+
+
+def _signatures(page: Page, result: "Result") -> None:
+    if not result.signatures:
+        return
+    units = str(result.summary.get("units", ""))
+    page.section(
+        "What gives it away",
+        "What the model leaves over, against the quantity that betrays each effect; lines are means, up and down "
+        "strokes apart. A flat line means: not this one.",
+    )
+    blocks = [
+        f'<div class="plot"><h3>{escape(word(item.effect))}: {escape(item.covariate)}</h3>'
+        f"{page.plot(_figures.signature(item, units))}</div>"
+        for item in result.signatures
+    ]
+    page.add(f'<div class="plots">{"".join(blocks)}</div>')
+
+
+def _captures(page: Page, result: "Result") -> None:
+    units = str(result.summary.get("units", ""))
+    worst = worst_captures(result.fields)
+    if not worst:
+        return
+    page.section("Capture by capture", "The error of every capture in the order in which they were taken.")
+    floor = result.summary.get("error", {}).get("floor")
+    page.add(page.plot(_figures.over_captures(result.fields, units, floor)))
+    page.add("<h3>The worst captures</h3>")
+    several = len({capture.session for capture in worst}) > 1
+    header = ["capture", "set-points", "worst at", f"before, {escape(units)}", f"after, {escape(units)}"]
+    cells = [
+        [
+            escape(capture.capture + (f" ({capture.session})" if several else "")),
+            escape(capture.commanded),
+            escape(capture.where),
+            number(capture.base),
+            number(capture.model),
+        ]
+        for capture in worst
+    ]
+    page.add(table(header, cells, ["", "", "", "number", "number"]))
+
+
+def _closing(page: Page, summary: dict[str, Any]) -> None:
+    terms = {
+        "Held out": "Errors are measured on whole blocks of captures that took no part in the fit.",
+        "Floor": f"What repeats of one set-point with the same history differ by: {amount(summary, 'floor')}.",
+    }
+    if summary.get("error", {}).get("ceiling") is not None:
+        terms["Ceiling"] = (
+            "What a flexible learner reaches that may use everything that was logged: "
+            f"{amount(summary, 'ceiling')}. Below it, what is left could not be predicted by anything tried."
+        )
+    shown = "".join(f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in terms.items())
+    page.add(f"<footer><dl>{shown}</dl></footer>")
+
+
+def _with_code(text: str) -> str:
+    """Escape, with `words in backquotes` as code."""
+    parts = escape(text).split("`")
+    return "".join(f"<code>{part}</code>" if i % 2 else part for i, part in enumerate(parts))

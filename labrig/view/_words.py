@@ -1,0 +1,225 @@
+"""A verdict in words: what a colleague would write on top of the pictures."""
+
+from dataclasses import dataclass
+from typing import Any
+
+VERDICTS = {
+    "nothing_missing": "nothing missing",
+    "identified": "identified",
+    "multiple": "several effects",
+    "confounded": "confounded",
+    "unknown": "unknown effect",
+    "underpowered": "too few data",
+}
+
+
+@dataclass(frozen=True)
+class Note:
+    """The words of a report, as plain text: the verdict's name, one headline, and four short answers."""
+
+    verdict: str
+    headline: str
+    why: str
+    else_: str
+    next_: str
+
+
+def note(summary: dict[str, Any]) -> Note:
+    """Put a diagnosis (or a comparison, which has no verdict) into words."""
+    verdict = str(summary.get("verdict", ""))
+    if verdict not in VERDICTS:
+        return Note("comparison", _compared(summary), _where(summary), "", _after_comparison(summary))
+    return Note(
+        VERDICTS[verdict], _headline(summary), _why(summary), _rivals(summary), next_experiment(summary)
+    )
+
+
+def number(value: Any) -> str:
+    """Three significant digits, without an exponent where that is short; a dash for what is not known."""
+    if value is None or not isinstance(value, int | float) or value != value:
+        return "–"
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    return f"{value:.2e}"
+
+
+def listed(names: list[str], last: str = "and") -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    words = [word(name) for name in names]
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def word(name: str) -> str:
+    """An effect's name as a word in a sentence."""
+    return name.replace("_", " ")
+
+
+def amount(summary: dict[str, Any], which: str) -> str:
+    """One of the errors with its unit, such as `1.92 mm`."""
+    return f"{number(summary.get('error', {}).get(which))} {summary.get('units', '')}".strip()
+
+
+def percent(value: Any) -> str:
+    """A probability or a share as people say it, never a false certainty."""
+    if value is None or value != value:
+        return "–"
+    if value > 0.995:
+        return "over 99 %"
+    if 0 < value < 0.005:
+        return "under 1 %"
+    return f"{100 * value:.0f} %"
+
+
+def _headline(summary: dict[str, Any]) -> str:
+    effects = [str(name) for name in summary.get("effects", [])]
+    rivals = [name for name in effects + [str(r) for r in summary.get("rivals", [])] if name]
+    match summary["verdict"]:
+        case "nothing_missing":
+            return "Nothing is missing: the model is as good as the measurements."
+        case "identified":
+            return f"{listed(effects).capitalize()} is missing from the model."
+        case "multiple":
+            return f"{listed(effects).capitalize()} are missing from the model."
+        case "confounded":
+            names = list(dict.fromkeys(rivals))
+            return f"Something is missing, and these data cannot tell {listed(names)} apart."
+        case "unknown":
+            if effects:
+                return f"Beyond {listed(effects)}, something real is missing that has no name here."
+            return "Something real is missing, and it is none of the effects that labrig knows."
+        case _:
+            return "These data are too few or too noisy to tell."
+
+
+def _why(summary: dict[str, Any]) -> str:
+    base, model, floor = (amount(summary, which) for which in ("base", "model", "floor"))
+    floor_words = f"repeats of one set-point differ by {floor}"
+    match summary["verdict"]:
+        case "nothing_missing":
+            return (
+                f"On captures that were held out the model is off by {base}, and {floor_words}: there is nothing "
+                "left that any effect could explain. " + _where(summary)
+            ).strip()
+        case "underpowered":
+            return f"The model is off by {base} and {floor_words}; an effect of the size that matters could hide in it."
+        case "unknown":
+            ceiling = amount(summary, "ceiling")
+            return (
+                f"The model is off by {base}; named effects bring it to {model}, but a learner that may use everything "
+                f"that was logged reaches {ceiling}, and {floor_words}. " + _where(summary)
+            ).strip()
+    effects = [str(name) for name in summary.get("effects", [])]
+    added = f"with {listed(effects)} added" if effects else "with the best candidate added"
+    share = _explained(summary)
+    explained = f" That explains {share} of what can be explained." if share else ""
+    return (
+        f"On captures that were held out from the fit, the error falls from {base} to {model} {added}; "
+        f"{floor_words}.{explained} " + _where(summary)
+    ).strip()
+
+
+def _explained(summary: dict[str, Any]) -> str:
+    error = summary.get("error", {})
+    base, model = error.get("base"), error.get("model")
+    bottom = [value for value in (error.get("floor"), error.get("ceiling")) if value is not None]
+    if base is None or model is None or not bottom or base <= max(bottom):
+        return ""
+    return percent(min(1.0, (base - model) / (base - max(bottom))))
+
+
+def _where(summary: dict[str, Any]) -> str:
+    """The clearest place of the failure, by chamber or pressure before marker: the larger picture first."""
+    clear = [
+        row for row in summary.get("where", []) if row.get("clear", True) and row.get("error") is not None
+    ]
+    if not clear:
+        return ""
+    sentences = []
+    for group, form in (
+        ("marker", "at marker {name}"),
+        ("observable", "in {name}"),
+        ("time in hold", "{name} into the hold"),
+        ("time in session", "{name} into the session"),
+        ("pressure band", "at mean pressures of {name}"),
+        ("direction", "on strokes that go {name}"),
+        ("chamber", "with {name}"),
+        ("pair of chambers", "with {name}"),
+    ):
+        rows = [row for row in clear if row.get("group") == group]
+        if len(rows) >= 1:
+            worst = max(rows, key=lambda row: row["error"])
+            sentences.append(
+                form.format(name=worst["name"]) + f" ({number(worst['error'])} {summary.get('units', '')})"
+            )
+        if len(sentences) == 2:
+            break
+    return f"It fails most {' and '.join(sentences)}." if sentences else ""
+
+
+def _rivals(summary: dict[str, Any]) -> str:
+    verdict = summary["verdict"]
+    chosen = {str(name) for name in summary.get("effects", [])}
+    rivals = [str(name) for name in summary.get("rivals", []) if str(name) not in chosen]
+    ranking = [row for row in summary.get("ranking", []) if str(row.get("effect")) not in chosen]
+    if verdict == "confounded":
+        return (
+            "Each of them alone brings the held-out error down about equally far. Adding the wrong one would improve "
+            "this campaign and mislead the next."
+        )
+    if rivals:
+        return (
+            f"It could also be {listed(rivals, 'or')}: the evidence against is weaker than labrig asks for."
+        )
+    if verdict in ("identified", "multiple") and ranking:
+        best = min(ranking, key=lambda row: row.get("heldout_error", float("inf")))
+        return (
+            f"Nothing else comes near: the next best explanation, {word(str(best['effect']))}, leaves "
+            f"{number(best.get('heldout_error'))} {summary.get('units', '')} on the same captures."
+        )
+    if verdict == "nothing_missing" and ranking:
+        return (
+            "Every effect in the library was tried; none lowers the held-out error by more than chance would."
+        )
+    return ""
+
+
+def next_experiment(summary: dict[str, Any]) -> str:
+    """What to measure next, in a sentence; what follows from the verdict where no experiment was designed."""
+    planned = summary.get("next_experiment")
+    if isinstance(planned, str) and planned:
+        return planned[0].upper() + planned[1:].rstrip(".") + "."
+    if isinstance(planned, dict):
+        for key in ("description", "why", "reason", "experiment", "probe", "name"):
+            if planned.get(key):
+                minutes = planned.get("minutes")
+                text = str(planned[key]).rstrip(".")
+                tail = f" ({number(minutes)} minutes of lab time)" if minutes else ""
+                return text[0].upper() + text[1:] + tail + "."
+    match summary["verdict"]:
+        case "nothing_missing":
+            return "Nothing needs measuring. A smaller effect would show with more repeats of the same set-points."
+        case "identified" | "multiple":
+            return (
+                "Measure a fresh programme with other set-points, another order and other holds: a wrong name can fit "
+                "this campaign, but it does not carry over to that one."
+            )
+        case "confounded" | "unknown":
+            return "Run `labrig next` for the pressure programme that separates the explanations best."
+        case _:
+            return "Repeat the same set-points more often, with the same history before each."
+
+
+def _compared(summary: dict[str, Any]) -> str:
+    return f"The model as it stands is off by {amount(summary, 'model')}; repeats differ by {amount(summary, 'floor')}."
+
+
+def _after_comparison(summary: dict[str, Any]) -> str:
+    error = summary.get("error", {})
+    model, floor = error.get("model"), error.get("floor")
+    if model is None or floor is None:
+        return ""
+    if model > 1.5 * floor:
+        return "Run `labrig diagnose` with the same arguments to learn which effect is missing."
+    return "The model is close to what repeats of one set-point allow."
