@@ -1,6 +1,8 @@
 """The report of a diagnosis: one HTML file that reads like a colleague's note."""
 
+import math
 import os
+import re
 from datetime import datetime
 from html import escape
 from pathlib import Path
@@ -23,14 +25,15 @@ RANKED = 8
 _GROUPS = {
     "marker": "marker",
     "region": "region of the surface",
-    "chamber": "chamber",
-    "pressure band": "pressure",
-    "direction": "direction of approach",
-    "hold time": "time in the hold",
-    "session time": "time in the session",
-    "pair": "pair of chambers",
     "observable": "observable",
+    "chamber": "chamber",
+    "pair of chambers": "pair of chambers",
+    "pressure band": "mean pressure",
+    "direction": "direction of approach",
+    "time in hold": "time in the hold",
+    "time in session": "time in the session",
 }
+_ORDERED = ("pressure band", "time in hold", "time in session")
 
 
 def write_report(result: "Result", folder: str | Path) -> Path:
@@ -221,37 +224,40 @@ def _surface(page: Page, result: "Result") -> None:
 
 
 def _where(page: Page, result: "Result") -> None:
-    rows = [row for row in result.where if row.get("error") is not None and row["error"] == row["error"]]
+    rows = [row for row in result.where if row["group"] in _GROUPS and row["error"] == row["error"]]
     if not rows:
         return
-    units = str(result.summary.get("units", ""))
+    units, top = str(result.summary.get("units", "")), max(float(row["error"]) for row in rows) or 1.0
     page.section(
         "Where it fails",
         f"Error of the model as it was, in {units}, and its share of what can be explained. "
         "Pale: not clear of the noise.",
     )
-    groups = sorted({str(row["group"]) for row in rows}, key=lambda name: [*_GROUPS, name].index(name))
-    top = max(float(row["error"]) for row in rows) or 1.0
     blocks = []
-    for group in groups:
-        inside = [row for row in rows if row["group"] == group]
-        ordered = group in ("pressure band", "direction", "hold time", "session time")
-        if not ordered:
-            inside.sort(key=lambda row: -row["error"])
+    for group, title in _GROUPS.items():
+        inside = sorted((row for row in rows if row["group"] == group), key=lambda row: -row["error"])
+        if not inside:
+            continue
+        shown = inside[:ROWS_A_GROUP]
+        if group in _ORDERED:
+            shown = sorted(inside, key=lambda row: _first_number(str(row["name"])))
         cells = [
             [
                 escape(str(row["name"])),
-                bar(row["error"] / top, 170, pale=not row.get("clear", True)),
+                bar(row["error"] / top, 150, pale=not row.get("clear", True)),
                 number(row["error"]),
                 percent(row.get("share")),
             ]
-            for row in (inside if ordered else inside[:ROWS_A_GROUP])
+            for row in shown
         ]
-        body = table(
-            [_GROUPS.get(group, group), "", f"error, {units}", "share"], cells, ["", "", "number", "number"]
-        )
+        body = table([title, "", f"error, {escape(units)}", "share"], cells, ["", "", "number", "number"])
         blocks.append(f'<div class="plot">{body}</div>')
     page.add(f'<div class="plots">{"".join(blocks)}</div>')
+
+
+def _first_number(name: str) -> float:
+    found = re.match(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?", name)
+    return float(found[0]) if found else math.inf
 
 
 def _signatures(page: Page, result: "Result") -> None:
