@@ -1,5 +1,6 @@
 """The simulated rig: devices that behave like the real ones, over one shared plant."""
 
+from drivers.simulated._calibration import Programme, calibrate, run_programme
 from drivers.simulated._devices import SimulatedMocap, SimulatedPressure, SimulatedScanner
 from drivers.simulated._plant import Plant, SimulatedPlant, build_plant
 from drivers.simulated._sealed import SEALED_NAME, choose, hide, reveal, seal
@@ -11,13 +12,16 @@ __all__ = [
     "HIDDEN_EFFECTS",
     "SEALED_NAME",
     "Plant",
+    "Programme",
     "SimulatedMocap",
     "SimulatedPlant",
     "SimulatedPressure",
     "SimulatedScanner",
     "build_plant",
+    "calibrate",
     "choose",
     "hide",
     "reveal",
+    "run_programme",
     "seal",
 ]

@@ -1,0 +1,164 @@
+"""Drawing a blind campaign: chance picks a body, a programme, what is hidden, and what spoils the
+measurement.
+"""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.simulated import Programme, calibrate, run_programme
+from drivers.simulated.hidden import EFFECTS, UNLISTED, Hidden, Setting
+from labrig._errors import LabrigError
+from labrig.bench._bodies import BenchBody, make_base, make_body, observed
+from labrig.bench._classes import CLASSES, Draw, pick
+from labrig.bench._dataset import to_dataset
+from labrig.bench._noise import Spoil, spoil
+from labrig.bench._programmes import Plan, make_plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+MAX_KPA = 60.0
+
+
+@dataclass
+class Campaign:
+    """A blind campaign.
+
+    `dataset` is the campaign and `fresh` another of the same rig, with a programme of its own, recorded
+    after it (both as docs/reference/dataset.md has them); `base` is the recipe of the base model (for
+    `make_base`), or None where the base is a static map of degree 1; `truth` says what is hidden and what a
+    right answer is.
+    """
+
+    dataset: "xr.Dataset"
+    fresh: "xr.Dataset"
+    base: dict[str, Any] | None
+    truth: dict[str, Any] = field(default_factory=dict)
+
+
+def draw(name: str, seed: int, without: tuple[str, ...] = ()) -> Campaign:
+    """The campaign of a class (see `CLASSES`) and a seed; the same two give the same campaign.
+
+    `without`: effects that the library will not have; where one of them is hidden, unknown is the right
+    answer.
+    """
+    if name not in CLASSES:
+        raise LabrigError(f"bench: there is no class '{name}' (known: {', '.join(CLASSES)})")
+    random = np.random.default_rng([seed, *name.encode()])
+    what = pick(name, random)
+    body = make_body(what.body)
+    max_kpa = np.full(len(body.chamber_names), MAX_KPA)
+    plan = make_plan(what.design, random, max_kpa, what.captures, what.repeats, what.tilted, what.long_share)
+    programme = _programme(plan)
+    rows = float(np.mean([len(r) for r in plan.capture_rows_s]))
+    floor = what.spoil.floor(rows)
+    hidden, sizes = _hide(what, body, max_kpa, programme, floor, random)
+    base = _base(what, body, programme, floor, random)
+
+    dataset = _measure(body, hidden, plan, programme, what.spoil, random)
+    again = make_plan("holds", random, max_kpa, 60, repeats=False, long_share=0.15)
+    clean = Spoil(row=what.spoil.row, capture=what.spoil.capture)
+    fresh = _measure(body, hidden, again, _programme(again), clean, random)
+
+    effects = [effect.name for effect in hidden]
+    truth = {
+        "class": name,
+        "seed": seed,
+        "effects": effects,
+        "verdict": _right_verdict(name, effects, without),
+        "without": sorted({*without, *what.without}),
+        "amplitudes": dict(zip(effects, sizes, strict=True)),
+        "strengths": {effect.name: float(effect.strength) for effect in hidden},
+        "floor": floor,
+        "unit": body.unit,
+        "body": what.body,
+        "design": what.design,
+        "captures": plan.captures,
+        "spoil": what.spoil.as_dict(),
+        "base": base,
+    }
+    if truth["without"] and truth["verdict"] == "identified":
+        truth["verdict"] = "unknown" if set(effects) & set(truth["without"]) else "identified"
+    return Campaign(dataset, fresh, None if what.static else base, truth)
+
+
+def _right_verdict(name: str, effects: list[str], without: tuple[str, ...]) -> str:
+    if not effects:
+        return "nothing_missing"
+    if CLASSES[name].confounded:
+        return "confounded"
+    if set(effects) & ({*UNLISTED} | set(without)):
+        return "unknown"
+    return "identified" if len(effects) == 1 else "multiple"
+
+
+def _programme(plan: Plan) -> Programme:
+    start = np.repeat(plan.capture_s, [len(r) for r in plan.capture_rows_s])
+    tilt = np.repeat(
+        np.array(plan.session_tilt_deg)[plan.capture_session], [len(r) for r in plan.capture_rows_s]
+    )
+    return Programme(
+        command_s=np.array([t for t, _ in plan.commands]),
+        command_kpa=np.array([p for _, p in plan.commands]),
+        row_s=start + np.concatenate(plan.capture_rows_s),
+        tilt_deg=tilt,
+    )
+
+
+def _hide(
+    what: Draw,
+    body: BenchBody,
+    max_kpa: Array,
+    programme: Programme,
+    floor: float,
+    random: np.random.Generator,
+) -> tuple[list[Hidden], list[float]]:
+    """The hidden effects, each of its size on this very programme; one that cannot reach it is drawn again."""
+    hidden, sizes = [], []
+    for name, floors in zip(what.effects, what.floors, strict=True):
+        for attempt in range(8):
+            child = np.random.default_rng(random.integers(2**63))
+            effect = EFFECTS[name](Setting(body, max_kpa, float(programme.row_s[-1]), child))
+            wanted = floors * floor
+            reached = calibrate(body, effect, wanted, programme, lambda position: observed(body, position))
+            if abs(reached / wanted - 1.0) < 0.05:
+                break
+            if attempt == 7:
+                raise LabrigError(f"bench: {name} cannot reach {wanted:.3g} {body.unit} in this campaign")
+        hidden.append(effect)
+        sizes.append(reached / floor)
+    return hidden, sizes
+
+
+def _base(
+    what: Draw, body: BenchBody, programme: Programme, floor: float, random: np.random.Generator
+) -> dict[str, Any]:
+    """The base's recipe; a structural error is scaled to `what.structural` floors over this programme."""
+    if not what.structural:
+        return {"body": what.body, "error": None}
+    form = "law" if random.random() < 0.5 else "spread"
+    error = {"form": form, "seed": int(random.integers(10_000)), "scale": 1.0}
+    recipe = {"body": what.body, "error": error}
+    right = make_base({"body": what.body, "error": None})
+    size = np.sqrt(np.mean((make_base(recipe)(programme.command_kpa) - right(programme.command_kpa)) ** 2))
+    error["scale"] = float(what.structural * floor / size)
+    return recipe
+
+
+def _measure(
+    body: BenchBody,
+    hidden: list[Hidden],
+    plan: Plan,
+    programme: Programme,
+    how: Spoil,
+    random: np.random.Generator,
+) -> "xr.Dataset":
+    _, position = run_programme(body, hidden, programme)
+    capture = np.repeat(np.arange(plan.captures), [len(r) for r in plan.capture_rows_s])
+    measured = spoil(position[..., list(body.axes)], capture, how, random)
+    return to_dataset(body, plan, measured, MAX_KPA, random)

@@ -1,0 +1,71 @@
+"""What spoils a campaign: noise, its slow and uneven kinds, outliers, and markers out of sight."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Spoil:
+    """How a campaign is spoiled; lengths in the unit of the observables, the rest as parts of one.
+
+    `row` and `capture`: standard deviations of independent noise of each row, and of each capture (kept
+    through its hold), per observable. `common`: of a slow offset, alike for all markers (one per axis),
+    AR(0.9) from capture to capture. `uneven`: how much the row noise swells and shrinks over the campaign.
+    """
+
+    row: float = 0.1
+    capture: float = 0.1
+    common: float = 0.0
+    uneven: float = 0.0
+    occlusion: float = 0.0
+    outliers: float = 0.0
+
+    def floor(self, rows: float) -> float:
+        """Repeatability of the mean of a capture of `rows` rows, without the slow part."""
+        return float(np.hypot(self.capture, self.row / np.sqrt(rows)))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The settings, for a file."""
+        return asdict(self)
+
+
+def _slow(random: np.random.Generator, captures: int, axes: int, memory: float = 0.9) -> Array:
+    """Stationary AR(1) of unit variance, (captures, axes)."""
+    series = np.empty((captures, axes))
+    value = random.normal(size=axes)
+    for k in range(captures):
+        series[k] = value
+        value = memory * value + np.sqrt(1.0 - memory**2) * random.normal(size=axes)
+    return series
+
+
+def spoil(true: Array, capture: NDArray[np.int64], how: Spoil, random: np.random.Generator) -> Array:
+    """Measured positions (R, M, A), NaN where out of sight, for true ones; `capture` (R,) numbers their
+    holds.
+    """
+    rows, markers, axes = true.shape
+    captures = int(capture.max()) + 1
+    swell = 1.0 + how.uneven * np.sin(
+        2.0 * np.pi * (np.arange(rows) / rows * random.uniform(0.5, 2.0) + random.random())
+    )
+    measured = true + how.row * swell[:, None, None] * random.normal(size=true.shape)
+    measured += (how.capture * random.normal(size=(captures, markers, axes)))[capture]
+    if how.common:
+        measured += how.common * _slow(random, captures, axes)[capture][:, None, :]
+    if how.outliers:
+        whole = random.random((captures, markers)) < 0.5 * how.outliers
+        bad = whole[capture] | (random.random((rows, markers)) < 0.5 * how.outliers)
+        size = max(how.capture, how.row) * random.uniform(20.0, 200.0, (captures, markers, 1))
+        jump = size * random.normal(size=(captures, markers, axes))
+        measured += np.where(bad[..., None], jump[capture], 0.0)
+    if how.occlusion and markers > 1:
+        share = random.uniform(0.2, 2.0, markers)
+        hidden = random.random((captures, markers)) < how.occlusion * share / share.mean()
+        blink = random.random((rows, markers)) < 0.1 * how.occlusion
+        measured[hidden[capture] | blink] = np.nan
+    return measured
