@@ -10,6 +10,7 @@ import numpy as np
 
 from drivers import DeviceError, MarkerFrame, PressureSample, RealClock
 from labrig._errors import LabrigError
+from labrig.campaign._scans import keep_scan
 from labrig.campaign._session import Session
 from labrig.campaign._steps import (
     Actuate,
@@ -136,7 +137,7 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, dict[
 
 def _logged_times(measurements: Sequence[MarkerFrame | PressureSample]) -> Floats:
     """The times with the precision of the log, so that a replay gives back exactly these."""
-    return np.array([to_ns(measurement.time_s) for measurement in measurements], np.int64) * 1e-9
+    return np.array([to_ns(measurement.time_s) * 1e-9 for measurement in measurements], np.float64)
 
 
 def _span(measurements: Sequence[MarkerFrame | PressureSample]) -> list[int] | None:
@@ -151,7 +152,7 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str,
     scan = _while_polling(session, lambda: scanner.scan(step.timeout_s), step.timeout_s + _SCAN_GRACE_S)
     vertices = np.asarray(scan.vertices_mm, float)
     result = Scanned(
-        files=tuple(_relative(session, file) for file in scan.files),
+        files=keep_scan(scan, session.folder) if session.folder is not None else (),
         sha256=scan.sha256,
         vertices=len(vertices),
         triangles=len(scan.triangles),
@@ -167,11 +168,6 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str,
                 max_mm=vertices.max(axis=0).tolist() if len(vertices) else [],
             )
     return result, {**vars(result), "files": list(result.files)}
-
-
-def _relative(session: Session, file: Any) -> str:
-    folder = session.folder
-    return file.relative_to(folder).as_posix() if folder and file.is_relative_to(folder) else str(file)
 
 
 def _while_polling(session: Session, call: Callable[[], Any], limit_s: float) -> Any:

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -137,7 +138,7 @@ class _IdealPressure(_Ideal):
     """Reaches every set-point at once."""
 
     def __init__(self, config: RigConfig, clock: SimulatedClock) -> None:
-        self.channels: tuple[Channel, ...] = config.channels
+        self.channels: Sequence[Channel] = config.channels
         self._clock = clock
         self._pressure_kpa = np.zeros(len(self.channels))
 
@@ -157,7 +158,7 @@ class _IdealMocap(_Ideal):
     """Sees every marker at rest."""
 
     def __init__(self, config: RigConfig, clock: SimulatedClock) -> None:
-        self.marker_names = config.markers
+        self.marker_names: Sequence[str] = config.markers
         rest = config.rest_mm or {}
         self._position_mm = np.array([rest.get(name, (0.0, 0.0, 0.0)) for name in config.markers], float)
         self._position_mm = self._position_mm.reshape(-1, 3)

@@ -16,6 +16,7 @@ from labrig.campaign._plan import Plan, dry_run, rig_info
 from labrig.campaign._procedure import Procedure
 from labrig.campaign._replay import holds_to_restore, read_completed
 from labrig.campaign._runfile import check_resumable, run_facts, write_run_yaml
+from labrig.campaign._scans import keep_sealed
 from labrig.campaign._session import Control, Session
 from labrig.campaign._signals import Interrupted, SignalGuard
 from labrig.campaign._steps import Actuate, Completed, Record, Result, Settle, Step
@@ -62,6 +63,7 @@ def run(
         raise LabrigError(f"{folder} holds a run already; choose another folder, or resume it")
     facts = run_facts(procedure, rig, seed, plan, watching.context)
     write_run_yaml(folder, facts)
+    keep_sealed(rig.config, folder)
     return _Run(procedure, rig, folder, facts, plan, [], watching, progress).go()
 
 

@@ -7,23 +7,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from drivers import Clock, Device
+from drivers import Clock, Device, build_device
 from labrig._errors import LabrigError
 from labrig.rig._config import DeviceConfig, RigConfig
 from labrig.rig._rig import Rig
 
-KINDS: dict[str, dict[str, str]] = {
-    "pressure": {"openpneu": "OpenPneu", "modbus": "ModbusPressure"},
-    "mocap": {"vicon": "Vicon"},
-    "scanner": {"artec": "ArtecFolder"},
-}
-"""Role -> kind -> class in `drivers`; besides these there are `simulated` and `python` (a user's own file)."""
+_KINDS = {"pressure": ("openpneu", "modbus"), "mocap": ("vicon",), "scanner": ("artec",)}
 
 
 def connect(config: RigConfig, clock: Clock, *, folder: Path | None = None) -> Rig:
     """Connect every device of a rig and ask who it is.
 
-    `folder` is where a simulated rig keeps its files (what it hides, its scans); by default the rig's own folder.
+    `folder` is where a simulated rig looks for what it hides; by default the folder of rig.yaml. Markers that
+    rig.yaml does not name are those of the motion capture.
     Raises `DeviceError` when a device does not answer, `LabrigError` when the description is wrong; what was
     opened is closed again.
     """
@@ -38,6 +34,8 @@ def connect(config: RigConfig, clock: Clock, *, folder: Path | None = None) -> R
     except BaseException:
         _close(devices)
         raise
+    if not config.markers and "mocap" in devices:
+        config = config.model_copy(update={"markers": tuple(devices["mocap"].marker_names)})
     return Rig(config, clock, identity=identity, plant_rest_mm=simulated.rest_mm, **devices)
 
 
@@ -60,35 +58,34 @@ def _makers(config: RigConfig, clock: Clock, simulated: "_Simulated") -> dict[st
 
 def device_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Clock) -> Callable[[], Any]:
     """A function that makes one device that is not simulated in this process."""
-    kind = _device_class(config, role, device)
-    options = {
-        key: value for key, value in device.options.items() if device.kind != "python" or key not in _OWN
-    }
-    offered = {"name": role, "clock": clock, "channels": config.channels, "marker_names": config.markers}
-    offered["folder_of_rig"] = config.folder
+    if device.kind == "python":
+        return _users_maker(config, role, device, clock)
+    if device.kind not in _KINDS[role]:
+        known = ", ".join([*_KINDS[role], "simulated", "python"])
+        raise LabrigError(f"rig {config.name}: {role}: no kind {device.kind!r}; there are {known}")
+    return lambda: build_device(
+        device.kind,
+        device.options,
+        name=role,
+        clock=clock,
+        channels=config.channels,
+        marker_names=config.markers,
+        base=config.folder,
+    )
+
+
+def _users_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Clock) -> Callable[[], Any]:
+    """Makes a user's device: its class gets `name`, `clock`, `channels` or `marker_names`, and its options."""
+    kind = _users_class(config, role, device)
     accepted = inspect.signature(kind).parameters
+    offered = {"name": role, "clock": clock, "channels": config.channels, "marker_names": config.markers}
+    options = {key: value for key, value in device.options.items() if key not in ("file", "class")}
     arguments = {key: value for key, value in offered.items() if key in accepted} | options
-    for key in ("map", "folder"):
-        if isinstance(arguments.get(key), str):
-            arguments[key] = config.folder / arguments[key]
     try:
         inspect.signature(kind).bind(**arguments)
     except TypeError as error:
         raise LabrigError(f"rig {config.name}: {role} ({device.kind}): {error}") from None
     return lambda: kind(**arguments)
-
-
-_OWN = ("file", "class")
-
-
-def _device_class(config: RigConfig, role: str, device: DeviceConfig) -> Any:
-    if device.kind == "python":
-        return _users_class(config, role, device)
-    names = KINDS[role]
-    if device.kind not in names:
-        known = ", ".join(sorted([*names, "simulated", "python"]))
-        raise LabrigError(f"rig {config.name}: {role}: no kind {device.kind!r}; there are {known}")
-    return getattr(importlib.import_module("drivers"), names[device.kind])
 
 
 def _users_class(config: RigConfig, role: str, device: DeviceConfig) -> Any:
@@ -127,11 +124,14 @@ class _Simulated:
             simulated = importlib.import_module("drivers.simulated")
             if self._plant is None:
                 self._plant = simulated.build_plant(self.config.to_dict(), self.folder)
-            if role == "pressure":
-                return simulated.SimulatedPressure(self._plant, self.clock, role, **options)
-            if role == "mocap":
-                options.setdefault("rate_hz", 100.0)
-                return simulated.SimulatedMocap(self._plant, self.clock, role, **options)
-            return simulated.SimulatedScanner(self._plant, self.clock, self.folder / "scans", **options)
+            kind = {
+                "pressure": simulated.SimulatedPressure,
+                "mocap": simulated.SimulatedMocap,
+                "scanner": simulated.SimulatedScanner,
+            }[role]
+            try:
+                return kind(self._plant, self.clock, role, **options)
+            except TypeError as error:
+                raise LabrigError(f"rig {self.config.name}: {role} (simulated): {error}") from None
 
         return make
