@@ -34,6 +34,17 @@ class Context:
         """The values to try for what is not linear in an effect; a pinned value replaces them all."""
         return (self.pinned[name],) if name in self.pinned else values
 
+    def thin(self, keep: Ints) -> "Context":
+        """Keep some rows only; history and motion stay as the whole campaign had them."""
+        motion = {name: (speed[keep], span) for name, (speed, span) in self.motion.items()}
+        return replace(
+            self,
+            rows=self.rows.thin(keep),
+            base=self.base[keep],
+            jacobian=self.jacobian[keep],
+            _memo={"motion": motion},
+        )
+
     @property
     def span(self) -> Floats:
         """Range of each chamber's actuation, shape (C,)."""
@@ -181,9 +192,14 @@ class Context:
             out[own] -= begin
         return out
 
-    @cached_property
+    @property
     def motion(self) -> dict[str, tuple[Floats, float]]:
         """Logged covariates that are a position: name -> (its speed per s (F,), its range)."""
+        if "motion" not in self._memo:
+            self._memo["motion"] = self._motion()
+        return self._memo["motion"]
+
+    def _motion(self) -> dict[str, tuple[Floats, float]]:
         out = {}
         for name, cov in self.rows.covariates.items():
             if cov.unit not in {"m", "cm", "mm", "um", "deg", "rad"} or name.lower() in {

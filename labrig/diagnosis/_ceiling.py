@@ -1,0 +1,128 @@
+"""The ceiling: how much of the error some function of what was logged could explain at all.
+
+Kernel ridge regression (Saunders, Gammerman, Vovk, ICML 1998) on growing sets of covariates, scored on the
+same left-out blocks as the effects. It is a bound only where it beats every named effect.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.spatial.distance import cdist
+
+from labrig.diagnosis._streams import Streams
+from labrig.effects import Context
+from labrig.effects._rows import Floats
+
+_MOST_ROWS = 700
+_RIDGES = (0.01, 0.1, 1.0)
+
+
+@dataclass(frozen=True)
+class Ceiling:
+    """The best learner: which covariates it used, its held-out gains (G,) and prediction (S, K)."""
+
+    covariates: str
+    gains: Floats
+    heldout: Floats
+
+    @property
+    def gain(self) -> float:
+        """The whole held-out gain."""
+        return float(self.gains.sum())
+
+
+def ceiling(streams: Streams, context: Context, left: Floats) -> dict[str, Ceiling]:
+    """Learn what is `left` (S, K) from each set of covariates; the best ridge of each, by name."""
+    sets = _covariates(context)
+    target = _scores(streams, left)
+    rows = np.arange(len(context.base))
+    if len(rows) > _MOST_ROWS:
+        rows = np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).astype(int))
+    out = {}
+    for name, features in sets.items():
+        kernel = _kernel(features, features[rows])
+        best: Ceiling | None = None
+        for ridge in _RIDGES:
+            predicted = np.zeros_like(target)
+            for g in range(streams.n_groups):
+                train = streams.row_group[rows] != g
+                test = streams.row_group == g
+                if not train.any() or not test.any():
+                    continue
+                K = kernel[rows[train]][:, train]
+                factor = cho_factor(K + ridge * np.eye(len(K)))
+                predicted[test] = kernel[test][:, train] @ cho_solve(factor, target[rows[train]])
+            field = streams.lift(predicted) @ streams.patterns
+            gains = _gains(streams, left, field)
+            if best is None or gains.sum() > best.gain:
+                best = Ceiling(name, gains, field)
+        if best is not None:
+            out[name] = best
+    return out
+
+
+def _gains(streams: Streams, left: Floats, field: Floats) -> Floats:
+    each = streams.square(left) - streams.square(left - field)
+    return np.array([each[own].sum() for own in streams.blocks])
+
+
+def _scores(streams: Streams, left: Floats) -> Floats:
+    """What is left of each row along the free patterns, (F, r), least squares over what was seen."""
+    V = streams.patterns
+    H = np.einsum("rk,sk,qk->srq", V, streams.weight, V, optimize=True)
+    b = (streams.weight * left) @ V.T
+    ridge = 1e-6 * np.trace(H, axis1=1, axis2=2).max(initial=1e-12) * np.eye(len(V))
+    z = np.linalg.solve(H + ridge, b[:, :, None])[:, :, 0]
+    n = int(streams.index.max()) + 1
+    out = np.zeros((len(streams.index), len(V)))
+    if streams.use_means:
+        out += z[:n][streams.index]
+        out[streams.keep] += z[n:]
+    else:
+        out[streams.keep] = z
+    return out
+
+
+def _covariates(context: Context) -> dict[str, Floats]:
+    """Growing sets of covariates, each column of unit spread, (F, d)."""
+    rows = context.rows
+    static = [rows.fraction]
+    hold, history = [], []
+    if context.has_holds:
+        hold.append(np.log1p(context.elapsed_s)[:, None])
+    if context.moves:
+        history.append(((context.previous - rows.low) / context.span)[rows.event])
+        history.append(context.direction[rows.event])
+        if context.has_time:
+            history += [(context.relaxed(tau) - rows.actuation) / context.span for tau in (3.0, 30.0, 300.0)]
+    time = [context.session_time_s[:, None]] if np.ptp(context.session_time_s) > 0 else []
+    if np.isfinite(rows.time_s).all() and len(rows.sessions) > 1 and np.ptp(rows.time_s) > 0:
+        time.append(rows.time_s[:, None])
+    other = [c.values[:, None] for c in rows.covariates.values() if np.isfinite(c.values).all()]
+    other += [np.sign(speed)[:, None] for speed, _ in context.motion.values()]
+    sets = {
+        "pressure": static,
+        "pressure, time in hold, history": static + hold + history,
+        "pressure, time in session": static + time,
+        "pressure, time in hold, history, time in session": static + hold + history + time,
+    }
+    if other:
+        sets["everything that was logged"] = static + hold + history + time + other
+    made: dict[str, Floats] = {}
+    for name, parts in sets.items():
+        features = np.concatenate(parts, axis=1)
+        spread = features.std(axis=0)
+        features = ((features - features.mean(axis=0)) / np.where(spread > 1e-9, spread, 1.0))[
+            :, spread > 1e-9
+        ]
+        if not any(features.shape == other.shape for other in made.values()):
+            made[name] = features if features.shape[1] else np.zeros((len(rows.capture), 1))
+    return made
+
+
+def _kernel(a: Floats, b: Floats) -> Floats:
+    """A constant, a linear, and two Gaussian kernels, wide and narrow, summed; (len(a), len(b))."""
+    d = max(a.shape[1], 1)
+    square = cdist(a, b, "sqeuclidean") / d
+    return 1.0 + (a @ b.T) / d + 2 * np.exp(-square / 2) + np.exp(-square / 0.4)

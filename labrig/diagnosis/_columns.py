@@ -1,0 +1,162 @@
+"""An effect's variant as columns of the regression, and the sums that scoring needs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from labrig.diagnosis._streams import Streams
+from labrig.effects import Term, Variant
+from labrig.effects._rows import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields."""
+
+    streams: Streams
+    X: Floats
+    used: Ints
+    E: Floats
+
+    @property
+    def width(self) -> int:
+        """How many columns there are."""
+        return self.X.shape[2] + self.E.shape[2]
+
+    @cached_property
+    def sums(self) -> tuple[Floats, Floats]:
+        """Per left-out block: Gram matrices (G, Q, Q) and products with the residual (G, Q)."""
+        return self._sums(self.X, self.E, self.streams.residual, self.streams.projected)
+
+    def fold_sums(self, fold: int) -> tuple[Floats, Floats]:
+        """As `sums`, the base's own parameters fitted without the block `fold`."""
+        s = self.streams
+        train = s.group != fold
+        residual = s.partial(s.residual, train)
+        return self._sums(s.partial(self.X, train), s.partial(self.E, train), residual, s.project(residual))
+
+    def _sums(self, X: Floats, E: Floats, residual: Floats, g: Floats) -> tuple[Floats, Floats]:
+        s = self.streams
+        q = X.shape[2]
+        G = np.zeros((s.n_groups, self.width, self.width))
+        c = np.zeros((s.n_groups, self.width))
+        H = s.products[:, self.used[:, None], self.used] if q else None
+        for group, own in enumerate(s.blocks):
+            if H is not None:
+                x = X[own]
+                Hx = H[own] @ x
+                flat = x.reshape(-1, q)
+                G[group, :q, :q] = flat.T @ Hx.reshape(-1, q)
+                c[group, :q] = flat.T @ g[own][:, self.used].reshape(-1)
+            if E.shape[2]:
+                e = E[own]
+                we = s.weight[own][:, :, None] * e
+                flat = e.reshape(-1, e.shape[2])
+                G[group, q:, q:] = flat.T @ we.reshape(-1, e.shape[2])
+                c[group, q:] = we.reshape(-1, e.shape[2]).T @ residual[own].reshape(-1)
+                if q:
+                    modes = s.modes[s.source[own]][:, self.used]
+                    cross = X[own].transpose(0, 2, 1) @ (modes @ we)
+                    G[group, :q, q:] = cross.sum(axis=0)
+                    G[group, q:, :q] = G[group, :q, q:].T
+        return G, c
+
+    def field(self, beta: Floats) -> Floats:
+        """What the columns predict with coefficients `beta` (Q,), over streams and observables (S, K)."""
+        q = self.X.shape[2]
+        short = self.X @ beta[:q]
+        modes = self.streams.modes[:, self.used]
+        out = np.einsum("su,suk->sk", short, modes[self.streams.source], optimize=True)
+        return out + self.E @ beta[q:]
+
+
+def columns_of(streams: Streams, variant: Variant) -> Columns:
+    """Lay out a variant's terms; patterns are spread over the directions that stand clear of the noise."""
+    C = streams.context.jacobian.shape[2]
+    frame_at = C
+    pattern_at = C + (6 if streams.has_frame else 0)
+    total = streams.modes.shape[1]
+    S, K = streams.residual.shape
+    parts: list[Floats] = []
+    fields: list[Floats] = []
+    for term in variant.terms:
+        lifted = streams.lift(term.feature)
+        if term.kind == "field":
+            fields.append(lifted)
+            continue
+        if term.kind == "pressure":
+            part = np.zeros((S, total, lifted.shape[2]))
+            part[:, :C] = lifted
+        elif term.kind == "frame":
+            part = np.zeros((S, total, 6))
+            part[:, range(frame_at, frame_at + 6), range(6)] = lifted[:, None]
+        else:
+            r = streams.n_patterns
+            part = np.zeros((S, total, lifted.shape[1] * r))
+            for j in range(lifted.shape[1]):
+                part[:, range(pattern_at, pattern_at + r), range(j * r, (j + 1) * r)] = lifted[:, [j]]
+        parts.append(part)
+    X = np.concatenate(parts, axis=2) if parts else np.zeros((S, 0, 0))
+    used = np.flatnonzero(np.abs(X).sum(axis=(0, 2)) > 0) if parts else np.zeros(0, dtype=np.int64)
+    E = np.concatenate(fields, axis=2) if fields else np.zeros((S, K, 0))
+    X = X[:, used]
+    if streams.declared is not None and not streams.constant_modes and X.shape[2]:
+        moved = np.einsum("suq,suk->skq", X, streams.modes[:, used][streams.source], optimize=True)
+        E = np.concatenate([moved, E], axis=2)
+        X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)
+    if streams.declared is not None:
+        everything = np.ones(S, dtype=bool)
+        return Columns(streams, streams.partial(X, everything), used, streams.partial(E, everything))
+    return Columns(streams, X, used, E)
+
+
+def join(parts: Sequence[Columns]) -> Columns:
+    """Put several effects' columns side by side. Fields come last, so use `order_of` to find a part's own."""
+    if len(parts) == 1:
+        return parts[0]
+    used = np.unique(np.concatenate([p.used for p in parts]))
+    S = len(parts[0].streams.source)
+    blocks = []
+    for p in parts:
+        block = np.zeros((S, len(used), p.X.shape[2]))
+        if p.X.shape[2]:
+            block[:, np.searchsorted(used, p.used)] = p.X
+        blocks.append(block)
+    E = np.concatenate([p.E for p in parts], axis=2)
+    return Columns(parts[0].streams, np.concatenate(blocks, axis=2), used, E)
+
+
+def order_of(parts: Sequence[Columns]) -> list[Ints]:
+    """For each part, where its own columns stand among those of `join(parts)`."""
+    x_at, e_at = 0, sum(p.X.shape[2] for p in parts)
+    out = []
+    for p in parts:
+        own_x = np.arange(x_at, x_at + p.X.shape[2])
+        own_e = np.arange(e_at, e_at + p.E.shape[2])
+        out.append(np.concatenate([own_x, own_e]).astype(np.int64))
+        x_at, e_at = x_at + p.X.shape[2], e_at + p.E.shape[2]
+    return out
+
+
+def coefficients(columns: Columns, variant: Variant, beta: Floats) -> list[Floats]:
+    """Split a variant's coefficients by term; a pattern's become one row (K,) for each of its columns."""
+    streams = columns.streams
+    patterns = streams.patterns
+    order = [t for t in variant.terms if t.kind != "field"] + [t for t in variant.terms if t.kind == "field"]
+    found: dict[int, Floats] = {}
+    at = 0
+    for term in order:
+        n = _width(term, streams.n_patterns)
+        own = beta[at : at + n]
+        found[id(term)] = (own.reshape(-1, streams.n_patterns) @ patterns) if term.kind == "pattern" else own
+        at += n
+    return [found[id(term)] for term in variant.terms]
+
+
+def _width(term: Term, n_patterns: int) -> int:
+    if term.kind == "frame":
+        return 6
+    q = term.feature.shape[-1]
+    return q * n_patterns if term.kind == "pattern" else q

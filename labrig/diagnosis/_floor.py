@@ -1,0 +1,130 @@
+"""The noise floor: what repeats of the same set-point with the same history differ by."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from labrig.diagnosis._spectrum import bulk_noise
+from labrig.effects import Context
+from labrig.effects._rows import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Floor:
+    """Noise of each observable, (K,), in two streams: of a capture's mean, and within its hold.
+
+    `how` says in words where it comes from; `repeats` holds, in units, what each kind of repeat differs
+    by (None where there are none): within a capture, same history, opposite history, early against late.
+    """
+
+    mean: Floats
+    within: Floats
+    how: str
+    repeats: dict[str, float | None]
+
+    @property
+    def row(self) -> Floats:
+        """Noise of one row: both streams together, (K,)."""
+        return np.sqrt(self.mean**2 + self.within**2)
+
+
+def capture_means(values: Floats, capture: Ints) -> tuple[Floats, Ints]:
+    """Mean of each capture over its rows, NaN where nothing was seen, and the captures, sorted."""
+    captures, index = np.unique(capture, return_inverse=True)
+    seen = np.isfinite(values)
+    total = np.zeros((len(captures), values.shape[1]))
+    count = np.zeros_like(total)
+    np.add.at(total, index, np.where(seen, values, 0.0))
+    np.add.at(count, index, seen)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan), captures
+
+
+def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
+    """Estimate the floor from repeats and from the spectrum's bulk, and take the lower.
+
+    `residual` (F, K) is what the base leaves (its declared parameters fitted, which took `lost` degrees
+    of freedom). Observables of one unit share one floor.
+    """
+    rows = context.rows
+    means, captures = capture_means(residual, rows.capture)
+    index = np.searchsorted(captures, rows.capture)
+    deviation = residual - means[index]
+    many = np.bincount(index)[index] > 1
+    groups = {u: np.array([unit == u for unit in rows.unit]) for u in dict.fromkeys(rows.unit)}
+    mean, within = np.zeros(len(rows.unit)), np.zeros(len(rows.unit))
+    repeats: dict[str, float | None] = {}
+    hows = []
+    for number, own in enumerate(groups.values()):
+        kinds = _repeat_spread(context, means[:, own], captures)
+        bulk = bulk_noise(means[:, own], lost) if len(captures) >= 12 else float("nan")
+        inside = _within(deviation[many][:, own], index[many], rows.hold_s[many])
+        same = kinds["same history"]
+        found = {"repeats with the same history": same, "the bulk of the residuals' spectrum": bulk}
+        usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > 0}
+        if not usable:
+            usable = {"differences between neighbouring captures": _neighbours(means[:, own])}
+        how = min(usable, key=lambda name: usable[name])
+        size = usable[how]
+        if not np.isfinite(size) or size <= 0:
+            size, how = (inside if inside > 0 else _tiny(residual[:, own])), "the noise within a capture"
+        mean[own] = size
+        within[own] = inside if inside > 0 else 0.0
+        hows.append(how if same is not None else f"{how} (no same-history repeats)")
+        if number == 0:
+            repeats = {"within a capture": inside if inside > 0 else None, **kinds}
+    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats)
+
+
+def _tiny(residual: Floats) -> float:
+    """A floor where there is no noise at all: a millionth of the residual, so that nothing divides by zero."""
+    return float(1e-6 * np.sqrt(np.nanmean(residual**2)) + 1e-12)
+
+
+def _within(deviation: Floats, capture: Ints, hold_s: Floats) -> float:
+    """Noise between neighbouring rows of one hold, robust to what changes slowly along it."""
+    if len(deviation) < 2:
+        return 0.0
+    same = (capture[1:] == capture[:-1]) & (hold_s[1:] > hold_s[:-1])
+    steps = np.diff(deviation, axis=0)[same]
+    bends = steps[1:] - steps[:-1] if len(steps) > 2 * len(np.unique(capture)) else steps
+    gain = 6.0 if bends is not steps else 2.0
+    good = np.abs(bends[np.isfinite(bends)])
+    return float(1.4826 * np.median(good) / np.sqrt(gain)) if len(good) else 0.0
+
+
+def _neighbours(means: Floats) -> float:
+    """Noise from second differences of captures in order of time: for continuous records."""
+    bends = means[2:] - 2 * means[1:-1] + means[:-2]
+    good = np.abs(bends[np.isfinite(bends)])
+    return float(1.4826 * np.median(good) / np.sqrt(6.0)) if len(good) else float("nan")
+
+
+def _repeat_spread(context: Context, means: Floats, captures: Ints) -> dict[str, float | None]:
+    """What repeats of a set-point differ by, per kind of history, as a standard deviation of one capture."""
+    rows = context.rows
+    first = np.searchsorted(rows.capture, captures)
+    came_from = context.previous[rows.event[first]]
+    tolerance = 0.02 * context.span
+    kinds: dict[str, list[Floats]] = {"same history": [], "opposite history": [], "early against late": []}
+    labels: dict[str, list[int]] = {}
+    for i, c in enumerate(captures):
+        if rows.repeat[c]:
+            labels.setdefault(rows.repeat[c], []).append(i)
+    for members in labels.values():
+        for a, b in pairwise(members):
+            alike = (np.abs(came_from[a] - came_from[b]) <= tolerance).all()
+            kinds["same history" if alike else "opposite history"].append(means[b] - means[a])
+        if len(members) > 2:
+            kinds["early against late"].append(means[members[-1]] - means[members[0]])
+    return {name: _spread(differences) for name, differences in kinds.items()}
+
+
+def _spread(differences: list[Floats]) -> float | None:
+    """Standard deviation of one of two captures from their differences; few pairs are allowed for."""
+    if not differences:
+        return None
+    d = np.array(differences)
+    d = d[np.isfinite(d).any(axis=1)]
+    good = np.nanmean(d**2, axis=1)
+    return float(np.sqrt(np.median(good) / 2)) if len(good) else None

@@ -1,0 +1,124 @@
+"""Fitted values with their uncertainty, as they go into a model file."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labrig.diagnosis._columns import coefficients, columns_of
+from labrig.diagnosis._score import score
+from labrig.diagnosis._search import Candidate, Fit, fit
+from labrig.diagnosis._streams import Streams
+from labrig.effects import Context, Effect, Term, Variant
+from labrig.effects._rows import Floats
+from labrig.model import EffectEntry, Value
+
+_ROUNDS = 10
+
+
+def entry_of(streams: Streams, context: Context, chosen: Fit, i: int, *, refine: bool = True) -> EffectEntry:
+    """The i-th effect of a fit as an entry of a model file; `refine` moves it off the search's grid."""
+    part = chosen.parts[i]
+    if refine and part.variant.shape and part.effect.name != "marker_slip":
+        chosen = refined(streams, context, chosen, i)
+        part = chosen.parts[i]
+    each = [coefficients(part.columns, part.variant, chosen.own(i))]
+    order = _own_order(chosen, i)
+    folds = [coefficients(part.columns, part.variant, beta[order]) for beta in chosen.score.fold_beta]
+    parameters: dict[str, Value] = {}
+    for t, term in enumerate(part.variant.terms):
+        spread = np.array([fold[t] for fold in folds])
+        n = len(spread)
+        sd = np.sqrt((n - 1) / n * ((spread - spread.mean(axis=0)) ** 2).sum(axis=0))
+        parameters[term.parameter] = _value(context, part.effect, term, each[0][t], sd)
+    for name, value in part.variant.shape.items():
+        parameters[name] = Value(value=_round(value), unit=part.effect.parameter(name).unit)
+    return EffectEntry(name=part.effect.name, form=part.variant.form, parameters=parameters)
+
+
+def refined(streams: Streams, context: Context, chosen: Fit, i: int) -> Fit:
+    """Move what is not linear in the i-th effect (time constants, widths) to where the joint fit is best."""
+    for name in chosen.parts[i].variant.shape:
+        start = chosen.parts[i].variant.shape[name]
+        if start <= 0:
+            continue
+        parameter = chosen.parts[i].effect.parameter(name)
+        low = max(start / 3, parameter.low, 1e-9)
+        high = min(start * 3, parameter.high)
+        ratio = (np.sqrt(5) - 1) / 2
+        a, b = np.log(low), np.log(high)
+        best = chosen
+        for _ in range(_ROUNDS):
+            inner, outer = b - ratio * (b - a), a + ratio * (b - a)
+            tried = [_with_shape(streams, context, chosen, i, name, float(np.exp(v))) for v in (inner, outer)]
+            gains = [f.score.gain if f else -np.inf for f in tried]
+            if gains[0] > gains[1]:
+                b = outer
+            else:
+                a = inner
+            for f in tried:
+                if f is not None and f.score.gain > best.score.gain:
+                    best = f
+        chosen = best
+    return chosen
+
+
+def _with_shape(
+    streams: Streams, context: Context, chosen: Fit, i: int, name: str, value: float
+) -> Fit | None:
+    part = chosen.parts[i]
+    shape = {**part.variant.shape, name: value}
+    for variant in part.effect.variants(context.pin(shape)):
+        if variant.form == part.variant.form:
+            columns = columns_of(streams, variant)
+            moved = Candidate(part.effect, variant, columns, score(columns))
+            return fit([*chosen.parts[:i], moved, *chosen.parts[i + 1 :]])
+    return None
+
+
+def _own_order(chosen: Fit, i: int) -> Floats:
+    from labrig.diagnosis._columns import order_of
+
+    return order_of([p.columns for p in chosen.parts])[i]
+
+
+def _value(context: Context, effect: Effect, term: Term, value: Floats, sd: Floats) -> Value:
+    parameter = effect.parameter(term.parameter)
+    unit = {
+        "actuation": context.rows.actuation_unit,
+        "observable": "/".join(dict.fromkeys(context.rows.unit)),
+    }
+    per: list[str] | None = None
+    if term.kind == "pattern":
+        per = list(context.rows.observables)
+    elif term.kind == "frame":
+        per = ["x", "y", "z", "about x", "about y", "about z"]
+    elif term.labels:
+        per = list(term.labels)
+    flat_value, flat_sd = np.asarray(value), np.asarray(sd)
+    if flat_value.ndim == 2 and flat_value.shape[0] == 1:
+        flat_value, flat_sd = flat_value[0], flat_sd[0]
+    if flat_value.size == 1:
+        return Value(
+            value=_round(float(flat_value.reshape(-1)[0])),
+            sd=_round(float(flat_sd.reshape(-1)[0])),
+            unit=unit.get(parameter.unit, parameter.unit),
+        )
+    return Value(
+        value=_rounded(flat_value),
+        sd=_rounded(flat_sd),
+        unit=unit.get(parameter.unit, parameter.unit),
+        per=per,
+    )
+
+
+def _rounded(values: Floats) -> list[float] | list[list[float]]:
+    if values.ndim == 2:
+        return [[_round(v) for v in row] for row in values]
+    return [_round(v) for v in values]
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.5g}")
+
+
+__all__ = ["Variant", "entry_of", "refined", "replace"]

@@ -1,0 +1,73 @@
+"""What a diagnosis gives back."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labrig.effects._rows import Floats
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from labrig.model import Model
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What is left of the base's error against the covariate that betrays an effect.
+
+    `x`, `residual` (N,): covariate and residual, the latter along the leading direction of the error;
+    `group` (N,): ``up``, ``down`` or ``first``, the stroke by which the capture was reached.
+    """
+
+    effect: str
+    covariate: str
+    unit: str
+    x: Floats
+    residual: Floats
+    group: list[str]
+
+
+@dataclass(frozen=True)
+class Result:
+    """A verdict with everything that its report shows.
+
+    `summary` is the content of diagnosis.json; `fields` a Dataset (capture, observable) of `measured`,
+    `base` and `model`, means over the hold; `waterfall` the error from the base down to the floor.
+    """
+
+    summary: dict[str, Any]
+    fields: "Dataset"
+    waterfall: list[tuple[str, float]]
+    signatures: list[Signature]
+    where: list[dict[str, Any]]
+    improved: "Model | None" = field(default=None, compare=False)
+
+    def write(self, path: Path) -> None:
+        """Write the summary as JSON, in one piece or not at all."""
+        write_json(self.summary, path)
+
+
+def write_json(content: dict[str, Any], path: Path) -> None:
+    """Write JSON, in one piece or not at all; NaN and infinities become null."""
+    partial = path.with_name(path.name + ".part")
+    partial.write_text(json.dumps(plain(content), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def plain(value: Any) -> Any:
+    """The same content in what JSON knows; NaN and infinities as None."""
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(v) for v in value]
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, int | np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(f"{value:.6g}") if np.isfinite(value) else None
+    return value

@@ -1,0 +1,60 @@
+"""The bulk of a singular spectrum: how large the noise of a matrix is when its signal has low rank."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from labrig.effects._rows import Floats
+
+
+@lru_cache(maxsize=64)
+def _bulk_quantile(ratio: float, quantile: float) -> float:
+    """Quantile of the Marchenko-Pastur law of singular values, unit noise, scaled by sqrt(longer side).
+
+    Marchenko and Pastur, Math. USSR-Sbornik 1 (1967) 457; used as in Gavish and Donoho, IEEE Trans. Inf.
+    Theory 60 (2014) 5040, there at the median.
+    """
+    low, high = (1 - np.sqrt(ratio)) ** 2, (1 + np.sqrt(ratio)) ** 2
+    x = np.linspace(low, high, 20001)[1:-1]
+    density = np.sqrt((high - x) * (x - low)) / x
+    total = np.cumsum(density)
+    return float(np.sqrt(np.interp(quantile, total / total[-1], x)))
+
+
+def bulk_noise(matrix: Floats, lost: int = 0, quantile: float = 0.3) -> float:
+    """Standard deviation of the noise in `matrix` (n, K), NaN where nothing was seen.
+
+    The signal may fill the larger singular values; the smaller ones are noise alone. `lost` is how many
+    degrees of freedom a fit has taken from the rows. Returns NaN for matrices too small to tell.
+    """
+    n, K = matrix.shape
+    filled = fill(matrix)
+    rows = n - lost
+    short, long = min(rows, K), max(rows, K)
+    if short < 6:
+        return float("nan")
+    s = np.sort(np.linalg.svd(filled, compute_uv=False)[:short])
+    at = quantile * (short - 1)
+    value = float(np.interp(at, np.arange(short), s))
+    missing = 1 - np.isfinite(matrix).mean()
+    return value / (np.sqrt(long) * _bulk_quantile(round(short / long, 3), quantile)) / np.sqrt(1 - missing)
+
+
+def bulk_edge(n: int, K: int) -> float:
+    """Largest singular value that pure noise of unit size makes in an (n, K) matrix, nearly always."""
+    return np.sqrt(n) + np.sqrt(K) + 2.0
+
+
+def fill(matrix: Floats, rank: int = 6, rounds: int = 12) -> Floats:
+    """Fill what was not seen from the leading singular vectors of what was (alternating projections)."""
+    seen = np.isfinite(matrix)
+    if seen.all():
+        return matrix
+    counts = np.maximum(seen.sum(axis=0), 1)
+    mean = np.where(seen, matrix, 0.0).sum(axis=0) / counts
+    out = np.where(seen, matrix, mean)
+    rank = min(rank, max(1, min(matrix.shape) // 3))
+    for _ in range(rounds):
+        U, s, Vt = np.linalg.svd(out, full_matrices=False)
+        out = np.where(seen, matrix, (U[:, :rank] * s[:rank]) @ Vt[:rank])
+    return out

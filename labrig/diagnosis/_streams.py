@@ -1,0 +1,254 @@
+"""The regression problem: rows become two streams, observables become a few modes.
+
+Each capture gives its mean over the hold and, where the hold has several rows, the deviations from it;
+each stream is weighted by its own noise, so that what changes within a hold (creep, leak) and what differs
+between captures are both seen at their true worth. An effect's column is then a short vector over the
+modes (chambers through the Jacobian, rigid motions of the frame, free patterns), and everything that
+scoring needs are sums over rows of mode-by-mode products: no step depends on the number of observables.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.diagnosis._floor import Floor, capture_means
+from labrig.diagnosis._spectrum import bulk_edge, fill
+from labrig.effects import Context
+from labrig.effects._fields import frame_modes
+from labrig.effects._rows import Floats, Ints
+
+MAX_PATTERNS = 8
+MAX_GROUPS = 12
+_SESSIONS_AS_GROUPS = 6
+_FEW_CAPTURES = 8
+
+
+@dataclass(frozen=True)
+class Streams:
+    """Weighted rows ready for regression; S stream rows, m modes, K observables.
+
+    `weight` (S, K) is 1 / noise^2, 0 where nothing was seen; `residual` (S, K); `modes` (captures, m, K);
+    `group` (S,) is which block is left out with it; `source` (S,) its capture, as an index.
+    """
+
+    context: Context
+    floor: Floor
+    residual: Floats
+    weight: Floats
+    modes: Floats
+    group: Ints
+    source: Ints
+    index: Ints
+    keep: Ints
+    use_means: bool
+    n_patterns: int
+    has_frame: bool
+    declared: Floats | None
+    row_group: Ints
+
+    @property
+    def n_groups(self) -> int:
+        """How many blocks are left out in turn."""
+        return int(self.group.max()) + 1
+
+    def lift(self, feature: Floats) -> Floats:
+        """Carry a feature of the rows (F, ...) to the streams (S, ...): means, then deviations."""
+        n = int(self.index.max()) + 1
+        count = np.bincount(self.index, minlength=n).reshape(-1, *[1] * (feature.ndim - 1))
+        mean = np.zeros((n, *feature.shape[1:]))
+        np.add.at(mean, self.index, feature)
+        mean /= count
+        deviation = feature[self.keep] - mean[self.index[self.keep]]
+        return np.concatenate([mean, deviation]) if self.use_means else deviation
+
+    @cached_property
+    def products(self) -> Floats:
+        """Mode-by-mode products of each stream row, (S, m, m)."""
+        M = self.modes
+        out = np.empty((len(self.source), M.shape[1], M.shape[1]))
+        for i, c in enumerate(self.source):
+            weighted = M[c] * self.weight[i]
+            out[i] = weighted @ M[c].T
+        return out
+
+    @cached_property
+    def projected(self) -> Floats:
+        """Products of modes and residuals, (S, m), the base's own parameters fitted to all blocks."""
+        return self.project(self.residual)
+
+    @cached_property
+    def nothing(self) -> Floats:
+        """What the base's own parameters, fitted without each block, change in it, (S, K)."""
+        if self.declared is None:
+            return np.zeros_like(self.residual)
+        out = np.zeros_like(self.residual)
+        for g, own in enumerate(self.blocks):
+            out[own] = (self.residual - self.partial(self.residual, self.group != g))[own]
+        return out
+
+    @property
+    def patterns(self) -> Floats:
+        """The free directions over the observables, (r, K)."""
+        return self.modes[0, self.modes.shape[1] - self.n_patterns :]
+
+    @cached_property
+    def counted(self) -> Ints:
+        """The observables that errors are quoted for: those of the commonest unit."""
+        units = self.context.rows.unit
+        commonest = max(dict.fromkeys(units), key=units.count)
+        return np.array([k for k, u in enumerate(units) if u == commonest])
+
+    @cached_property
+    def blocks(self) -> list[Ints]:
+        """The stream rows of each left-out block."""
+        return [np.flatnonzero(self.group == g) for g in range(self.n_groups)]
+
+    @cached_property
+    def constant_modes(self) -> bool:
+        """Whether the modes are the same in every capture, so that a feature can be projected on its own."""
+        return bool(np.allclose(self.modes, self.modes[:1], rtol=1e-6, atol=1e-9 * np.abs(self.modes).max()))
+
+    def partial(self, target: Floats, train: NDArray[np.bool_]) -> Floats:
+        """What the base's own parameters, fitted to the rows `train`, leave of `target` (S, ...)."""
+        if self.declared is None or target.size == 0:
+            return target
+        w = np.sqrt(self.weight.max(axis=1))
+        fit = train & (w > 0)
+        flat = target.reshape(len(target), -1)
+        beta = np.linalg.lstsq(self.declared[fit] * w[fit, None], flat[fit] * w[fit, None], rcond=1e-9)[0]
+        return (flat - self.declared @ beta).reshape(target.shape)
+
+    def project(self, residual: Floats) -> Floats:
+        """Products of modes and residuals of each stream row, (S, m), for residuals (S, K)."""
+        return np.einsum("smk,sk->sm", self.modes[self.source], self.weight * residual, optimize=True)
+
+    def square(self, residual: Floats) -> Floats:
+        """Weighted square of residuals, (S,)."""
+        return (self.weight * residual**2).sum(axis=1)
+
+
+def clean(residual: Floats, capture: Ints) -> tuple[Floats, int]:
+    """Drop entries that lie far from what their neighbours in time and space say; returns how many.
+
+    Where there are several observables, "far" is against a low-rank fit of the capture means; with few,
+    against the running median of the neighbouring captures.
+    """
+    means, captures = capture_means(residual, capture)
+    if len(captures) < 6:
+        return residual, 0
+    expected = np.array(fill(means))
+    for _ in range(3):
+        if means.shape[1] >= 8 and len(captures) >= 12:
+            U, s, Vt = np.linalg.svd(fill(means), full_matrices=False)
+            rank = min(8, min(means.shape) // 3)
+            expected = (U[:, :rank] * s[:rank]) @ Vt[:rank]
+        else:
+            expected = _running_median(fill(means))
+        off = np.abs(means - expected)
+        scale = 1.4826 * np.nanmedian(off)
+        spread = 1.4826 * np.nanmedian(np.abs(means - np.nanmedian(means, axis=0)))
+        limit = np.maximum(10 * scale, 4 * spread)
+        bad = off > limit
+        if not bad.any() or bad.mean() > 0.05:
+            break
+        means = np.where(bad, np.nan, means)
+    dropped = ~np.isfinite(means)[np.searchsorted(captures, capture)] & np.isfinite(residual)
+    return np.where(dropped, np.nan, residual), int(dropped.sum())
+
+
+def _running_median(means: Floats, half: int = 3) -> Floats:
+    padded = np.pad(means, ((half, half), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
+    return np.median(windows, axis=-1)
+
+
+def build_streams(context: Context, floor: Floor, residual: Floats, declared: Floats | None) -> Streams:
+    """Lay out the regression for what the base leaves, `residual` (F, K), outliers already NaN.
+
+    `declared` (F, D) are the regressors of the base's own parameters, refitted beside every effect.
+    """
+    rows = context.rows
+    captures, index = np.unique(rows.capture, return_inverse=True)
+    n = len(captures)
+    count = np.bincount(index)
+    use_means = n >= _FEW_CAPTURES or count.max() == 1
+    keep = np.flatnonzero((count[index] > 1) & (floor.within.max() > 0))
+    means, _ = capture_means(residual, rows.capture)
+    parts, weights, sources = [], [], []
+    if use_means:
+        parts.append(means)
+        weights.append(np.isfinite(means) / floor.mean**2)
+        sources.append(np.arange(n))
+    if len(keep):
+        deviation = residual[keep] - means[index[keep]]
+        parts.append(deviation)
+        weights.append(np.isfinite(deviation) / np.where(floor.within > 0, floor.within, np.inf) ** 2)
+        sources.append(index[keep])
+    stacked = np.concatenate(parts)
+    weight = np.concatenate(weights)
+    source = np.concatenate(sources)
+    group_of_row = _groups(context, index, use_means)
+    group = np.concatenate(
+        ([group_of_row[np.searchsorted(index, np.arange(n))]] if use_means else [])
+        + ([group_of_row[keep]] if len(keep) else [])
+    )
+    patterns = _patterns(stacked, weight)
+    if declared is not None:
+        per_capture = np.zeros((n, declared.shape[1]))
+        per_capture[index] = declared
+        constant = [per_capture] if use_means else []
+        declared = np.concatenate([*constant, np.zeros((len(keep), declared.shape[1]))])
+    first = np.searchsorted(rows.capture, captures)
+    modes = [np.moveaxis(context.jacobian[first], 2, 1)]
+    has_frame = bool((rows.axis >= 0).any())
+    if has_frame:
+        modes.append(np.moveaxis(frame_modes(context)[first], 2, 1))
+    modes.append(np.broadcast_to(patterns, (n, *patterns.shape)))
+    return Streams(
+        context=context,
+        floor=floor,
+        residual=np.where(np.isfinite(stacked), stacked, 0.0),
+        weight=weight,
+        modes=np.concatenate(modes, axis=1),
+        group=group,
+        source=source,
+        index=index,
+        keep=keep,
+        use_means=use_means,
+        n_patterns=len(patterns),
+        has_frame=has_frame,
+        declared=declared,
+        row_group=group_of_row,
+    )
+
+
+def _groups(context: Context, index: Ints, use_means: bool) -> Ints:
+    """Which block each row is left out with: sessions where there are enough, else stretches of captures."""
+    rows = context.rows
+    if not use_means:
+        place = np.arange(len(index)) - np.searchsorted(index, index)
+        length = np.bincount(index)[index]
+        return np.minimum((place * MAX_GROUPS) // length, MAX_GROUPS - 1).astype(np.int64)
+    sessions = np.unique(rows.session)
+    if len(sessions) >= _SESSIONS_AS_GROUPS:
+        order = {s: i for i, s in enumerate(sessions)}
+        each = np.array([order[s] for s in rows.session])
+        return (each * min(len(sessions), MAX_GROUPS)) // len(sessions)
+    n = int(index.max()) + 1
+    n_groups = int(np.clip(n // 3, 4, MAX_GROUPS))
+    return (index * n_groups) // n
+
+
+def _patterns(stacked: Floats, weight: Floats) -> Floats:
+    """Directions over the observables in which the residuals stand clear of the noise, (r, K)."""
+    K = stacked.shape[1]
+    if K <= MAX_PATTERNS:
+        return np.eye(K)
+    whitened = np.where(weight > 0, stacked * np.sqrt(weight), np.nan)
+    seen = np.isfinite(whitened).any(axis=1)
+    _, s, Vt = np.linalg.svd(fill(whitened[seen]), full_matrices=False)
+    clear = int((s > bulk_edge(int(seen.sum()), K)).sum())
+    scale = 1 / np.sqrt(np.where(weight.max(axis=0) > 0, weight.max(axis=0), 1.0))
+    return Vt[: int(np.clip(clear, 2, MAX_PATTERNS))] * scale

@@ -1,0 +1,186 @@
+"""From scores to a verdict, with a probability and the reasons for it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from scipy.stats import norm
+
+from labrig.diagnosis._ceiling import Ceiling
+from labrig.diagnosis._search import SIGNIFICANT, Candidate, Fit, Gate, fit, mean_square, square_of
+from labrig.diagnosis._streams import Streams
+from labrig.effects._rows import Floats
+
+Name = Literal["nothing_missing", "identified", "multiple", "confounded", "unknown", "underpowered"]
+
+ALIKE_SHARE = 0.04
+ALIKE_COSINE = 0.95
+CEILING_SE = 2.5
+UNKNOWN_FLOORS = 0.5
+UNKNOWN_SHARE = 0.4
+STATIC = "pressure"
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another effect in the place of `instead_of`: how far behind it is, as a z-score and a share."""
+
+    effect: str
+    instead_of: str
+    z: float
+    share: float
+    cosine: float
+
+    @property
+    def alike(self) -> bool:
+        """Whether these data can't tell the two apart."""
+        close = self.z < 1.0 and self.share < ALIKE_SHARE
+        same_shape = abs(self.cosine) > ALIKE_COSINE and self.z < 2.0 and self.share < 2 * ALIKE_SHARE
+        return close or same_shape
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the data say."""
+
+    verdict: Name
+    effects: tuple[str, ...]
+    probability: float
+    rivals: tuple[str, ...] = ()
+    carried_by: str = ""
+    warnings: tuple[str, ...] = ()
+    compared: tuple[Rival, ...] = field(default=())
+
+
+def rivals_of(chosen: Fit, found: Mapping[str, list[Candidate]]) -> list[Rival]:
+    """For each chosen effect, how every other one would do in its place."""
+    out = []
+    for i, part in enumerate(chosen.parts):
+        rest = [p for j, p in enumerate(chosen.parts) if j != i]
+        without = fit(rest).score.gains if rest else np.zeros_like(chosen.score.gains)
+        worth = float((chosen.score.gains - without).sum())
+        own = part.columns.field(part.score.beta)
+        taken = set(chosen.names)
+        for name, forms in found.items():
+            if name in taken:
+                continue
+            best = max((fit([*rest, c]) for c in forms), key=lambda f: f.score.gain)
+            behind = chosen.score.gains - best.score.gains
+            n = len(behind)
+            se = float(np.sqrt(n) * behind.std(ddof=1)) if n > 1 else np.inf
+            other = best.parts[-1].columns.field(best.parts[-1].score.beta)
+            w = part.columns.streams.weight
+            cosine = float(
+                (w * own * other).sum() / np.sqrt((w * own**2).sum() * (w * other**2).sum() + 1e-300)
+            )
+            z = behind.sum() / se if se > 0 else np.inf
+            share = behind.sum() / worth if worth > 0 else 1.0
+            out.append(Rival(name, part.effect.name, float(z), float(share), cosine))
+    return out
+
+
+def decide(
+    streams: Streams,
+    found: Mapping[str, list[Candidate]],
+    chosen: Fit | None,
+    before: Mapping[str, Ceiling],
+    after: Mapping[str, Ceiling],
+    p_value: float,
+    gate: Gate,
+) -> Verdict:
+    """Name the verdict.
+
+    `before` and `after` are the ceilings of what the base leaves and of what the chosen effects leave.
+    """
+    if chosen is None:
+        return _without_effect(streams, before, p_value, gate)
+    compared = rivals_of(chosen, found)
+    left = square_of(streams, streams.residual - chosen.heldout)
+    explained = gate.base_square - left
+    beyond, share, learner = _predictable(streams, chosen, after, explained)
+    static_only = _static_only(after, learner)
+    warnings: list[str] = []
+    if learner is not None and beyond > (UNKNOWN_FLOORS**2) * gate.floor_square and share > UNKNOWN_SHARE:
+        if not (static_only and share < 0.8):
+            z = learner.gain / max(_se(learner.gains), 1e-300)
+            return Verdict(
+                "unknown",
+                (),
+                float(np.clip(norm.cdf(z) * min(1.0, 0.4 + share), 0.34, 0.97)),
+                tuple(chosen.names),
+                learner.covariates,
+                compared=tuple(compared),
+            )
+        warnings.append(
+            f"beside {' and '.join(chosen.names)}, a smooth function of the pressures alone would explain "
+            f"{np.sqrt(beyond):.3g} more: the base may be wrong in form"
+        )
+    alike = [r for r in compared if r.alike]
+    if alike:
+        names = tuple(dict.fromkeys(r.effect for r in sorted(alike, key=lambda r: r.z)))
+        worst = min(r.z for r in alike)
+        probability = float(np.clip(norm.cdf(1.0 - worst / 2), 0.34, 0.95))
+        return Verdict(
+            "confounded", chosen.names, probability, names, warnings=tuple(warnings), compared=tuple(compared)
+        )
+    closest = min((r.z for r in compared), default=np.inf)
+    probability = float(np.clip(norm.cdf(closest) * (1 - p_value), 0.34, 0.99))
+    name: Name = "identified" if len(chosen.parts) == 1 else "multiple"
+    return Verdict(name, chosen.names, probability, (), warnings=tuple(warnings), compared=tuple(compared))
+
+
+def _without_effect(streams: Streams, before: Mapping[str, Ceiling], p_value: float, gate: Gate) -> Verdict:
+    """No named effect came in: unknown if a learner sees structure, else nothing missing or underpowered."""
+    best = max(before.values(), key=lambda c: c.gain, default=None)
+    if best is not None and best.gain > CEILING_SE * _se(best.gains) and (best.gains > 0).mean() >= 0.8:
+        left = square_of(streams, streams.residual - best.heldout)
+        explained = gate.base_square - left
+        if explained > gate.smallest(0.1) and explained > (UNKNOWN_FLOORS**2) * gate.floor_square:
+            z = best.gain / max(_se(best.gains), 1e-300)
+            return Verdict("unknown", (), float(np.clip(norm.cdf(z - 1), 0.34, 0.97)), (), best.covariates)
+    smallest = detectable(streams, gate)
+    if gate.tolerance is not None and smallest > gate.tolerance:
+        note = (
+            f"the smallest effect that these data could show is {smallest:.3g}, above the tolerance asked for"
+        )
+        return Verdict("underpowered", (), 0.9, warnings=(note,))
+    return Verdict("nothing_missing", (), float(np.clip(0.9 + 0.1 * (p_value > SIGNIFICANT), 0.5, 0.98)))
+
+
+def detectable(streams: Streams, gate: Gate) -> float:
+    """The smallest effect (root mean square, in units) that the gate would let through with these captures."""
+    n = int(streams.index.max()) + 1
+    seen = float((streams.weight[:, streams.counted] > 0).sum())
+    noise = np.sqrt(max(gate.base_square, gate.floor_square))
+    by_chance = noise * np.sqrt(
+        12.0 / max(seen / max(len(streams.source) / n, 1.0), 1.0) * len(streams.patterns)
+    )
+    return float(max(by_chance, np.sqrt(gate.smallest(0.0))))
+
+
+def _predictable(
+    streams: Streams, chosen: Fit, after: Mapping[str, Ceiling], explained: float
+) -> tuple[float, float, Ceiling | None]:
+    """What a learner still predicts of what the effects leave: mean square, share of all explainable, who."""
+    best = max(after.values(), key=lambda c: c.gain, default=None)
+    if best is None or best.gain <= CEILING_SE * _se(best.gains):
+        return 0.0, 0.0, None
+    left = streams.residual - chosen.heldout
+    beyond = square_of(streams, left) - square_of(streams, left - best.heldout)
+    if beyond <= 0:
+        return 0.0, 0.0, None
+    return beyond, beyond / (beyond + max(explained, 0.0)), best
+
+
+def _static_only(after: Mapping[str, Ceiling], learner: Ceiling | None) -> bool:
+    """Whether the pressures alone carry most of what is still predictable."""
+    return learner is not None and STATIC in after and after[STATIC].gain > 0.7 * learner.gain
+
+
+def _se(gains: Floats) -> float:
+    n = len(gains)
+    return float(np.sqrt(n) * gains.std(ddof=1)) if n > 1 else float("inf")
+
+
+__all__ = ["Rival", "Verdict", "decide", "detectable", "mean_square", "rivals_of"]
