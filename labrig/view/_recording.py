@@ -1,0 +1,210 @@
+"""A finished campaign or diagnosis as an .rrd recording that a person finds arranged."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labrig.view._colours import error_colours, rgb
+from labrig.view._fields import Cloud, Floats, Skin, cloud, filled, residuals, rms, skin, worst_captures
+from labrig.view._figures import view_axes
+from labrig.view._style import BEFORE, FLOOR
+from labrig.view._words import note, number, word
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from labrig.diagnosis import Result
+    from labrig.view._rerun import Recording
+
+MAX_CAPTURES = 400
+ARROW_SHARE = 0.12  # of the surface's size, that the longest arrows take
+CHAMBER_COLOURS = (
+    "#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66",
+)  # fmt: skip
+
+
+def write_recording(source: "Result | xr.Dataset", path: str | Path) -> Path:
+    """Write a result, or a run as `labrig.open_run` gives it, as an .rrd recording; returns its path.
+
+    It is written under another name first, so that a recording is never half a recording.
+    """
+    from labrig.view._rerun import Recording
+
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    recording = Recording(path.stem)
+    try:
+        recording.to_file(temporary)
+        draw(recording, source)
+        recording.close()
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path
+
+
+def draw(recording: "Recording", source: "Result | xr.Dataset") -> None:
+    """Log a result or a run into an open recording."""
+    if hasattr(source, "fields"):
+        _draw_result(recording, source)  # pyright: ignore[reportArgumentType]
+    else:
+        from labrig.view._run_recording import draw_run
+
+        draw_run(recording, source)  # pyright: ignore[reportArgumentType]
+
+
+def _draw_result(recording: "Recording", result: "Result") -> None:
+    from labrig.view import _rerun
+
+    fields, summary = result.fields, result.summary
+    markers = cloud(fields)
+    improved = bool(summary.get("effects")) or summary.get("verdict") in ("confounded", "unknown")
+    scenes: list[Any] = []
+    if markers is not None:
+        scale = _draw_clouds(recording, markers, improved)
+        added = " + ".join(word(str(name)) for name in summary.get("effects", [])) or "best candidate"
+        arrows = f"arrows: residual × {number(scale)}"
+        scenes.append(_scene(f"Before: the model as it was ({arrows})", "/before", markers))
+        if improved:
+            scenes.append(_scene(f"After: with {added}", "/after", markers))
+    curves = [_draw_errors(recording, result, improved)]
+    if "commanded" in fields:
+        curves.append(_draw_commanded(recording, fields))
+    recording.text("/verdict", _verdict(result))
+    text = _rerun.page("Verdict", "/verdict")
+    bottom = _rerun.side_by_side(*curves)
+    if scenes:
+        top = _rerun.side_by_side(*scenes, text, shares=[*([3.0] * len(scenes)), 2.0])
+        view = _rerun.stacked(top, bottom, shares=[2.2, 1.0])
+    else:
+        view = _rerun.side_by_side(_rerun.stacked(*curves), text, shares=[2.0, 1.0])
+    recording.arrange(_rerun.arrangement(view, "capture"))
+
+
+def _scene(name: str, root: str, markers: Cloud) -> Any:
+    from labrig.view import _rerun
+
+    right, up, normal = view_axes(markers.rest_mm)
+    target = markers.rest_mm.mean(axis=0)
+    size = float(np.ptp(markers.rest_mm, axis=0).max())
+    eye = target + size * (1.25 * normal + 0.7 * right + 0.35 * up)
+    return _rerun.scene(name, root, eye, target, up)
+
+
+def _shown(count: int, error: Floats) -> list[int]:
+    """Which captures are drawn in 3D: all, or evenly many with the worst among them."""
+    if count <= MAX_CAPTURES:
+        return list(range(count))
+    even = np.linspace(0, count - 1, MAX_CAPTURES - 20).astype(int)
+    worst = np.argsort(-np.nan_to_num(error, nan=-1.0))[:20]
+    return sorted({int(i) for i in np.concatenate([even, worst])})
+
+
+def _draw_clouds(recording: "Recording", markers: Cloud, improved: bool) -> float:
+    """Log every capture before and after; returns by how much the residual arrows are longer than the residuals."""
+    size = float(np.ptp(markers.rest_mm, axis=0).max()) or 1.0
+    before = markers.base_error_mm
+    seen = before[np.isfinite(before)]
+    top = float(np.quantile(seen, 0.98)) if seen.size else 1.0
+    scale = _round_down(ARROW_SHARE * size / (top or 1.0))
+    surface = skin(markers.rest_mm)
+    states = [("/before", markers.base_mm)] + ([("/after", markers.model_mm)] if improved else [])
+    for root, _ in states:
+        recording.upright(root)
+    for n in _shown(len(before), rms(before, axis=1)):
+        recording.at(capture=n)
+        for root, predicted in states:
+            draw_state(recording, root, markers, surface, markers.measured_mm[n], predicted[n], top, scale)
+    return scale
+
+
+def draw_state(
+    recording: "Recording",
+    root: str,
+    markers: Cloud,
+    surface: Skin | None,
+    measured: Floats,
+    predicted: Floats,
+    top: float,
+    scale: float,
+) -> None:
+    """One moment below `root`: the measured surface in the colour of the error, markers, residuals, the unseen."""
+    radius = 0.006 * float(np.ptp(markers.rest_mm, axis=0).max())
+    error = np.linalg.norm(measured - predicted, axis=1)
+    seen = np.isfinite(error)
+    if surface is not None:
+        known = np.where(seen, error, np.nanmean(error) if seen.any() else 0.0)
+        colours = error_colours(np.clip(surface.vertices(known), 0.0, None), top)
+        recording.mesh(
+            f"{root}/surface", surface.vertices(filled(measured, predicted)), surface.triangles, colours
+        )
+    names = [f"{name}: {value:.3g} mm" for name, value in zip(markers.names, error, strict=True)]
+    labels = [label for label, is_seen in zip(names, seen, strict=True) if is_seen]
+    recording.points(f"{root}/measured", measured[seen], error_colours(error[seen], top), radius, labels)
+    recording.points(f"{root}/predicted", predicted, rgb("#d7dde4"), 0.45 * radius)
+    unseen = [f"{name}: not seen" for name, is_seen in zip(markers.names, seen, strict=True) if not is_seen]
+    recording.points(f"{root}/occluded", predicted[~seen], rgb("#5a6472"), radius, unseen)
+    vectors = scale * (measured - predicted)[seen]
+    recording.arrows(
+        f"{root}/residual", predicted[seen], vectors, error_colours(error[seen], top), 0.28 * radius
+    )
+
+
+def _round_down(value: float) -> float:
+    """1, 2, 5, 10, 20, ... not above `value`; at least 1."""
+    if value <= 1:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step for step in (1.0, 2.0, 5.0) if step * power <= value) * power)
+
+
+def _draw_errors(recording: "Recording", result: "Result", improved: bool) -> Any:
+    from labrig.view import _rerun
+
+    before, after = residuals(result.fields)
+    at = np.arange(len(before))
+    units = str(result.summary.get("units", ""))
+    recording.series("/error/before", "before", rgb(BEFORE), 2.0)
+    recording.curve("/error/before", "capture", at, rms(before, axis=1))
+    if improved:
+        recording.series("/error/after", "after", rgb("#4fa3c1"), 2.0)
+        recording.curve("/error/after", "capture", at, rms(after, axis=1))
+    floor = result.summary.get("error", {}).get("floor")
+    if floor is not None:
+        recording.series("/error/floor", "noise floor", rgb(FLOOR), 1.0)
+        recording.curve("/error/floor", "capture", at[[0, -1]], np.array([floor, floor], dtype=float))
+    return _rerun.plot(f"rms error, {units}", "/error/**")
+
+
+def _draw_commanded(recording: "Recording", fields: "xr.Dataset") -> Any:
+    from labrig.view import _rerun
+
+    commanded = np.asarray(fields["commanded"].values, dtype=float)
+    for k, name in enumerate(str(chamber) for chamber in fields["chamber"].values):
+        path = f"/commanded/{name}"
+        recording.series(path, name, rgb(CHAMBER_COLOURS[k % len(CHAMBER_COLOURS)]), 1.5, steps=True)
+        recording.curve(path, "capture", np.arange(len(commanded)), commanded[:, k])
+    unit = str(fields["commanded"].attrs.get("units", ""))
+    return _rerun.plot(f"commanded, {unit}", "/commanded/**")
+
+
+def _verdict(result: "Result") -> str:
+    """The verdict as a page of markdown."""
+    words, units = note(result.summary), str(result.summary.get("units", ""))
+    lines = [f"# {words.headline}", words.why]
+    if words.else_:
+        lines += ["### What else could it be?", words.else_]
+    lines += ["### What to measure next", words.next_]
+    lines += ["### From the model to the noise", f"| | rms error, {units} |", "|---|---|"]
+    table = "\n".join(
+        [*lines[-2:], *(f"| {word(label)} | {number(value)} |" for label, value in result.waterfall)]
+    )
+    lines[-2:] = [table]
+    worst = worst_captures(result.fields, 5)
+    rows = "\n".join(
+        f"- capture {w.capture}: {number(w.base)} → {number(w.model)} {units} ({w.where})" for w in worst
+    )
+    return "\n\n".join([*lines, "### The worst captures", rows])
