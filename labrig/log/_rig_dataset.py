@@ -13,8 +13,9 @@ from labrig.log._segments import LoadedSegment
 from labrig.log._topics import Topic
 from labrig.log._writer import _POINT, to_ns
 
-_LONGEST_GAP_S = 0.5
-"""Between sensor samples further apart than this, nothing is known of the pressure."""
+_LONGEST_GAP_S = 1.5
+_NEAR_S = 0.1
+"""Between sensor samples further apart than the longest gap, the pressure is known only near one of them."""
 
 Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
@@ -105,7 +106,7 @@ def _ordered(time_ns: Times, values: NDArray[Any]) -> Series:
 
 
 def interpolate(series: Series, time_ns: Times) -> Floats:
-    """The series at other times, linear between samples; NaN in long gaps and before or after all samples."""
+    """The series at other times, linear between samples; NaN in long gaps and far outside."""
     result = np.full((len(time_ns), *series.values.shape[1:]), np.nan)
     if not len(series.time_ns) or not len(time_ns):
         return result
@@ -113,10 +114,13 @@ def interpolate(series: Series, time_ns: Times) -> Floats:
     before = after - 1
     after = np.minimum(after, len(series.time_ns) - 1)
     span = series.time_ns[after] - series.time_ns[before]
-    weight = np.clip((time_ns - series.time_ns[before]) / np.maximum(span, 1), 0.0, 1.0)[:, None]
-    values = series.values[before] * (1 - weight) + series.values[after] * weight
     nearest = np.minimum(np.abs(time_ns - series.time_ns[before]), np.abs(time_ns - series.time_ns[after]))
-    known = (nearest <= _LONGEST_GAP_S * 1e9) & (span <= 2 * _LONGEST_GAP_S * 1e9)
+    close = span <= _LONGEST_GAP_S * 1e9
+    weight = np.clip((time_ns - series.time_ns[before]) / np.maximum(span, 1), 0.0, 1.0)
+    weight = np.where(close, weight, np.round(weight))[:, None]
+    values = np.where(weight < 1, series.values[before] * (1 - weight), 0.0)
+    values = values + np.where(weight > 0, series.values[after] * weight, 0.0)
+    known = close | (nearest <= _NEAR_S * 1e9)
     result[known] = values[known]
     return result
 

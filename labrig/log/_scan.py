@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from labrig._errors import LabrigError
+from labrig.log._summary import read_counts
 from labrig.log._topics import Topic, topic_table
 
 _MAGIC = b"\x89MCAP0\r\n"
@@ -73,9 +74,7 @@ class _Scanner:
         has_magic = self.data[:8] == _MAGIC
         position = 8 if has_magic else self._next_chunk(0)
         if not has_magic and position < 0:
-            raise LabrigError(
-                f"{self.path} is not an MCAP file, or its start is lost and nothing in it is whole"
-            )
+            raise LabrigError(f"{self.path} is not an MCAP file, or nothing of it is whole")
         if not has_magic:
             self.warnings.append(f"{self.path.name}: the first {position} bytes are damaged and were skipped")
         while 0 <= position < self.size:
@@ -89,7 +88,7 @@ class _Scanner:
             )
         if not self.chunks:
             raise LabrigError(f"{self.path} holds no whole chunk: nothing of it can be read")
-        self._count_lost()
+        self._count_lost(closed)
         topics = {topic: self.topics[topic] for topic in Topic if self.topics[topic].payload}
         return Segment(self.path, self.metadata, topics, self.warnings, closed, self.good_end)
 
@@ -204,10 +203,13 @@ class _Scanner:
             raise ValueError("the string is longer than its record")
         return str(self.data[position + 4 : position + 4 + length], "utf-8"), position + 4 + length
 
-    def _count_lost(self) -> None:
+    def _count_lost(self, closed: bool) -> None:
+        """Compare what was read with the numbers of the messages, and with the counts at a closed file's end."""
+        counts = read_counts(self.data, self.size) if closed else None
+        if closed and counts is None:
+            self.warnings.append(f"{self.path.name}: its summary is damaged; the end may be incomplete")
         for topic, info in topic_table().items():
             sequence = self.topics[topic].sequence
-            lost = sequence[-1] - len(sequence) if sequence else 0
-            if lost > 0:
-                total = sequence[-1]
+            total = sequence[-1] if counts is None and sequence else (counts or {}).get(topic, 0)
+            if (lost := total - len(sequence)) > 0:
                 self.warnings.append(f"{self.path.name}: {lost} of {total} messages on {info.name} are lost")
