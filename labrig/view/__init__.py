@@ -1,1 +1,25 @@
-"""labrig.view"""
+"""What a person looks at: reports in HTML, recordings and the live view in rerun, still pictures."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from labrig.view._recording import write_recording
+    from labrig.view._report import write_report
+    from labrig.view._viewer import Viewer, screenshot, start_viewer
+
+_LAZY = {
+    "Viewer": "_viewer",
+    "screenshot": "_viewer",
+    "start_viewer": "_viewer",
+    "write_recording": "_recording",
+    "write_report": "_report",
+}
+
+__all__ = ["Viewer", "screenshot", "start_viewer", "write_recording", "write_report"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        return getattr(import_module(f"labrig.view.{_LAZY[name]}"), name)
+    raise AttributeError(f"module 'labrig.view' has no attribute {name!r}")

@@ -66,7 +66,10 @@ def cloud(fields: "xr.Dataset") -> Cloud | None:
     def pick(variable: str) -> Floats:
         return np.asarray(fields[variable].values, dtype=float)[:, index]
 
-    return Cloud(tuple(names), rest[known], pick("measured"), pick("base"), pick("model"))
+    base, model = (
+        ("base_everywhere", "model_everywhere") if "base_everywhere" in fields else ("base", "model")
+    )
+    return Cloud(tuple(names), rest[known], pick("measured"), pick(base), pick(model))
 
 
 def skin(rest_mm: Floats, subdivisions: int = 2) -> Skin | None:

@@ -58,7 +58,7 @@ def surfaces(cloud: Cloud, skin: Skin | None, units: str) -> tuple[Figure, Figur
 def _surface(cloud: Cloud, skin: Skin | None, error: Floats, top: float, units: str, bar: bool) -> Figure:
     scale = [[position, colour] for position, colour in ERROR_SCALE]
     colourbar = {
-        "title": {"text": f"rms error, {units}", "side": "right", "font": FONT},
+        "title": {"text": f"distance, {units}", "side": "right", "font": FONT},
         "thickness": 12,
         "len": 0.8,
         "outlinewidth": 0,

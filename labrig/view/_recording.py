@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from labrig.view._rerun import Recording
 
 MAX_CAPTURES = 400
-ARROW_SHARE = 0.12  # of the surface's size, that the longest arrows take
+ARROW = "#7fe3ff"
+ARROW_SHARE = 0.2  # of the surface's size, that the longest arrows take
 CHAMBER_COLOURS = (
     "#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66",
 )  # fmt: skip
@@ -148,17 +149,15 @@ def draw_state(
     unseen = [f"{name}: not seen" for name, is_seen in zip(markers.names, seen, strict=True) if not is_seen]
     recording.points(f"{root}/occluded", predicted[~seen], rgb("#5a6472"), radius, unseen)
     vectors = scale * (measured - predicted)[seen]
-    recording.arrows(
-        f"{root}/residual", predicted[seen], vectors, error_colours(error[seen], top), 0.28 * radius
-    )
+    recording.arrows(f"{root}/residual", predicted[seen], vectors, rgb(ARROW), 0.3 * radius)
 
 
 def _round_down(value: float) -> float:
-    """1, 2, 5, 10, 20, ... not above `value`; at least 1."""
+    """1, 1.5, 2, 3, 5, 7, 10, 15, ... not above `value`; at least 1."""
     if value <= 1:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
-    return float(max(step for step in (1.0, 2.0, 5.0) if step * power <= value) * power)
+    return float(max(step for step in (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) if step * power <= value) * power)
 
 
 def _draw_errors(recording: "Recording", result: "Result", improved: bool) -> Any:
@@ -200,7 +199,10 @@ def _verdict(result: "Result") -> str:
     lines += ["### What to measure next", words.next_]
     lines += ["### From the model to the noise", f"| | rms error, {units} |", "|---|---|"]
     table = "\n".join(
-        [*lines[-2:], *(f"| {word(label)} | {number(value)} |" for label, value in result.waterfall)]
+        [
+            *lines[-2:],
+            *(f"| {word(label.removeprefix('+ '))} | {number(value)} |" for label, value in result.waterfall),
+        ]
     )
     lines[-2:] = [table]
     worst = worst_captures(result.fields, 5)

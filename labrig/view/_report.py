@@ -13,7 +13,7 @@ from labrig.view._fields import cloud, skin, worst_captures
 from labrig.view._page import Page, bar, table
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
 from labrig.view._waterfall import waterfall_svg
-from labrig.view._words import amount, note, number, percent, word
+from labrig.view._words import amount, meanings, note, number, percent, word
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -92,6 +92,8 @@ def _opening(page: Page, result: "Result") -> None:
     )
     page.add(f"<h1>{escape(words.headline)}</h1>")
     page.add(f'<p class="lead">{escape(words.why)}</p>')
+    for meaning in meanings(summary):
+        page.add(f"<p>{escape(meaning)}</p>")
     page.add(_errors(summary))
     answers = [
         ("What else could it be?", words.else_),
@@ -151,12 +153,12 @@ def _ranking(page: Page, summary: dict[str, Any]) -> None:
 
     def cells(row: dict[str, Any]) -> list[str]:
         drop = row.get("drop")
-        share = "–" if drop is None else percent(max(0.0, drop))
-        uncertainty = f" ± {number(row['se'])}" if row.get("se") is not None else ""
+        share = "–" if drop is None else f"{100 * max(0.0, drop):.0f}"
+        uncertainty = f" ± {max(1, round(100 * row['se']))}" if row.get("se") is not None else ""
         return [
             escape(word(str(row.get("effect")))),
-            number(row.get("heldout_error")) + uncertainty,
-            f"{bar((drop or 0.0) / max(best, 1.0), 90)} {share}",
+            number(row.get("heldout_error")),
+            f"{bar((drop or 0.0) / max(best, 1.0), 90)} {share}{uncertainty} %",
             percent(row.get("probability")),
             f'<span class="parameters">{_parameters(row.get("parameters") or {})}</span>',
         ]
@@ -179,20 +181,24 @@ def _ranking(page: Page, summary: dict[str, Any]) -> None:
 def _parameters(parameters: dict[str, Any]) -> str:
     shown = []
     for name, entry in list(parameters.items())[:6]:
-        if not isinstance(entry, dict):
-            shown.append(f"{escape(word(name))} {number(entry)}")
-            continue
         unit = str(entry.get("unit", ""))
-        name = name.removesuffix(f"_{unit}")
-        unit = "" if unit == "1" else f" {escape(unit)}"
-        uncertainty = f" ± {number(entry['sd'])}" if entry.get("sd") is not None else ""
-        value = entry.get("value")
-        if isinstance(value, dict | list):
-            shown.append(f"{escape(word(name))}: {len(value)} values")
-        else:
-            shown.append(f"{escape(word(name))} {number(value)}{uncertainty}{unit}")
+        label = escape(word(name.removesuffix(f"_{unit}")))
+        unit = "" if unit in ("", "1") else f" {escape(unit)}"
+        values = _flat(entry.get("value"))
+        if len(values) > 1:
+            spread = f"{number(min(values))} to {number(max(values))}{unit}"
+            shown.append(f"{label} {spread} ({len(values)} values)")
+        elif values:
+            uncertainty = "".join(f" ± {number(sd)}" for sd in _flat(entry.get("sd")))
+            shown.append(f"{label} {number(values[0])}{uncertainty}{unit}")
     more = f", {len(parameters) - 6} more" if len(parameters) > 6 else ""
     return ", ".join(shown) + more
+
+
+def _flat(values: Any) -> list[float]:
+    if isinstance(values, list | tuple):
+        return [number for value in values for number in _flat(value)]
+    return [] if values is None else [float(values)]
 
 
 def _surface(page: Page, result: "Result") -> None:
@@ -208,9 +214,11 @@ def _surface(page: Page, result: "Result") -> None:
         return
     page.section(
         "On the surface",
-        "Root-mean-square error of each marker over the campaign, in colour, on one scale. Turn it with the mouse."
+        "Distance between measured and predicted at each marker (root mean square over the campaign), on one scale. "
+        "Turn it with the mouse."
         if both
-        else "Root-mean-square error of each marker over the campaign, in colour. Turn it with the mouse.",
+        else "Distance between measured and predicted at each marker (root mean square over the campaign). "
+        "Turn it with the mouse.",
     )
     before, after = _figures.surfaces(markers, skin(markers.rest_mm), units)
     if both:
@@ -267,7 +275,7 @@ def _signatures(page: Page, result: "Result") -> None:
     page.section(
         "What gives it away",
         "What the model leaves over, against the quantity that betrays each effect; lines are means, up and down "
-        "strokes apart. A flat line means: not this one.",
+        "strokes apart.",
     )
     blocks = [
         f'<div class="plot"><h3>{escape(word(item.effect))}: {escape(item.covariate)}</h3>'

@@ -51,7 +51,15 @@ def start_viewer(
     answer within `wait_s`.
     """
     port, web_port = port or free_port(), web_port or free_port()
-    command = [str(viewer_path()), *map(str, files), "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen"]
+    command = [
+        str(viewer_path()),
+        *map(str, files),
+        "--bind",
+        LOOPBACK,
+        "--port",
+        str(port),
+        "--hide-welcome-screen",
+    ]
     if headless:
         command.append("--headless")
     if web:
@@ -73,7 +81,9 @@ def start_viewer(
     except OSError as error:
         raise LabrigError(f"the rerun viewer does not start: {error.strerror or error}") from None
     url = f"rerun+http://{LOOPBACK}:{port}/proxy"
-    page = f"http://{LOOPBACK}:{web_port}?url={url.replace(':', '%3A').replace('/', '%2F').replace('+', '%2B')}"
+    page = (
+        f"http://{LOOPBACK}:{web_port}?url={url.replace(':', '%3A').replace('/', '%2F').replace('+', '%2B')}"
+    )
     viewer = Viewer(process, url, page if web else "")
     if not _answers(process, web_port if web else port, wait_s):
         viewer.stop()
@@ -89,7 +99,9 @@ def _why_not(process: subprocess.Popen[bytes], headless: bool) -> str:
             "the rerun viewer cannot draw without a screen here; install a software renderer "
             "(Debian: apt-get install mesa-vulkan-drivers libvulkan1)"
         )
-    return "the rerun viewer found no screen; use --serve to watch in a browser, or open the .rrd file elsewhere"
+    return (
+        "the rerun viewer found no screen; use --serve to watch in a browser, or open the .rrd file elsewhere"
+    )
 
 
 def viewer_path() -> Path:
@@ -134,7 +146,9 @@ def headless_viewer(*files: Path, size: str = "1600x1000") -> Iterator[Viewer]:
         viewer.stop()
 
 
-def screenshot(recording: str | Path, picture: str | Path, size: str = "1600x1000", capture: int | None = None) -> list[str]:
+def screenshot(
+    recording: str | Path, picture: str | Path, size: str = "1600x1000", capture: int | None = None
+) -> list[str]:
     """Draw an .rrd recording without a screen into a .png; returns what its views had to complain of.
 
     `capture` moves the time cursor to that capture. Raises `LabrigError` when nothing can be drawn here.

@@ -39,7 +39,7 @@ def waterfall_svg(steps: Sequence[tuple[str, float]], units: str) -> str:
             parts.append(_text(x + bar / 2, (y(previous) + y(value)) / 2 + 4, drop, MUTED, 13))
         parts.append(_rectangle(x, y(value), bar, y(0.0) - y(value), _colour(label, i)))
         parts.append(_text(x + bar / 2, y(value) - 8, f"{number(value)} {units}", INK, 15, bold=True))
-        parts.append(_text(x + bar / 2, HEIGHT - BOTTOM + 22, word(label), INK, 14))
+        parts.append(_text(x + bar / 2, HEIGHT - BOTTOM + 22, word(label.removeprefix("+ ")), INK, 14))
         parts.append(_text(x + bar / 2, HEIGHT - BOTTOM + 40, _meaning(label), MUTED, 12))
         if is_model:
             previous = value

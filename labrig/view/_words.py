@@ -13,6 +13,9 @@ VERDICTS = {
 }
 
 
+STANDS_OUT = 1.15  # an error worth a word, as a multiple of the usual one
+
+
 @dataclass(frozen=True)
 class Note:
     """The words of a report, as plain text: the verdict's name, one headline, and four short answers."""
@@ -58,7 +61,7 @@ def word(name: str) -> str:
 
 def amount(summary: dict[str, Any], which: str) -> str:
     """One of the errors with its unit, such as `1.92 mm`."""
-    return f"{number(summary.get('error', {}).get(which))} {summary.get('units', '')}".strip()
+    return f"{number(summary.get('error', {}).get(which))}\u00a0{summary.get('units', '')}".strip()
 
 
 def percent(value: Any) -> str:
@@ -67,7 +70,7 @@ def percent(value: Any) -> str:
         return "–"
     if value > 0.995:
         return "over 99 %"
-    if 0 < value < 0.005:
+    if value < 0.005:
         return "under 1 %"
     return f"{100 * value:.0f} %"
 
@@ -120,6 +123,20 @@ def _why(summary: dict[str, Any]) -> str:
     ).strip()
 
 
+def _known(effect: str, what: str) -> str:
+    """What the library says of an effect, on one line; nothing of an effect that it does not have."""
+    from labrig.effects import library
+
+    known = library().get(effect)
+    return " ".join(str(getattr(known, what)).split()).rstrip(".") if known else ""
+
+
+def meanings(summary: dict[str, Any]) -> list[str]:
+    """One sentence on each effect that was found."""
+    texts = [(str(name), _known(str(name), "meaning")) for name in summary.get("effects", [])]
+    return [f"{word(name).capitalize()}: {text[0].lower()}{text[1:]}." for name, text in texts if text]
+
+
 def _explained(summary: dict[str, Any]) -> str:
     error = summary.get("error", {})
     base, model = error.get("base"), error.get("model")
@@ -151,7 +168,8 @@ def _where(summary: dict[str, Any]) -> str:
         if len(rows) >= 1:
             worst = max(rows, key=lambda row: row["error"])
             sentences.append(
-                form.format(name=worst["name"]) + f" ({number(worst['error'])} {summary.get('units', '')})"
+                form.format(name=worst["name"])
+                + f" ({number(worst['error'])}\u00a0{summary.get('units', '')})"
             )
         if len(sentences) == 2:
             break
@@ -187,23 +205,21 @@ def _rivals(summary: dict[str, Any]) -> str:
 
 def next_experiment(summary: dict[str, Any]) -> str:
     """What to measure next, in a sentence; what follows from the verdict where no experiment was designed."""
-    planned = summary.get("next_experiment")
-    if isinstance(planned, str) and planned:
-        return planned[0].upper() + planned[1:].rstrip(".") + "."
-    if isinstance(planned, dict):
-        for key in ("description", "why", "reason", "experiment", "probe", "name"):
-            if planned.get(key):
-                minutes = planned.get("minutes")
-                text = str(planned[key]).rstrip(".")
-                tail = f" ({number(minutes)} minutes of lab time)" if minutes else ""
-                return text[0].upper() + text[1:] + tail + "."
+    planned = summary.get("next_experiment") or {}
+    probes = list(dict.fromkeys(str(probe).rstrip(".") for probe in planned.get("probes", [])))
+    if probes:
+        separated = [str(name) for name in planned.get("separates", [])]
+        why = f"To tell {listed(separated)} apart: " if len(separated) > 1 else "To be sure: "
+        return why + "; or ".join(probes) + ". `labrig next` makes a procedure of it."
     match summary["verdict"]:
         case "nothing_missing":
             return "Nothing needs measuring. A smaller effect would show with more repeats of the same set-points."
         case "identified" | "multiple":
-            return (
-                "Measure a fresh programme with other set-points, another order and other holds: a wrong name can fit "
-                "this campaign, but it does not carry over to that one."
+            probes = [_known(str(name), "experiment") for name in summary.get("effects", [])]
+            isolate = "; ".join(probe for probe in probes if probe)
+            return (f"To see it by itself: {isolate}. " if isolate else "") + (
+                "To be sure of the name, measure a fresh programme with other set-points, order and holds: a wrong "
+                "one may fit this campaign, but it does not carry over."
             )
         case "confounded" | "unknown":
             return "Run `labrig next` for the pressure programme that separates the explanations best."
