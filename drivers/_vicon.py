@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers._cgstream import CgstreamError
-from drivers._cgstream_objects import Timecode
+from drivers._cgstream_objects import Subject, Timecode
 from drivers._cgstream_session import CgFrame, ClientSession, Mode
 from drivers._clock import Clock
 from drivers._protocols import DeviceError, Identity, MarkerFrame, MarkerStatus
@@ -87,9 +87,7 @@ class Vicon:
         self._clock = clock
         self._options = options
         self._recorder = recorder
-        self._table = MarkerTable(
-            marker_names, options.subject, options.rename, options.up, options.mm_per_unit
-        )
+        self._table = self._new_table(options.subject)
         self._frames: deque[ViconFrame] = deque(maxlen=options.max_frames)
         self._session = ClientSession()
         self._link: Link | None = None
@@ -115,15 +113,14 @@ class Vicon:
         self._last_frame_at = time.monotonic()
         self._thread = threading.Thread(target=self._run, name=f"{self.name}-reader", daemon=True)
         self._thread.start()
+        if not self.marker_names:
+            self._take_all_markers()
 
     def identify(self) -> Identity:
         """What the server offers: rate, subjects and their numbers of markers; waits for the first frame."""
         if self._thread is None:
             raise DeviceError(f"{self.name}: not connected")
-        deadline = time.monotonic() + self._options.timeout_s
-        while not self._session.statics.subjects and time.monotonic() < deadline:
-            self._raise_if_lost()
-            time.sleep(0.01)
+        self._wait_for_subjects()
         statics = self._session.statics
         subjects = {s.name: f"{len(s.markers)} markers" for s in statics.subjects.values()}
         axis = "y" if statics.y_up else "z"
@@ -162,6 +159,32 @@ class Vicon:
             thread.join()
         if self._recorder is not None:
             self._recorder.close()
+
+    def _take_all_markers(self) -> None:
+        """The subject's markers, for a rig that names none."""
+        subject, subjects = self._options.subject, self._wait_for_subjects()
+        found = [known for known in subjects if subject in (None, known.name)]
+        if len(found) != 1 or not found[0].markers:
+            self.close()
+            there = ", ".join(repr(known.name) for known in subjects) or "no subject at all"
+            raise DeviceError(
+                f"{self.name}: no markers are named, and the server at {self._options.host}:"
+                f"{self._options.port} has {there}: set `subject` to one of them"
+            )
+        self.marker_names = tuple(found[0].markers.values())
+        self._table = self._new_table(found[0].name)
+        self._frames.clear()
+
+    def _new_table(self, subject: str | None) -> MarkerTable:
+        options = self._options
+        return MarkerTable(self.marker_names, subject, options.rename, options.up, options.mm_per_unit)
+
+    def _wait_for_subjects(self) -> list[Subject]:
+        deadline = time.monotonic() + self._options.timeout_s
+        while not self._session.statics.subjects and time.monotonic() < deadline:
+            self._raise_if_lost()
+            time.sleep(0.01)
+        return list(self._session.statics.subjects.values())
 
     def _open(self) -> tuple[Link, ClientSession]:
         options = self._options

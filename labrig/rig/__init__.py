@@ -9,17 +9,20 @@ from labrig.rig._config import (
     load_rig,
     parse_rig,
 )
-from labrig.rig._factory import connect
+from labrig.rig._factory import connect, device_makers
+from labrig.rig._guard import GuardedPressure
 from labrig.rig._rig import Rig
 
 __all__ = [
     "ChamberConfig",
     "DeviceConfig",
+    "GuardedPressure",
     "Rig",
     "RigConfig",
     "SafetyConfig",
     "connect",
     "describe",
+    "device_makers",
     "load_rig",
     "parse_rig",
 ]

@@ -7,24 +7,39 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from drivers import Clock, Device, build_device
+from drivers import Clock, Device, RealClock, build_device
 from labrig._errors import LabrigError
 from labrig.rig._config import DeviceConfig, RigConfig
+from labrig.rig._guard import GuardedPressure
 from labrig.rig._rig import Rig
 
 _KINDS = {"pressure": ("openpneu", "modbus"), "mocap": ("vicon",), "scanner": ("artec",)}
 
 
-def connect(config: RigConfig, clock: Clock, *, folder: Path | None = None) -> Rig:
+def connect(
+    config: RigConfig,
+    clock: Clock,
+    *,
+    folder: Path | None = None,
+    guard: bool | None = None,
+    guard_log: Path | None = None,
+) -> Rig:
     """Connect every device of a rig and ask who it is.
 
     `folder` is where a simulated rig looks for what it hides; by default the folder of rig.yaml. Markers that
-    rig.yaml does not name are those of the motion capture.
+    rig.yaml does not name are those of the motion capture. With `guard`, the pressure link lives in a process of
+    its own that vents when this one is gone; by default so on the real clock, unless the rig is simulated in this
+    process. `guard_log` is a file for what the guard does on its own.
     Raises `DeviceError` when a device does not answer, `LabrigError` when the description is wrong; what was
     opened is closed again.
     """
     simulated = _Simulated(config, clock, folder or config.folder)
     makers = _makers(config, clock, simulated)
+    simulated_here = config.pressure.kind == "simulated"
+    if guard if guard is not None else isinstance(clock, RealClock) and not simulated_here:
+        if simulated_here:
+            raise LabrigError(f"rig {config.name}: a simulated pressure controller cannot be guarded")
+        makers["pressure"] = lambda: GuardedPressure(config, "pressure", guard_log)
     devices: dict[str, Any] = {}
     try:
         for role, make in makers.items():
@@ -37,6 +52,13 @@ def connect(config: RigConfig, clock: Clock, *, folder: Path | None = None) -> R
     if not config.markers and "mocap" in devices:
         config = config.model_copy(update={"markers": tuple(devices["mocap"].marker_names)})
     return Rig(config, clock, identity=identity, plant_rest_mm=simulated.rest_mm, **devices)
+
+
+def device_makers(
+    config: RigConfig, clock: Clock, *, folder: Path | None = None
+) -> dict[str, Callable[[], Any]]:
+    """For each device of a rig, by role, a function that makes it without connecting it."""
+    return _makers(config, clock, _Simulated(config, clock, folder or config.folder))
 
 
 def _close(devices: dict[str, Device]) -> None:
