@@ -145,6 +145,7 @@ def _markers(names: Any, status: np.ndarray) -> Finding:
     seen = (status == MarkerStatus.SEEN).mean(axis=0)
     never = [n for n, share in zip(names, seen, strict=True) if share == 0]
     if never:
+        state = "look" if len(never) <= MAX_UNSEEN * len(seen) else "bad"
         return Finding(
             "mocap", "markers", state, f"never seen: {', '.join(never)} (covered, or not labelled?)"
         )
