@@ -7,16 +7,27 @@ if TYPE_CHECKING:
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
     from labrig.view._viewer import Viewer, screenshot, start_viewer
+    from labrig.view._words import Summary, summary_words
 
 _LAZY = {
+    "Summary": "_words",
     "Viewer": "_viewer",
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
+    "summary_words": "_words",
     "write_recording": "_recording",
     "write_report": "_report",
 }
 
-__all__ = ["Viewer", "screenshot", "start_viewer", "write_recording", "write_report"]
+__all__ = [
+    "Summary",
+    "Viewer",
+    "screenshot",
+    "start_viewer",
+    "summary_words",
+    "write_recording",
+    "write_report",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -58,7 +58,7 @@ def cloud(fields: "xr.Dataset") -> Cloud | None:
     names = [str(m) for m in fields["marker"].values if all((str(m), axis) in column for axis in axes)]
     rest = np.asarray(fields["rest_mm"].sel(marker=names).values, dtype=float)
     known = np.isfinite(rest).all(axis=1)
-    names = [name for name, is_known in zip(names, known, strict=True) if is_known]
+    names = [name for name, is_known in zip(names, np.atleast_1d(known).tolist(), strict=True) if is_known]
     if not names:
         return None
     index = np.array([[column[name, axis] for axis in axes] for name in names])

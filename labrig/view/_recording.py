@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.view._colours import error_colours, rgb
-from labrig.view._fields import Cloud, Floats, Skin, cloud, filled, residuals, rms, skin, worst_captures
-from labrig.view._figures import view_axes
+from labrig.view._colours import rgb
+from labrig.view._fields import Cloud, Floats, cloud, residuals, rms, skin, worst_captures
+from labrig.view._scene import CHAMBER_COLOURS, draw_state, scene_in_front
 from labrig.view._style import BEFORE, FLOOR
 from labrig.view._words import note, number, word
 
@@ -19,11 +19,7 @@ if TYPE_CHECKING:
     from labrig.view._rerun import Recording
 
 MAX_CAPTURES = 400
-ARROW = "#7fe3ff"
 ARROW_SHARE = 0.2  # of the surface's size, that the longest arrows take
-CHAMBER_COLOURS = (
-    "#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66",
-)  # fmt: skip
 
 
 def write_recording(source: "Result | xr.Dataset", path: str | Path) -> Path:
@@ -68,9 +64,9 @@ def _draw_result(recording: "Recording", result: "Result") -> None:
         scale = _draw_clouds(recording, markers, improved)
         added = " + ".join(word(str(name)) for name in summary.get("effects", [])) or "best candidate"
         arrows = f"arrows: residual × {number(scale)}"
-        scenes.append(_scene(f"Before: the model as it was ({arrows})", "/before", markers))
+        scenes.append(scene_in_front(f"Before: the model as it was ({arrows})", "/before", markers.rest_mm))
         if improved:
-            scenes.append(_scene(f"After: with {added}", "/after", markers))
+            scenes.append(scene_in_front(f"After: with {added}", "/after", markers.rest_mm))
     curves = [_draw_errors(recording, result, improved)]
     if "commanded" in fields:
         curves.append(_draw_commanded(recording, fields))
@@ -83,16 +79,6 @@ def _draw_result(recording: "Recording", result: "Result") -> None:
     else:
         view = _rerun.side_by_side(_rerun.stacked(*curves), text, shares=[2.0, 1.0])
     recording.arrange(_rerun.arrangement(view, "capture"))
-
-
-def _scene(name: str, root: str, markers: Cloud) -> Any:
-    from labrig.view import _rerun
-
-    right, up, normal = view_axes(markers.rest_mm)
-    target = markers.rest_mm.mean(axis=0)
-    size = float(np.ptp(markers.rest_mm, axis=0).max())
-    eye = target + size * (1.25 * normal + 0.7 * right + 0.35 * up)
-    return _rerun.scene(name, root, eye, target, up)
 
 
 def _shown(count: int, error: Floats) -> list[int]:
@@ -118,38 +104,9 @@ def _draw_clouds(recording: "Recording", markers: Cloud, improved: bool) -> floa
     for n in _shown(len(before), rms(before, axis=1)):
         recording.at(capture=n)
         for root, predicted in states:
-            draw_state(recording, root, markers, surface, markers.measured_mm[n], predicted[n], top, scale)
+            measured = markers.measured_mm[n]
+            draw_state(recording, root, markers.names, surface, measured, predicted[n], top, scale)
     return scale
-
-
-def draw_state(
-    recording: "Recording",
-    root: str,
-    markers: Cloud,
-    surface: Skin | None,
-    measured: Floats,
-    predicted: Floats,
-    top: float,
-    scale: float,
-) -> None:
-    """One moment below `root`: the measured surface in the colour of the error, markers, residuals, the unseen."""
-    radius = 0.006 * float(np.ptp(markers.rest_mm, axis=0).max())
-    error = np.linalg.norm(measured - predicted, axis=1)
-    seen = np.isfinite(error)
-    if surface is not None:
-        known = np.where(seen, error, np.nanmean(error) if seen.any() else 0.0)
-        colours = error_colours(np.clip(surface.vertices(known), 0.0, None), top)
-        recording.mesh(
-            f"{root}/surface", surface.vertices(filled(measured, predicted)), surface.triangles, colours
-        )
-    names = [f"{name}: {value:.3g} mm" for name, value in zip(markers.names, error, strict=True)]
-    labels = [label for label, is_seen in zip(names, seen, strict=True) if is_seen]
-    recording.points(f"{root}/measured", measured[seen], error_colours(error[seen], top), radius, labels)
-    recording.points(f"{root}/predicted", predicted, rgb("#d7dde4"), 0.45 * radius)
-    unseen = [f"{name}: not seen" for name, is_seen in zip(markers.names, seen, strict=True) if not is_seen]
-    recording.points(f"{root}/occluded", predicted[~seen], rgb("#5a6472"), radius, unseen)
-    vectors = scale * (measured - predicted)[seen]
-    recording.arrows(f"{root}/residual", predicted[seen], vectors, rgb(ARROW), 0.3 * radius)
 
 
 def _round_down(value: float) -> float:

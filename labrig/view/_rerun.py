@@ -150,10 +150,21 @@ def scene(name: str, root: str, eye: Floats, target: Floats, up: Floats) -> rrb.
     )
 
 
-def plot(name: str, contents: str | list[str], legend: bool = True) -> rrb.TimeSeriesView:
-    """A view of curves."""
-    legends = rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=legend)
-    return rrb.TimeSeriesView(origin="/", contents=contents, name=name, plot_legend=legends)
+def plot(name: str, contents: str | list[str], last_s: float | None = None) -> rrb.TimeSeriesView:
+    """A view of curves: all of them, or what lies in the last `last_s` seconds before the cursor."""
+    bound = rrb.TimeRangeBoundary
+    seen = rrb.TimeRange(start=bound.infinite(), end=bound.infinite())
+    if last_s is not None:
+        seen = rrb.TimeRange(
+            start=bound.cursor_relative(seconds=-last_s), end=bound.cursor_relative(seconds=0.0)
+        )
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=contents,
+        name=name,
+        axis_x=rrb.TimeAxis(view_range=seen),
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
+    )
 
 
 def page(name: str, path: str) -> rrb.TextDocumentView:

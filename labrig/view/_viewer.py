@@ -67,7 +67,6 @@ def start_viewer(
         command += ["--serve-web", "--web-viewer-port", str(web_port)]
     if size:
         command += ["--window-size", size]
-    own_group = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP} if sys.platform == "win32" else {}
     try:
         process = subprocess.Popen(
             command,
@@ -76,7 +75,7 @@ def start_viewer(
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=sys.platform != "win32",  # Ctrl-C stops the run, not the viewer
-            **own_group,
+            creationflags=subprocess.CREATE_NEW_PROCESS_GROUP if sys.platform == "win32" else 0,
         )
     except OSError as error:
         raise LabrigError(f"the rerun viewer does not start: {error.strerror or error}") from None

@@ -37,6 +37,29 @@ def note(summary: dict[str, Any]) -> Note:
     )
 
 
+@dataclass(frozen=True)
+class Summary:
+    """A verdict in single lines, for a terminal."""
+
+    headline: str
+    compared: str
+    found: str
+    improved: str
+
+
+def summary_words(summary: dict[str, Any]) -> Summary:
+    """The lines that a command prints about a diagnosis."""
+    base, model, floor = (amount(summary, which) for which in ("base", "model", "floor"))
+    effects = [str(name) for name in summary.get("effects", [])]
+    named = f": {listed(effects)}" if effects else ""
+    return Summary(
+        headline=_headline(summary),
+        compared=f"the model is off by {base}; repeats of one set-point differ by {floor}",
+        found=f"{VERDICTS[summary['verdict']]}{named} ({percent(summary.get('probability'))} sure)",
+        improved=f"with {listed(effects) or 'the best candidate'} the held-out error falls from {base} to {model}",
+    )
+
+
 def number(value: Any) -> str:
     """Three significant digits, without an exponent where that is short; a dash for what is not known."""
     if value is None or not isinstance(value, int | float) or value != value:

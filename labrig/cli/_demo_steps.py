@@ -1,0 +1,178 @@
+"""The demo step by step: a rig with something hidden, a campaign, a diagnosis, a better model, pictures."""
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+from rich.table import Table
+
+from labrig._errors import LabrigError
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+
+CAPTURES = 40
+CHAMBERS, MARKERS = 9, 34
+BAR = 30
+
+RIG = f"""\
+# A simulated rig: the front of a mannequin at half scale, {CHAMBERS} chambers, {MARKERS} markers.
+name: mannequin
+chambers:
+{"".join(f"  - {{name: c{i}, min_kpa: 0, max_kpa: 60, slew_kpa_s: 100}}{chr(10)}" for i in range(1, CHAMBERS + 1))}\
+markers: [{", ".join(f"m{i:02d}" for i in range(1, MARKERS + 1))}]
+pressure: {{kind: simulated}}
+mocap: {{kind: simulated}}
+simulated: {{surface: mannequin, seed: SEED, noise_mm: 0.1, occlusion: 0.03, hidden: sealed.json}}
+"""
+
+MODEL = """\
+# What is believed of the rig: the simulator, and no effects yet.
+base: {kind: simulator, rig: rig.yaml}
+effects: []
+"""
+
+
+def run_demo(hide: str, seed: int, out: Path) -> Path:
+    """The whole demo, with what it does printed; returns the folder that it made."""
+    console = Console(highlight=False)
+    hidden = _hidden(hide, seed)
+    began = time.monotonic()
+    folder = _new_folder(out)
+    _prepare(folder, seed, hidden)
+    what = (
+        "nothing that its model lacks"
+        if hide == "nothing"
+        else hide or "something, and nobody has looked what"
+    )
+    console.print(f"A simulated rig hides {what} (seed {seed}).")
+    _campaign(console, folder, seed)
+    result = _diagnosis(console, folder)
+    _pictures(console, folder, result)
+    console.print()
+    console.print(_waterfall(console, result))
+    _closing(console, folder, result, time.monotonic() - began)
+    return folder
+
+
+def _hidden(hide: str, seed: int) -> dict[str, Any]:
+    """The setting of the simulated rig; raises `LabrigError` for an effect that does not exist."""
+    from drivers.simulated import choose
+    from drivers.simulated import hide as hide_effect
+    from drivers.simulated.hidden import EFFECTS
+
+    if not hide:
+        return choose(seed)
+    if hide != "nothing" and hide not in EFFECTS:
+        raise LabrigError(f"--hide: there is no effect '{hide}'; choose nothing, {', '.join(EFFECTS)}")
+    return hide_effect(hide, seed=seed)
+
+
+def _new_folder(out: Path) -> Path:
+    """Make `out`, or the first of out-2, out-3, ... that does not exist yet."""
+    for number in range(1, 10_000):
+        folder = out if number == 1 else out.with_name(f"{out.name}-{number}")
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise LabrigError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+        return folder
+    raise LabrigError(f"{out} and ten thousand names like it exist; name another folder with --out")
+
+
+def _prepare(folder: Path, seed: int, hidden: dict[str, Any]) -> None:
+    from drivers.simulated import seal
+
+    (folder / "rig.yaml").write_text(RIG.replace("SEED", str(seed)), encoding="utf-8")
+    (folder / "model.yaml").write_text(MODEL, encoding="utf-8")
+    seal(folder, hidden)
+
+
+def _campaign(console: Console, folder: Path, seed: int) -> None:
+    from drivers import SimulatedClock
+    from labrig.campaign import run
+    from labrig.rig import connect, load_rig
+    from procedures import Capture
+
+    clock = SimulatedClock()
+    start_s, began = clock.now_s(), time.monotonic()
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(BAR), MofNCompleteColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("campaign ", total=CAPTURES)
+        with connect(load_rig(folder / "rig.yaml"), clock) as rig:
+            run(
+                Capture.model_validate({"captures": CAPTURES}),
+                rig,
+                folder / "run",
+                clock=clock,
+                seed=seed,
+                progress=lambda seen: progress.update(task, completed=seen.captures_done),
+            )
+    _say(
+        console,
+        "campaign",
+        f"{CAPTURES} captures of {MARKERS} markers, {(clock.now_s() - start_s) / 60:.1f} min on the rig's clock, "
+        f"logged to {folder / 'run'} in {time.monotonic() - began:.0f} s",
+    )
+
+
+def _diagnosis(console: Console, folder: Path) -> "Result":
+    with console.status("comparing and diagnosing"):
+        import labrig
+        from labrig.diagnosis import diagnose
+        from labrig.model import Model
+        from labrig.view import summary_words
+
+        model = Model.load(folder / "model.yaml")
+        result = diagnose(labrig.open_run(folder / "run"), model)
+        result.write(folder / "diagnosis.json")
+        words = summary_words(result.summary)
+    _say(console, "compare", words.compared)
+    _say(console, "diagnose", words.found)
+    if result.improved is not None:
+        result.improved.save(folder / "model.improved.yaml")
+        _say(console, "improve", f"{words.improved}; the model with it is {folder / 'model.improved.yaml'}")
+    else:
+        _say(console, "improve", "nothing to add: the model stays as it is")
+    return result
+
+
+def _pictures(console: Console, folder: Path, result: "Result") -> None:
+    with console.status("drawing"):
+        from labrig.view import write_recording, write_report
+
+        write_report(result, folder)
+        write_recording(result, folder / "demo.rrd")
+
+
+def _say(console: Console, step: str, text: str) -> None:
+    console.print(f"  {step:<9} {text}", soft_wrap=True)
+
+
+def _waterfall(console: Console, result: "Result") -> Table:
+    """From the base to the floor, with a bar each."""
+    units = str(result.summary["units"])
+    table = Table(box=None, pad_edge=True)
+    table.add_column("held-out error")
+    table.add_column(units, justify="right")
+    table.add_column("")
+    block = "#" if console.options.ascii_only else "█"
+    top = max(value for _, value in result.waterfall) or 1.0
+    for label, value in result.waterfall:
+        table.add_row(label.replace("_", " "), f"{value:.3g}", block * max(1, round(BAR * value / top)))
+    return table
+
+
+def _closing(console: Console, folder: Path, result: "Result", took_s: float) -> None:
+    from labrig.view import summary_words
+
+    console.print()
+    console.print(summary_words(result.summary).headline, style="bold", soft_wrap=True)
+    console.print(f"Done in {took_s:.0f} s. Look at it, watch it, and open what was sealed:", soft_wrap=True)
+    console.print(f"  {(folder / 'report.html').resolve()}", soft_wrap=True)
+    console.print(f"  labrig view {folder}", soft_wrap=True)
+    console.print(f"  labrig reveal {folder / 'run'}", soft_wrap=True)
