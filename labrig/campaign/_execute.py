@@ -118,10 +118,15 @@ def _marker_speeds(frames: list[MarkerFrame], since_s: float) -> Floats:
 
 
 def _record(session: Session, step: Record, _reason: str) -> tuple[Result, dict[str, Any]]:
-    started_s = session.now_s()
-    session.wait_until(started_s + step.duration_s)
-    ended_s = session.now_s()
-    frames = [frame for frame in session.held.frames if started_s <= frame.time_s <= ended_s]
+    while True:
+        started_s = session.now_s()
+        session.wait_until(started_s + step.duration_s)
+        ended_s = session.now_s()
+        frames = [frame for frame in session.held.frames if started_s <= frame.time_s <= ended_s]
+        if frames or session.rig.mocap is None:
+            break
+        session.event("no frame arrived while recording: recording again", "WARNING")
+        session.wait_for_frames()
     samples = [sample for sample in session.held.samples if started_s <= sample.time_s <= ended_s]
     markers, chambers = len(session.rig.config.markers), len(session.rig.config.chambers)
     result = Recording(

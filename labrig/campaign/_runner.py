@@ -263,7 +263,7 @@ class _Run:
 
     def _write_end(
         self, error: BaseException | None, vented: VentReport | DeviceError, vent_s: float
-    ) -> OSError | None:
+    ) -> Exception | None:
         """Write how the run ended and close the log; the rig is vented already, so this may fail."""
         if self.session is None or self.session.log is None:
             return None
@@ -278,7 +278,7 @@ class _Run:
                 session.event(str(vented), "FATAL")
             session.event(_reason(error), "INFO" if error is None else "ERROR")
             log.close(_reason(error))
-        except OSError as problem:
+        except Exception as problem:  # the log may be what failed; nothing more can be done for it
             log.abandon()
             return problem
         return None

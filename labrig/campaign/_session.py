@@ -93,11 +93,18 @@ class Session:
                 return
             self.clock.sleep(min(self.tick_s, remaining_s))
 
+    def wait_for_frames(self) -> None:
+        """Poll until frames arrive again; `poll` raises `DeviceError` when that takes too long."""
+        before = len(self.held.frames)
+        while len(self.held.frames) == before:
+            self.clock.sleep(self.tick_s)
+            self.poll()
+
     def poll(self) -> None:
         """Take in and log what the devices have; raises `DeviceError` when the rig is not safe to go on with."""
-        samples = self.rig.pressure.samples()
-        frames = self.rig.mocap.frames() if self.rig.mocap is not None else []
         with self.signals.shield():
+            samples = self.rig.pressure.samples()
+            frames = self.rig.mocap.frames() if self.rig.mocap is not None else []
             self.held.samples += samples
             self.held.frames += [replace(frame, position_mm=_as_logged(frame)) for frame in frames]
             self._write(samples, frames)
@@ -148,7 +155,8 @@ class Session:
     def command(self, target_kpa: Floats, *, event: bool, reason: str) -> None:
         """Send a set-point and log it; `event` where an actuation begins, then the log gets the target."""
         now_s = self.clock.now_s()
-        self.rig.pressure.set(target_kpa)
+        with self.signals.shield():
+            self.rig.pressure.set(target_kpa)
         self.commanded_kpa = np.array(target_kpa, float)
         if not event:
             self.log_command(now_s, target_kpa, event=False, reason=reason)

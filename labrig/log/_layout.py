@@ -54,7 +54,12 @@ def layout_from_text(text: str) -> Layout:
 
 def pack_metadata(text: str) -> dict[str, str]:
     """A metadata record that says whether it is whole: MCAP has no checksum for metadata."""
-    return {"version": str(VERSION), "json": text, "crc32": f"{zlib.crc32(text.encode()):08x}"}
+    version = str(VERSION)
+    return {"version": version, "json": text, "crc32": _checksum(version, text)}
+
+
+def _checksum(version: str, text: str) -> str:
+    return f"{zlib.crc32(f'{version} {text}'.encode()):08x}"
 
 
 def unpack_metadata(record: dict[str, str], where: str) -> str | None:
@@ -62,10 +67,10 @@ def unpack_metadata(record: dict[str, str], where: str) -> str | None:
 
     Raises `LabrigError` when a newer labrig wrote it.
     """
-    text = record.get("json")
-    if text is None or record.get("crc32") != f"{zlib.crc32(text.encode()):08x}":
+    text, number = record.get("json"), record.get("version", "")
+    if text is None or record.get("crc32") != _checksum(number, text):
         return None
-    version = int(record.get("version", "1"))
+    version = int(number)
     if version > VERSION:
         raise LabrigError(
             f"{where} was written by a newer labrig (log version {version}, this one reads up to {VERSION}); "

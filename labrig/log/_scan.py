@@ -161,7 +161,7 @@ class _Scanner:
             return False
         try:
             plain = self.decompressor.decompress(self.data[head_end + 12 : end], max_output_size=plain_size)
-        except self.error:
+        except (self.error, MemoryError):  # a damaged head may promise any size
             return False
         if len(plain) != plain_size or zlib.crc32(plain) != crc:
             return False

@@ -45,18 +45,25 @@ class LogWriter:
             self._file = self.path.open("xb")
         except FileExistsError:
             raise LabrigError(f"{self.path} exists already, and a log is never overwritten") from None
+        self.closed = False
         self._topics = topic_table()
         self._sequence = dict.fromkeys(Topic, 0)
         self._writer = Writer(self._file, chunk_size=_CHUNK_BYTES)
+        self._points = np.zeros(len(layout.markers), dtype=_POINT)
+        self._cloud = self._empty_cloud()
+        try:
+            self._begin(layout, run)
+        except BaseException:
+            self.abandon()
+            raise
+
+    def _begin(self, layout: Layout, run: dict[str, Any] | None) -> None:
         self._writer.start(profile="", library="labrig")
         self._writer.add_metadata("labrig.layout", pack_metadata(layout_to_text(layout)))
         if run is not None:
             self._writer.add_metadata("labrig.run", pack_metadata(json.dumps(run)))
         self._register()
         self._write_plan(run or {})
-        self._cloud = self._empty_cloud()
-        self._points = np.zeros(len(layout.markers), dtype=_POINT)
-        self.closed = False
 
     def _register(self) -> None:
         names = ",".join(self.layout.chambers)

@@ -52,6 +52,7 @@ class SafetyConfig(_Section):
     over_pressure_kpa: float = Field(default=5.0, gt=0.0)
     lost_mocap_s: float = Field(default=30.0, gt=0.0)
     heartbeat_s: float = Field(default=2.0, gt=0.0)
+    guard_patience_s: float = Field(default=3600.0, gt=0.0)
     think_s: float = Field(default=60.0, gt=0.0)
 
 

@@ -17,6 +17,7 @@ from drivers import (
     MarkerFrame,
     MarkerStatus,
     PressureSample,
+    Scan,
     VentNotConfirmedError,
     VentReport,
 )
@@ -48,12 +49,11 @@ class World:
         return self.target_kpa + (self.start_kpa - self.target_kpa) * share
 
 
-WORLDS: dict[int, World] = {}
-
-
-def world_of(clock: Clock, chambers: int = 2) -> World:
-    """The world that belongs to a clock."""
-    return WORLDS.setdefault(id(clock), World(chambers, clock))
+def world_of(clock: Any, chambers: int = 2) -> World:
+    """The world that belongs to a clock, and lives as long."""
+    if not hasattr(clock, "world"):
+        clock.world = World(chambers, clock)
+    return clock.world
 
 
 class _Fake:
@@ -114,6 +114,7 @@ class FakePressure(_Fake):
             if self.clock.now_s() - started_s >= timeout_s:
                 raise VentNotConfirmedError(f"{self.name}: not vented after {timeout_s:g} s")
             self.clock.sleep(0.1)
+            self._check_link()
         self.vents.append(self.clock.now_s())
         return VentReport(self.world.pressure(self.clock.now_s()), self.clock.now_s() - started_s)
 
@@ -139,3 +140,16 @@ class FakeMocap(_Fake):
             position[-1] = np.nan
             status[-1] = MarkerStatus.OCCLUDED
         return MarkerFrame(time_s, self.number, position, status)
+
+
+class FakeScanner(_Fake):
+    """A scanner that takes 2 s; `faults`: never."""
+
+    def scan(self, timeout_s: float = 120.0) -> Scan:
+        """One triangle."""
+        for _ in range(20):
+            self.clock.sleep(0.1)
+        if self.faults.get("never"):
+            self.clock.sleep(timeout_s - 2.0)
+            raise DeviceError(f"{self.name}: no scan within {timeout_s:g} s")
+        return Scan(self.clock.now_s(), np.eye(3), np.array([[0, 1, 2]]), (), "0" * 64, 0.2)

@@ -1,0 +1,169 @@
+"""The runner's side of the guard: a pressure controller whose link lives in another process."""
+
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers import (
+    Channel,
+    DeviceError,
+    Identity,
+    PressureSample,
+    VentNotConfirmedError,
+    VentReport,
+)
+from labrig._errors import LabrigError
+from labrig.rig._config import RigConfig
+
+_START_S = 30.0
+_CALL_S = 15.0
+_CLOSE_S = 5.0
+_ERRORS = {kind.__name__: kind for kind in (DeviceError, VentNotConfirmedError, LabrigError)}
+
+
+class GuardedPressure:
+    """A `PressureController` in a process of its own, which vents when this one is gone or hangs.
+
+    `log` is a file that the guard appends to when it acts on its own.
+    """
+
+    def __init__(self, config: RigConfig, name: str = "pressure", log: Path | None = None) -> None:
+        self.name = name
+        self.channels: Sequence[Channel] = config.channels
+        self._config, self._log = config, log
+        self._process: subprocess.Popen[str] | None = None
+        self._answers: queue.Queue[str | None] = queue.Queue()
+        self._lock = threading.Lock()
+        self._number = 0
+
+    def connect(self) -> None:
+        """Start the guard and have it open the link; raises `DeviceError` if it or the device does not answer."""
+        if self._process is None or self._process.poll() is not None:
+            self._start()
+        self._call({"do": "connect"})
+
+    def _start(self) -> None:
+        options: dict[str, Any] = {}
+        if sys.platform == "win32":
+            options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP
+        else:
+            options["start_new_session"] = (
+                True  # POSIX only: Ctrl-C and a closed terminal do not reach the guard
+            )
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "labrig.rig._guard_process"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            encoding="utf-8",
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
+            **options,
+        )
+        self._answers = queue.Queue()
+        threading.Thread(target=_read, args=(self._process, self._answers), daemon=True).start()
+        setup = {
+            "id": 0,
+            "rig": self._config.to_dict(),
+            "folder": str(self._config.folder.resolve()),
+            "log": str(self._log.resolve()) if self._log is not None else None,
+        }
+        self._send(setup)
+        self._receive(0, _START_S)
+
+    def identify(self) -> Identity:
+        """Who the device behind the guard is."""
+        return Identity(**self._call({"do": "identify"}))
+
+    def set(self, pressure_kpa: NDArray[np.float64]) -> None:
+        """Command set-points; refused once the guard has vented on its own, until a vent is asked for."""
+        self._call({"do": "set", "pressure_kpa": np.asarray(pressure_kpa, float).tolist()})
+
+    def samples(self) -> list[PressureSample]:
+        """Every measurement since the last call; each call is a sign of life."""
+        return [
+            PressureSample(time_s, np.array(values, float))
+            for time_s, values in self._call({"do": "samples"})
+        ]
+
+    def vent(self, timeout_s: float = 10.0) -> VentReport:
+        """Vent and confirm; if the guard is gone, a new one is started for it."""
+        if self._process is None or self._process.poll() is not None:
+            self.connect()
+        answer = self._call({"do": "vent", "timeout_s": timeout_s}, timeout_s + _CALL_S)
+        return VentReport(np.array(answer["pressure_kpa"], float), answer["took_s"])
+
+    def allow_silence(self, duration_s: float) -> None:
+        """Say that the next sign of life may take this long."""
+        self._call({"do": "allow", "allow_s": duration_s})
+
+    def close(self) -> None:
+        """End the guard; one that still vents is left to it."""
+        process, self._process = self._process, None
+        if process is None:
+            return
+        try:
+            if process.stdin is not None:
+                process.stdin.close()
+            process.wait(_CLOSE_S)
+        except (OSError, subprocess.TimeoutExpired):
+            return
+        if process.stdout is not None:
+            process.stdout.close()
+
+    def _call(self, request: dict[str, Any], timeout_s: float = _CALL_S) -> Any:
+        with self._lock:
+            self._number += 1
+            self._send({**request, "id": self._number})
+            return self._receive(self._number, timeout_s)
+
+    def _send(self, message: dict[str, Any]) -> None:
+        process = self._process
+        if process is None or process.stdin is None:
+            raise DeviceError(f"{self.name}: not connected")
+        try:
+            process.stdin.write(json.dumps(message) + "\n")
+            process.stdin.flush()
+        except (OSError, ValueError):
+            raise self._gone() from None
+
+    def _receive(self, number: int, timeout_s: float) -> Any:
+        """The answer to a request; those to earlier ones, whose callers gave up, are passed over."""
+        end = time.monotonic() + timeout_s
+        while True:
+            try:
+                line = self._answers.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                raise DeviceError(f"{self.name}: the guard does not answer for {timeout_s:g} s") from None
+            if line is None:
+                raise self._gone()
+            answer = json.loads(line)
+            if answer["id"] == number:
+                break
+        if "error" in answer:
+            raise _ERRORS.get(answer["error"], DeviceError)(answer["message"])
+        return answer["value"]
+
+    def _gone(self) -> DeviceError:
+        code = self._process.poll() if self._process is not None else None
+        return DeviceError(f"{self.name}: the guard process ended (exit code {code}); look at the chambers")
+
+
+def _read(process: "subprocess.Popen[str]", answers: "queue.Queue[str | None]") -> None:
+    if process.stdout is not None:
+        try:
+            for line in process.stdout:
+                answers.put(line)
+        except ValueError:  # closed by `close`
+            pass
+    answers.put(None)

@@ -1,0 +1,185 @@
+"""The guard: a process of its own that holds the pressure link, and vents when nobody is left to ask for it.
+
+It reads one JSON request per line on its standard input and answers each with one line. It vents on its own when
+the input ends (the runner is gone, however that happened), when no request came for the heartbeat's time while the
+chambers may be under pressure (the runner hangs), and on SIGTERM. It retries until reading confirms the vent.
+
+What it cannot cover: being killed itself with SIGKILL at the same moment as the runner, and a PC without power.
+For that the rig needs normally-open valves.
+"""
+
+import json
+import queue
+import signal
+import sys
+import threading
+import time
+from datetime import datetime
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+
+from drivers import DeviceError, RealClock, VentNotConfirmedError
+from labrig._errors import LabrigError
+from labrig.rig._config import RigConfig
+from labrig.rig._factory import device_maker
+
+_RETRY_S = 0.5
+_IDLE_S = 0.1
+_SIGNALS = ("SIGTERM", "SIGINT", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
+
+
+class Guard:
+    """Holds one pressure controller and carries out what the runner asks of it."""
+
+    def __init__(self, config: RigConfig, log: Path | None) -> None:
+        self.config, self._log_path = config, log
+        self.device: Any = device_maker(config, "pressure", config.pressure, RealClock())()
+        self.armed = False
+        self.vented_alone: str | None = None
+        self.deadline = float("inf")
+        self.stopping = False
+
+    def answer(self, request: dict[str, Any]) -> dict[str, Any]:
+        """Carry out one request; an error becomes an answer, too."""
+        try:
+            return {"value": getattr(self, f"do_{request['do']}")(request)}
+        except (DeviceError, LabrigError) as error:
+            return {"error": type(error).__name__, "message": str(error)}
+        except Exception as error:
+            return {"error": "DeviceError", "message": f"pressure: {type(error).__name__}: {error}"}
+
+    def do_connect(self, _request: dict[str, Any]) -> None:
+        """Open the link."""
+        self.device.connect()
+
+    def do_identify(self, _request: dict[str, Any]) -> dict[str, Any]:
+        """Who the device is."""
+        return dict(vars(self.device.identify()))
+
+    def do_set(self, request: dict[str, Any]) -> None:
+        """Command set-points, unless the guard has vented on its own since the last vent that was asked for."""
+        if self.vented_alone is not None:
+            raise DeviceError(f"pressure: {self.vented_alone}")
+        self.armed = True
+        self.device.set(np.array(request["pressure_kpa"], float))
+
+    def do_samples(self, _request: dict[str, Any]) -> list[Any]:
+        """Every measurement since the last call."""
+        return [[sample.time_s, sample.pressure_kpa.tolist()] for sample in self.device.samples()]
+
+    def do_vent(self, request: dict[str, Any]) -> dict[str, Any]:
+        """Vent and confirm."""
+        report = self.device.vent(request["timeout_s"])
+        self.armed, self.vented_alone = False, None
+        return {"pressure_kpa": report.pressure_kpa.tolist(), "took_s": report.took_s}
+
+    def do_allow(self, request: dict[str, Any]) -> None:
+        """Nothing to do: the time allowed is taken from the request itself."""
+
+    def do_close(self, _request: dict[str, Any]) -> None:
+        """End; the vent, if one is still due, comes on the way out."""
+        self.stopping = True
+
+    def vent_alone(self, why: str, patience_s: float) -> None:
+        """Vent until it is confirmed or the patience is over."""
+        end = time.monotonic() + patience_s
+        self.log(f"{why}: venting")
+        while True:
+            try:
+                report = self.device.vent(self.config.safety.vent_timeout_s)
+            except Exception as error:  # whatever it is, the next attempt must be made
+                self.log(f"vent failed: {error}")
+                if time.monotonic() >= end:
+                    return
+                time.sleep(_RETRY_S)
+                self._reconnect(error)
+                continue
+            self.armed = False
+            self.vented_alone = f"the guard vented: {why}"
+            self.log(f"vented: {float(np.nanmax(np.abs(report.pressure_kpa))):.2f} kPa at most")
+            return
+
+    def _reconnect(self, error: Exception) -> None:
+        """The link may be gone; opening it again does no harm."""
+        if isinstance(error, VentNotConfirmedError):
+            return
+        try:
+            self.device.connect()
+        except Exception as problem:
+            self.log(f"no link: {problem}")
+
+    def log(self, text: str) -> None:
+        """Append a line to the guard's own log; never fails."""
+        if self._log_path is None:
+            return
+        try:
+            with self._log_path.open("a", encoding="utf-8") as file:
+                file.write(f"{datetime.now().astimezone().isoformat(timespec='milliseconds')} {text}\n")
+        except OSError:
+            self._log_path = None
+
+
+def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: TextIO) -> None:
+    """Answer requests until they end, and see to it that the chambers are vented then."""
+    safety = guard.config.safety
+    why = "the runner is gone"
+    try:
+        while not guard.stopping:
+            try:
+                line = requests.get(timeout=_IDLE_S)
+            except queue.Empty:
+                if guard.armed and time.monotonic() > guard.deadline:
+                    silent_s = time.monotonic() - guard.deadline + safety.heartbeat_s
+                    guard.vent_alone(
+                        f"no sign of life from the runner for {silent_s:.1f} s", safety.vent_patience_s
+                    )
+                continue
+            if line is None:
+                break
+            request = json.loads(line)
+            guard.deadline = time.monotonic() + max(safety.heartbeat_s, request.get("allow_s", 0.0))
+            answer = json.dumps({**guard.answer(request), "id": request["id"]})
+            guard.deadline = max(guard.deadline, time.monotonic() + safety.heartbeat_s)
+            try:
+                print(answer, file=answers, flush=True)
+            except OSError:
+                break
+    except BaseException as error:
+        why = f"the guard failed ({type(error).__name__}: {error})"
+    finally:
+        if guard.armed:
+            guard.vent_alone(why, safety.guard_patience_s)
+        guard.device.close()
+
+
+def main() -> int:
+    """Run the guard: the first line of the input is the rig, the others are requests."""
+    requests: queue.Queue[str | None] = queue.Queue()
+    for name in _SIGNALS:
+        number = getattr(signal, name, None)
+        if number is not None:
+            signal.signal(number, signal.SIG_IGN if name == "SIGINT" else lambda *_: requests.put(None))
+    setup = json.loads(sys.stdin.readline())
+    config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
+    log = Path(setup["log"]) if setup["log"] else None
+    try:
+        guard = Guard(config, log)
+    except (DeviceError, LabrigError) as error:
+        print(json.dumps({"id": 0, "error": type(error).__name__, "message": str(error)}), flush=True)
+        return 1
+    print(json.dumps({"id": 0, "value": None}), flush=True)
+    threading.Thread(target=_read, args=(requests,), daemon=True).start()
+    serve(guard, requests, sys.stdout)
+    return 0
+
+
+def _read(requests: "queue.Queue[str | None]") -> None:
+    for line in sys.stdin:
+        requests.put(line)
+    requests.put(None)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
