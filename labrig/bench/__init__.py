@@ -4,5 +4,29 @@ from labrig.bench._bodies import make_base
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_campaign, write_model
+from labrig.bench._judge import brier, calibration_error, is_right, wilson
+from labrig.bench._report import lines, tables, write_report, write_results
+from labrig.bench._run import plan, read_records, run_blind, run_one
+from labrig.bench._summary import summarise
 
-__all__ = ["CLASSES", "Campaign", "draw", "make_base", "write_campaign", "write_model"]
+__all__ = [
+    "CLASSES",
+    "Campaign",
+    "brier",
+    "calibration_error",
+    "draw",
+    "is_right",
+    "lines",
+    "make_base",
+    "plan",
+    "read_records",
+    "run_blind",
+    "run_one",
+    "summarise",
+    "tables",
+    "wilson",
+    "write_campaign",
+    "write_model",
+    "write_report",
+    "write_results",
+]

@@ -61,7 +61,7 @@ def draw(name: str, seed: int, without: tuple[str, ...] = ()) -> Campaign:
     base = _base(what, body, programme, floor, random)
 
     dataset = _measure(body, hidden, plan, programme, what.spoil, random)
-    again = make_plan("holds", random, max_kpa, 60, repeats=False, long_share=0.15)
+    again = make_plan("holds", random, max_kpa, 120, repeats=False, long_share=0.15)
     clean = Spoil(row=what.spoil.row, capture=what.spoil.capture)
     fresh = _measure(body, hidden, again, _programme(again), clean, random)
 
@@ -75,6 +75,7 @@ def draw(name: str, seed: int, without: tuple[str, ...] = ()) -> Campaign:
         "amplitudes": dict(zip(effects, sizes, strict=True)),
         "strengths": {effect.name: float(effect.strength) for effect in hidden},
         "floor": floor,
+        "structural": what.structural * floor,
         "unit": body.unit,
         "body": what.body,
         "design": what.design,

@@ -132,7 +132,7 @@ def turn_level(turn: float) -> float:
 
 _ONE_SESSION = {"holds": _holds, "walk": _walk, "sweeps": _sweeps}
 DESIGNS = ("holds", "walk", "sweeps", "sessions")
-CONFOUNDED_DESIGNS = ("one_hold", "rising_only", "one_level")
+CONFOUNDED_DESIGNS = ("one_hold", "one_level")
 
 
 def make_plan(
@@ -146,9 +146,9 @@ def make_plan(
 ) -> Plan:
     """A plan of about `captures` captures; `tilted` turns the base from session to session.
 
-    Designs: holds, walk, sweeps, sessions (three or four of those, minutes apart); and three that cannot
-    tell some effects apart: one_hold (a single actuation watched for long), rising_only (staircases from
-    vented to full, nothing on the way down), one_level (one pressure, on and off, holds of one length).
+    Designs: holds, walk, sweeps, sessions (three or four of those, minutes apart); and two that cannot tell
+    some effects apart: one_hold (a single actuation watched for long), and one_level (one set of pressures,
+    on and off, in holds of one length).
     """
     plan = Plan(random, np.asarray(max_kpa, dtype=float))
     if design in _ONE_SESSION and not tilted:
@@ -157,13 +157,6 @@ def make_plan(
         _sessions(plan, design, captures, repeats, long_share, tilted)
     elif design == "one_hold":
         _one_hold(plan, captures)
-    elif design == "rising_only":
-        while plan.captures < captures:
-            top = _set_point(plan)
-            plan.commands.append((plan.time_s, np.zeros_like(top)))
-            plan.time_s += 5.0
-            for level in np.linspace(0.2, 1.0, 5):
-                plan.capture(top * level, 5.0, 4)
     elif design == "one_level":
         top = plan.max_kpa * random.uniform(0.5, 0.9, plan.max_kpa.size)
         while plan.captures < captures:

@@ -28,3 +28,61 @@ def draw_campaign(
     typer.echo(
         f"{out}: table.csv, map.yaml, model.yaml (import, then diagnose); truth.json says what is hidden"
     )
+
+
+@bench.command("blind")
+def blind(
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
+    classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
+    count: Annotated[
+        int | None, typer.Option("--n", min=1, help="Campaigns of each class; else what its figures need.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on where the folder was left.")] = False,
+    without: Annotated[str, typer.Option(help="Effects to delete from the library, with commas.")] = "",
+    baselines: Annotated[bool, typer.Option(help="Run the baselines beside it.")] = True,
+    results: Annotated[
+        Path | None, typer.Option(help="Markdown file whose section 'Blind benchmark' is to be written.")
+    ] = None,
+) -> None:
+    """Hide effects in many drawn campaigns, diagnose each, and report how often the verdict is right."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from labrig.bench import (
+        CLASSES,
+        lines,
+        plan,
+        read_records,
+        run_blind,
+        summarise,
+        tables,
+        write_report,
+        write_results,
+    )
+
+    names = list(CLASSES) if classes == "all" else _names(classes)
+    todo = plan(names, count, seed)
+    console = Console()
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task("campaigns", total=len(todo))
+        if resume:
+            wanted = {f"{name}:{one}" for name, one in todo}
+            progress.advance(task, sum(r["key"] in wanted for r in read_records(out)))
+        for _ in run_blind(todo, out, jobs, resume, baselines, tuple(_names(without))):
+            progress.advance(task)
+    summary = summarise(read_records(out))
+    write_report(summary, out)
+    for part in tables(summary):
+        console.print(part)
+    for line in lines(summary):
+        console.print(line)
+    console.print(f"{out}: campaigns.jsonl, summary.json, confusion.png")
+    if results is not None:
+        write_results(summary, results, f"`labrig bench blind --classes {','.join(names)} --seed {seed}`")
+
+
+def _names(text: str) -> list[str]:
+    """The names in a list with commas."""
+    return [name.strip() for name in text.split(",") if name.strip()]

@@ -1,15 +1,27 @@
-"""Hidden effects of the simulated plant, written from the physics of each, apart from any library that looks
-for them.
+"""Hidden effects of the simulated plant, from the physics of each, apart from any library that looks for
+them.
 """
 
 from drivers.simulated.hidden._base import Body, Hidden, Setting
+from drivers.simulated.hidden._contact import Contact
+from drivers.simulated.hidden._coupling import Coupling
 from drivers.simulated.hidden._creep import Creep
+from drivers.simulated.hidden._delay import Delay
+from drivers.simulated.hidden._drift import Drift
+from drivers.simulated.hidden._frame import Frame
 from drivers.simulated.hidden._friction import Friction
+from drivers.simulated.hidden._gravity import Gravity
 from drivers.simulated.hidden._hysteresis import Hysteresis
-from drivers.simulated.hidden._mechanics import Contact, Coupling, Stiffening, Tension
-from drivers.simulated.hidden._observation import Drift, Frame, Gravity, MarkerSlip, RestShape
-from drivers.simulated.hidden._pneumatics import Delay, Leak, Regulator
-from drivers.simulated.hidden._unlisted import Lens, Softening, Supply, Wrinkle
+from drivers.simulated.hidden._kink import Kink
+from drivers.simulated.hidden._leak import Leak
+from drivers.simulated.hidden._lens import Lens
+from drivers.simulated.hidden._marker_slip import MarkerSlip
+from drivers.simulated.hidden._regulator import Regulator
+from drivers.simulated.hidden._rest_shape import RestShape
+from drivers.simulated.hidden._softening import Softening
+from drivers.simulated.hidden._stiffening import Stiffening
+from drivers.simulated.hidden._tension import Tension
+from drivers.simulated.hidden._wrinkle import Wrinkle
 
 LISTED: dict[str, type[Hidden]] = {
     effect.name: effect
@@ -18,7 +30,7 @@ LISTED: dict[str, type[Hidden]] = {
         Contact, MarkerSlip, Frame, Delay, Friction, RestShape, Tension,
     )
 }  # fmt: skip
-UNLISTED: dict[str, type[Hidden]] = {effect.name: effect for effect in (Wrinkle, Softening, Supply, Lens)}
+UNLISTED: dict[str, type[Hidden]] = {effect.name: effect for effect in (Wrinkle, Softening, Lens, Kink)}
 EFFECTS: dict[str, type[Hidden]] = {**LISTED, **UNLISTED}
 
 __all__ = ["EFFECTS", "LISTED", "UNLISTED", "Body", "Hidden", "Setting"]

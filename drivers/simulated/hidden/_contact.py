@@ -1,0 +1,33 @@
+"""Contact: something stands in the way of an inflated chamber."""
+
+import numpy as np
+
+from drivers.simulated.hidden._base import Array, Hidden, resisted
+
+
+class Contact(Hidden):
+    """A strut behind one chamber or two is met at some deflection: Hertzian resistance beyond it.
+
+    `strength`: contact stiffness at 10 mm beyond the gap as a multiple of the membrane's own.
+    """
+
+    name = "contact"
+    natural = 0.5
+
+    def prepare(self) -> None:
+        random, count = self.setting.random, self.setting.chambers
+        touched = random.permutation(count)[: min(count, int(random.integers(1, 3)))]
+        self.touches = np.isin(np.arange(count), touched).astype(float)
+        self.gap_mm = self.setting.largest_mm * random.uniform(0.45, 0.65, size=count)
+
+    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+        """Deflections against the strut."""
+        del time_s, step_s
+        body = self.setting.body
+        scale = self.strength * self.touches / (body.compliance_mm_per_kpa * np.sqrt(10.0))
+
+        def resistance(d: Array) -> tuple[Array, Array]:
+            deep = np.maximum(d - self.gap_mm, 0.0)
+            return scale * deep**1.5, 1.5 * scale * np.sqrt(deep)
+
+        return resisted(body, deflection_mm, resistance)

@@ -1,0 +1,77 @@
+"""Was the verdict right? And how good is it to know its probability?"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+
+def is_right(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
+    """Whether the verdict and its names are those of the truth.
+
+    Identified and multiple need exactly the hidden effects; confounded must have the hidden one among those
+    that it cannot tell apart; nothing_missing may also be called underpowered, which claims no effect.
+    """
+    hidden, verdict = set(truth["effects"]), answer["verdict"]
+    if truth["verdict"] == "nothing_missing":
+        return verdict in ("nothing_missing", "underpowered")
+    if truth["verdict"] == "confounded":
+        return verdict == "confounded" and hidden <= named(answer)
+    if truth["verdict"] == "unknown":
+        return verdict == "unknown"
+    return verdict == truth["verdict"] and set(answer["effects"]) == hidden
+
+
+def is_near(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
+    """Whether everything hidden is among the names in the answer, rivals and surplus ones included."""
+    return bool(truth["effects"]) and set(truth["effects"]) <= named(answer)
+
+
+def is_false_alarm(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
+    """Whether something is claimed where nothing is hidden."""
+    return not truth["effects"] and answer["verdict"] not in ("nothing_missing", "underpowered")
+
+
+def named(answer: dict[str, Any]) -> set[str]:
+    """All effects that an answer names, rivals included."""
+    names = set(answer["effects"])
+    for rival in answer.get("rivals") or []:
+        if isinstance(rival, str):
+            names.add(rival)
+        elif isinstance(rival, dict):
+            names |= {rival["effect"]} if "effect" in rival else set(rival.get("effects", []))
+        else:
+            names |= set(rival)
+    return names
+
+
+def brier(probability: Sequence[float], right: Sequence[bool]) -> float:
+    """Mean square of (probability - outcome)."""
+    return float(np.mean((np.asarray(probability) - np.asarray(right, dtype=float)) ** 2))
+
+
+def calibration_error(probability: Sequence[float], right: Sequence[bool], bins: int = 10) -> float:
+    """Expected calibration error: |mean probability - share right| over `bins` equal bins, weighted by their
+    size.
+    """
+    p, y = np.asarray(probability, dtype=float), np.asarray(right, dtype=float)
+    which = np.minimum((p * bins).astype(int), bins - 1)
+    gaps = [np.sum(which == k) * abs(p[which == k].mean() - y[which == k].mean()) for k in np.unique(which)]
+    return float(np.sum(gaps) / len(p))
+
+
+def wilson(successes: int, trials: int, z: float = 1.96) -> tuple[float, float]:
+    """95 % interval of a share (Wilson 1927)."""
+    if trials == 0:
+        return 0.0, 1.0
+    share = successes / trials
+    middle = (share + z * z / (2 * trials)) / (1 + z * z / trials)
+    half = z * np.sqrt(share * (1 - share) / trials + z * z / (4 * trials**2)) / (1 + z * z / trials)
+    return max(0.0, float(middle - half)), min(1.0, float(middle + half))
+
+
+def label(verdict: str, effects: Sequence[str]) -> str:
+    """How a truth or an answer appears in the confusion matrix: the effect if one is identified, else the
+    verdict.
+    """
+    return effects[0] if verdict == "identified" and len(effects) == 1 else verdict

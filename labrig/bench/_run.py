@@ -1,0 +1,210 @@
+"""One blind campaign after another: draw, diagnose, judge; many at a time, and again where it was left."""
+
+import json
+import os
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED as FIRST
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, wait
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.bench._classes import CLASSES
+from labrig.bench._draw import Campaign, draw
+from labrig.bench._files import write_model
+from labrig.bench._judge import is_false_alarm, is_near, is_right
+
+RECORDS = "campaigns.jsonl"
+_TIED_TO_A_SESSION = ("drift", "marker_slip")  # what happened in one campaign says nothing of the next
+
+
+def run_one(name: str, seed: int, baselines: bool = True, without: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Draw, diagnose and judge one campaign; the record is plain JSON. A crash is an answer too, a wrong
+    one.
+    """
+    campaign = draw(name, seed, without)
+    truth = {
+        k: campaign.truth[k] for k in ("class", "seed", "effects", "verdict", "design", "captures", "floor")
+    }
+    record: dict[str, Any] = {"key": f"{name}:{seed}", "truth": truth}
+    with tempfile.TemporaryDirectory(prefix="labrig-bench-", ignore_cleanup_errors=True) as folder:
+        path = write_model(campaign, Path(folder))
+        began = time.perf_counter()
+        try:
+            answer, drops = _ask(campaign, path)
+        except Exception as error:
+            answer, drops = (
+                {"verdict": "error", "effects": [], "error_text": f"{type(error).__name__}: {error}"},
+                {},
+            )
+        record |= {"answer": answer, "seconds": round(time.perf_counter() - began, 2), **drops}
+        if baselines:
+            record["baselines"] = _baselines(campaign, path, seed)
+    for judged in (record, *record.get("baselines", {}).values()):
+        one = judged["answer"]
+        judged["right"] = is_right(campaign.truth, one)
+        judged["near"] = is_near(campaign.truth, one)
+        judged["false_alarm"] = is_false_alarm(campaign.truth, one)
+    return record
+
+
+def _ask(campaign: Campaign, path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The diagnosis of a campaign, cut down to what is judged, and by how much the error falls."""
+    from labrig.diagnosis import diagnose
+    from labrig.model import Model
+
+    result = diagnose(campaign.dataset, Model.load(path), without=campaign.truth["without"])
+    summary = result.summary
+    answer = {k: summary.get(k) for k in ("verdict", "effects", "rivals", "probability", "error")}
+    answer["ranking"] = [
+        {k: entry.get(k) for k in ("effect", "heldout_error", "drop", "probability")}
+        for entry in (summary.get("ranking") or [])[:5]
+    ]
+    error = summary.get("error") or {}
+    best = max(error.get("floor") or 0.0, error.get("ceiling") or 0.0)
+    drops: dict[str, Any] = {"drop": _drop(error.get("base"), error.get("model"), best)}
+    tied = set(campaign.truth["effects"]) & set(_TIED_TO_A_SESSION)
+    if summary.get("effects") and result.improved is not None and campaign.base is not None and not tied:
+        drops["fresh"] = _fresh(campaign, path, result.improved)
+    return answer, drops
+
+
+def _drop(base: float | None, model: float | None, floor: float) -> float | None:
+    """(base - model) / (base - floor): one where the model is as good as the measurements."""
+    if base is None or model is None or base <= floor:
+        return None
+    return float((base - model) / (base - floor))
+
+
+def _fresh(campaign: Campaign, path: Path, improved: Any) -> dict[str, Any] | None:
+    """Errors on the fresh programme: base, improved model, floor and drop; None where the model cannot say."""
+    from labrig.bench._learner import capture_error
+    from labrig.effects import rows_of
+    from labrig.model import Model
+
+    rows = rows_of(campaign.fresh)
+    try:
+        base = capture_error(rows, Model.load(path).context(rows).base)
+        model = capture_error(rows, improved.context(rows).base)
+    except LabrigError:
+        return None
+    how = campaign.truth["spoil"]
+    floor = float(np.hypot(how["capture"], how["row"] / np.sqrt(np.mean(np.bincount(rows.capture)))))
+    best = float(
+        np.hypot(floor, campaign.truth["structural"])
+    )  # no effect takes away a wrong form of the base
+    return {"base": base, "model": model, "floor": floor, "drop": _drop(base, model, best)}
+
+
+def _baselines(campaign: Campaign, path: Path, seed: int) -> dict[str, Any]:
+    """The baselines' answers, and the black box's drop on the fresh programme."""
+    from labrig.bench._baselines import run_baselines
+    from labrig.bench._learner import capture_error, learned_error
+    from labrig.effects import rows_of
+    from labrig.model import Model
+
+    model = Model.load(path)
+    rows = rows_of(campaign.dataset)
+    context = model.context(rows)
+    library = {k: v for k, v in model.library().items() if k not in campaign.truth["without"]}
+    answers = run_baselines(context, library, np.random.default_rng(seed))
+    out: dict[str, Any] = {k: {"answer": v} for k, v in answers.items()}
+    if campaign.base is not None:
+        fresh = rows_of(campaign.fresh)
+        fresh_base = model.context(fresh).base
+        learned = learned_error(rows, context.base, fresh, fresh_base)
+        nothing = {"verdict": "unknown" if campaign.truth["effects"] else "nothing_missing", "effects": []}
+        if learned is not None:
+            drop = _drop(capture_error(fresh, fresh_base), learned, campaign.truth["floor"])
+            out["black box"] = {"answer": nothing, "fresh": {"drop": drop}, "names_nothing": True}
+    return out
+
+
+def plan(classes: Iterable[str], count: int | None, seed: int) -> list[tuple[str, int]]:
+    """(class, seed) of every campaign; without `count`, as many of each class as its figures need."""
+    out = []
+    for name in classes:
+        if name not in CLASSES:
+            raise LabrigError(f"bench: there is no class '{name}' (known: {', '.join(CLASSES)})")
+        out += [(name, seed + k) for k in range(count or CLASSES[name].usual)]
+    return out
+
+
+def read_records(folder: Path) -> list[dict[str, Any]]:
+    """The campaigns that are done; a last line that was cut is left out."""
+    path = folder / RECORDS
+    records = []
+    if path.exists():
+        for line in path.read_text(encoding="utf-8").splitlines():
+            try:
+                records.append(json.loads(line))
+            except json.JSONDecodeError:
+                continue
+    return records
+
+
+def run_blind(
+    todo: list[tuple[str, int]],
+    folder: Path,
+    jobs: int = 2,
+    resume: bool = False,
+    baselines: bool = True,
+    without: tuple[str, ...] = (),
+    executor: Executor | None = None,
+) -> Iterator[dict[str, Any]]:
+    """Run campaigns, `jobs` at a time, and yield each record as it is done and written to campaigns.jsonl.
+
+    With `resume`, campaigns that are in the file already are skipped (and not yielded). `executor`, if
+    given, is used in place of local processes. Raises `LabrigError` if the folder holds campaigns and
+    `resume` is not set.
+    """
+    done = {record["key"] for record in read_records(folder)}
+    if done and not resume:
+        raise LabrigError(
+            f"{folder / RECORDS} holds {len(done)} campaigns: add --resume, or take another --out"
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    left = [(name, seed) for name, seed in todo if f"{name}:{seed}" not in done]
+    with (folder / RECORDS).open("a", encoding="utf-8") as file:
+        for record in _results(left, jobs, baselines, without, executor):
+            file.write(json.dumps(record) + "\n")
+            file.flush()
+            yield record
+
+
+def _results(
+    left: list[tuple[str, int]],
+    jobs: int,
+    baselines: bool,
+    without: tuple[str, ...],
+    executor: Executor | None,
+) -> Iterator[dict[str, Any]]:
+    if executor is None and jobs <= 1:
+        for name, seed in left:
+            yield run_one(name, seed, baselines, without)
+        return
+    own = None
+    if executor is None:
+        os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
+        executor = own = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    try:
+        waiting: set[Future[dict[str, Any]]] = set()
+        queue = iter(left)
+        while True:
+            for name, seed in queue:
+                waiting.add(executor.submit(run_one, name, seed, baselines, without))
+                if len(waiting) >= 2 * jobs:
+                    break
+            if not waiting:
+                return
+            finished, waiting = wait(waiting, return_when=FIRST)
+            for future in finished:
+                yield future.result()
+    finally:
+        if own is not None:
+            own.shutdown(cancel_futures=True)

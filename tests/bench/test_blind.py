@@ -1,0 +1,92 @@
+"""The benchmark as it is run: resumable, honest about crashes, with baselines and a report."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labrig._errors import LabrigError
+from labrig.bench import _run, plan, read_records, run_blind, summarise, write_report, write_results
+from labrig.bench._baselines import bic, f_test
+
+
+def _record(name: str, seed: int, *_: object) -> dict:
+    """A record as `run_one` makes it, at no cost."""
+    return {
+        "key": f"{name}:{seed}",
+        "truth": {"class": name, "seed": seed, "effects": [], "verdict": "nothing_missing"},
+        "answer": {"verdict": "nothing_missing", "effects": [], "probability": 0.9},
+        "seconds": 0.1,
+        "right": True,
+        "near": False,
+        "false_alarm": False,
+    }
+
+
+def test_a_benchmark_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that was cut keeps what is done, even behind a torn last line, and adds only what is missing."""
+    monkeypatch.setattr(_run, "run_one", _record)
+    todo = plan(["null", "null-slow"], 3, 0)
+    first = run_blind(todo, tmp_path, jobs=1)
+    next(first)
+    next(first)
+    first.close()
+    with (tmp_path / "campaigns.jsonl").open("a", encoding="utf-8") as file:
+        file.write('{"key": "null:2", "tru\n')
+    with pytest.raises(LabrigError) as error:
+        next(run_blind(todo, tmp_path, jobs=1))
+    assert str(error.value) == (
+        f"{tmp_path / 'campaigns.jsonl'} holds 2 campaigns: add --resume, or take another --out"
+    )
+    again = [record["key"] for record in run_blind(todo, tmp_path, jobs=1, resume=True)]
+    assert again == ["null:2", "null-slow:0", "null-slow:1", "null-slow:2"]
+    assert len(read_records(tmp_path)) == 6
+
+
+def test_a_diagnosis_that_crashes_is_a_wrong_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The record says what happened, and the benchmark goes on."""
+
+    def crash(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("no noise")
+
+    monkeypatch.setattr("labrig.diagnosis.diagnose", crash)
+    record = _run.run_one("single-2", 0, baselines=False)
+    assert record["answer"]["error_text"] == "ZeroDivisionError: no noise"
+    assert record["right"] is False
+
+
+def test_one_campaign_is_drawn_diagnosed_and_judged() -> None:
+    """A record holds truth, answer, baselines and figures, and is plain JSON."""
+    record = _run.run_one("single-2", 3)
+    assert json.loads(json.dumps(record)) == record
+    assert record["truth"]["effects"] == ["leak"]
+    assert record["answer"]["verdict"] != "error"
+    assert {"bic", "f-test"} <= set(record["baselines"])
+
+
+def test_information_criteria_find_what_is_there_and_nothing_in_white_noise() -> None:
+    """On independent noise the textbook baselines work; what breaks them is what real campaigns have."""
+    random = np.random.default_rng(3)
+    forms = {name: [random.normal(size=(400, 2))] for name in "abcd"}
+    noise = random.normal(size=400)
+    signal = forms["b"][0] @ [0.5, -0.4] + noise
+    assert bic(signal, forms) == f_test(signal, forms) == ["b"]
+    assert bic(noise, forms) == f_test(noise, forms) == []
+
+
+def test_a_report_leaves_the_rest_of_the_file_alone(tmp_path: Path) -> None:
+    """Only the section of the blind benchmark is written, once, however often it is written."""
+    summary = summarise([_record("null", k) for k in range(3)])
+    write_report(summary, tmp_path)
+    assert (tmp_path / "confusion.png").read_bytes().startswith(b"\x89PNG")
+    assert json.loads((tmp_path / "summary.json").read_text())["classes"]["null"]["right"] == 1.0
+    results = tmp_path / "RESULTS.md"
+    results.write_text("# Results\n\n## Other\n\nkept\n\n## Blind benchmark\n\nold\n\n## Last\n\nkept too\n")
+    write_results(summary, results, "how")
+    write_results(summary, results, "how")
+    text = results.read_text()
+    assert text.count("## Blind benchmark") == 1
+    assert "old" not in text
+    assert text.index("kept") < text.index("how") < text.index("## Last") < text.index("kept too")
+    assert "| null | 3 | 100.0 % |" in text
