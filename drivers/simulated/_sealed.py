@@ -22,9 +22,13 @@ SEALED_NAME = "sealed.json"
 _MASK = b"labrig keeps this for later"
 
 
-def hide(name: str, seed: int = 0, amplitude: float = 1.0, unit: str = "mm") -> dict[str, Any]:
-    """The setting that hides one effect, or `nothing`; raises `DeviceError` for a name that does not exist."""
-    effects = [] if name == "nothing" else [{"name": name, "amplitude": amplitude}]
+def hide(name: str, seed: int = 0, amplitude: float | None = None, unit: str = "mm") -> dict[str, Any]:
+    """The setting that hides one effect, or `nothing`; raises `DeviceError` for a name that does not exist.
+
+    Without an amplitude the effect has 1 mm (or one floor) rms; a slipped marker, which is one of many, 0.4.
+    """
+    size = amplitude if amplitude is not None else (0.4 if name == "marker_slip" else 1.0)
+    effects = [] if name == "nothing" else [{"name": name, "amplitude": size}]
     return checked({"effects": effects, "unit": unit, "seed": seed})
 
 
