@@ -23,6 +23,9 @@ MAX_PATTERNS = 8
 MAX_GROUPS = 12
 _SESSIONS_AS_GROUPS = 6
 _FEW_CAPTURES = 8
+_FAR = 8.0
+_MOST_FAR = 0.2
+_SMOOTH_RANK = 10
 
 
 @dataclass(frozen=True)
@@ -132,36 +135,57 @@ class Streams:
 def clean(residual: Floats, capture: Ints) -> tuple[Floats, int]:
     """Drop entries that lie far from what their neighbours in time and space say; returns how many.
 
-    Where there are several observables, "far" is against a low-rank fit of the capture means; with few,
-    against the running median of the neighbouring captures.
+    Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has
+    low rank, a mistaken marker has not); with few, against the running median along the campaign. Captures
+    and rows are looked at in turn, since a mistake may last for a whole hold or for one frame.
     """
-    means, captures = capture_means(residual, capture)
-    if len(captures) < 6:
+    if len(np.unique(capture)) < 6 and len(residual) < 20:
         return residual, 0
-    expected = np.array(fill(means))
-    for _ in range(3):
-        if means.shape[1] >= 8 and len(captures) >= 12:
-            U, s, Vt = np.linalg.svd(fill(means), full_matrices=False)
-            rank = min(8, min(means.shape) // 3)
-            expected = (U[:, :rank] * s[:rank]) @ Vt[:rank]
-        else:
-            expected = _running_median(fill(means))
-        off = np.abs(means - expected)
-        scale = 1.4826 * np.nanmedian(off)
-        spread = 1.4826 * np.nanmedian(np.abs(means - np.nanmedian(means, axis=0)))
-        limit = np.maximum(10 * scale, 4 * spread)
-        bad = off > limit
-        if not bad.any() or bad.mean() > 0.05:
-            break
-        means = np.where(bad, np.nan, means)
-    dropped = ~np.isfinite(means)[np.searchsorted(captures, capture)] & np.isfinite(residual)
-    return np.where(dropped, np.nan, residual), int(dropped.sum())
+    rows = np.where(_far(residual), np.nan, residual)
+    means, captures = capture_means(rows, capture)
+    if len(captures) >= 6:
+        rows = np.where(_far(means)[np.searchsorted(captures, capture)], np.nan, rows)
+    return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
 
 
-def _running_median(means: Floats, half: int = 3) -> Floats:
-    padded = np.pad(means, ((half, half), (0, 0)), mode="edge")
+def _far(values: Floats) -> NDArray[np.bool_]:
+    """Which entries are far from what the others say, (n, K)."""
+    if values.shape[1] >= 8 and len(values) >= 12:
+        off = np.abs(values - _smooth(values))
+    else:
+        off = np.abs(values - _running_median(fill(values)))
+    bad = off > _FAR * 1.4826 * np.nanmedian(off)
+    structure = bad.mean(axis=1) > _MOST_FAR
+    return bad & ~structure[:, None] if values.shape[1] >= 8 else bad
+
+
+def _smooth(values: Floats) -> Floats:
+    """A low-rank fit that outlying entries cannot pull: directions from clipped values, Huber weights by row."""
+    middle = np.nanmedian(values, axis=0)
+    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    limit = 4 * np.maximum(spread, np.median(spread))
+    clipped = fill(np.clip(values, middle - limit, middle + limit))
+    _, _, Vt = np.linalg.svd(clipped, full_matrices=False)
+    V = Vt[: min(_SMOOTH_RANK, min(values.shape) // 3)]
+    known = np.where(np.isfinite(values), values, 0.0)
+    w = np.isfinite(values).astype(float)
+    expected = clipped @ V.T @ V
+    for _ in range(6):
+        off = np.abs(known - expected)
+        scale = 1.4826 * np.median(off[w > 0])
+        weight = np.where(w > 0, np.minimum(1.0, 2 * scale / np.maximum(off, 1e-12)), 0.0)
+        H = np.einsum("rk,nk,qk->nrq", V, weight, V, optimize=True) + 1e-9 * np.eye(len(V))
+        z = np.linalg.solve(H, ((weight * known) @ V.T)[:, :, None])[:, :, 0]
+        expected = z @ V
+    return expected
+
+
+def _running_median(values: Floats, half: int = 3) -> Floats:
+    """Median of the neighbours along the campaign, with the spread of the values added as slack."""
+    padded = np.pad(values, ((half, half), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
-    return np.median(windows, axis=-1)
+    low, high = np.quantile(windows, [0.15, 0.85], axis=-1)
+    return np.clip(values, low - (high - low), high + (high - low))
 
 
 def build_streams(context: Context, floor: Floor, residual: Floats, declared: Floats | None) -> Streams:
