@@ -194,6 +194,7 @@ class Vicon:
         session = ClientSession(mode=options.mode)
         deadline = time.monotonic() + options.timeout_s
         where = f"{options.host}:{options.port}"
+        early: list[CgFrame] = []
         try:
             while session.offered is None:
                 if time.monotonic() > deadline or self._stop.is_set():
@@ -202,13 +203,15 @@ class Vicon:
                         f"{options.timeout_s:g} s (is that the port of the DataStream server? Vicon's is 801)"
                     )
                 try:
-                    session.receive(link.read(READ_S))
+                    early = session.receive(link.read(READ_S))
                 except CgstreamError as error:
                     raise LinkError(f"{where} is no Vicon DataStream server: {error}") from None
             link.write(session.outgoing())
         except LinkError:
             link.close()
             raise
+        for frame in early:  # a server may stream at once
+            self._keep(frame, self._clock.now_s())
         return link, session
 
     def _run(self) -> None:
