@@ -19,6 +19,8 @@ class Walk:
     def __init__(self, procedure: Procedure, info: RigInfo) -> None:
         self._name = procedure.procedure_name()
         self._generator: Steps = procedure.steps(info)
+        if not hasattr(self._generator, "send"):
+            raise ProcedureError(f"procedure {self._name}: `steps` should `yield` its steps, not return them")
         self.index = 0
 
     def run(self, carry_out: Callable[[int, Step], Result], thinking: Callable[[], None]) -> None:

@@ -1,6 +1,8 @@
 """The log: written durably, step by step, and read back as an `xarray.Dataset`, whatever happened to it."""
 
+from labrig.log._import import dataset_from, import_table
 from labrig.log._layout import Layout
+from labrig.log._mapping import Mapping, read_mapping
 from labrig.log._open import open_run
 from labrig.log._rig_dataset import RunSeries, Series, run_series
 from labrig.log._segments import (
@@ -19,12 +21,16 @@ __all__ = [
     "Layout",
     "LoadedSegment",
     "LogWriter",
+    "Mapping",
     "RunSeries",
     "Series",
     "Topic",
+    "dataset_from",
+    "import_table",
     "layout_of",
     "load_segments",
     "open_run",
+    "read_mapping",
     "read_run_yaml",
     "run_series",
     "segment_path",

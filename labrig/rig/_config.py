@@ -60,7 +60,7 @@ class RigConfig(_Section):
     """A rig as rig.yaml describes it; `folder` is where the file lies, for the paths in it."""
 
     name: str = Field(min_length=1)
-    chambers: tuple[ChamberConfig, ...] = Field(min_length=1)
+    chambers: tuple[ChamberConfig, ...]
     markers: tuple[str, ...] = ()
     rest_mm: dict[str, tuple[float, float, float]] | None = None
     pressure: DeviceConfig
@@ -72,6 +72,8 @@ class RigConfig(_Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if not self.chambers:
+            raise ValueError("a rig needs at least one chamber")
         for what, names in (("chamber", [c.name for c in self.chambers]), ("marker", list(self.markers))):
             if twice := sorted({name for name in names if names.count(name) > 1}):
                 raise ValueError(f"{what} {twice[0]} is named twice")

@@ -1,5 +1,6 @@
 """The runner's side of the guard: a pressure controller whose link lives in another process."""
 
+import contextlib
 import json
 import os
 import queue
@@ -53,6 +54,8 @@ class GuardedPressure:
         self._call({"do": "connect"})
 
     def _start(self) -> None:
+        if self._process is not None:
+            _close_pipes(self._process)
         options: dict[str, Any] = {}
         if sys.platform == "win32":
             options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP
@@ -109,17 +112,16 @@ class GuardedPressure:
 
     def close(self) -> None:
         """End the guard; one that still vents is left to it."""
-        process, self._process = self._process, None
+        process = self._process
         if process is None:
             return
-        try:
+        with contextlib.suppress(OSError):
             if process.stdin is not None:
                 process.stdin.close()
+        with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(_CLOSE_S)
-        except (OSError, subprocess.TimeoutExpired):
-            return
-        if process.stdout is not None:
-            process.stdout.close()
+            _close_pipes(process)
+            self._process = None
 
     def _call(self, request: dict[str, Any], timeout_s: float = _CALL_S) -> Any:
         with self._lock:
@@ -157,6 +159,13 @@ class GuardedPressure:
     def _gone(self) -> DeviceError:
         code = self._process.poll() if self._process is not None else None
         return DeviceError(f"{self.name}: the guard process ended (exit code {code}); look at the chambers")
+
+
+def _close_pipes(process: "subprocess.Popen[str]") -> None:
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            with contextlib.suppress(OSError):
+                pipe.close()
 
 
 def _read(process: "subprocess.Popen[str]", answers: "queue.Queue[str | None]") -> None:

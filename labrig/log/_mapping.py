@@ -1,0 +1,171 @@
+"""MAP.yaml: what the columns of somebody's own table mean."""
+
+from pathlib import Path
+from typing import Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from labrig._errors import LabrigError
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+
+class Column(_Strict):
+    """A column by its name, or by its number (from 0) where the table has no header."""
+
+    column: str | int
+
+
+class UnitColumn(Column):
+    """A column and the unit of its numbers."""
+
+    unit: str
+
+
+class CaptureColumn(_Strict):
+    """Which rows make one capture: those that share a value of `column`, or all of one file."""
+
+    column: str | int | None = None
+    per: Literal["file"] | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> "CaptureColumn":
+        if (self.column is None) == (self.per is None):
+            raise ValueError("give either 'column: NAME' or 'per: file'")
+        return self
+
+
+class Actuation(_Strict):
+    """One chamber's command: from a column, or a constant `value`; with its limits if they are known."""
+
+    column: str | int | None = None
+    value: float | None = None
+    name: str
+    unit: str
+    min: float | None = None
+    max: float | None = None
+
+
+class Measured(UnitColumn):
+    """What the sensor of the chamber `name` read."""
+
+    name: str
+
+
+class Observable(UnitColumn):
+    """One measured number; `marker` and `axis` where it is a marker's coordinate."""
+
+    name: str
+    marker: str | None = None
+    axis: Literal["x", "y", "z"] | None = None
+
+
+class CovariateColumn(UnitColumn):
+    """Anything else that was logged."""
+
+    name: str
+
+
+class Marker(_Strict):
+    """A marker's position with every chamber vented, mm, and its label in a C3D file if that differs."""
+
+    rest: tuple[float, float, float] | None = None
+    point: str | None = None
+
+
+class Event(_Strict):
+    """An actuation within a file that does not say it itself: its moment and the commanded values by name."""
+
+    time_s: float
+    actuation: dict[str, float]
+    record: bool = True
+
+
+class TableFile(_Strict):
+    """One file of a campaign in several; `session` defaults to the file's name."""
+
+    file: str
+    session: str | None = None
+    actuation: dict[str, float] = Field(default_factory=dict)
+    covariates: dict[str, float] = Field(default_factory=dict)
+    events: list[Event] = Field(default_factory=list)
+
+
+class Format(_Strict):
+    """How a text table is written."""
+
+    separator: str = ","
+    header: bool = True
+    decimal: str = "."
+    thousands: str | None = None
+    skip_rows: int = Field(0, ge=0)
+    rows: int | None = Field(None, gt=0)
+    every: int = Field(1, gt=0)
+
+
+class Mapping(_Strict):
+    """The content of a MAP.yaml (docs/reference/mapping.md)."""
+
+    table: str | list[str | TableFile] | None = None
+    format: Format = Field(default_factory=Format)
+    time: UnitColumn | None = None
+    capture: CaptureColumn | None = None
+    hold: UnitColumn | None = None
+    session: Column | None = None
+    between_sessions: Literal["held", "released", "unknown"] = "unknown"
+    repeat: Column | None = None
+    actuation: list[Actuation] = Field(default_factory=list)
+    measured: list[Measured] = Field(default_factory=list)
+    observables: list[Observable] = Field(default_factory=list)
+    markers: dict[str, Marker] | list[str] = Field(default_factory=dict)
+    covariates: list[CovariateColumn | dict[str, str]] = Field(default_factory=list)
+
+    def files(self) -> list[TableFile]:
+        """The tables, in order."""
+        many = self.table if isinstance(self.table, list) else [self.table] if self.table else []
+        return [f if isinstance(f, TableFile) else TableFile(file=f) for f in many]
+
+    def marker_table(self) -> dict[str, Marker]:
+        """Markers by name, whichever way they were written."""
+        return self.markers if isinstance(self.markers, dict) else {name: Marker() for name in self.markers}
+
+
+def read_mapping(path: Path) -> Mapping:
+    """Read a MAP.yaml; raises `LabrigError` that names the file and the field."""
+    try:
+        content: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise LabrigError(f"{path}: can't read the mapping ({error.strerror})") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        line = getattr(getattr(error, "problem_mark", None), "line", None)
+        where = f", line {line + 1}" if line is not None else ""
+        raise LabrigError(
+            f"{path}{where}: is not YAML ({getattr(error, 'problem', 'unreadable')})"
+        ) from error
+    if not isinstance(content, dict):
+        raise LabrigError(f"{path}: is empty or not a mapping; see docs/howto-your-data.md")
+    try:
+        mapping = Mapping.model_validate(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(
+            str(p) for p in first["loc"] if not str(p).startswith(("str", "list", "Table", "Cov", "dict"))
+        )
+        raise LabrigError(f"{path}: {where}: {first['msg'].removeprefix('Value error, ')}") from error
+    names = [a.name for a in mapping.actuation]
+    if len(set(names)) < len(names):
+        raise LabrigError(f"{path}: actuation: two entries have the same name")
+    if not names:
+        raise LabrigError(
+            f"{path}: actuation: name at least one commanded value (a constant one has 'value:')"
+        )
+    for measured in mapping.measured:
+        if measured.name not in names:
+            raise LabrigError(f"{path}: measured: {measured.name!r} is no name under 'actuation:'")
+    observables = [o.name for o in mapping.observables]
+    if len(set(observables)) < len(observables):
+        raise LabrigError(f"{path}: observables: two entries have the same name")
+    return mapping

@@ -1,0 +1,41 @@
+"""Units of foreign tables: checked, and converted where labrig fixes its own (seconds, millimetres)."""
+
+from functools import cache
+
+from labrig._errors import LabrigError
+
+
+@cache
+def _registry():
+    import pint
+
+    return pint.UnitRegistry()
+
+
+@cache
+def factor(unit: str, to: str, where: str) -> float:
+    """What a number in `unit` is multiplied by to be in `to`; raises `LabrigError` naming `where`."""
+    check(unit, where)
+    registry = _registry()
+    try:
+        return float(registry.Quantity(1.0, unit).to(to).magnitude)
+    except Exception as error:
+        raise LabrigError(f"{where}: unit {unit!r} can't be converted to {to}") from error
+
+
+@cache
+def check(unit: str, where: str) -> None:
+    """Raise `LabrigError` if there is no such unit."""
+    if unit == "1":
+        return
+    try:
+        _registry().Unit(unit)
+    except Exception as error:
+        raise LabrigError(
+            f"{where}: there is no unit {unit!r}; use one such as kPa, bar, N, mm, s, degC or 1"
+        ) from error
+
+
+def is_length(unit: str) -> bool:
+    """Whether a checked unit is a length."""
+    return unit != "1" and _registry().Unit(unit).is_compatible_with("mm")

@@ -1,0 +1,313 @@
+"""The runner: limits before anything moves, the whole hold in the log, pauses and observers."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+import yaml
+
+from labrig import LabrigError, open_run
+from labrig.campaign import (
+    Actuate,
+    Completed,
+    Control,
+    Note,
+    Observer,
+    Procedure,
+    Progress,
+    Record,
+    RigInfo,
+    Scan,
+    Settle,
+    Steps,
+    Vent,
+    Watching,
+    dry_run,
+    read_completed,
+    run,
+)
+
+
+class Three(Procedure):
+    """Three captures, each in two parts."""
+
+    top_kpa: float = 40.0
+
+    def steps(self, rig: RigInfo) -> Steps:
+        """Up and up."""
+        for share in (0.25, 0.5, 1.0):
+            yield Actuate((share * self.top_kpa, 10.0))
+            yield Settle(1.0)
+            yield Record(0.5, repeat="r" if share < 1 else "")
+            yield Record(1.0)
+
+
+class Closed(Procedure):
+    """Raises the pressure until a marker has moved far enough: the steps depend on what was measured."""
+
+    closed_loop: ClassVar[bool] = True
+    target_mm: float = 6.0
+
+    def steps(self, rig: RigInfo) -> Steps:
+        """A secant, with whatever noise the measurement has."""
+        pressure_kpa, seen = 10.0, []
+        for _ in range(6):
+            yield Actuate((pressure_kpa, pressure_kpa))
+            settled = yield Settle(1.0)
+            recording = yield Record(0.5)
+            lift_mm = float(recording.mean_mm[0, 2]) + 0.01 * float(np.tanh(settled.speed_mm_s))
+            seen.append(lift_mm)
+            pressure_kpa = min(60.0, pressure_kpa * (1 + 0.5 * (self.target_mm / lift_mm - 1)))
+            yield Note(f"{lift_mm!r} {float(recording.time_s[0])!r} {len(recording.pressure_kpa)}")
+
+
+class Wrong(Procedure):
+    """Asks for more than the chambers bear."""
+
+    def steps(self, rig: RigInfo) -> Steps:
+        """The second step is the bad one."""
+        yield Actuate((60.0, 0.0))
+        yield Actuate((0.0, 60.5))
+        yield Actuate((-1.0, float("nan")))
+        yield Actuate((1.0,))
+
+
+def test_broken_limits_are_all_found_before_anything_moves(fake: Any, tmp_path: Path, config: Any) -> None:
+    """The plan names each step and limit; the run refuses it, and the chambers never heard of it."""
+    plan = dry_run(Wrong(), config)
+    assert plan.broken == [
+        "step 1 (actuate): c2 60.5 kPa is above its limit of 60 kPa",
+        "step 2 (actuate): c1 -1 kPa is below its limit of 0 kPa",
+        "step 2 (actuate): c2 nan kPa is not a number",
+        "step 3 (actuate): 1 pressures for 2 chambers",
+    ]
+    with pytest.raises(LabrigError) as caught:
+        run(Wrong(), fake.rig, tmp_path / "run", fake.clock)
+    assert str(caught.value) == (
+        "nothing was moved: step 1 (actuate): c2 60.5 kPa is above its limit of 60 kPa (and 3 more)"
+    )
+    assert fake.pressure.world.commands == []
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_closed_loop_is_checked_step_by_step(fake: Any, tmp_path: Path) -> None:
+    """A limit that only shows in the run stops it before the step moves anything."""
+
+    class Greedy(Closed):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Actuate((50.0, 50.0))
+            recording = yield Record(0.5)
+            yield Actuate((50.0 + 4 * recording.mean_mm[0, 2], 50.0))
+
+    with pytest.raises(
+        LabrigError, match=r"^step 2 \(actuate\): c1 \d+\.\d+ kPa is above its limit of 60 kPa"
+    ):
+        run(Greedy(target_mm=9.0), fake.rig, tmp_path / "run", fake.clock)
+    assert max(command[1][0] for command in fake.pressure.world.commands) == 50.0
+    assert np.abs(fake.pressure_kpa).max() <= 0.5
+
+
+def test_the_plan_says_how_long_it_takes(config: Any, fake: Any, tmp_path: Path) -> None:
+    """The estimate of the dry run is what the run takes on the same clock, to a tenth."""
+    plan = dry_run(Three(), config)
+    assert [step.kind for step in plan.steps] == ["actuate", "settle", "record", "record"] * 3
+    assert plan.captures == 6
+    start_s = fake.clock.now_s()
+    run(Three(), fake.rig, tmp_path / "run", fake.clock)
+    assert plan.duration_s == pytest.approx(fake.clock.now_s() - start_s, abs=3.5)  # and two vents
+    assert plan.duration_s == pytest.approx(7.5, abs=0.6)
+
+
+def test_the_whole_hold_is_logged(fake: Any, tmp_path: Path) -> None:
+    """Frames from the actuation on; a second recording of a hold begins where the first ended."""
+    run(Three(), fake.rig, tmp_path / "run", fake.clock)
+    data = open_run(tmp_path / "run")
+    assert data.sizes["capture"] == 6
+    assert float(data["hold_s"][0, 0]) < 0.2
+    assert float(data["hold_s"][1, 0]) > float(data["hold_s"][0].max())
+    assert data["event_of"].to_numpy().tolist() == [1, 1, 2, 2, 3, 3]
+    assert data["repeat"].to_numpy().tolist() == ["r", "", "r", "", "", ""]
+    assert data["commanded"].to_numpy()[::2].tolist() == [[10.0, 10.0], [20.0, 10.0], [40.0, 10.0]]
+    assert data["event_commanded"].to_numpy()[[0, -1]].tolist() == [[0.0, 0.0]] * 2
+    assert not bool(data["settled"][0, 0])
+    first = data["settled"][0].to_numpy().astype(bool)
+    assert data["hold_s"][0].to_numpy()[first].min() == pytest.approx(1.15, abs=0.15)
+    lift = data["position_mm"][0].to_numpy()[first][:, 0, 2]
+    assert lift == pytest.approx(2.0, abs=0.3)
+    assert np.isnan(data["position_mm"][0].to_numpy()[:, 2, 0]).any()
+
+
+def test_slew_limits_are_kept_on_the_way(make_rig: Callable[..., Any], tmp_path: Path) -> None:
+    """No command is further from the one before than the slew limit allows in the time between."""
+    slow = make_rig(chambers=[{"name": "c1", "max_kpa": 60, "slew_kpa_s": 20}, {"name": "c2", "max_kpa": 60}])
+    run(Three(), slow.rig, tmp_path / "run", slow.clock)
+    commands = [c for c in slow.pressure.world.commands if any(c[1])]
+    for (before_s, before), (after_s, after) in pairwise(commands):
+        assert abs(after[0] - before[0]) <= 20 * max(after_s - before_s, 0.05) + 1e-9
+        assert abs(after[1] - before[1]) <= 100 * max(after_s - before_s, 0.05) + 1e-9
+    assert commands[-1][1] == (40.0, 10.0)
+
+
+def test_stillness_is_measured(fake: Any, tmp_path: Path) -> None:
+    """The speed at the end of the settle is the world's, and falls with longer waits."""
+    speeds = []
+
+    class Waits(Procedure):
+        def steps(self, rig: RigInfo) -> Steps:
+            for wait_s in (1.0, 2.0, 3.0):
+                yield Vent()
+                yield Actuate((50.0, 50.0))
+                speeds.append((yield Settle(wait_s)))
+
+    run(Waits(), fake.rig, tmp_path / "run", fake.clock)
+    measured = [settled.speed_mm_s for settled in speeds[3:]]  # the first three are the dry run's
+    assert measured == sorted(measured, reverse=True)
+    assert measured[0] == pytest.approx(10.0 / 0.5 * np.exp(-0.75 / 0.5), rel=0.5)
+    assert speeds[3].pressure_error_kpa > speeds[5].pressure_error_kpa
+
+
+class _Log(Observer):
+    def __init__(self) -> None:
+        self.calls: list[tuple[str, Any]] = []
+
+    def started(self, rig: RigInfo, rest_mm: Any) -> None:
+        self.calls.append(("started", rig.name))
+
+    def step_done(self, completed: Completed) -> None:
+        self.calls.append(("done", completed.step.kind))
+
+    def event(self, time_s: float, text: str, level: str) -> None:
+        self.calls.append((level, text))
+
+    def finished(self, reason: str) -> None:
+        self.calls.append(("finished", reason))
+
+
+def test_observers_hear_of_every_step_in_order(fake: Any, tmp_path: Path) -> None:
+    """From the start to the reason of the end."""
+    log, progress = _Log(), []
+    run(Three(), fake.rig, tmp_path / "run", fake.clock, 0, progress.append, Watching([log]))
+    kinds = ["actuate", "settle", "record", "record"] * 3
+    assert log.calls == [
+        ("started", "fake"),
+        ("INFO", "three begins: 12 steps"),
+        *(("done", kind) for kind in kinds),
+        ("INFO", "completed"),
+        ("finished", "completed"),
+    ]
+    last: Progress = progress[-1]
+    assert (last.steps_done, last.steps, last.captures_done, last.captures) == (12, 12, 6, 6)
+    assert last.remaining_s == pytest.approx(0.0, abs=0.1)
+    remaining = [item.remaining_s for item in progress]
+    assert all(later <= earlier + 0.3 for earlier, later in pairwise(remaining))
+
+
+def test_a_pause_vents_and_goes_on(fake: Any, tmp_path: Path) -> None:
+    """The hold is finished first; during the pause the chambers are vented; no capture is lost."""
+    control, held = Control(), []
+
+    class Pauser(Observer):
+        def step_done(self, completed: Completed) -> None:
+            if completed.index == 2:
+                control.pause()
+
+        def event(self, time_s: float, text: str, level: str) -> None:
+            if text.startswith("paused"):
+                held.append(text)
+
+    def going_on() -> None:
+        if (
+            control.paused
+            and fake.pressure.world.commands[-1][1] == (0.0, 0.0)
+            and not np.any(fake.pressure_kpa > 0.5)
+        ):
+            held.append(float(np.abs(fake.pressure_kpa).max()))
+            control.go_on()
+
+    class Slow(Three):
+        def steps(self, rig: RigInfo) -> Steps:
+            for step in super().steps(rig):
+                yield step
+                if fake.pressure.world.commands:
+                    import time
+
+                    time.sleep(0.05)  # lets the observer's thread ask for the pause
+
+    fake.clock.on_sleep = going_on
+    run(Slow(), fake.rig, tmp_path / "run", fake.clock, watching=Watching([Pauser()], control))
+    assert held[0] < 0.5
+    data = open_run(tmp_path / "run")
+    assert data.sizes["capture"] == 6
+    assert [0.0, 0.0] in data["event_commanded"].to_numpy()[1:-1].tolist()
+
+
+def test_a_run_needs_a_folder_of_its_own(fake: Any, tmp_path: Path) -> None:
+    """A second run is not written into the first one's folder."""
+    run(Three(), fake.rig, tmp_path / "run", fake.clock)
+    with pytest.raises(LabrigError) as caught:
+        run(Three(), fake.rig, tmp_path / "run", fake.clock)
+    assert str(caught.value) == f"{tmp_path / 'run'} holds a run already; choose another folder, or resume it"
+
+
+def test_run_yaml_says_what_the_run_is(fake: Any, tmp_path: Path) -> None:
+    """Procedure, parameters, seed, rig, identities and versions; the log holds the same."""
+    run(Three(top_kpa=30.0), fake.rig, tmp_path / "run", fake.clock, 7)
+    facts = yaml.safe_load((tmp_path / "run" / "run.yaml").read_text())
+    assert (facts["procedure"], facts["parameters"], facts["seed"]) == ("three", {"top_kpa": 30.0}, 7)
+    assert facts["rig"]["chambers"][0]["max_kpa"] == 60.0
+    assert facts["identity"]["pressure"] == {"kind": "fake", "description": "a fake pressure"}
+    assert set(facts["versions"]) == {"labrig", "python", "system"}
+    assert facts["steps"] == 12
+
+
+def test_scans_are_kept_with_the_run(fake: Any, tmp_path: Path) -> None:
+    """A scanner without files gets a PLY in the run; the result names it and its hash."""
+
+    class Scans(Procedure):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Scan()
+            yield Scan()
+
+    run(Scans(), fake.rig, tmp_path / "run", fake.clock)
+    done = read_completed(tmp_path / "run")
+    assert [item.result.files for item in done] == [("scans/000_scan.ply",), ("scans/001_scan.ply",)]  # type: ignore[union-attr]
+    ply = (tmp_path / "run" / "scans" / "000_scan.ply").read_bytes()
+    assert b"element vertex 3\n" in ply
+    assert np.frombuffer(ply[ply.index(b"end_header\n") + 11 :][:36], "<f4").tolist() == [
+        1,
+        0,
+        0,
+        0,
+        1,
+        0,
+        0,
+        0,
+        1,
+    ]
+
+
+def test_a_long_session_is_spread_over_files(
+    fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Segments are closed at a size and read back as one session."""
+    run(Three(), fake.rig, tmp_path / "one", fake.clock)
+    reference = open_run(tmp_path / "one")
+    monkeypatch.setattr("labrig.campaign._session.SEGMENT_BYTES", 6_000)
+    other = _fresh(fake)
+    run(Three(), other.rig, tmp_path / "many", other.clock)
+    assert len(list((tmp_path / "many").glob("log.*.mcap"))) > 2
+    many = open_run(tmp_path / "many")
+    assert set(many["session"].to_numpy().tolist()) == {"0"}
+    assert many.attrs["warnings"] == []
+    assert many.sizes["capture"] == reference.sizes["capture"]
+    np.testing.assert_allclose(many["hold_s"], reference["hold_s"], atol=0.06)
+
+
+def _fresh(fake: Any) -> Any:
+    from labrig.rig import connect
+
+    clock = type(fake.clock)()
+    return type(fake)(connect(fake.rig.config, clock), clock)

@@ -1,0 +1,185 @@
+"""rig.yaml is checked before anything is connected, and every mistake is one clear line."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from drivers import DeviceError, Identity, SimulatedClock
+from labrig import LabrigError
+from labrig.rig import connect, load_rig, parse_rig
+
+GOOD: dict[str, Any] = {
+    "name": "small",
+    "chambers": [
+        {"name": "c1", "max_kpa": 60},
+        {"name": "c2", "min_kpa": -20, "max_kpa": 50, "slew_kpa_s": 10},
+    ],
+    "markers": ["m1"],
+    "rest_mm": {"m1": [1, 2, 3]},
+    "pressure": {"kind": "openpneu", "port": "COM3"},
+    "mocap": {"kind": "vicon", "host": "127.0.0.1"},
+}
+
+
+def test_a_rig_is_read_with_its_defaults(tmp_path: Path) -> None:
+    """Limits are kPa, slew has a default, device options are kept as they stand."""
+    path = tmp_path / "rig.yaml"
+    path.write_text(yaml.safe_dump(GOOD))
+    config = load_rig(path)
+    assert [channel.name for channel in config.channels] == ["c1", "c2"]
+    assert [(c.min_kpa, c.max_kpa, c.slew_kpa_s) for c in config.channels] == [(0, 60, 100), (-20, 50, 10)]
+    assert config.pressure.options == {"port": "COM3"}
+    assert config.folder == tmp_path
+    assert config.scanner is None
+    assert parse_rig(config.to_dict(), "again", tmp_path) == config
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"name": ""}, "name: String should have at least 1 character"),
+        ({"chambers": []}, "a rig needs at least one chamber"),
+        ({"chambers": [{"name": "c1"}]}, "chambers.0.max_kpa: Field required"),
+        (
+            {"chambers": [{"name": "c1", "min_kpa": 5, "max_kpa": 60}]},
+            "chambers.0: 0 kPa (vented) must lie between min_kpa and max_kpa",
+        ),
+        ({"chambers": [{"name": "c1", "max_kpa": 6}] * 2}, "chamber c1 is named twice"),
+        ({"markers": ["m1", "m1"]}, "marker m1 is named twice"),
+        ({"mocap": None}, "markers are named but there is no mocap device"),
+        ({"presure": {}}, "presure: Extra inputs are not permitted"),
+        (
+            {"pressure": {"kind": "simulated"}},
+            "a device is simulated, so a section `simulated` is needed (surface, seed, ...)",
+        ),
+    ],
+)
+def test_a_mistake_is_named_with_its_place(tmp_path: Path, change: dict[str, Any], message: str) -> None:
+    """File, field, and what is wrong with it."""
+    path = tmp_path / "rig.yaml"
+    path.write_text(yaml.safe_dump({**GOOD, **change}))
+    with pytest.raises(LabrigError) as caught:
+        load_rig(path)
+    assert str(caught.value) == f"{path}: {message}"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("- a\n- b\n", "{path} is not a rig: it should begin with `name: ...`"),
+        ("name: [", "{path} is not YAML: while parsing a flow node"),
+    ],
+)
+def test_what_is_no_rig_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    """Other YAML and no YAML are told apart."""
+    path = tmp_path / "rig.yaml"
+    path.write_text(text)
+    with pytest.raises(LabrigError) as caught:
+        load_rig(path)
+    assert str(caught.value).startswith(message.format(path=path))
+
+
+def test_an_absent_file_is_named(tmp_path: Path) -> None:
+    """The path is in the message."""
+    with pytest.raises(LabrigError) as caught:
+        load_rig(tmp_path / "none.yaml")
+    assert str(caught.value) == f"cannot read the rig {tmp_path / 'none.yaml'}: No such file or directory"
+
+
+@pytest.mark.parametrize(
+    ("pressure", "message"),
+    [
+        (
+            {"kind": "steam"},
+            "rig small: pressure: no kind 'steam'; there are openpneu, modbus, simulated, python",
+        ),
+        (
+            {"kind": "python"},
+            "rig small: pressure: kind python needs `file` (a .py file) and `class`",
+        ),
+        (
+            {"kind": "python", "file": "none.py", "class": "X"},
+            "rig small: pressure: there is no file {folder}none.py",
+        ),
+        (
+            {"kind": "python", "file": "mine.py", "class": "Absent"},
+            "rig small: pressure: {folder}mine.py has no class Absent",
+        ),
+        (
+            {"kind": "python", "file": "mine.py", "class": "Mine", "speed": 3},
+            "rig small: pressure (python): got an unexpected keyword argument 'speed'",
+        ),
+    ],
+)
+def test_a_device_that_cannot_be_made_is_explained(
+    tmp_path: Path, pressure: dict[str, Any], message: str
+) -> None:
+    """Unknown kinds, and every way in which a user's own device file can be wrong."""
+    (tmp_path / "mine.py").write_text(MINE)
+    config = parse_rig({**GOOD, "pressure": pressure}, "rig.yaml", tmp_path)
+    with pytest.raises(LabrigError) as caught:
+        connect(config, SimulatedClock())
+    assert str(caught.value) == message.format(folder=f"{tmp_path}/")
+
+
+MINE = """
+import numpy as np
+from drivers import Identity, VentReport, DeviceError
+
+LOG = []
+
+class Mine:
+    def __init__(self, name, clock, channels, answers=True):
+        self.name, self.channels, self.answers = name, channels, answers
+    def connect(self):
+        if not self.answers:
+            raise DeviceError(f"{self.name}: no answer")
+        LOG.append(f"{self.name} opened")
+    def identify(self):
+        return Identity(self.name, "mine", "made at home")
+    def set(self, pressure_kpa): ...
+    def samples(self): return []
+    def vent(self, timeout_s=10.0):
+        LOG.append(f"{self.name} vented")
+        return VentReport(np.zeros(2), 0.0)
+    def close(self): LOG.append(f"{self.name} closed")
+
+class Silent(Mine):
+    def __init__(self, name, clock, marker_names):
+        super().__init__(name, clock, (), answers=False)
+"""
+
+
+def _mine(folder: Path, **changes: Any) -> Any:
+    (folder / "mine.py").write_text(MINE)
+    mine = {"kind": "python", "file": "mine.py", "class": "Mine"}
+    return parse_rig({**GOOD, "pressure": mine, "markers": [], "mocap": None, **changes}, "rig.yaml", folder)
+
+
+def test_a_users_own_device_is_connected_and_vented_before_it_is_closed(tmp_path: Path) -> None:
+    """A class in a file beside rig.yaml is a device; leaving the rig vents it, then closes it."""
+    with connect(_mine(tmp_path), SimulatedClock()) as rig:
+        assert rig.identity == {"pressure": Identity("pressure", "mine", "made at home")}
+        log = type(rig.pressure).vent.__globals__["LOG"]
+        assert log == ["pressure opened"]
+    assert log == ["pressure opened", "pressure vented", "pressure closed"]
+
+
+def test_what_was_opened_is_closed_when_another_device_fails(tmp_path: Path) -> None:
+    """No link stays open behind an error."""
+    silent = {"kind": "python", "file": "mine.py", "class": "Silent"}
+    with pytest.raises(DeviceError) as caught:
+        connect(_mine(tmp_path, mocap=silent), SimulatedClock())
+    assert str(caught.value) == "mocap: no answer"
+
+
+def test_rest_positions_come_from_the_file(tmp_path: Path) -> None:
+    """Markers that rest_mm does not name are unknown, not zero."""
+    silent = {"kind": "python", "file": "mine.py", "class": "Mine"}
+    config = _mine(tmp_path, markers=["m1", "m2"], mocap=silent)
+    rig = connect(config, SimulatedClock())
+    np.testing.assert_array_equal(rig.rest_mm, [[1, 2, 3], [np.nan] * 3])
+    rig.close()
