@@ -5,8 +5,7 @@ import os
 import tempfile
 import time
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED as FIRST
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -202,9 +201,12 @@ def _results(
                     break
             if not waiting:
                 return
-            finished, waiting = wait(waiting, return_when=FIRST)
+            finished, waiting = wait(waiting, return_when=FIRST_COMPLETED)
             for future in finished:
-                yield future.result()
+                try:
+                    yield future.result()
+                except BrokenExecutor:
+                    raise LabrigError("bench: a worker process died; run again with --resume") from None
     finally:
         if own is not None:
             own.shutdown(cancel_futures=True)
