@@ -1,1 +1,175 @@
-"""Commands: diagnosis."""
+"""compare, diagnose, improve, import, effects: from measurements to what the model lacks."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli._app import app
+
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")]
+ModelOption = Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")]
+OutOption = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
+
+
+@app.command()
+def compare(runs: Runs, model: ModelOption, out: OutOption = Path("compare")) -> None:
+    """Compare a model, as it stands, with measurements and show where it fails."""
+    from labrig.diagnosis import compare as compare_runs
+    from labrig.diagnosis import write_json
+
+    result = compare_runs(_open(runs), _load(model))
+    _table(result.summary, "compare")
+    _finish(result, out, "compare", write_json)
+
+
+@app.command()
+def diagnose(
+    runs: Runs,
+    model: ModelOption,
+    tolerance: Annotated[
+        float | None, typer.Option(help="The smallest effect that matters, in the units of the run.")
+    ] = None,
+    out: OutOption = Path("diagnosis"),
+) -> None:
+    """Find the physical effect that the model lacks, or say that none is missing or can be told."""
+    from labrig import LabrigError
+    from labrig.diagnosis import diagnose as diagnose_runs
+    from labrig.diagnosis import write_json
+
+    if tolerance is not None and not tolerance > 0:
+        raise LabrigError(f"--tolerance {tolerance:g}: must be larger than 0")
+    result = diagnose_runs(_open(runs), _load(model), tolerance=tolerance)
+    _table(result.summary, "diagnosis")
+    _finish(result, out, "diagnosis", write_json)
+    if result.improved is not None:
+        _say(
+            f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} "
+            + " ".join(f"--add {name}" for name in result.summary["effects"])
+            + " -o improved.yaml"
+        )
+
+
+@app.command()
+def improve(
+    runs: Runs,
+    model: ModelOption,
+    output: Annotated[Path, typer.Option("-o", "--output", help="The new model file.")],
+    add: Annotated[list[str], typer.Option("--add", help="Effect to add; may be given several times.")],
+    force: Annotated[bool, typer.Option("--force", help="Add it even if it does not help.")] = False,
+    out: OutOption = Path("improve"),
+) -> None:
+    """Add effects to a model, fitted to the runs, and show the error before and after."""
+    from labrig import LabrigError
+    from labrig.diagnosis import improve as improve_model
+    from labrig.diagnosis import write_json
+
+    if output.exists():
+        raise LabrigError(f"{output}: already exists; choose another name for the new model")
+    if not output.parent.is_dir():
+        raise LabrigError(f"{output}: the folder {output.parent} does not exist")
+    result = improve_model(_open(runs), _load(model), add, force=force)
+    assert result.improved is not None
+    result.improved.save(output)
+    _table(result.summary, "improve")
+    _finish(result, out, "improve", write_json)
+    _say(f"new model: {output}")
+
+
+@app.command("import")
+def import_(
+    mapping: Annotated[Path, typer.Option("--mapping", help="What the columns mean (MAP.yaml).")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The run folder to make.")],
+    table: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[TABLE]...", help="CSV, Parquet or C3D; else the mapping's."),
+    ] = None,
+) -> None:
+    """Make a run of somebody's own table."""
+    from labrig.log import import_table
+
+    run = import_table(mapping, output, tables=table or ())
+    sizes = run.sizes
+    observables = 3 * sizes.get("marker", 0) + sizes.get("observable", 0)
+    _say(
+        f"{output}: {sizes['capture']} captures, {sizes['chamber']} actuated, {observables} observables, "
+        f"{len(set(run['session'].values))} session(s)"
+    )
+
+
+effects_app = typer.Typer(no_args_is_help=False, help="The physical effects that a model can lack.")
+app.add_typer(effects_app, name="effects")
+
+
+@effects_app.callback(invoke_without_command=True)
+def _effects(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        list_effects()
+
+
+@effects_app.command("list")
+def list_effects() -> None:
+    """List the effects: labrig's own and those in ./effects."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from labrig.effects import library
+
+    table = Table("effect", "acts on", "what betrays it")
+    for name, effect in sorted(library().items()):
+        table.add_row(name, effect.acts_on, effect.signature)
+    Console().print(table)
+
+
+@effects_app.command("show")
+def show_effect(name: Annotated[str, typer.Argument(help="The effect's name.")]) -> None:
+    """Show one effect: meaning, parameters, signature, the experiment that isolates it."""
+    from labrig.effects import get
+
+    effect = get(name)
+    _say(f"{effect.name} (acts on {effect.acts_on})\n\n{effect.meaning}\n")
+    for p in effect.parameters:
+        bounds = f"{p.low:g} .. {p.high:g}" if p.low > -1e300 or p.high < 1e300 else "any"
+        _say(f"  {p.name} [{p.unit}], {bounds}, per {p.per}: {p.meaning}")
+    _say(f"\nsignature:  {effect.signature}\nexperiment: {effect.experiment}\nreference:  {effect.reference}")
+
+
+@effects_app.command("new")
+def new_effect(
+    name: Annotated[str, typer.Argument(help="Name of the new effect, such as humidity.")],
+) -> None:
+    """Write a file of your own effect that works at once; edit its formula."""
+    from labrig.effects import write_template
+
+    _say(f"{write_template(name, Path.cwd())}: edit its formula; labrig effects list shows it")
+
+
+def _open(runs: list[Path]) -> list:
+    import labrig
+
+    return [labrig.open_run(run) for run in runs]
+
+
+def _load(path: Path):
+    from labrig.model import Model
+
+    return Model.load(path)
+
+
+def _finish(result, out: Path, name: str, write_json) -> None:
+    from labrig.view import write_report
+
+    out.mkdir(parents=True, exist_ok=True)
+    write_json(result.summary, out / f"{name}.json")
+    report = write_report(result, out)
+    _say(f"report: {report}")
+
+
+def _table(summary: dict, title: str) -> None:
+    from labrig.cli._tables import print_summary
+
+    print_summary(summary, title)
+
+
+def _say(text: str) -> None:
+    typer.echo(text)

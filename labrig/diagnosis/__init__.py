@@ -1,6 +1,7 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
 from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
+from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._result import Result, Signature, write_json
 
-__all__ = ["Result", "Signature", "diagnose", "prepare", "rows_from", "write_json"]
+__all__ = ["Result", "Signature", "compare", "diagnose", "improve", "prepare", "rows_from", "write_json"]

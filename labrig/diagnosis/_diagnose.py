@@ -138,7 +138,7 @@ def _result(
             "floor": floor_error,
             "ceiling": np.sqrt(lowest),
         },
-        "drop": _drop(gate.base_square, model_square, reachable),
+        "drop": drop_of(gate.base_square, model_square, reachable),
         "where": places,
         "ranking": ranking,
         "next_experiment": _next_experiment(verdict, effects),
@@ -156,7 +156,7 @@ def _result(
     )
 
 
-def _drop(base_square: float, model_square: float, reachable: float) -> float:
+def drop_of(base_square: float, model_square: float, reachable: float) -> float:
     """Share of the explainable error (root mean squares, as diagnosis.json defines it) that is gone."""
     base, now, least = np.sqrt(base_square), np.sqrt(model_square), np.sqrt(reachable)
     return float((base - now) / (base - least)) if base > least * (1 + 1e-9) else 0.0
@@ -180,14 +180,14 @@ def _ranking(
         alone = fit([found[name][0]])
         square = square_of(streams, streams.residual - alone.heldout)
         each = np.array(
-            [_drop(gate.base_square, square + s, reachable) for s in _jackknife(streams, alone, square)]
+            [drop_of(gate.base_square, square + s, reachable) for s in _jackknife(streams, alone, square)]
         )
         out.append(
             {
                 "effect": name,
                 "form": found[name][0].variant.form,
                 "heldout_error": np.sqrt(max(square, 0.0)),
-                "drop": _drop(gate.base_square, square, reachable),
+                "drop": drop_of(gate.base_square, square, reachable),
                 "se": float(each.std(ddof=1) / np.sqrt(len(each))) if len(each) > 1 else None,
                 "probability": float((winners == i).mean()),
                 "parameters": {

@@ -16,7 +16,10 @@ MAX_EFFECTS = 3
 KEPT_FORMS = 4
 DRAWS = 299
 SIGNIFICANT = 0.02
-CLEAR_SE = 2.0
+CLEAR_SE = 1.0
+LOCAL_Z = 4.0
+LOCAL_OF_FLOOR = 0.5
+TIE_SHARE = 0.03
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_SHARE = 0.06
 
@@ -172,9 +175,9 @@ def select(streams: Streams, found: Mapping[str, list[Candidate]], p_first: floa
         if best is None or not _earns(streams, chosen, best, gate):
             break
         p = p_first if chosen is None else _p_of_addition(streams, chosen, found, best, signs)
-        if p > SIGNIFICANT and streams.n_groups > 5:
+        if p > SIGNIFICANT and not _clear_locally(streams, chosen, best, gate):
             break
-        chosen = _swap(best, found)
+        chosen = _simplest(_swap(best, found), found)
     return None if chosen is None else _prune(streams, chosen, gate)
 
 
@@ -207,13 +210,53 @@ def _earns(streams: Streams, before: Fit | None, after: Fit, gate: Gate) -> bool
     more = after.score.gains - (before.score.gains if before else 0.0)
     n = len(more)
     se = float(np.sqrt(n / max(n - 1, 1) * np.sum((more - more.mean()) ** 2)))
-    if more.sum() <= CLEAR_SE * se and (more > 0).mean() < 0.8:
+    if more.sum() <= CLEAR_SE * se:
         return False
-    if more.sum() <= 0:
-        return False
+    return _fall(streams, before, after) >= gate.smallest(0.0 if before is None else SMALLEST_SHARE)
+
+
+def _fall(streams: Streams, before: Fit | None, after: Fit) -> float:
+    """By how much the held-out mean square falls."""
     left = square_of(streams, streams.residual - (before.heldout if before else streams.nothing))
-    now = square_of(streams, streams.residual - after.heldout)
-    return left - now >= gate.smallest(0.0 if before is None else SMALLEST_SHARE)
+    return left - square_of(streams, streams.residual - after.heldout)
+
+
+def _clear_locally(streams: Streams, before: Fit | None, after: Fit, gate: Gate) -> bool:
+    """Whether single captures say so clearly, and it is large.
+
+    Signs of m blocks can give no p-value below 2^(1 - m), so what happens in a few blocks only (a slip, a
+    limit that is rarely reached) needs another way in: a large fall, many standard errors of it by capture.
+    """
+    old = streams.residual - (before.heldout if before else streams.nothing)
+    each = streams.square(old) - streams.square(streams.residual - after.heldout)
+    gains = np.bincount(streams.source, weights=each)
+    z = gains.sum() / max(np.sqrt(len(gains)) * gains.std(ddof=1), 1e-300) if len(gains) > 2 else 0.0
+    return bool(z > LOCAL_Z and _fall(streams, before, after) > LOCAL_OF_FLOOR**2 * gate.floor_square)
+
+
+def _simplest(chosen: Fit, found: Mapping[str, list[Candidate]]) -> Fit:
+    """Where other effects do as well with fewer coefficients, the one with the fewest takes the place."""
+    for i, part in enumerate(chosen.parts):
+        rest = [p for j, p in enumerate(chosen.parts) if j != i]
+        worth = chosen.score.gain - (fit(rest).score.gain if rest else 0.0)
+        best = chosen
+        for option in _options(chosen, found, leave=i):
+            behind = chosen.score.gains - option.score.gains
+            se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
+            tied = behind.sum() <= min(se, TIE_SHARE * worth)
+            simpler = (
+                1.5 * option.parts[-1].columns.width <= best.parts[min(i, len(best.parts) - 1)].columns.width
+            )
+            if (
+                tied
+                and simpler
+                and option.parts[-1].effect.name != part.effect.name
+                and _stays_plausible(option)
+            ):
+                best = option
+        if best is not chosen:
+            return best
+    return chosen
 
 
 def _p_of_addition(

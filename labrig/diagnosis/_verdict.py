@@ -14,8 +14,9 @@ from labrig.effects._rows import Floats
 
 Name = Literal["nothing_missing", "identified", "multiple", "confounded", "unknown", "underpowered"]
 
-ALIKE_SHARE = 0.04
+ALIKE_SHARE = 0.02
 ALIKE_COSINE = 0.95
+IMITATES_WIDTH = 1.5
 CEILING_SE = 2.5
 UNKNOWN_FLOORS = 0.5
 UNKNOWN_SHARE = 0.4
@@ -31,13 +32,21 @@ class Rival:
     z: float
     share: float
     cosine: float
+    wider: float
 
     @property
     def alike(self) -> bool:
-        """Whether these data can't tell the two apart."""
-        close = self.z < 1.0 and self.share < ALIKE_SHARE
-        same_shape = abs(self.cosine) > ALIKE_COSINE and self.z < 2.0 and self.share < 2 * ALIKE_SHARE
-        return close or same_shape
+        """Whether these data can't tell the two apart.
+
+        A rival with many more coefficients that only reproduces the same field (a free offset of every
+        marker in place of a shifted frame) is no rival: it contains the simpler one.
+        """
+        if self.z >= 1.0:
+            return False
+        same_shape = abs(self.cosine) > ALIKE_COSINE
+        if same_shape and self.wider > IMITATES_WIDTH:
+            return False
+        return self.share < (3 * ALIKE_SHARE if same_shape else ALIKE_SHARE)
 
 
 @dataclass(frozen=True)
@@ -76,7 +85,8 @@ def rivals_of(chosen: Fit, found: Mapping[str, list[Candidate]]) -> list[Rival]:
             )
             z = behind.sum() / se if se > 0 else np.inf
             share = behind.sum() / worth if worth > 0 else 1.0
-            out.append(Rival(name, part.effect.name, float(z), float(share), cosine))
+            wider = best.parts[-1].columns.width / part.columns.width
+            out.append(Rival(name, part.effect.name, float(z), float(share), cosine, wider))
     return out
 
 

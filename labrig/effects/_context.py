@@ -15,13 +15,16 @@ class Context:
     """A campaign as seen by a base model.
 
     Shapes, for F rows, K observables, C chambers: `base` (F, K) the prediction; `base_vented` (K,) the
-    prediction with every chamber vented; `jacobian` (F, K, C), its change per unit of actuation.
+    prediction with every chamber vented; `jacobian` (F, K, C), its change per unit of actuation;
+    `deflection` (F, C) how far each chamber alone would move the observables (root mean square of its
+    displacement), as a share of what it does at full range.
     """
 
     rows: Rows
     base: Floats
     base_vented: Floats
     jacobian: Floats
+    deflection: Floats
     base_kind: str = "python"
     pinned: dict[str, float] = field(default_factory=dict)
     _memo: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -42,6 +45,7 @@ class Context:
             rows=self.rows.thin(keep),
             base=self.base[keep],
             jacobian=self.jacobian[keep],
+            deflection=self.deflection[keep],
             _memo={"motion": motion},
         )
 

@@ -41,6 +41,15 @@ class Contact(Effect):
                 yield Variant(
                     "per chamber", (Term.per_chamber("stopped", beyond, chambers),), {"limit": limit}
                 )
+        for limit in context.grid("limit", (0.3, 0.45, 0.6, 0.75)):
+            beyond = -np.maximum(context.deflection - limit, 0.0) * context.span
+            if (beyond < 0).mean() >= 0.02 and len(chambers) > 1:
+                yield Variant("deflection", (Term.common("stopped", beyond),), {"limit": limit})
+                yield Variant(
+                    "deflection per chamber",
+                    (Term.per_chamber("stopped", beyond, chambers),),
+                    {"limit": limit},
+                )
         yield from self._positions(context)
 
     def _positions(self, context: Context) -> Iterator[Variant]:

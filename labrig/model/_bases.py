@@ -15,6 +15,7 @@ from labrig.effects import Rows
 from labrig.effects._rows import Floats
 from labrig.model._file import ModelFile, PythonBase, SimulatorBase, StaticBase
 
+_GRID = 33
 _STEP = 1e-3
 """Step of the finite differences, fraction of a chamber's range; central, so the error is of its square."""
 
@@ -155,6 +156,21 @@ def jacobian(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> F
     predicted = base.predict(moved).reshape(C, 2, len(unique), -1)
     J = (predicted[:, 0] - predicted[:, 1]) / (2 * steps)[:, None, None]
     return np.moveaxis(J, 0, -1)[inverse]
+
+
+def solo_deflection(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> Floats:
+    """How far each chamber alone moves the observables, as a share of its motion at full range, (F, C)."""
+    vented = np.clip(0.0, low, high)
+    out = np.zeros_like(actuation)
+    for c in range(len(low)):
+        grid = np.linspace(low[c], high[c], _GRID)
+        alone = np.tile(vented, (_GRID + 1, 1))
+        alone[:-1, c] = grid
+        predicted = base.predict(alone)
+        moved = np.sqrt(((predicted[:-1] - predicted[-1]) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
+        full = np.abs(moved).max()
+        out[:, c] = np.interp(actuation[:, c], grid, moved / full if full > 0 else np.zeros(_GRID))
+    return out
 
 
 def _load_function(path: Path, name: str) -> Callable[[Floats], Any]:

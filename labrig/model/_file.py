@@ -1,6 +1,5 @@
 """model.yaml: a base and its effects, as a person reads and edits them."""
 
-import os
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -101,4 +100,4 @@ def write_model_file(model: ModelFile, path: Path) -> None:
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110)
     partial = path.with_name(path.name + ".part")
     partial.write_text(text, encoding="utf-8")
-    os.replace(partial, path)
+    partial.replace(path)

@@ -10,7 +10,7 @@ from labrig._errors import LabrigError
 from labrig.effects import Context, Effect, Rows, Variant, get, library
 from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
-from labrig.model._bases import BaseModel, build_base, jacobian
+from labrig.model._bases import BaseModel, build_base, jacobian, solo_deflection
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
 
 
@@ -78,6 +78,7 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
         base=base.predict(unique)[inverse.reshape(-1)],
         base_vented=base.predict(vented)[0],
         jacobian=jacobian(base, rows.actuation, rows.low, rows.high),
+        deflection=solo_deflection(base, rows.actuation, rows.low, rows.high),
         base_kind=base.kind,
     )
 

@@ -1,0 +1,60 @@
+"""The tables that commands print for a person."""
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+_VERDICTS = {
+    "nothing_missing": "nothing is missing: the model is as good as the measurements",
+    "identified": "one effect is missing",
+    "multiple": "several effects are missing",
+    "confounded": "an effect is missing, but these data cannot tell which of several it is",
+    "unknown": "something real is missing that no named effect explains",
+    "underpowered": "these data could not show an effect as small as the tolerance",
+}
+_WHERE_ROWS = 6
+_RANKING_ROWS = 5
+
+
+def print_summary(summary: dict[str, Any], title: str) -> None:
+    """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
+    console = Console()
+    units = summary["units"]
+    error = summary["error"]
+    if "verdict" in summary:
+        console.print(f"verdict: {summary['verdict']} ({_VERDICTS[summary['verdict']]})", highlight=False)
+        if summary["effects"]:
+            console.print(f"effects: {', '.join(summary['effects'])}", highlight=False)
+        if summary["rivals"]:
+            console.print(f"cannot be told from: {', '.join(summary['rivals'])}", highlight=False)
+        if summary.get("carried_by"):
+            console.print(f"carried by: {summary['carried_by']}", highlight=False)
+        console.print(f"probability: {summary['probability']:.2f}", highlight=False)
+    errors = Table(title=f"error, {units} rms")
+    for name in error:
+        errors.add_column(name, justify="right")
+    errors.add_row(*(f"{float(v):.3g}" if v is not None else "-" for v in error.values()))
+    console.print(errors)
+    if summary.get("ranking"):
+        ranking = Table("effect", "form", "held-out error", "drop", "probability", title="alone, best first")
+        for entry in summary["ranking"][:_RANKING_ROWS]:
+            ranking.add_row(
+                entry["effect"],
+                entry["form"],
+                f"{entry['heldout_error']:.3g} {units}",
+                f"{entry['drop']:.0%}",
+                f"{entry['probability']:.2f}",
+            )
+        console.print(ranking)
+    places = [p for p in summary["where"] if p["clear"]][:_WHERE_ROWS]
+    if places:
+        table = Table("where it fails", "", "error", "share", title="clear of the floor")
+        for p in places:
+            table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p['share']:.0%}")
+        console.print(table)
+    for warning in summary.get("warnings", []):
+        console.print(f"note: {warning}", highlight=False)
+
+
+__all__ = ["print_summary"]
