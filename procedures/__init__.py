@@ -1,5 +1,10 @@
 """Procedures: what a lab user reads, copies and edits."""
 
 from procedures._capture import Capture
+from procedures._hold import Hold
+from procedures._idle import Idle
+from procedures._pairs import Pairs
+from procedures._repeatability import Repeatability
+from procedures._sweep import Sweep
 
-__all__ = ["Capture"]
+__all__ = ["Capture", "Hold", "Idle", "Pairs", "Repeatability", "Sweep"]

@@ -13,6 +13,7 @@ from labrig._errors import LabrigError
 from labrig.campaign._execute import execute, limit_errors, vent
 from labrig.campaign._observe import Observation, Observer, Progress
 from labrig.campaign._plan import Plan, dry_run, rig_info
+from labrig.campaign._preflight import check_disk, preflight
 from labrig.campaign._procedure import Procedure
 from labrig.campaign._replay import holds_to_restore, read_completed
 from labrig.campaign._runfile import check_resumable, run_facts, write_run_yaml
@@ -61,6 +62,7 @@ def run(
     folder.mkdir(parents=True, exist_ok=True)
     if segment_paths(folder):
         raise LabrigError(f"{folder} holds a run already; choose another folder, or resume it")
+    check_disk(folder, plan.duration_s, len(rig.config.markers))
     facts = run_facts(procedure, rig, seed, plan, watching.context)
     write_run_yaml(folder, facts)
     keep_sealed(rig.config, folder)
@@ -158,6 +160,8 @@ class _Run:
         self.observation.tell("started", rig_info(self.rig.config, self.seed), self.rig.rest_mm)
         session.forget_silence()
         vent(session, "start")
+        for note in preflight(session):
+            session.event(note, "WARNING")
         session.event(f"{self.procedure.procedure_name()} begins: {len(self.plan.steps)} steps")
         self.walk.run(self._carry_out, self.rig.thinking)
 

@@ -30,7 +30,7 @@ class Actuate(Step):
     """
 
     kind: ClassVar[str] = "actuate"
-    pressure_kpa: Sequence[float]
+    pressure_kpa: Sequence[float] | Floats
     label: str = ""
 
     def __post_init__(self) -> None:

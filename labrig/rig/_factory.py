@@ -66,6 +66,16 @@ def _close(devices: dict[str, Device]) -> None:
         device.close()
 
 
+def device_makers(
+    config: RigConfig, clock: Clock, folder: Path | None = None
+) -> dict[str, Callable[[], Any]]:
+    """For each role of a rig (`pressure`, `mocap`, `scanner`) a function that makes its device, not connected.
+
+    Raises `LabrigError` when the description is wrong; making a device raises `DeviceError`.
+    """
+    return _makers(config, clock, _Simulated(config, clock, folder or config.folder))
+
+
 def _makers(config: RigConfig, clock: Clock, simulated: "_Simulated") -> dict[str, Callable[[], Any]]:
     makers: dict[str, Callable[[], Any]] = {}
     for role, device in config.devices.items():
