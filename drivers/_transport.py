@@ -1,6 +1,7 @@
 """Byte links to devices: TCP and serial ports, every call bounded in time."""
 
 import contextlib
+import os
 import select
 import socket
 from collections.abc import Callable
@@ -148,5 +149,6 @@ def _exclusive(port: str) -> bool | None:
 
 
 def _reason(error: BaseException) -> str:
-    strerror = getattr(error, "strerror", None)
-    return " ".join(str(strerror or error or type(error).__name__).split())
+    number = getattr(error, "errno", None)
+    text = os.strerror(number) if isinstance(number, int) and number > 0 else str(error)
+    return " ".join((text or type(error).__name__).split())

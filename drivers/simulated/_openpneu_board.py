@@ -109,6 +109,7 @@ class OpenPneuBoard:
         if not self._published:
             low = -RANGE_KPA if channel % 2 == 0 else 0.0
             target = min(max(target, low), RANGE_KPA)
+        target = min(max(target, -PUMP_LIMIT_KPA), PUMP_LIMIT_KPA)
         near = abs(target - effort) < self.dead_band_kpa and self._published
         return effort if near and target != 0.0 else target
 

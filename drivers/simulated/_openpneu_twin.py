@@ -137,5 +137,5 @@ class OpenPneuTwin:
         streaming = self.board.running and self.board.dialect == "published"
         if not streaming or self._chance.random() >= self._interleave:
             return reply
-        cut = self._chance.randrange(len(reply))
+        cut = self._chance.randrange(1, len(reply))
         return reply[:cut] + self.board.telemetry() + reply[cut:]

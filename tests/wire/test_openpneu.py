@@ -1,0 +1,401 @@
+"""The OpenPneu driver and its twin: both dialects, the firmware's quirks, and unplugging anywhere."""
+
+import socket
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from drivers import Channel, DeviceError, RealClock, VentNotConfirmedError, build_device
+from drivers._openpneu_stream import Reply, StreamParser, Telemetry
+from drivers.simulated._openpneu_board import OpenPneuBoard
+from drivers.simulated._openpneu_twin import OpenPneuTwin
+from drivers.simulated._wire_plant import SharedPlant
+
+CHANNELS = tuple(Channel(name, 0.0, 60.0) for name in ("c1", "c2", "c3", "c4"))
+
+
+@pytest.fixture
+def twin(shared, closing):
+    """Starts a twin: `twin(dialect, build, **settings)`."""
+
+    def start(dialect="published", build="full", outputs=None, **settings):
+        board = OpenPneuBoard(shared, dialect, build, outputs)
+        return closing(OpenPneuTwin(board, **{"boot_s": 0.0, "interleave": 0.5, **settings}).start())
+
+    return start
+
+
+@pytest.fixture
+def driver(closing):
+    """Makes a driver: `driver(port, **settings)`, not connected."""
+
+    def make(port, channels=CHANNELS, **settings):
+        settings = {"port": port, "boot_s": 0.0, "build": "full", **settings}
+        return closing(
+            build_device("openpneu", settings, name="pressure", clock=RealClock(), channels=channels)
+        )
+
+    return make
+
+
+class Terminal:
+    """A raw connection to a twin, as any other program would make it."""
+
+    def __init__(self, port):
+        host, number = port.removeprefix("socket://").split(":")
+        self.socket = socket.create_connection((host, int(number)), 5)
+        self.socket.settimeout(0.05)
+        self.parser = StreamParser()
+
+    def ask(self, data, seconds=0.25):
+        """Send bytes; the replies and the telemetry of the time after."""
+        self.socket.sendall(data)
+        events = []
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            try:
+                events += self.parser.feed(self.socket.recv(4096))
+            except TimeoutError:
+                continue
+        replies = [event.text for event in events if isinstance(event, Reply)]
+        return replies, [event.pressure_kpa for event in events if isinstance(event, Telemetry)]
+
+    def stop(self):
+        self.socket.close()
+
+
+def test_published_dialect_is_byte_exact(twin, closing):
+    """Each command of the published firmware gets the bytes of its reply, errors included."""
+    terminal = closing(Terminal(twin(interleave=0.0).port))
+    for line, reply in (
+        (b"AT\r\n", b"OK;Successful\r\n"),
+        (b"AT+ADDRESS\r\n", b"OpenPneu2.0\r\n"),
+        (b"AT+VERSION\r\n", b"Version 2.0OK\r\n"),
+        (b"nonsense\r\n", b"Error command\r\n"),
+        (b"AT\n", b"Error end check\r\n"),
+        (b"V\r\n", b"Timer Pauses...\r\nStop All Motors\r\n"),
+        (b"T=5\r\nAT\r\n", b"OK;Successful\r\n"),  # T= has no reply
+        (b"C\r\n", b"Timer Starts...\r\n"),
+    ):
+        terminal.socket.sendall(line)
+        got = b""
+        while len(got) < len(reply):
+            got += terminal.socket.recv(len(reply) - len(got))
+        assert got == reply
+
+
+def test_table_dialect_is_byte_exact(twin, closing):
+    """Each command of the web page's table gets the bytes of its reply."""
+    terminal = closing(Terminal(twin("table").port))
+    assert terminal.ask(b"AT\r\nAT+ADD\r\nPSET=1,20\r\nPSET:1,2,3,4;\r\n") == (
+        ["OK", "ADD=01", "1=20.00", "OK"],
+        [],
+    )
+    assert terminal.ask(b"PREAD=2\r\n") == (["Val=0.00"], [])
+    terminal.ask(b"CON\r\n")
+    replies, _ = terminal.ask(b"PREAD=2\r\n")
+    assert replies == ["Val=3.00"]
+
+
+def test_telemetry_streams_at_thirty_hertz_and_lands_in_replies(twin, closing):
+    """While the timer runs telemetry comes unsolicited, and some of it inside replies."""
+    terminal = closing(Terminal(twin(interleave=1.0).port))
+    assert terminal.ask(b"C\r\n", 0.1)[0] == ["Timer Starts..."]
+    terminal.socket.sendall(b"AT+ADDRESS\r\n")
+    raw = b""
+    while raw.count(b";\r\n") < 12:
+        raw += terminal.socket.recv(4096)
+    assert b"OpenPneu2.0\r\n" not in raw
+    replies = [event.text for event in StreamParser().feed(raw) if isinstance(event, Reply)]
+    assert "OpenPneu2.0" in replies
+
+
+def test_published_quirks(twin, closing, plant):
+    """A target serves its pair, only 2 and 3 are driven, odd sensors mirror the even ones, nothing is clamped."""
+    terminal = closing(Terminal(twin(build="published", outputs=(0, 1, 2, 3)).port))
+    _, telemetry = terminal.ask(b"SC=2\r\nT=20\r\nSC=0\r\nT=30\r\nSC=77\r\nT=9\r\nC\r\n", 0.5)
+    assert telemetry[-1][:4] == pytest.approx((0.0, 0.0, 20.0, 20.0), abs=0.1)
+    assert plant.commands[-1].tolist() == [0, 0, 20, 20]
+    terminal.ask(b"SC=3\r\nT=500\r\n", 0.1)
+    assert plant.commands[-1].tolist() == [0, 0, 180, 180]  # as far as the pumps go
+    terminal.ask(b"T=abc\r\n", 0.05)
+    assert terminal.ask(b"AT\r\n", 0.1)[0] == ["OK;Successful"]
+
+
+def test_published_pumps_stay_on_above_the_range(twin, closing, plant):
+    """Above 100 kPa the published loop no longer acts: a target of 0 changes nothing, V does."""
+    terminal = closing(Terminal(twin(build="published", outputs=(0, 1, 2, 3)).port))
+    _, telemetry = terminal.ask(b"SC=2\r\nT=130\r\nC\r\n", 0.5)
+    assert telemetry[-1][2] > 100
+    _, telemetry = terminal.ask(b"T=0\r\n", 0.5)
+    assert telemetry[-1][2] > 130
+    terminal.ask(b"V\r\n", 0.1)
+    assert plant.commands[-1].tolist() == [0, 0, 0, 0]
+
+
+def test_full_build_clamps_and_drives_each_channel(twin, closing):
+    """The corrected build drives every channel on its own, inside the range."""
+    terminal = closing(Terminal(twin().port))
+    _, telemetry = terminal.ask(b"SC=0\r\nT=20\r\nSC=1\r\nT=500\r\nC\r\n", 0.5)
+    assert telemetry[-1][:4] == pytest.approx((20.0, 100.0, 0.0, 0.0), abs=0.1)
+
+
+def test_opening_resets_the_board(twin, closing, until, plant):
+    """A new host finds the board reset, and deaf until it has booted."""
+    running = twin(boot_s=0.3)
+    first = Terminal(running.port)
+    assert first.ask(b"AT\r\n", 0.1)[0] == []
+    time.sleep(0.3)
+    first.ask(b"SC=0\r\nT=20\r\nC\r\n", 0.1)
+    first.stop()
+    assert plant.commands[-1].tolist() == [20, 0, 0, 0]  # nothing watches the host
+    closing(Terminal(running.port))
+    until(lambda: plant.commands[-1].tolist() == [0, 0, 0, 0])
+
+
+@pytest.mark.parametrize("dialect", ["published", "table"])
+def test_driver_finds_the_dialect_and_drives(twin, driver, until, dialect):
+    """The dialect is found by asking; targets are reached, read back and vented in both."""
+    device = driver(twin(dialect).port)
+    device.connect()
+    identity = device.identify()
+    assert identity.details["dialect"] == dialect
+    target = np.array([10.0, 20.0, 30.0, 40.0])
+    device.set(target)
+    until(lambda: any(np.allclose(s.pressure_kpa, target, atol=0.1) for s in device.samples()))
+    report = device.vent()
+    assert np.all(report.pressure_kpa < 3)
+    device.set(target)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo terminals")
+def test_driver_over_a_serial_port(twin, driver, until):
+    """The same through a serial device instead of a socket."""
+    device = driver(twin(pty=True).port)
+    device.connect()
+    device.set(np.array([10.0, 0.0, 0.0, 0.0]))
+    until(lambda: any(abs(s.pressure_kpa[0] - 10) < 0.1 for s in device.samples()))
+    device.vent()
+
+
+def test_outputs_map_chambers_to_the_boards_channels(twin, driver, until, plant):
+    """Chambers sit on the channels that `outputs` names."""
+    device = driver(twin(outputs=(9, 4, 0, 2)).port, outputs=(9, 4, 0, 2))
+    device.connect()
+    device.set(np.array([1.0, 2.0, 3.0, 4.0]) * 10)
+    until(lambda: any(np.allclose(s.pressure_kpa, [10, 20, 30, 40], atol=0.1) for s in device.samples()))
+    assert plant.commands[-1].tolist() == [10, 20, 30, 40]
+
+
+def test_published_pairs_take_one_target(twin, driver, until):
+    """On the published firmware unequal targets in a pair are refused, with what to do; equal ones pass."""
+    device = driver(twin(build="published").port, build="published")
+    device.connect()
+    with pytest.raises(DeviceError) as error:
+        device.set(np.array([10.0, 10.0, 20.0, 30.0]))
+    assert str(error.value) == (
+        "pressure: c3 and c4 are one pair and get one target on the published firmware: set them alike, or "
+        "declare `build: full` if the board's is"
+    )
+    device.set(np.array([0.0, 0.0, 20.0, 20.0]))
+    until(lambda: any(abs(s.pressure_kpa[3] - 20) < 0.1 for s in device.samples()))
+
+
+def test_vent_above_the_range_on_the_published_firmware(twin, driver, until, plant):
+    """Where the loop no longer acts the vent still succeeds: it stops the pumps and opens the valves."""
+    running = twin(build="published")
+    device = driver(running.port, build="published", over_kpa=1e6)
+    device.connect()
+    device.set(np.array([0.0, 0.0, 60.0, 60.0]))
+    until(lambda: plant.commands[-1][2] == 60)
+    running.board.target_kpa[2:4] = 150.0
+    until(lambda: plant.commands[-1][2] > 140)
+    assert np.all(device.vent().pressure_kpa < 3)
+
+
+def test_stale_telemetry_trips(twin, driver, until):
+    """A board that goes silent is stopped, and the error says so; a vent that is confirmed ends it."""
+    running = twin()
+    device = driver(running.port, stale_after_s=0.3)
+    device.connect()
+    device.set(np.array([10.0, 0.0, 0.0, 0.0]))
+    running.muted = True
+    with pytest.raises(DeviceError, match=r"^pressure: no pressure reading for 0\.\d s; "):
+        until(lambda: device.samples() and False)
+    running.muted = False
+    device.vent()
+    device.set(np.array([10.0, 0.0, 0.0, 0.0]))
+
+
+def test_vent_that_is_not_confirmed(twin, driver, plant):
+    """A stuck valve is reported by chamber and reading."""
+    device = driver(twin().port)
+    device.connect()
+    plant.stuck_kpa = 33.0
+    with pytest.raises(VentNotConfirmedError) as error:
+        device.vent(timeout_s=1.5)
+    assert str(error.value) == (
+        "pressure: vent not confirmed within 1.5 s: c1 reads 33.0 kPa, c2 reads 33.0 kPa, c3 reads 33.0 kPa, "
+        "c4 reads 33.0 kPa; relieve the pressure by hand"
+    )
+
+
+def test_closing_stops_the_pumps(twin, driver, until, plant):
+    """A driver that closes leaves the pumps off and the valves open."""
+    device = driver(twin().port)
+    device.connect()
+    device.set(np.array([10.0, 0.0, 0.0, 0.0]))
+    until(lambda: plant.commands[-1][0] == 10)
+    device.close()
+    until(lambda: not plant.commands[-1].any())
+
+
+def test_a_twin_that_dies_and_returns(twin, driver, until, shared):
+    """After the board was unplugged calls name the device; a vent opens the port again and confirms."""
+    first = twin()
+    device = driver(first.port)
+    device.connect()
+    first.stop()
+    with pytest.raises(DeviceError, match=r"^pressure: "):
+        until(lambda: device.samples() and False)
+    with pytest.raises(VentNotConfirmedError, match=r"refuses the connection"):
+        device.vent(timeout_s=0.5)
+    twin(tcp_port=int(first.port.rsplit(":", 1)[1]))
+    device.vent()
+    device.set(np.array([10.0, 0.0, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        ({"dialect": "table"}, "speaks the published dialect, not table: correct `dialect`, or leave it out"),
+    ],
+)
+def test_a_wrong_dialect_is_named(twin, driver, settings, text):
+    """A board of the other dialect than declared is recognised."""
+    port = twin().port
+    with pytest.raises(DeviceError) as error:
+        driver(port, **settings).connect()
+    assert str(error.value) == f"pressure: the board at {port} {text}"
+
+
+def test_a_port_with_something_else(script, driver):
+    """A device that answers something else is named with what it says."""
+
+    def talk(connection):
+        connection.sendall(b"login: ")
+        while connection.recv(100):
+            pass
+
+    port = f"socket://127.0.0.1:{script(talk).port}"
+    with pytest.raises(DeviceError) as error:
+        driver(port).connect()
+    assert str(error.value) == (
+        f"pressure: no OpenPneu board answers AT at {port}; it sends b'login: ' (right port, 115200 baud, "
+        "power on?)"
+    )
+
+
+@pytest.mark.parametrize(
+    ("port", "text"),
+    [
+        ("socket://nowhere", "'socket://nowhere' is no address: write socket://HOST:PORT"),
+        ("socket://h:99999", "'socket://h:99999' is no address: write socket://HOST:PORT"),
+        (
+            "/dev/no-such-port",
+            "cannot open the serial port /dev/no-such-port: No such file or directory",
+        ),
+    ],
+)
+def test_ports_that_cannot_be_opened(driver, port, text):
+    """A port that is not there is named, with the reason."""
+    if port.startswith("/dev") and sys.platform == "win32":
+        pytest.skip("POSIX names of serial ports")
+    with pytest.raises(DeviceError) as error:
+        driver(port).connect()
+    assert str(error.value) == f"pressure: {text}"
+
+
+HIGH = "c1 on channel 0 may not be set from 0 to 101 kPa: the board controls -100 to 100 kPa there"
+LOW = "c1 on channel 3 may not be set from -5 to 10 kPa: the board controls 0 to 100 kPa there"
+
+
+@pytest.mark.parametrize(
+    ("channels", "settings", "text"),
+    [
+        ([Channel("c1", 0, 101)], {}, HIGH),
+        ([Channel("c1", -5, 10)], {"outputs": [3]}, LOW),
+        (CHANNELS, {"outputs": [1, 1, 2, 3]}, "outputs [1, 1, 2, 3] are not different channels from 0 to 9"),
+        (CHANNELS, {"outputs": [1, 2]}, "outputs: 2 for 4 chambers"),
+        ([], {}, "the rig has no chambers"),
+    ],
+)
+def test_what_the_board_cannot_do_is_refused_at_once(driver, channels, settings, text):
+    """Limits beyond what the board controls, and channels that it does not have, are refused."""
+    with pytest.raises(DeviceError) as error:
+        driver("socket://127.0.0.1:1", channels, **settings)
+    assert str(error.value) == f"pressure: {text}"
+
+
+@pytest.mark.parametrize("dialect", ["published", "table"])
+@pytest.mark.parametrize("budget", [0, 3, 11, 15, 25, 60, 150, 400, 900])
+def test_unplugging_at_any_byte(script, driver, shared, dialect, budget):
+    """The line is cut after `budget` bytes from the board: every call ends, in time, with the device's name."""
+
+    def talk(connection):
+        board = OpenPneuBoard(shared, dialect, "full")
+        connection.settimeout(0.01)
+        left = budget if server.accepted == 1 else 0
+        while True:
+            try:
+                data = connection.recv(4096)
+                if not data:
+                    return
+            except TimeoutError:
+                data = b""
+            said = b"".join(board.feed(data))
+            if board.running and dialect == "published":
+                said += board.telemetry()
+            connection.sendall(said[:left])
+            left -= len(said)
+            if left <= 0:
+                return
+
+    def use():
+        device.connect()
+        device.identify()
+        for _ in range(200):
+            device.set(np.array([5.0, 5.0, 5.0, 5.0]))
+            device.set(np.zeros(4))
+
+    server = script(talk)
+    device = driver(f"socket://127.0.0.1:{server.port}")
+    began = time.monotonic()
+    with pytest.raises(DeviceError, match=r"^pressure: "):
+        use()
+    with pytest.raises(VentNotConfirmedError, match=r"^pressure: vent not confirmed"):
+        device.vent(timeout_s=0.2)
+    assert time.monotonic() - began < 60
+
+
+def test_shared_plant_time_never_runs_backward(small_plant_class):
+    """Twins on threads of their own give the plant times that do not decrease."""
+
+    class WildClock:
+        times = iter([5.0, 4.0, 6.0])
+
+        def now_s(self):
+            return next(self.times)
+
+        def sleep(self, duration_s):
+            raise AssertionError
+
+    plant = small_plant_class()
+    seen = []
+    plant.pressure_kpa = lambda time_s: seen.append(time_s) or np.zeros(4)
+    shared = SharedPlant(plant, WildClock())
+    for _ in range(3):
+        shared.pressure_kpa()
+    assert seen == [5.0, 5.0, 6.0]
