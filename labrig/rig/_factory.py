@@ -54,20 +54,13 @@ def connect(
     return Rig(config, clock, identity=identity, plant_rest_mm=simulated.rest_mm, **devices)
 
 
-def device_makers(
-    config: RigConfig, clock: Clock, *, folder: Path | None = None
-) -> dict[str, Callable[[], Any]]:
-    """For each device of a rig, by role, a function that makes it without connecting it."""
-    return _makers(config, clock, _Simulated(config, clock, folder or config.folder))
-
-
 def _close(devices: dict[str, Device]) -> None:
     for device in reversed(list(devices.values())):
         device.close()
 
 
 def device_makers(
-    config: RigConfig, clock: Clock, folder: Path | None = None
+    config: RigConfig, clock: Clock, *, folder: Path | None = None
 ) -> dict[str, Callable[[], Any]]:
     """For each role of a rig (`pressure`, `mocap`, `scanner`) a function that makes its device, not connected.
 

@@ -54,8 +54,10 @@ class Moment:
 
     def enter(self, kind: str) -> None:
         """The procedure is about to yield a step of this kind, for the second time round."""
+        if not self.commands:
+            return  # the dry run that goes before
         self.now = kind
-        if kind == "note" and self.commands:  # there are none in the dry run that goes before
+        if kind == "note":
             self.check()
 
     def check(self) -> None:
