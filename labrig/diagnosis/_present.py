@@ -5,13 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.diagnosis._columns import coefficients
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
-from labrig.diagnosis._search import Candidate, Fit
+from labrig.diagnosis._search import Candidate, Fit, change_of
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context
-from labrig.effects._fields import contribution
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -22,12 +20,7 @@ def fields_of(context: Context, chosen: Fit | None) -> "Dataset":
     import xarray as xr
 
     rows = context.rows
-    change = np.zeros_like(context.base)
-    if chosen:
-        for i, part in enumerate(chosen.parts):
-            change += contribution(
-                context, part.variant, coefficients(part.columns, part.variant, chosen.own(i))
-            )
+    change = change_of(context, chosen) if chosen else np.zeros_like(context.base)
     seen = np.where(np.isfinite(rows.values), 1.0, np.nan)
     measured, captures = capture_means(rows.values, rows.capture)
     base, _ = capture_means(context.base * seen, rows.capture)

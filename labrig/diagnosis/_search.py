@@ -6,10 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from labrig.diagnosis._columns import Columns, columns_of, join, order_of
+from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, order_of
 from labrig.diagnosis._score import Score, null_gains, score
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Variant
+from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
 
 MAX_EFFECTS = 3
@@ -171,6 +172,8 @@ def select(streams: Streams, found: Mapping[str, list[Candidate]], p_first: floa
     signs = draw_signs(streams.n_groups, seed=1)
     chosen: Fit | None = None
     while chosen is None or len(chosen.parts) < MAX_EFFECTS:
+        if chosen is not None:
+            found = {**found, **_look_again(streams, chosen, found)}
         best = _best_addition(chosen, found)
         if best is None or not _earns(streams, chosen, best, gate):
             break
@@ -179,6 +182,35 @@ def select(streams: Streams, found: Mapping[str, list[Candidate]], p_first: floa
             break
         chosen = _simplest(_swap(best, found), found)
     return None if chosen is None else _prune(streams, chosen, gate)
+
+
+def _look_again(
+    streams: Streams, chosen: Fit, found: Mapping[str, list[Candidate]]
+) -> dict[str, list[Candidate]]:
+    """New forms of the effects that are found by scanning the residuals, now that `chosen` explains some."""
+    scanning = [
+        forms[0].effect for name, forms in found.items() if forms[0].effect.scans and name not in chosen.names
+    ]
+    if not scanning:
+        return {}
+    context = streams.context
+    change = change_of(context, chosen)
+    left = replace(context, base=context.base + change, _memo={})
+    out = {}
+    for effect in scanning:
+        columns = [(v, columns_of(streams, v)) for v in effect.variants(left)]
+        forms = [Candidate(effect, v, c, score(c)) for v, c in columns if c.width]
+        if forms:
+            out[effect.name] = forms
+    return out
+
+
+def change_of(context: Context, chosen: Fit) -> Floats:
+    """What the chosen effects, fitted to all rows, change in the prediction, (F, K)."""
+    change = np.zeros_like(context.base)
+    for i, part in enumerate(chosen.parts):
+        change += contribution(context, part.variant, coefficients(part.columns, part.variant, chosen.own(i)))
+    return change
 
 
 def _options(chosen: Fit | None, found: Mapping[str, list[Candidate]], leave: int | None = None) -> list[Fit]:

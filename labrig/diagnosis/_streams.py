@@ -26,6 +26,7 @@ _FEW_CAPTURES = 8
 _FAR = 8.0
 _MOST_FAR = 0.2
 _SMOOTH_RANK = 10
+_STAYS = 4
 
 
 @dataclass(frozen=True)
@@ -141,11 +142,26 @@ def clean(residual: Floats, capture: Ints) -> tuple[Floats, int]:
     """
     if len(np.unique(capture)) < 6 and len(residual) < 20:
         return residual, 0
-    rows = np.where(_far(residual), np.nan, residual)
-    means, captures = capture_means(rows, capture)
+    captures, index = np.unique(capture, return_inverse=True)
+    rows = np.where(_passing(_far(residual), index), np.nan, residual)
+    means, _ = capture_means(rows, capture)
     if len(captures) >= 6:
-        rows = np.where(_far(means)[np.searchsorted(captures, capture)], np.nan, rows)
+        rows = np.where(_passing(_far(means), np.arange(len(captures)))[index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
+
+
+def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
+    """Only what passes: an entry that stays far for several captures on end has moved, and is no mistake."""
+    n = int(index.max()) + 1
+    touched = np.zeros((n, far.shape[1]), dtype=bool)
+    np.logical_or.at(touched, index, far)
+    if n < _STAYS:
+        return far
+    windows = np.lib.stride_tricks.sliding_window_view(touched, _STAYS, axis=0).all(axis=-1)
+    stays = np.zeros_like(touched)
+    for shift in range(_STAYS):
+        stays[shift : shift + len(windows)] |= windows
+    return far & ~stays[index]
 
 
 def _far(values: Floats) -> NDArray[np.bool_]:

@@ -9,6 +9,8 @@ import numpy as np
 
 from labrig.effects._rows import Floats, Ints, Rows
 
+LINEAR = 0.03
+
 
 @dataclass(frozen=True)
 class Context:
@@ -17,7 +19,8 @@ class Context:
     Shapes, for F rows, K observables, C chambers: `base` (F, K) the prediction; `base_vented` (K,) the
     prediction with every chamber vented; `jacobian` (F, K, C), its change per unit of actuation;
     `deflection` (F, C) how far each chamber alone would move the observables (root mean square of its
-    displacement), as a share of what it does at full range.
+    displacement), as a share of what it does at full range; `event_deflection` (E, C) the same at each
+    event; `deflection_slope` (F, C) its derivative by the fraction of the range, 1 for a linear base.
     """
 
     rows: Rows
@@ -25,6 +28,8 @@ class Context:
     base_vented: Floats
     jacobian: Floats
     deflection: Floats
+    event_deflection: Floats
+    deflection_slope: Floats
     base_kind: str = "python"
     pinned: dict[str, float] = field(default_factory=dict)
     _memo: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -46,6 +51,7 @@ class Context:
             base=self.base[keep],
             jacobian=self.jacobian[keep],
             deflection=self.deflection[keep],
+            deflection_slope=self.deflection_slope[keep],
             _memo={"motion": motion},
         )
 
@@ -129,6 +135,18 @@ class Context:
         """Whether the actuation changes at all during the campaign."""
         return bool((np.ptp(self.rows.event_actuation, axis=0) > 1e-9 * self.span).any())
 
+    @cached_property
+    def linear(self) -> bool:
+        """Whether every chamber's deflection follows its pressure, so closely that nothing can tell them apart."""
+        return bool(np.abs(self.deflection - self.rows.fraction).max() <= LINEAR)
+
+    def strained(self, tau_s: float) -> Floats:
+        """First-order lag of the deflection, carried back to the actuation, (F, C): `relaxed` in the material.
+
+        A share of it is what the pressures would have to change by for the surface to move so much more.
+        """
+        return self._lagged(tau_s, self.event_deflection) * self.span / self.deflection_slope
+
     def play(self, width: float) -> Floats:
         """Play (backlash) operator of each chamber, shape (F, C), units of the actuation.
 
@@ -152,14 +170,16 @@ class Context:
 
         The strain of a Kelvin-Voigt element under the whole history of set-points; needs `has_time`.
         """
-        key = ("relaxed", tau_s)
+        return self._lagged(tau_s, self.rows.event_actuation)
+
+    def _lagged(self, tau_s: float, u: Floats) -> Floats:
+        key = ("lagged", tau_s, id(u))
         if key not in self._memo:
-            u = self.rows.event_actuation
             t = self.rows.event_time_s
             at_start = np.zeros_like(u)
             for e, before in enumerate(self.started):
                 if before < 0:
-                    at_start[e] = self.vented
+                    at_start[e] = 0.0 if u is self.event_deflection else self.vented
                 else:
                     decay = np.exp(-max(t[e] - t[before], 0.0) / tau_s)
                     at_start[e] = u[before] + (at_start[before] - u[before]) * decay

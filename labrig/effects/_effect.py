@@ -96,6 +96,8 @@ class Effect(ABC):
     reference: ClassVar[str]
     signature: ClassVar[str]
     experiment: ClassVar[str]
+    scans: ClassVar[bool] = False
+    """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
 
     @abstractmethod
     def variants(self, context: Context) -> Iterator[Variant]:

@@ -9,7 +9,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
-TAUS_S = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
 DECADE = 10.0
 SETTLE_S = 3.0
@@ -23,7 +23,7 @@ class Creep(Effect):
     )
     acts_on = "mechanics"
     parameters = (
-        Parameter("amplitude", "1", 0.0, 1.0, "chamber", "delayed share of the response"),
+        Parameter("amplitude", "1", 0.0, 0.6, "chamber", "delayed share of the response"),
         Parameter("pattern", "observable", meaning="delayed response at full pressure, for each observable"),
         Parameter(
             "tau_s", "s", 0.3, 1e5, meaning="retardation time; of a chain the shortest, a decade apart"
@@ -51,6 +51,12 @@ class Creep(Effect):
                 change = strain - known * u
                 shape = {"tau_s": tau, "known": known}
                 yield Variant(name, (Term.common("amplitude", change),), shape)
+                if not context.linear and n != 2:
+                    inside = np.mean([context.strained(t) for t in chain], axis=0)
+                    inside = inside - known * context.deflection * context.span / context.deflection_slope
+                    yield Variant(f"{name} of the wall", (Term.common("amplitude", inside),), shape)
+                    term = Term.per_chamber("amplitude", inside, chambers)
+                    yield Variant(f"{name} of the wall per chamber", (term,), shape)
                 if len(chambers) > 1 and n != 2:
                     yield Variant(
                         f"{name} per chamber", (Term.per_chamber("amplitude", change, chambers),), shape

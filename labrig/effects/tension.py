@@ -6,9 +6,6 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
-LINEAR = 0.03
-"""A deflection that follows the pressure this closely tells nothing of tension."""
-
 
 class Tension(Effect):
     name = "tension"
@@ -23,7 +20,7 @@ class Tension(Effect):
             "1",
             -1.5,
             1.5,
-            meaning="pressure given back at full deflection, of the range; < 0: tighter",
+            meaning="pressure given back at full deflection, of the range",
         ),
         Parameter("fading", "1", -1.5, 1.5, meaning="change of the displacement near rest; < 0: tighter"),
         Parameter(
@@ -43,7 +40,7 @@ class Tension(Effect):
         # a tension T holds back a deflection d with a pressure in proportion to T d (Laplace's law at
         # small slopes); where d is proportional to the pressure this is a gain of the regulator
         back = context.span * context.deflection
-        if np.abs(context.deflection - context.rows.fraction).max() > LINEAR:
+        if not context.linear:
             yield Variant("restoring", (Term.common("pre_stretch", back),))
         for share in context.grid("fades_at", (0.1, 0.2, 0.4)):
             held = context.displacement / (1 + (context.travel / (share * far)) ** 2)

@@ -3,6 +3,7 @@
 import importlib.util
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import Any, Protocol
@@ -16,6 +17,7 @@ from labrig.effects._rows import Floats
 from labrig.model._file import ModelFile, PythonBase, SimulatorBase, StaticBase
 
 _GRID = 33
+_FLATTEST = 0.15
 _STEP = 1e-3
 """Step of the finite differences, fraction of a chamber's range; central, so the error is of its square."""
 
@@ -158,10 +160,33 @@ def jacobian(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> F
     return np.moveaxis(J, 0, -1)[inverse]
 
 
-def solo_deflection(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> Floats:
-    """How far each chamber alone moves the observables, as a share of its motion at full range, (F, C)."""
+@dataclass(frozen=True)
+class Deflection:
+    """How far each chamber alone moves the observables, as a share of its motion at full range."""
+
+    low: Floats
+    span: Floats
+    curves: Floats
+
+    def at(self, actuation: Floats) -> Floats:
+        """The share at each actuation, (n, C)."""
+        return self._interpolate(actuation, self.curves)
+
+    def slope(self, actuation: Floats) -> Floats:
+        """Its derivative by the fraction of the range, (n, C), kept away from zero."""
+        slopes = np.gradient(self.curves, 1 / (_GRID - 1), axis=0)
+        return np.maximum(self._interpolate(actuation, slopes), _FLATTEST)
+
+    def _interpolate(self, actuation: Floats, curves: Floats) -> Floats:
+        x = (actuation - self.low) / self.span
+        grid = np.linspace(0, 1, _GRID)
+        return np.stack([np.interp(x[:, c], grid, curves[:, c]) for c in range(x.shape[1])], axis=1)
+
+
+def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
+    """Move each chamber alone over its range and see how far the observables go."""
     vented = np.clip(0.0, low, high)
-    out = np.zeros_like(actuation)
+    curves = np.zeros((_GRID, len(low)))
     for c in range(len(low)):
         grid = np.linspace(low[c], high[c], _GRID)
         alone = np.tile(vented, (_GRID + 1, 1))
@@ -169,8 +194,8 @@ def solo_deflection(base: BaseModel, actuation: Floats, low: Floats, high: Float
         predicted = base.predict(alone)
         moved = np.sqrt(((predicted[:-1] - predicted[-1]) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
         full = np.abs(moved).max()
-        out[:, c] = np.interp(actuation[:, c], grid, moved / full if full > 0 else np.zeros(_GRID))
-    return out
+        curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, _GRID)
+    return Deflection(low, high - low, curves)
 
 
 def _load_function(path: Path, name: str) -> Callable[[Floats], Any]:

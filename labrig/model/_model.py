@@ -73,12 +73,15 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
     """What a base predicts of the rows, without any effect."""
     unique, inverse = np.unique(rows.actuation, axis=0, return_inverse=True)
     vented = np.clip(0.0, rows.low, rows.high)[None]
+    alone = solo_deflection(base, rows.low, rows.high)
     return Context(
         rows=rows,
         base=base.predict(unique)[inverse.reshape(-1)],
         base_vented=base.predict(vented)[0],
         jacobian=jacobian(base, rows.actuation, rows.low, rows.high),
-        deflection=solo_deflection(base, rows.actuation, rows.low, rows.high),
+        deflection=alone.at(rows.actuation),
+        event_deflection=alone.at(rows.event_actuation),
+        deflection_slope=alone.slope(rows.actuation),
         base_kind=base.kind,
     )
 
