@@ -3,14 +3,18 @@
 Timelines: `capture` (a sequence) and `time` (seconds since the start). Positions mm.
 """
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+os.environ.setdefault("RUST_LOG", "off")  # a viewer that went away is no news for the run's terminal
+
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Colour = tuple[int, int, int] | Sequence[int]
@@ -32,7 +36,12 @@ class Recording:
         self._stream.save(str(path))
 
     def to_viewer(self, url: str) -> None:
-        """Send everything that follows to a viewer; returns at once, also when there is none."""
+        """Send everything that follows to a viewer, for as long as it takes it.
+
+        What is sent to a viewer that hangs or is gone ends up waiting in the thread that sends it; the end of
+        the program does not wait for it.
+        """
+        rr.unregister_shutdown()
         self._stream.connect_grpc(url)
 
     def arrange(self, blueprint: rrb.Blueprint) -> None:
