@@ -3,7 +3,6 @@
 import importlib
 import sys
 
-import click
 import typer
 
 app = typer.Typer(
@@ -34,12 +33,9 @@ def main(arguments: list[str] | None = None) -> None:
         importlib.import_module(f"labrig.cli.{module}")
     try:
         code = app(args=arguments, standalone_mode=False)
-    except click.exceptions.Exit as error:
+    except typer.Exit as error:
         code = error.exit_code
-    except click.ClickException as error:
-        error.show()
-        code = error.exit_code
-    except (KeyboardInterrupt, click.Abort):
+    except (KeyboardInterrupt, typer.Abort):
         print("labrig: interrupted", file=sys.stderr)
         code = 130
     except Exception as error:
@@ -53,6 +49,7 @@ def main(arguments: list[str] | None = None) -> None:
             )
             exit_code = 1
         else:
-            print(f"labrig: {error}", file=sys.stderr)
+            text = error.format_message() if hasattr(error, "format_message") else str(error)
+            print(f"labrig: {' '.join(text.splitlines())}", file=sys.stderr)
         code = exit_code
     sys.exit(code if isinstance(code, int) else 0)

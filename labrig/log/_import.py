@@ -35,7 +35,9 @@ def import_table(mapping_path: Path, output: Path, tables: Sequence[Path] = ()) 
     mapping = read_mapping(mapping_path)
     files = mapping.files()
     if tables:
-        files = [TableFile(file=str(t.resolve())) for t in tables]
+        known = {Path(f.file).name: f for f in reversed(files)}
+        given = [known.get(t.name, TableFile(file=t.name)) for t in tables]
+        files = [f.model_copy(update={"file": str(t.resolve())}) for f, t in zip(given, tables, strict=True)]
     if not files:
         raise LabrigError(f"{mapping_path}: table: name the file, or give it on the command line")
     dataset = dataset_from(mapping, files, mapping_path)
@@ -63,7 +65,7 @@ class _Part:
         self.table: Table = read_table(where, mapping)
         self.mapping, self.file, self.mapping_path = mapping, file, mapping_path
         self.n = len(self.table.frame)
-        self.time_s = self._time()
+        self.time_s = np.array(self._time())
         self.actuation = self._actuation()
         self.observables = observables_of(mapping, self.table)
         self.values = self._values()
