@@ -21,14 +21,17 @@ from drivers._protocols import DeviceError, Identity, Scan
 
 POLL_S = 0.05
 MAX_ENTRIES = 20_000
+UNCOUNTED = (".obj", ".xyz")  # these do not say how long they are: a pause in the writing looks like the end
+UNCOUNTED_PATIENCE = 3.0
 
 
 @dataclass(frozen=True)
 class ArtecOptions:
     """The watched folder and the unit that is set in Artec Studio; times in s, sizes in mm.
 
-    A set of files counts once nothing about it has changed for `settle_s`; one that is still incomplete
-    after `stall_s` without a change is an error. The bounding box's diagonal has to be within `size_mm`.
+    A set of files counts once nothing about it has changed for `settle_s` (three times that for OBJ and
+    XYZ, which do not say how long they are); one that is still incomplete after `stall_s` without a
+    change is an error. The bounding box's diagonal has to be within `size_mm`.
     """
 
     folder: Path
@@ -155,7 +158,8 @@ class ArtecFolder:
         except OSError as error:
             raise IncompleteError(f"{mesh.name}: {error.strerror}") from None
         quiet_s = self._quiet_s(mesh, files)
-        if quiet_s < self._options.settle_s:
+        uncounted = mesh.suffix.lower() in UNCOUNTED
+        if quiet_s < self._options.settle_s * (UNCOUNTED_PATIENCE if uncounted else 1.0):
             return None
         try:
             if problem is not None:

@@ -1,5 +1,7 @@
 """Commands: rig check, simulate, record, replay."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,6 +10,8 @@ import typer
 from labrig.cli._app import app
 
 if TYPE_CHECKING:
+    from threading import Event
+
     from drivers._check import Finding
 
 rig_app = typer.Typer(
@@ -101,10 +105,10 @@ def simulate(
     )
     plant = build_plant(content, folder)
     name = str(content.get("name", surface))
-    with _ending_on_signals(), TwinRig(plant, name, out, RealClock(), options) as twins:
+    with _ending_on_signals() as ended, TwinRig(plant, name, out, RealClock(), options) as twins:
         file = _write_rig(out, twins.rig, "simulate")
         _say(file, twins.listening)
-        _wait(seconds)
+        _wait(ended, seconds)
 
 
 @rig_app.command()
@@ -122,7 +126,7 @@ def record(
     if out.exists() and any(out.iterdir()):
         raise LabrigError(f"{out} is not empty: record into a new folder")
     out.mkdir(parents=True, exist_ok=True)
-    content = _recorded_rig(config, out)
+    content = _recorded_rig(config)
     _record_session(config, out, RealClock(), seconds)
     file = _write_rig(out, content, "record")
     typer.echo(f"recorded into {out}; `labrig rig replay {out}` answers from it ({file.name} is its rig)")
@@ -151,7 +155,7 @@ def replay(
     content = load_rig(recording / "rig.yaml").to_dict()
     content.pop("safety", None)
     listening: dict[str, str] = {}
-    with _ending_on_signals(), ExitStack() as stack:
+    with _ending_on_signals() as ended, ExitStack() as stack:
         for role in ("pressure", "mocap"):
             file = recording / f"{role}.wire"
             if not file.is_file():
@@ -166,7 +170,7 @@ def replay(
         if not listening:
             raise LabrigError(f"{recording} holds no recording: `labrig rig record` makes one")
         _say(_write_rig(out, content, "replay"), listening)
-        _wait(seconds)
+        _wait(ended, seconds)
 
 
 def _address(kind: str, host: str, port: int) -> dict[str, Any]:
@@ -187,13 +191,12 @@ def _simulated_rig(rig: Path | None, surface: str, seed: int) -> tuple[dict[str,
     return config.to_dict(), config.folder
 
 
-def _recorded_rig(config: Any, out: Path) -> dict[str, Any]:
+def _recorded_rig(config: Any) -> dict[str, Any]:
     from labrig._errors import LabrigError
 
     wired = {role for role, device in config.devices.items() if device and device.kind not in ("simulated",)}
     if not wired:
         raise LabrigError(f"rig {config.name} has only simulated devices: there are no bytes to record")
-    del out
     content = config.to_dict()
     content.pop("scanner", None)  # a scanner is a folder of files: they are their own recording
     return content
@@ -257,35 +260,31 @@ def _say(file: Path, listening: dict[str, str]) -> None:
     typer.echo("ready; Ctrl-C ends it")
 
 
-def _wait(seconds: float | None) -> None:
+def _wait(ended: "Event", seconds: float | None) -> None:
     import time
 
     end = float("inf") if seconds is None else time.monotonic() + seconds
-    try:
-        while (left_s := end - time.monotonic()) > 0:
-            time.sleep(min(left_s, 0.2))
-    except KeyboardInterrupt:
-        typer.echo("ended")
+    while not ended.is_set() and (left_s := end - time.monotonic()) > 0:
+        ended.wait(min(left_s, 0.2))
+    typer.echo("ended")
 
 
-def _ending_on_signals() -> Any:
-    """SIGTERM (and Windows' SIGBREAK) end a command as Ctrl-C does, so that the ports are let go."""
-    import contextlib
+@contextmanager
+def _ending_on_signals() -> Iterator["Event"]:
+    """An event that Ctrl-C, SIGTERM and Windows' SIGBREAK set, so that the ports are let go."""
     import signal
+    import threading
 
-    @contextlib.contextmanager
-    def handled() -> Any:
-        names = [name for name in ("SIGTERM", "SIGBREAK") if hasattr(signal, name)]
-        before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
-        try:
-            for number in before:
-                signal.signal(number, signal.default_int_handler)
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
-
-    return handled()
+    ended = threading.Event()
+    names = [name for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)]
+    before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
+    try:
+        for number in before:
+            signal.signal(number, lambda *_: ended.set())
+        yield ended
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _one_of(option: str, value: str, allowed: tuple[str, ...]) -> None:
