@@ -14,7 +14,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-_COMMAND_MODULES = ("_diagnosis", "_campaign", "_rig", "_demo", "_bench")
+_COMMAND_MODULES = ("_diagnosis", "_campaign", "_rig", "_demo", "_view", "_bench")
 
 
 @app.callback()

@@ -101,7 +101,7 @@ def _campaign(console: Console, folder: Path, seed: int) -> None:
     clock = SimulatedClock()
     start_s, began = clock.now_s(), time.monotonic()
     columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(BAR), MofNCompleteColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("campaign ", total=CAPTURES)
         with connect(load_rig(folder / "rig.yaml"), clock) as rig:
             run(
@@ -121,23 +121,31 @@ def _campaign(console: Console, folder: Path, seed: int) -> None:
 
 
 def _diagnosis(console: Console, folder: Path) -> "Result":
-    with console.status("comparing and diagnosing"):
+    """Compare, diagnose and improve, as the commands of these names do."""
+    with console.status("comparing"):
         import labrig
-        from labrig.diagnosis import diagnose
+        from labrig.diagnosis import compare, diagnose, improve, write_json
         from labrig.model import Model
         from labrig.view import summary_words
 
-        model = Model.load(folder / "model.yaml")
-        result = diagnose(labrig.open_run(folder / "run"), model)
+        model, run = Model.load(folder / "model.yaml"), labrig.open_run(folder / "run")
+        compared = compare(run, model).summary
+        write_json(compared, folder / "compare.json")
+    _say(console, "compare", summary_words(compared).headline)
+    with console.status("diagnosing"):
+        result = diagnose(run, model)
         result.write(folder / "diagnosis.json")
-        words = summary_words(result.summary)
-    _say(console, "compare", words.compared)
-    _say(console, "diagnose", words.found)
-    if result.improved is not None:
-        result.improved.save(folder / "model.improved.yaml")
-        _say(console, "improve", f"{words.improved}; the model with it is {folder / 'model.improved.yaml'}")
-    else:
-        _say(console, "improve", "nothing to add: the model stays as it is")
+    _say(console, "diagnose", summary_words(result.summary).found)
+    if result.improved is None or not result.summary["effects"]:
+        _say(console, "improve", "nothing is added: the model stays as it is")
+        return result
+    with console.status("improving"):
+        better = improve(run, model, result.summary["effects"])
+        path = folder / "model.improved.yaml"
+        if better.improved is not None:
+            better.improved.save(path)
+    _say(console, "improve", summary_words(better.summary).headline)
+    _say(console, "", f"The model with it is {path}.")
     return result
 
 

@@ -7,10 +7,10 @@ if TYPE_CHECKING:
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
     from labrig.view._viewer import Viewer, screenshot, start_viewer
-    from labrig.view._words import Summary, summary_words
+    from labrig.view._words import Lines, summary_words
 
 _LAZY = {
-    "Summary": "_words",
+    "Lines": "_words",
     "Viewer": "_viewer",
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
@@ -20,7 +20,7 @@ _LAZY = {
 }
 
 __all__ = [
-    "Summary",
+    "Lines",
     "Viewer",
     "screenshot",
     "start_viewer",

@@ -10,7 +10,7 @@ from labrig.view._colours import rgb
 from labrig.view._fields import Cloud, Floats, cloud, residuals, rms, skin, worst_captures
 from labrig.view._scene import CHAMBER_COLOURS, draw_state, scene_in_front
 from labrig.view._style import BEFORE, FLOOR
-from labrig.view._words import note, number, word
+from labrig.view._words import has_improved, note, number, word
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,7 +58,7 @@ def _draw_result(recording: "Recording", result: "Result") -> None:
 
     fields, summary = result.fields, result.summary
     markers = cloud(fields)
-    improved = bool(summary.get("effects")) or summary.get("verdict") in ("confounded", "unknown")
+    improved = has_improved(summary)
     scenes: list[Any] = []
     if markers is not None:
         scale = _draw_clouds(recording, markers, improved)

@@ -13,7 +13,7 @@ from labrig.view._fields import cloud, skin, worst_captures
 from labrig.view._page import Page, bar, table
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
 from labrig.view._waterfall import waterfall_svg
-from labrig.view._words import amount, meanings, note, number, percent, word
+from labrig.view._words import amount, has_improved, meanings, note, number, percent, word
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -115,7 +115,7 @@ def _errors(summary: dict[str, Any]) -> str:
     added = "with " + ", ".join(word(str(name)) for name in summary.get("effects", []))
     after = added if summary.get("effects") else "with the best candidate"
     names = [("base", "the model as it was", BEFORE), ("model", after, AFTER)]
-    if not verdict or verdict in ("nothing_missing", "underpowered"):
+    if not has_improved(summary) and not (summary.get("effects") and not verdict):
         names = [("base" if "base" in summary.get("error", {}) else "model", "the model as it is", AFTER)]
     names += [("ceiling", "could be explained", CEILING), ("floor", "repeats differ by", FLOOR)]
     error, units = summary.get("error", {}), escape(str(summary.get("units", "")))
@@ -204,7 +204,7 @@ def _flat(values: Any) -> list[float]:
 def _surface(page: Page, result: "Result") -> None:
     summary, markers = result.summary, cloud(result.fields)
     units = str(summary.get("units", ""))
-    both = bool(summary.get("effects")) or summary.get("verdict") in ("confounded", "unknown")
+    both = has_improved(summary)
     if markers is None:
         page.section(
             "Measured against predicted",

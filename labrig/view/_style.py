@@ -23,6 +23,7 @@ VERDICT_COLOURS = {
     "unknown effect": "#7a5ba6",
     "too few data": FLOOR,
     "comparison": MUTED,
+    "improved model": AFTER,
 }
 
 CSS = """

@@ -13,6 +13,10 @@ VERDICTS = {
 }
 
 
+AFTER_IMPROVING = (
+    "Run `labrig diagnose` with the new model to see whether anything is left, best on a fresh programme: other "
+    "set-points, another order, other holds."
+)
 STANDS_OUT = 1.15  # an error worth a word, as a multiple of the usual one
 
 
@@ -27,9 +31,17 @@ class Note:
     next_: str
 
 
+def has_improved(summary: dict[str, Any]) -> bool:
+    """Whether there is a before and an after to show."""
+    base, model = (summary.get("error", {}).get(which) for which in ("base", "model"))
+    return base is not None and model is not None and model < 0.995 * base
+
+
 def note(summary: dict[str, Any]) -> Note:
-    """Put a diagnosis (or a comparison, which has no verdict) into words."""
+    """Put a diagnosis into words, or a comparison or an improvement, which have no verdict."""
     verdict = str(summary.get("verdict", ""))
+    if verdict not in VERDICTS and summary.get("effects"):
+        return Note("improved model", _improved(summary), _where(summary), "", AFTER_IMPROVING)
     if verdict not in VERDICTS:
         return Note("comparison", _compared(summary), _where(summary), "", _after_comparison(summary))
     return Note(
@@ -38,26 +50,19 @@ def note(summary: dict[str, Any]) -> Note:
 
 
 @dataclass(frozen=True)
-class Summary:
-    """A verdict in single lines, for a terminal."""
+class Lines:
+    """A result in single lines, for a terminal."""
 
     headline: str
-    compared: str
     found: str
-    improved: str
 
 
-def summary_words(summary: dict[str, Any]) -> Summary:
-    """The lines that a command prints about a diagnosis."""
-    base, model, floor = (amount(summary, which) for which in ("base", "model", "floor"))
-    effects = [str(name) for name in summary.get("effects", [])]
+def summary_words(summary: dict[str, Any]) -> Lines:
+    """What a command prints about a diagnosis, a comparison or an improvement."""
+    words = note(summary)
+    effects = [str(name) for name in summary.get("effects", []) or summary.get("rivals", [])]
     named = f": {listed(effects)}" if effects else ""
-    return Summary(
-        headline=_headline(summary),
-        compared=f"the model is off by {base}; repeats of one set-point differ by {floor}",
-        found=f"{VERDICTS[summary['verdict']]}{named} ({percent(summary.get('probability'))} sure)",
-        improved=f"with {listed(effects) or 'the best candidate'} the held-out error falls from {base} to {model}",
-    )
+    return Lines(words.headline, f"{words.verdict}{named} ({percent(summary.get('probability'))} sure)")
 
 
 def number(value: Any) -> str:
@@ -252,6 +257,14 @@ def next_experiment(summary: dict[str, Any]) -> str:
 
 def _compared(summary: dict[str, Any]) -> str:
     return f"The model as it stands is off by {amount(summary, 'model')}; repeats differ by {amount(summary, 'floor')}."
+
+
+def _improved(summary: dict[str, Any]) -> str:
+    base, model = amount(summary, "base"), amount(summary, "model")
+    effects = listed([str(name) for name in summary["effects"]])
+    if has_improved(summary):
+        return f"With {effects} the held-out error falls from {base} to {model}."
+    return f"Adding {effects} does not help: the held-out error goes from {base} to {model}."
 
 
 def _after_comparison(summary: dict[str, Any]) -> str:

@@ -1,0 +1,71 @@
+"""What `labrig view` does: make a recording of a run, unless there is one, and show or save it."""
+
+import shutil
+import tempfile
+from pathlib import Path
+
+import typer
+
+from labrig._errors import LabrigError
+
+
+def show(run: Path, model: Path | None, save: Path | None, web: bool) -> None:
+    """Show `run` in a window or in a browser, or save its recording; raises `LabrigError`."""
+    from labrig.view import start_viewer
+
+    if not run.exists():
+        raise LabrigError(f"{run} does not exist; name a run folder, an .mcap log or an .rrd recording")
+    if save is not None:
+        if save.exists():
+            raise LabrigError(f"{save} exists already; choose another name for the recording")
+        _record(run, model, save)
+        typer.echo(f"recording: {save}")
+        return
+    folder = Path(tempfile.mkdtemp(prefix="labrig-view-"))
+    try:
+        recording = _finished(run) if model is None else None
+        if recording is None:
+            recording = folder / f"{run.resolve().stem}.rrd"
+            _record(run, model, recording)
+        viewer = start_viewer(recording.resolve(), web=web)
+        typer.echo(f"open {viewer.page} (Ctrl-C ends)" if web else "close the viewer's window to go on")
+        try:
+            viewer.process.wait()
+        finally:
+            viewer.stop()
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _finished(run: Path) -> Path | None:
+    """The recording that `run` is or holds already."""
+    if run.is_dir():
+        found = sorted(run.glob("*.rrd"))
+        return found[0] if found else None
+    return run if run.suffix == ".rrd" else None
+
+
+def _record(run: Path, model: Path | None, path: Path) -> None:
+    import labrig
+    from labrig.view import write_recording
+
+    ready = _finished(run) if model is None else None
+    if ready is not None:
+        temporary = path.with_name(f".{path.name}.part")
+        shutil.copyfile(ready, temporary)
+        temporary.replace(path)
+        return
+    measured = labrig.open_run(_log_of(run))
+    if model is None:
+        write_recording(measured, path)
+        return
+    from labrig.diagnosis import compare
+    from labrig.model import Model
+
+    write_recording(compare(measured, Model.load(model)), path)
+
+
+def _log_of(run: Path) -> Path:
+    """The run itself, or the one in the folder that a demo made."""
+    inside = run / "run"
+    return inside if inside.is_dir() and not any(run.glob("*.mcap")) else run
