@@ -6,6 +6,7 @@ the headers promise against the bytes that are there) and afterwards (what was r
 
 import hashlib
 import io
+import logging
 import re
 import warnings
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ MAX_FILE_BYTES = 4 << 30
 MAX_HEADER_BYTES = 1 << 16
 MAX_ELEMENTS = 100_000_000
 WELD_MM = 1e-4
+
+# What the library would print about damaged bytes is in our errors already.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 _PLY_BYTES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
@@ -162,8 +166,9 @@ def _check_ply(data: bytes, name: str) -> tuple[int, int]:
         elif words[:1] == ["property"] and element:
             is_list = words[1:2] == ["list"]
             kinds = words[2:4] if is_list else words[1:2]
-            if any(kind not in _PLY_BYTES for kind in kinds):
-                raise ScanFileError(f"{name} has a property of an unknown type: {line.strip()!r}")
+            whole = len(words) == (5 if is_list else 3)
+            if not whole or any(kind not in _PLY_BYTES for kind in kinds):
+                raise ScanFileError(f"{name} has a property that is not understood: {line.strip()!r}")
             sizes = [_PLY_BYTES[kind] for kind in kinds]
             corners = 3 if element == "face" and "vert" in words[-1] else 0
             least[element] += sizes[0] + corners * sizes[1] if is_list else sizes[0]
@@ -228,14 +233,14 @@ def _load(data: bytes, kind: str, name: str) -> Geometry:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             loaded = trimesh.load(io.BytesIO(data), file_type=kind, process=False, skip_materials=True)
-        vertices = np.array(loaded.vertices, np.float64)  # type: ignore[union-attr]
-        triangles = np.array(getattr(loaded, "faces", np.zeros((0, 3))), np.int64)
+        vertices = np.array(loaded.vertices, np.float64).reshape(-1, 3)  # type: ignore[union-attr]
+        triangles = np.array(getattr(loaded, "faces", ()), np.int64).reshape(-1, 3)
     except MemoryError:
         raise ScanFileError(f"{name} does not fit into memory") from None
     except Exception as error:  # whatever the library makes of damaged bytes
         why = " ".join(str(error).split())[:120]
         raise ScanFileError(f"{name} cannot be read: {type(error).__name__}: {why}") from None
-    return Geometry(vertices.reshape(-1, 3), triangles.reshape(-1, 3))
+    return Geometry(vertices, triangles)
 
 
 def _check_loaded(geometry: Geometry, vertex_count: int, face_count: int, name: str) -> None:

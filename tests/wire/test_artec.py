@@ -236,7 +236,7 @@ ASCII_PLY = (
         (
             "a.ply",
             ASCII_PLY.replace("float z", "quad z") + "3 0 1 2\n",
-            "a.ply has a property of an unknown type: 'property quad z'",
+            "a.ply has a property that is not understood: 'property quad z'",
         ),
         ("a.xyz", "1 2 nan\n", "a.xyz has 1 coordinates that are no numbers"),
         ("a.xyz", "1 2\n", "a.xyz is not a list of x y z: invalid column index 2 at row 1 with 2 columns"),
