@@ -162,7 +162,7 @@ def modbus_driver(chance: random.Random) -> tuple[list[bytes], Callable[[bytes],
     client.transaction.count_until_disconnect = client.transaction.max_until_disconnect = 1 << 60
     client.recv = lambda size: answers.pop(0) if answers else b""  # type: ignore[method-assign]
     wire._client = client
-    registers = struct.pack(">6H", 1, 2, 3, 0x8000, 0xFFFF, 9)
+    registers = struct.pack(">5H", 1, 2, 0x8000, 0xFFFF, 9)
 
     def answer(body: bytes, transaction: int) -> bytes:
         return struct.pack(">HHHB", transaction, 0, len(body) + 1, 1) + body
@@ -179,7 +179,7 @@ def modbus_driver(chance: random.Random) -> tuple[list[bytes], Callable[[bytes],
             return
 
     seeds = [
-        answer(b"\x03\x0c" + registers, 0),
+        answer(b"\x03\x0a" + registers, 0),
         answer(b"\x83\x02", 0),
         answer(b"\x06\x9c\x43\x00\x03", 0),
         answer(b"\x03\x02\x00\x83", 0),
