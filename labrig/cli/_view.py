@@ -18,9 +18,9 @@ def view(
     run: Annotated[Path, typer.Argument(metavar="RUN", help=_RUN)],
     model: Annotated[Path | None, typer.Option("--model", help=_MODEL)] = None,
     save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help=_SAVE)] = None,
-    web: Annotated[bool, typer.Option("--web", help=_WEB)] = False,
+    serve: Annotated[bool, typer.Option("--serve", help=_WEB)] = False,
 ) -> None:
     """Show a finished run in rerun: the surface in 3D, the pressures, and what a model makes of it."""
     from labrig.cli._view_steps import show
 
-    show(run, model, save, web)
+    show(run, model, save, serve)

@@ -9,12 +9,14 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlencode
 
 from labrig._errors import LabrigError
+from labrig.view._page_server import LOOPBACK, PageServer
 
-LOOPBACK = "127.0.0.1"
 START_S = 20.0
 STOP_S = 5.0
+WINDOW_S = 1.5  # in which a viewer finds out that there is no screen for its window
 
 
 @dataclass(frozen=True)
@@ -23,10 +25,20 @@ class Viewer:
 
     process: subprocess.Popen[bytes]
     url: str
-    page: str = ""
+    server: PageServer | None = None
+
+    @property
+    def page(self) -> str:
+        """The address for a browser on this machine; empty where the viewer is no web viewer."""
+        if self.server is None:
+            return ""
+        query = urlencode({"url": self.url, "persist": 0, "theme": "dark", "hide_welcome_screen": 1})
+        return f"http://{LOOPBACK}:{self.server.port}/?{query}"
 
     def stop(self) -> None:
         """End the viewer; kills it if it does not go by itself."""
+        if self.server is not None:
+            self.server.close()
         if self.process.poll() is None:
             self.process.terminate()
             try:
@@ -40,17 +52,15 @@ def start_viewer(
     *files: Path,
     headless: bool = False,
     web: bool = False,
-    port: int = 0,
-    web_port: int = 0,
     size: str = "",
     wait_s: float = START_S,
 ) -> Viewer:
     """Start a viewer that shows `files`, in a window, without one (`headless`), or for a browser (`web`).
 
-    It listens on 127.0.0.1 alone, on free ports unless they are given. Raises `LabrigError` when it does not
+    It listens on 127.0.0.1 alone, on free ports. Raises `LabrigError` when it does not
     answer within `wait_s`.
     """
-    port, web_port = port or free_port(), web_port or free_port()
+    port, web_port = free_port(), free_port()
     command = [
         str(viewer_path()),
         *map(str, files),
@@ -80,14 +90,14 @@ def start_viewer(
     except OSError as error:
         raise LabrigError(f"the rerun viewer does not start: {error.strerror or error}") from None
     url = f"rerun+http://{LOOPBACK}:{port}/proxy"
-    page = (
-        f"http://{LOOPBACK}:{web_port}?url={url.replace(':', '%3A').replace('/', '%2F').replace('+', '%2B')}"
-    )
-    viewer = Viewer(process, url, page if web else "")
-    if not _answers(process, web_port if web else port, wait_s):
-        viewer.stop()
+    answers = _answers(process, web_port if web else port, wait_s)
+    if answers and not (headless or web):
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(WINDOW_S)  # without a screen it answers, and ends
+    if not answers or process.poll() is not None:
+        Viewer(process, url).stop()
         raise LabrigError(_why_not(process, headless))
-    return viewer
+    return Viewer(process, url, PageServer(web_port) if web else None)
 
 
 def _why_not(process: subprocess.Popen[bytes], headless: bool) -> str:
