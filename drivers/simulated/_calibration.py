@@ -69,17 +69,22 @@ def calibrate(
         return float(np.sqrt(np.mean((look(run_programme(body, [effect], programme)[1]) - without) ** 2)))
 
     strength, low, high = effect.natural, 0.0, np.inf
-    reached = change_mm(strength)
-    for _ in range(25):
+    reached, slope = change_mm(strength), 1.0
+    for _ in range(20):
         if abs(reached / rms_mm - 1.0) < tolerance:
             break
         if reached < rms_mm:
             low = strength
         else:
             high = strength
-        strength *= float(np.clip(rms_mm / max(reached, 1e-12), 0.1, 10.0))
-        if not low < strength < high:  # the change is far from proportional: halve the bracket instead
-            strength = float(np.sqrt(low * high)) if low > 0 else 0.3 * high
-        reached = change_mm(strength)
+        # a secant on logarithmic scales: most effects follow a power of their strength
+        factor = (rms_mm / max(reached, 1e-12)) ** (1.0 / slope)
+        following = strength * float(np.clip(factor, 0.1, 10.0))
+        if not low < following < high:  # too far from any power: halve the bracket instead
+            following = float(np.sqrt(low * high)) if low > 0 else 0.3 * high
+        change = change_mm(following)
+        if change > 0 and reached > 0:
+            slope = float(np.clip(np.log(change / reached) / np.log(following / strength), 0.3, 10.0))
+        strength, reached = following, change
     effect.memory = {}
     return reached

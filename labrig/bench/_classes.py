@@ -22,9 +22,9 @@ FAMILIES: dict[str, tuple[str, ...]] = {
 STATIC_SAFE = ("hysteresis", "creep", "leak", "stiffening", "contact", "friction", "drift", "coupling")
 """Effects that a static map of degree 1, fitted to the campaign, cannot swallow."""
 
-_NEED_MARKERS = ("frame", "rest_shape", "gravity", "marker_slip", "lens", "wrinkle")
+_NEED_MARKERS = ("frame", "rest_shape", "gravity", "marker_slip", "lens", "mount")
 _NEED_CURVATURE = ("gravity", "tension")
-_NEED_PAIRS = ("coupling", "wrinkle", "kink")
+_NEED_PAIRS = ("coupling", "kink")
 
 _CONFOUNDED = {
     "one_hold": (

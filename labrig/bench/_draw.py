@@ -12,7 +12,7 @@ from drivers.simulated import Programme, calibrate, run_programme
 from drivers.simulated.hidden import EFFECTS, UNLISTED, Hidden, Setting
 from labrig._errors import LabrigError
 from labrig.bench._bodies import BenchBody, make_base, make_body, observed
-from labrig.bench._classes import CLASSES, Draw, pick
+from labrig.bench._classes import CLASSES, FAMILIES, Draw, pick
 from labrig.bench._dataset import to_dataset
 from labrig.bench._noise import Spoil, spoil
 from labrig.bench._programmes import Plan, make_plan
@@ -71,6 +71,7 @@ def draw(name: str, seed: int, without: tuple[str, ...] = ()) -> Campaign:
         "seed": seed,
         "effects": effects,
         "verdict": _right_verdict(name, effects, without),
+        "also": _also(base),
         "without": sorted({*without, *what.without}),
         "amplitudes": dict(zip(effects, sizes, strict=True)),
         "strengths": {effect.name: float(effect.strength) for effect in hidden},
@@ -96,6 +97,12 @@ def _right_verdict(name: str, effects: list[str], without: tuple[str, ...]) -> s
     if set(effects) & ({*UNLISTED} | set(without)):
         return "unknown"
     return "identified" if len(effects) == 1 else "multiple"
+
+
+def _also(base: dict[str, Any]) -> list[str]:
+    """Names that a wrong law of the base's chambers may rightly go by: it is an error of compliance."""
+    wrong_law = base["error"] and base["error"]["form"] == "law"
+    return sorted({*FAMILIES["pressure"], *FAMILIES["limit"]}) if wrong_law else []
 
 
 def _programme(plan: Plan) -> Programme:
@@ -142,7 +149,7 @@ def _base(
     """The base's recipe; a structural error is scaled to `what.structural` floors over this programme."""
     if not what.structural:
         return {"body": what.body, "error": None}
-    form = "law" if random.random() < 0.5 else "spread"
+    form = "spread" if what.body["kind"] == "surface" and random.random() < 0.5 else "law"
     error = {"form": form, "seed": int(random.integers(10_000)), "scale": 1.0}
     recipe = {"body": what.body, "error": error}
     right = make_base({"body": what.body, "error": None})

@@ -9,8 +9,9 @@ import numpy as np
 def is_right(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
     """Whether the verdict and its names are those of the truth.
 
-    Identified and multiple need exactly the hidden effects; confounded must have the hidden one among those
-    that it cannot tell apart; nothing_missing may also be called underpowered, which claims no effect.
+    Identified and multiple need exactly the hidden effects; where the base has a wrong law of its own, `also` has
+    the names that this may go by beside them. Confounded must have the hidden effect among those that it cannot
+    tell apart. For nothing_missing underpowered will do too, which claims no effect.
     """
     hidden, verdict = set(truth["effects"]), answer["verdict"]
     if truth["verdict"] == "nothing_missing":
@@ -19,6 +20,9 @@ def is_right(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
         return verdict == "confounded" and hidden <= named(answer)
     if truth["verdict"] == "unknown":
         return verdict == "unknown"
+    if truth.get("also"):
+        effects = set(answer["effects"])
+        return verdict in ("identified", "multiple") and hidden <= effects <= hidden | set(truth["also"])
     return verdict == truth["verdict"] and set(answer["effects"]) == hidden
 
 

@@ -38,6 +38,15 @@ def test_only_the_whole_truth_is_right(truth: dict, answer: dict, right: bool) -
     assert is_right(truth, answer) is right
 
 
+def test_a_wrong_law_of_the_base_may_be_named_beside_the_effect() -> None:
+    """Only what the base really has wrong may stand beside the hidden effect, and never in its place."""
+    truth = {**_truth("identified", "creep"), "also": ["stiffening", "tension"]}
+    assert is_right(truth, _answer("identified", "creep"))
+    assert is_right(truth, _answer("multiple", "creep", "stiffening"))
+    assert not is_right(truth, _answer("multiple", "creep", "leak"))
+    assert not is_right(truth, _answer("identified", "stiffening"))
+
+
 def test_a_false_alarm_is_a_claim_about_nothing() -> None:
     """Any named or unknown cause in a null is an alarm; a wrong name elsewhere is not."""
     assert is_false_alarm(_truth("nothing_missing"), _answer("unknown"))

@@ -16,12 +16,12 @@ from drivers.simulated.hidden._kink import Kink
 from drivers.simulated.hidden._leak import Leak
 from drivers.simulated.hidden._lens import Lens
 from drivers.simulated.hidden._marker_slip import MarkerSlip
+from drivers.simulated.hidden._mount import Mount
 from drivers.simulated.hidden._regulator import Regulator
 from drivers.simulated.hidden._rest_shape import RestShape
 from drivers.simulated.hidden._softening import Softening
 from drivers.simulated.hidden._stiffening import Stiffening
 from drivers.simulated.hidden._tension import Tension
-from drivers.simulated.hidden._wrinkle import Wrinkle
 
 LISTED: dict[str, type[Hidden]] = {
     effect.name: effect
@@ -30,7 +30,7 @@ LISTED: dict[str, type[Hidden]] = {
         Contact, MarkerSlip, Frame, Delay, Friction, RestShape, Tension,
     )
 }  # fmt: skip
-UNLISTED: dict[str, type[Hidden]] = {effect.name: effect for effect in (Wrinkle, Softening, Lens, Kink)}
+UNLISTED: dict[str, type[Hidden]] = {effect.name: effect for effect in (Mount, Softening, Lens, Kink)}
 EFFECTS: dict[str, type[Hidden]] = {**LISTED, **UNLISTED}
 
 __all__ = ["EFFECTS", "LISTED", "UNLISTED", "Body", "Hidden", "Setting"]

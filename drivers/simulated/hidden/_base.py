@@ -115,5 +115,8 @@ def resisted(body: Body, deflection_mm: Array, resistance) -> Array:
     for _ in range(12):
         push, slope = resistance(d)
         gap = (d + d**3 / limit**2) / gain + push - load
-        d = np.maximum(d - gap / ((1.0 + 3.0 * d**2 / limit**2) / gain + slope), 0.0)
+        step = gap / ((1.0 + 3.0 * d**2 / limit**2) / gain + slope)
+        d = np.maximum(d - step, 0.0)
+        if np.abs(step).max(initial=0.0) < 1e-7:
+            break
     return np.sign(deflection_mm) * d

@@ -17,7 +17,7 @@ class Kink(Hidden):
     def prepare(self) -> None:
         random, count = self.setting.random, self.setting.chambers
         self.squeezing = int(random.integers(count))
-        self.threshold = random.uniform(0.4, 0.6)
+        self.threshold = random.uniform(0.2, 0.4)
         self.share = random.uniform(0.4, 1.0, count)
         self.share[self.squeezing] = 0.0
 
