@@ -131,9 +131,11 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, dict[
     markers, chambers = len(session.rig.config.markers), len(session.rig.config.chambers)
     result = Recording(
         time_s=_logged_times(frames),
-        position_mm=np.array([frame.position_mm for frame in frames], float).reshape(-1, markers, 3),
+        position_mm=np.array([frame.position_mm for frame in frames], float).reshape(len(frames), markers, 3),
         pressure_time_s=_logged_times(samples),
-        pressure_kpa=np.array([sample.pressure_kpa for sample in samples], float).reshape(-1, chambers),
+        pressure_kpa=np.array([sample.pressure_kpa for sample in samples], float).reshape(
+            len(samples), chambers
+        ),
     )
     seen = float(result.seen.mean()) if result.seen.size else None
     summary = {"frames": len(frames), "frame_ns": _span(frames), "samples": len(samples)}

@@ -61,7 +61,8 @@ def rig_info(config: RigConfig, seed: int = 0) -> RigInfo:
 def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0) -> Plan:
     """Follow a procedure on a simulated clock and an ideal rig; nothing moves, broken limits are collected."""
     clock = SimulatedClock(0.0)
-    rig = Rig(config, clock, _IdealPressure(config, clock), _IdealMocap(config, clock), _IdealScanner(clock))
+    mocap = _IdealMocap(config, clock) if config.mocap is not None else None
+    rig = Rig(config, clock, _IdealPressure(config, clock), mocap, _IdealScanner(clock))
     session = Session(rig, None, Observation([]), SignalGuard(), Control(), _DRY_TICK_S)
     plan = Plan()
 

@@ -110,7 +110,7 @@ class Session:
             self._write(samples, frames)
         if samples:
             self._last_sample_s = samples[-1].time_s
-        if frames and any(frame.status.min(initial=9) < MarkerStatus.STALE for frame in frames):
+        if any(_is_alive(frame) for frame in frames):
             self._last_frame_s = frames[-1].time_s
         for sample in samples:
             self.observation.tell("sample", sample)
@@ -217,6 +217,11 @@ class Session:
 
 def _nothing() -> None:
     return
+
+
+def _is_alive(frame: MarkerFrame) -> bool:
+    """Whether the cameras look at all: some marker is seen or known to be hidden, not all of them stale."""
+    return not frame.status.size or bool(frame.status.min() < MarkerStatus.STALE)
 
 
 def _as_logged(frame: MarkerFrame) -> Floats:

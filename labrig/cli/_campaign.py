@@ -1,1 +1,118 @@
-"""Commands: campaign."""
+"""Commands: run, runs, show, recover, reveal."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig._errors import LabrigError
+from labrig.cli._app import app
+
+_RUN_SETTINGS = {"allow_extra_args": True, "ignore_unknown_options": True}
+_RUN_NAME = typer.Argument(metavar="RUN", help="A run folder.")
+
+
+@app.command(context_settings=_RUN_SETTINGS, add_help_option=False)
+def run(
+    context: typer.Context,
+    procedure: Annotated[
+        str, typer.Argument(metavar="[PROCEDURE]", help="A procedure's name, or a file (my_procedure.py).")
+    ] = "",
+    rig: Annotated[Path | None, typer.Option(help="The rig file.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The run's folder; by default a new one in ./runs.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of everything that is random.")] = 0,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Show the steps, the time and every broken limit; move nothing.")
+    ] = False,
+    resume: Annotated[
+        Path | None, typer.Option(metavar="RUN", help="Go on with a run that was interrupted.")
+    ] = None,
+    realtime: Annotated[
+        bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
+    ] = False,
+    live: Annotated[bool, typer.Option("--live", help="Watch in a window.")] = False,
+    serve: Annotated[bool, typer.Option("--serve", help="Watch in a browser on this machine.")] = False,
+    help: Annotated[bool, typer.Option("--help", help="Show this, or a procedure's parameters.")] = False,
+) -> None:
+    """Run a procedure on a rig: capture, hold, idle, pairs, repeatability, sweep, or one of your own.
+
+    A procedure's parameters are options that follow its name; `labrig run PROCEDURE --help` lists them. Every limit
+    is checked before anything moves, and however the run ends, the chambers are vented first. While it goes on,
+    p pauses it (vented) and lets it go on, and so does SIGUSR1; Ctrl-C ends it.
+    """
+    from labrig.cli._procedures import find_procedure, parameters_help
+    from labrig.cli._run_steps import Request, do_dry_run, do_resume, do_run
+
+    if help:
+        typer.echo(context.get_help())
+        if procedure:
+            typer.echo("\n" + parameters_help(find_procedure(procedure)))
+        return
+    request = Request(rig, out, seed, realtime, live, serve)
+    if resume is not None:
+        if procedure or context.args or dry_run:
+            raise LabrigError(
+                "--resume goes on with what the run was; it takes no procedure, parameters or --dry-run"
+            )
+        do_resume(resume, request)
+        return
+    if not procedure:
+        raise LabrigError("name a procedure (capture, ...; see labrig run --help), or a run with --resume")
+    if rig is None:
+        raise LabrigError("name the rig with --rig RIG.yaml")
+    if dry_run:
+        do_dry_run(procedure, context.args, request)
+    else:
+        do_run(procedure, context.args, request)
+
+
+@app.command()
+def runs(
+    folder: Annotated[Path, typer.Argument(help="A folder that holds runs.")] = Path("runs"),
+) -> None:
+    """List the runs in a folder: when, what, how far, and how each ended."""
+    from labrig.cli._run_tables import print_runs
+
+    print_runs(folder)
+
+
+@app.command()
+def show(run: Annotated[Path, _RUN_NAME]) -> None:
+    """Show what a run is and holds: plan, steps, how still the markers were, what was lost."""
+    from labrig.cli._run_tables import print_run
+
+    print_run(run)
+
+
+@app.command()
+def recover(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder or an .mcap file.")],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The new run; by default RUN-recovered.")
+    ] = None,
+) -> None:
+    """Copy all that is whole in a damaged run to a new one, and say what was lost."""
+    from labrig.log import recover as recover_run
+    from labrig.log import summarise
+
+    target = out or run.with_name(f"{run.name.removesuffix('.mcap')}-recovered")
+    lost = recover_run(run, target)
+    for line in lost:
+        typer.echo(f"lost: {line}")
+    summary = summarise(target)
+    typer.echo(f"{target}: {summary.captures} captures, {summary.steps_done} steps; {run} is as it was")
+
+
+@app.command()
+def reveal(run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder, or the demo's.")]) -> None:
+    """Say what the simulated rig of a run hid."""
+    from drivers.simulated import reveal as open_seal
+
+    hidden = open_seal(run)
+    effects = hidden.get("effects", [])
+    if not effects:
+        typer.echo("nothing was hidden")
+    for effect in effects:
+        typer.echo(f"{effect['name']}: {effect['amplitude']:g} {hidden.get('unit', 'mm')} rms")

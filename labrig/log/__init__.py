@@ -4,7 +4,9 @@ from labrig.log._import import dataset_from, import_table
 from labrig.log._layout import Layout
 from labrig.log._mapping import Mapping, read_mapping
 from labrig.log._open import open_run
+from labrig.log._recover import recover
 from labrig.log._rig_dataset import RunSeries, Series, run_series
+from labrig.log._runs import RunSummary, find_runs, summarise
 from labrig.log._segments import (
     LoadedSegment,
     load_segments,
@@ -23,19 +25,23 @@ __all__ = [
     "LogWriter",
     "Mapping",
     "RunSeries",
+    "RunSummary",
     "Series",
     "Topic",
     "dataset_from",
+    "find_runs",
     "import_table",
     "layout_of",
     "load_segments",
     "open_run",
     "read_mapping",
     "read_run_yaml",
+    "recover",
     "run_series",
     "segment_path",
     "segment_paths",
     "sessions",
+    "summarise",
     "to_ns",
     "write_dataset",
 ]

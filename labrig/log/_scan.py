@@ -68,6 +68,7 @@ class _Scanner:
         self.decompressor = zstandard.ZstdDecompressor()
         self.error = zstandard.ZstdError
         self.good_end = 0
+        self.read_end = 8
         self.chunks = 0
 
     def run(self) -> Segment:
@@ -81,7 +82,7 @@ class _Scanner:
             position = self._record(position)
         closed = self.size >= 16 and self.data[self.size - 8 : self.size] == _MAGIC
         if not closed:
-            lost = self.size - self.good_end
+            lost = self.size - self.read_end
             tail = f"; the last {lost} bytes hold no whole chunk" if self.chunks and lost else ""
             self.warnings.append(
                 f"{self.path.name}: not closed (the run was killed or goes on, or the file was cut){tail}"
@@ -105,11 +106,12 @@ class _Scanner:
         if opcode == _CHUNK:
             if self._chunk(position, end):
                 self.chunks += 1
-                self.good_end = end
+                self.good_end = self.read_end = end
                 return end
             return self._lose(position)
         if opcode == _METADATA:
             self._metadata(position + _RECORD.size, end)
+        self.read_end = max(self.read_end, end)
         return end
 
     def _resync(self, position: int) -> int:

@@ -114,8 +114,7 @@ class LogWriter:
         time_ns = to_ns(time_s)
         stamp = message.timestamp
         stamp.seconds, stamp.nanos = divmod(time_ns, 1_000_000_000)
-        self._sequence[topic] = sequence = (self._sequence[topic] + 1) & 0xFFFFFFFF
-        self._writer.add_message(int(topic), time_ns, message.SerializeToString(), time_ns, sequence)
+        self.raw(topic, time_ns, message.SerializeToString())
 
     def command(
         self, time_s: float, setpoint: ArrayLike, *, event: bool, reason: str = "actuate", session: str = ""
@@ -150,6 +149,11 @@ class LogWriter:
     def write(self, topic: Topic, at_s: float, /, **fields: Any) -> None:
         """Any other message, by the field names of its .proto file."""
         self._add(topic, at_s, self._topics[topic].message(**fields))
+
+    def raw(self, topic: Topic, time_ns: int, payload: bytes) -> None:
+        """A message that is encoded already."""
+        self._sequence[topic] = sequence = (self._sequence[topic] + 1) & 0xFFFFFFFF
+        self._writer.add_message(int(topic), time_ns, payload, time_ns, sequence)
 
     def event(self, time_s: float, text: str, level: str = "INFO") -> None:
         """A line for people, as Foxglove's Log message; `level` is INFO, WARNING, ERROR or FATAL."""

@@ -27,7 +27,7 @@ def test_a_file_cut_at_any_byte_keeps_every_durable_capture(small_log, tmp_path:
         path.write_bytes(whole[:cut])
         durable = sum(end <= cut for end in small_log.durable_bytes)
         if cut < small_log.first_chunk_bytes:
-            with pytest.raises(LabrigError, match="holds no whole chunk|is not an MCAP file"):
+            with pytest.raises(LabrigError, match=r"holds no whole chunk|is not an MCAP file"):
                 _captures(path)
             continue
         captures, warnings = _captures(path)

@@ -1,0 +1,163 @@
+"""Finds procedures, and turns their parameters into options of `labrig run`."""
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, get_origin
+
+from labrig._errors import LabrigError
+
+if TYPE_CHECKING:
+    from labrig.campaign import Procedure
+
+
+def shipped() -> dict[str, "type[Procedure]"]:
+    """The procedures that labrig brings, by name."""
+    import procedures
+
+    kinds = [getattr(procedures, name) for name in procedures.__all__]
+    return {kind.procedure_name(): kind for kind in kinds}
+
+
+def find_procedure(text: str) -> "type[Procedure]":
+    """The procedure that a name, `FILE.py` or `FILE.py:CLASS` means; raises `LabrigError` if there is none."""
+    file, _, wanted = text.rpartition(":") if ".py:" in text else (text, "", "")
+    if not file.endswith(".py"):
+        known = shipped()
+        if text not in known:
+            raise LabrigError(
+                f"there is no procedure {text!r}; there are {', '.join(known)}, or name a file (my_procedure.py)"
+            )
+        return known[text]
+    return _from_file(Path(file), wanted)
+
+
+def _from_file(path: Path, wanted: str) -> "type[Procedure]":
+    from labrig.campaign import Procedure
+
+    module = _load(path)
+    kinds = {
+        name: kind
+        for name, kind in vars(module).items()
+        if isinstance(kind, type) and issubclass(kind, Procedure) and kind.__module__ == module.__name__
+    }
+    if wanted:
+        if wanted not in kinds:
+            raise LabrigError(f"{path} has no procedure {wanted}; it has {', '.join(kinds) or 'none'}")
+        return kinds[wanted]
+    if not kinds:
+        raise LabrigError(
+            f"{path} has no procedure: write a class that derives from labrig.campaign.Procedure"
+        )
+    if len(kinds) > 1:
+        raise LabrigError(
+            f"{path} has several procedures; say which: {', '.join(f'{path}:{name}' for name in kinds)}"
+        )
+    return next(iter(kinds.values()))
+
+
+def _load(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise LabrigError(f"there is no file {path}")
+    name = f"labrig_procedure_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise LabrigError(f"{path} is not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    sys.path.insert(0, str(path.resolve().parent))
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        line = getattr(error, "lineno", None) or _line_of(error, path)
+        raise LabrigError(f"{path}, line {line}: {type(error).__name__}: {error}") from error
+    finally:
+        sys.path.pop(0)
+    return module
+
+
+def _line_of(error: Exception, path: Path) -> int:
+    """The line of the file at which its code failed."""
+    import traceback
+
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno or 0 for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+    return lines[-1] if lines else 0
+
+
+def parse_parameters(kind: "type[Procedure]", arguments: list[str]) -> "Procedure":
+    """The procedure with the parameters that `--name value` options give; raises `LabrigError` for a bad one."""
+    from pydantic import ValidationError
+
+    from labrig.rig import describe
+
+    values: dict[str, Any] = {}
+    rest = list(arguments)
+    while rest:
+        name, value = _take(kind, rest)
+        values[name] = value
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        name, _, what = describe(error).partition(": ")
+        option = f"--{name.split('.')[0].replace('_', '-')}"
+        raise LabrigError(f"{kind.procedure_name()}: {option}: {what}") from None
+
+
+def _take(kind: "type[Procedure]", rest: list[str]) -> tuple[str, Any]:
+    """Take one option and its value off the front of the arguments."""
+    token = rest.pop(0)
+    option, equals, value = token.partition("=")
+    name = option.removeprefix("--").replace("-", "_")
+    field = kind.model_fields.get(name)
+    if field is None and name.startswith("no_") and name[3:] in kind.model_fields:
+        return name[3:], False
+    if field is None or not option.startswith("--"):
+        options = ", ".join(f"--{field.replace('_', '-')}" for field in kind.model_fields)
+        raise LabrigError(f"{kind.procedure_name()} has no option {option}; it has {options or 'none'}")
+    if field.annotation is bool and not equals:
+        return name, True
+    if not equals:
+        if not rest:
+            raise LabrigError(f"{kind.procedure_name()}: {option} needs a value")
+        value = rest.pop(0)
+    if get_origin(field.annotation) in (tuple, list):
+        return name, [part.strip() for part in value.split(",") if part.strip()]
+    return name, value
+
+
+def parameters_help(kind: "type[Procedure]") -> str:
+    """What `labrig run NAME --help` says of a procedure."""
+    lines = [f"{kind.procedure_name()}: {' '.join((kind.__doc__ or '').split())}", "", "Parameters:"]
+    rows = []
+    for name, field in kind.model_fields.items():
+        default = field.get_default(call_default_factory=True)
+        shown = ",".join(f"{item:g}" for item in default) if isinstance(default, tuple) else default
+        value = "required" if field.is_required() else f"[{shown}]" if shown != "" else ""
+        rows.append(
+            (f"--{name.replace('_', '-')}", _choices(field.annotation), value, field.description or "")
+        )
+    widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
+    for row in rows:
+        padded = "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=False))
+        lines.append(f"  {padded}  {row[3]}".rstrip())
+    return "\n".join(lines)
+
+
+def _choices(annotation: Any) -> str:
+    from typing import Literal, get_args
+
+    if get_origin(annotation) is Literal:
+        return "|".join(str(choice) for choice in get_args(annotation))
+    if get_origin(annotation) in (tuple, list):
+        return "A,B,..."
+    return {int: "INTEGER", float: "NUMBER", str: "TEXT", bool: ""}.get(annotation, "VALUE")
+
+
+def source_of(kind: "type[Procedure]") -> str:
+    """What `find_procedure` needs to find this procedure again."""
+    module = sys.modules.get(kind.__module__)
+    if module is None or not kind.__module__.startswith("labrig_procedure_"):
+        return kind.procedure_name()
+    return f"{Path(str(module.__file__)).resolve()}:{kind.__name__}"

@@ -1,0 +1,177 @@
+"""What `labrig run` does: connect, run or resume, and say in one line how it ended."""
+
+import sys
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from drivers import Clock, DeviceError, RealClock, SimulatedClock
+from labrig._errors import LabrigError
+from labrig.campaign import Control, Interrupted, Observer, Procedure, Watching
+from labrig.campaign import dry_run as plan_of
+from labrig.campaign import resume as resume_run
+from labrig.campaign import run as run_procedure
+from labrig.cli._procedures import find_procedure, parse_parameters, source_of
+from labrig.cli._run_screen import Screen, duration_text
+from labrig.log import read_run_yaml, summarise
+from labrig.rig import RigConfig, connect, load_rig
+
+if TYPE_CHECKING:
+    from labrig.campaign import Plan
+
+_SHOWN_STEPS = 12
+
+
+@dataclass(frozen=True)
+class Request:
+    """The options of `labrig run`."""
+
+    rig: Path | None
+    out: Path | None
+    seed: int
+    realtime: bool
+    live: bool
+    serve: bool
+
+
+def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
+    """Print the plan; exit code 2 if it would break limits."""
+    procedure = parse_parameters(find_procedure(name), arguments)
+    config = load_rig(_named(request.rig))
+    plan = plan_of(procedure, config, request.seed)
+    print_plan(plan, config)
+    if plan.broken:
+        raise LabrigError(f"{len(plan.broken)} limits would be broken; nothing was moved")
+
+
+def print_plan(plan: "Plan", config: RigConfig) -> None:
+    """The steps with their times, the estimate, and every limit that would be broken."""
+    shown = range(len(plan.steps))
+    for index in shown:
+        if _SHOWN_STEPS <= index < len(plan.steps) - 3:
+            if index == _SHOWN_STEPS:
+                typer.echo(f"    ... {len(plan.steps) - _SHOWN_STEPS - 3} more steps ...")
+            continue
+        typer.echo(f"{plan.start_s[index]:9.1f} s  {index:5d}  {_step_text(plan.steps[index].to_dict())}")
+    typer.echo(
+        f"{len(plan.steps)} steps, {plan.captures} captures on rig {config.name}: {duration_text(plan.duration_s)}"
+    )
+    if plan.stopped is not None:
+        typer.echo(f"what follows depends on measurements: {plan.stopped}")
+    for broken in plan.broken:
+        typer.echo(f"breaks a limit: {broken}")
+
+
+def _step_text(fields: dict[str, object]) -> str:
+    kind = str(fields.pop("kind"))
+    values = []
+    for name, value in fields.items():
+        if value in ("", None):
+            continue
+        text = (
+            "[" + " ".join(f"{item:g}" for item in value) + "] kPa"
+            if isinstance(value, tuple)
+            else str(value)
+        )
+        values.append(text if isinstance(value, tuple) else f"{name} {text}")
+    return f"{kind:8s} {', '.join(values)}".rstrip()
+
+
+def do_run(name: str, arguments: list[str], request: Request) -> None:
+    """Run a procedure in a new folder."""
+    kind = find_procedure(name)
+    procedure = parse_parameters(kind, arguments)
+    rig_file = _named(request.rig)
+    config = load_rig(rig_file)
+    folder = request.out or _new_folder(procedure)
+    context = {"source": source_of(kind), "rig_file": str(rig_file.resolve()), "realtime": request.realtime}
+    _go(procedure, config, folder, request, context)
+
+
+def do_resume(folder: Path, request: Request) -> None:
+    """Go on with a run; procedure, parameters and rig are those that run.yaml names."""
+    facts = read_run_yaml(folder)
+    if "source" not in facts or "rig_file" not in facts:
+        raise LabrigError(f"{folder} cannot be resumed: it has no run.yaml of `labrig run`")
+    procedure = find_procedure(str(facts["source"])).model_validate(facts["parameters"])
+    config = load_rig(request.rig or Path(str(facts["rig_file"])))
+    request = Request(
+        request.rig, folder, request.seed, bool(facts.get("realtime")), request.live, request.serve
+    )
+    _go(procedure, config, folder, request, None)
+
+
+def _go(
+    procedure: Procedure,
+    config: RigConfig,
+    folder: Path,
+    request: Request,
+    context: dict[str, object] | None,
+) -> None:
+    """Connect, run (or resume, if there is no context), and report."""
+    clock = _clock(config, request)
+    control = Control()
+    with Screen(control) as screen:
+        observers: list[Observer] = [screen, *_viewers(request)]
+        watching = Watching(observers, control, dict(context or {}))
+        guard_log = folder / "guard.log"
+        try:
+            with connect(config, clock, guard_log=guard_log) as rig:
+                if context is None:
+                    resume_run(procedure, rig, folder, watching=watching)
+                else:
+                    run_procedure(procedure, rig, folder, seed=request.seed, watching=watching)
+        except Interrupted as error:
+            screen.__exit__(None, None, None)
+            print(f"labrig: {error}{_go_on(folder)}", file=sys.stderr)
+            raise typer.Exit(130) from None
+        except (LabrigError, DeviceError) as error:
+            raise type(error)(f"{error}{_go_on(folder)}") from error
+    summary = summarise(folder)
+    typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
+
+
+def _go_on(folder: Path) -> str:
+    """How to go on with a run, if something of it is done."""
+    try:
+        done = summarise(folder).steps_done
+    except LabrigError:
+        return ""
+    return f"; go on with: labrig run --resume {folder}" if done else ""
+
+
+def _viewers(request: Request) -> list[Observer]:
+    if not (request.live or request.serve):
+        return []
+    from labrig.view._live import live_observers
+
+    return live_observers(request.live, request.serve, lambda line: typer.echo(f"labrig: {line}", err=True))
+
+
+def _clock(config: RigConfig, request: Request) -> Clock:
+    """A rig that is simulated in this process needs no waiting."""
+    kinds = {device.kind for device in config.devices.values() if device is not None}
+    return (
+        SimulatedClock(RealClock().now_s())
+        if kinds == {"simulated"} and not request.realtime
+        else RealClock()
+    )
+
+
+def _named(rig: Path | None) -> Path:
+    if rig is None:
+        raise LabrigError("name the rig with --rig RIG.yaml")
+    return rig
+
+
+def _new_folder(procedure: Procedure) -> Path:
+    """runs/20261120-0312-capture, or with a number behind it where that exists."""
+    base = Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{procedure.procedure_name()}"
+    folder, number = base, 1
+    while folder.exists():
+        number += 1
+        folder = base.with_name(f"{base.name}-{number}")
+    return folder

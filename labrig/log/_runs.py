@@ -1,0 +1,103 @@
+"""What there is in a run, in short: for lists and for `labrig show`."""
+
+import json
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from labrig._errors import LabrigError
+from labrig.log._layout import unpack_metadata
+from labrig.log._segments import LoadedSegment, load_segments, read_run_yaml, segment_paths
+from labrig.log._topics import Topic
+
+
+@dataclass
+class RunSummary:
+    """A run in short. `state` is `completed`, why it stopped, or that it was not closed; times in s."""
+
+    folder: Path
+    run: dict[str, Any]
+    state: str
+    captures: int
+    steps_done: int
+    sessions: int
+    duration_s: float
+    size_bytes: int
+    warnings: list[str] = field(default_factory=list)
+    step_kinds: dict[str, int] = field(default_factory=dict)
+    stillness_mm_s: list[float] = field(default_factory=list)
+    messages: dict[str, int] = field(default_factory=dict)
+    events: list[tuple[float, str]] = field(default_factory=list)
+
+
+def summarise(folder: Path) -> RunSummary:
+    """Read a run's log and sum it up; raises `LabrigError` when there is nothing to read."""
+    segments, warnings = load_segments(folder)
+    steps = [step for loaded in segments for step in _done_steps(loaded)]
+    kinds = Counter(kind for _, kind, _ in steps)
+    tables = sum(len(loaded.messages(Topic.CAPTURE).payload) for loaded in segments)
+    messages: Counter[str] = Counter()
+    for loaded in segments:
+        for topic, of_topic in loaded.segment.topics.items():
+            messages[topic.name.lower()] += len(of_topic.payload)
+    times = [of.time_ns for loaded in segments for of in loaded.segment.topics.values() if of.time_ns]
+    files = [folder] if folder.is_file() else [path for _, path in segment_paths(folder)]
+    return RunSummary(
+        folder=folder,
+        run=segments[0].run or (read_run_yaml(folder) if folder.is_dir() else {}),
+        state=_state(segments[-1]),
+        captures=kinds["record"] + tables,
+        steps_done=len({index for index, _, _ in steps}),
+        sessions=len({loaded.layout.session for loaded in segments}),
+        duration_s=(max(t[-1] for t in times) - min(t[0] for t in times)) * 1e-9 if times else 0.0,
+        size_bytes=sum(path.stat().st_size for path in files),
+        warnings=warnings,
+        step_kinds=dict(kinds),
+        stillness_mm_s=[values["speed_mm_s"] for _, kind, values in steps if kind == "settle"],
+        messages=dict(messages),
+        events=[event for loaded in segments for event in _events(loaded)],
+    )
+
+
+def _done_steps(loaded: LoadedSegment) -> list[tuple[int, str, dict[str, Any]]]:
+    from logs_schema.step_pb2 import Step
+
+    steps = [Step.FromString(payload) for payload in loaded.messages(Topic.STEP).payload]
+    return [
+        (step.index, step.kind, json.loads(step.result_json) if step.result_json else {})
+        for step in steps
+        if step.state == Step.DONE
+    ]
+
+
+def _events(loaded: LoadedSegment) -> list[tuple[float, str]]:
+    from foxglove_schemas_protobuf.Log_pb2 import Log
+
+    messages = loaded.messages(Topic.EVENTS)
+    texts = [Log.FromString(payload).message for payload in messages.payload]
+    return [
+        (time_ns * 1e-9 - loaded.layout.start_s, text)
+        for time_ns, text in zip(messages.time_ns, texts, strict=True)
+    ]
+
+
+def _state(last: LoadedSegment) -> str:
+    """Why the last session ended."""
+    if last.layout.table:
+        return "imported"
+    text = unpack_metadata(last.segment.metadata.get("labrig.end", {}), str(last.segment.path))
+    if text is not None:
+        return str(json.loads(text)["reason"])
+    return "closed" if last.segment.closed else "not closed (killed, or still going on)"
+
+
+def find_runs(folder: Path) -> list[Path]:
+    """The run folders below a folder, at most two levels deep, in order of their names.
+
+    Raises `LabrigError` if the folder does not exist.
+    """
+    if not folder.is_dir():
+        raise LabrigError(f"{folder} is not a folder; name the one that holds your runs")
+    candidates = [folder, *sorted(folder.glob("*/")), *sorted(folder.glob("*/*/"))]
+    return [path for path in candidates if path.is_dir() and segment_paths(path)]

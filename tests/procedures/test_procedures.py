@@ -1,0 +1,187 @@
+"""What each shipped procedure plans: inside the limits, with the repeats and holds that it promises."""
+
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import procedures
+from drivers import Channel
+from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, dry_run
+from labrig.rig import parse_rig
+from procedures import Capture, Hold, Idle, Pairs, Repeatability, Sweep
+
+ALL = [getattr(procedures, name) for name in procedures.__all__]
+
+
+def _info(chambers: int = 9, seed: int = 0) -> RigInfo:
+    channels = tuple(Channel(f"c{n + 1}", -10.0 if n == 0 else 0.0, 60.0 - n, 100.0) for n in range(chambers))
+    return RigInfo("made", channels, ("m1",), seed=seed)
+
+
+def _steps(procedure: Procedure, info: RigInfo | None = None) -> list[Any]:
+    return list(procedure.steps(info or _info()))
+
+
+def _captures(steps: list[Any]) -> list[tuple[tuple[float, ...], Record]]:
+    """Each recording with the set-point at which it was made."""
+    found, setpoint = [], ()
+    for step in steps:
+        if isinstance(step, Actuate):
+            setpoint = tuple(step.pressure_kpa)
+        elif isinstance(step, Record):
+            found.append((setpoint, step))
+    return found
+
+
+@pytest.mark.parametrize("kind", ALL)
+@pytest.mark.parametrize("chambers", [1, 2, 9])
+def test_the_defaults_stay_inside_the_limits(kind: type[Procedure], chambers: int) -> None:
+    """Every set-point of every procedure is allowed, on small rigs and large ones."""
+    info = _info(chambers)
+    content = {
+        "name": "made",
+        "chambers": [{"name": c.name, "min_kpa": c.min_kpa, "max_kpa": c.max_kpa} for c in info.channels],
+        "pressure": {"kind": "openpneu"},
+    }
+    plan = dry_run(kind(), parse_rig(content, "rig.yaml", Path()))
+    assert plan.broken == []
+    assert plan.stopped is None
+    assert plan.captures > 0
+    assert not kind.closed_loop
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_the_same_seed_gives_the_same_steps(kind: type[Procedure]) -> None:
+    """A plan is a function of the parameters, the rig and the seed: resume depends on it."""
+    assert _steps(kind()) == _steps(kind())
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_every_parameter_is_described(kind: type[Procedure]) -> None:
+    """Each has a default and a text, and a length of time says its unit."""
+    for name, field in kind.model_fields.items():
+        assert not field.is_required()
+        assert field.description
+        if name.endswith(("_s", "_min")):
+            assert field.description.endswith((", s", ", min"))
+
+
+@pytest.mark.parametrize("pattern", ["halton", "random", "grid", "corners"])
+@pytest.mark.parametrize("captures", [1, 6, 7, 40, 101])
+def test_capture_makes_as_many_as_asked(pattern: Any, captures: int) -> None:
+    """Repeats are part of the number."""
+    assert len(_captures(_steps(Capture(captures=captures, pattern=pattern)))) == captures
+
+
+def test_capture_repeats_with_the_same_and_with_another_history() -> None:
+    """Each repeated set-point: three visits after the same one, one visit after another."""
+    programme = Capture().programme(_info())
+    visits: dict[str, list[tuple[float, ...]]] = {}
+    values: dict[str, set[tuple[float, ...]]] = {}
+    for (before, _), (setpoint, label) in pairwise([((), ""), *programme]):
+        if label:
+            visits.setdefault(label, []).append(before)
+            values.setdefault(label, set()).add(setpoint)
+    for group in ("r1", "r2", "r3"):
+        counts = Counter(visits[group])
+        assert sorted(counts.values()) == [1, 3]
+        assert len(visits[f"{group}-before"]) == 3
+    assert all(len(setpoints) == 1 for setpoints in values.values())
+    assert len({setpoint for setpoint, _ in programme}) == 25
+
+
+def test_capture_spreads_its_repeats_over_the_session() -> None:
+    """The first and the last visit of a set-point are more than half a session apart."""
+    labels = [label for _, label in Capture().programme(_info())]
+    for group in ("r1", "r2", "r3"):
+        places = [index for index, label in enumerate(labels) if label == group]
+        assert places[-1] - places[0] > 20
+
+
+@pytest.mark.parametrize(("pattern", "values"), [("corners", {0.0, 60.0}), ("grid", {0.0, 30.0, 60.0})])
+def test_patterns_visit_what_they_say(pattern: Any, values: set[float]) -> None:
+    """Corners are ends of the range only; a grid of two chambers with nine points has three levels."""
+    info = RigInfo("made", (Channel("c1", 0.0, 60.0), Channel("c2", 0.0, 60.0)))
+    points = Capture(pattern=pattern).setpoints(info, 4 if pattern == "corners" else 9)
+    assert {float(value) for value in points.ravel()} == values
+    assert len({tuple(point) for point in points}) == len(points)
+
+
+def test_halton_fills_the_range_better_than_chance() -> None:
+    """The largest gap in each chamber's values is smaller than that of random points."""
+    info = _info(3)
+    gaps = {
+        pattern: np.diff(
+            np.sort(Capture(pattern=pattern).setpoints(info, 60) / info.max_kpa, axis=0), axis=0
+        ).max()
+        for pattern in ("halton", "random")
+    }
+    assert gaps["halton"] < gaps["random"]
+
+
+def test_a_narrower_range_is_kept() -> None:
+    """lowest and highest are shares of each chamber's own range."""
+    info = _info()
+    points = Capture(lowest=0.4, highest=0.6).setpoints(info, 50)
+    span = info.max_kpa - info.min_kpa
+    assert (points >= info.min_kpa + 0.4 * span - 1e-3).all()
+    assert (points <= info.min_kpa + 0.6 * span + 1e-3).all()
+
+
+def test_repeatability_comes_from_both_sides() -> None:
+    """Each set-point five times from above and five from below, under one label."""
+    captures = _captures(_steps(Repeatability()))
+    counts = Counter((record.repeat, record.label) for _, record in captures)
+    assert counts == {(f"p{n}", side): 5 for n in range(1, 5) for side in ("above", "below")}
+    assert len({(record.repeat, setpoint) for setpoint, record in captures}) == 4
+
+
+def test_sweep_goes_up_and_down() -> None:
+    """One chamber moves, in even steps, and turns without stopping twice."""
+    captures = _captures(_steps(Sweep(chamber="c2", levels=3, cycles=2, others=0.5)))
+    assert [setpoint[1] for setpoint, _ in captures] == [0.0, 29.5, 59.0, 29.5, 0.0, 29.5, 59.0, 29.5, 0.0]
+    assert {setpoint[0] for setpoint, _ in captures} == {25.0}
+    assert [record.repeat for _, record in captures][:3] == ["c2=0", "c2=29.5", "c2=59"]
+
+
+def test_hold_records_whole_holds_and_their_recovery() -> None:
+    """Every duration at both pressures, and after each the release."""
+    steps = _steps(Hold(durations_s=(3.0, 10.0)))
+    captures = _captures(steps)
+    labels = ["hold 3 s", "recovery after 3 s"] * 2 + ["hold 10 s", "recovery after 10 s"] * 2
+    assert [record.label for _, record in captures] == labels
+    assert all(not any(setpoint) for setpoint, record in captures if record.label.startswith("recovery"))
+    lengths = [steps[i + 1].duration_s + steps[i + 2].duration_s for i in range(0, len(steps), 3)]
+    assert lengths == [3.0, 30.0, 3.0, 30.0, 10.0, 30.0, 10.0, 30.0]
+
+
+def test_pairs_have_singles_and_both() -> None:
+    """Each chamber alone, each pair, and rest, each from rest."""
+    info = _info(4)
+    captures = _captures(_steps(Pairs(), info))
+    sizes = Counter(sum(value > 0 for value in setpoint) for setpoint, _ in captures)
+    assert sizes == {0: 1, 1: 4, 2: 6}
+    neighbours = _captures(_steps(Pairs(which="neighbours"), info))
+    assert sum("+" in record.repeat for _, record in neighbours) == 3
+
+
+def test_idle_visits_at_regular_intervals() -> None:
+    """Thirty visits in half an hour, each of both set-points; the time between is the same."""
+    steps = _steps(Idle())
+    captures = _captures(steps)
+    assert Counter(record.repeat for _, record in captures) == {"middle": 30, "rest": 30}
+    waiting = sum(step.duration_s for step in steps if isinstance(step, Settle | Record))
+    assert waiting == pytest.approx(30 * 60.0)
+
+
+def test_an_unknown_chamber_is_named() -> None:
+    """The error lists those that there are."""
+    from labrig import LabrigError
+
+    with pytest.raises(LabrigError) as caught:
+        _steps(Sweep(chamber="left"), _info(2))
+    assert str(caught.value) == "rig made has no chamber left; it has c1, c2"
