@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from labrig.view._live import LiveView, live_observers
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
     from labrig.view._viewer import Viewer, screenshot, start_viewer
@@ -11,7 +12,9 @@ if TYPE_CHECKING:
 
 _LAZY = {
     "Lines": "_words",
+    "LiveView": "_live",
     "Viewer": "_viewer",
+    "live_observers": "_live",
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
@@ -21,7 +24,9 @@ _LAZY = {
 
 __all__ = [
     "Lines",
+    "LiveView",
     "Viewer",
+    "live_observers",
     "screenshot",
     "start_viewer",
     "summary_words",

@@ -175,12 +175,14 @@ def _explained(summary: dict[str, Any]) -> str:
 
 
 def _where(summary: dict[str, Any]) -> str:
-    """The clearest place of the failure, by chamber or pressure before marker: the larger picture first."""
+    """The two clearest places of the failure that stand out from the rest."""
+    error = summary.get("error", {})
+    usual = error.get("base", error.get("model")) or 0.0
     clear = [
-        row for row in summary.get("where", []) if row.get("clear", True) and row.get("error") is not None
+        row
+        for row in summary.get("where", [])
+        if row.get("clear", True) and row.get("error") is not None and row["error"] > STANDS_OUT * usual
     ]
-    if not clear:
-        return ""
     sentences = []
     for group, form in (
         ("marker", "at marker {name}"),

@@ -1,11 +1,10 @@
 """A made-up result: 40 captures of the mannequin that creep, and a model that learned most of it."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 import xarray as xr
 
+from labrig.diagnosis import Result, Signature
 from labrig.physics import load_surface
 
 CHAMBERS = [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60} for i in range(1, 10)]
@@ -140,11 +139,11 @@ def make_signatures(random):
     group = ["up" if value else "down" for value in random.random(800) < 0.5]
     load = random.uniform(0, 60, 800)
     return [
-        SimpleNamespace(
+        Signature(
             effect="creep", covariate="time in hold", unit="s", x=hold, group=group,
             residual=0.8 * np.log1p(hold / 3) + random.normal(0, 0.4, 800),
         ),
-        SimpleNamespace(
+        Signature(
             effect="hysteresis", covariate="pressure", unit="kPa", x=load, group=group,
             residual=np.where(np.array(group) == "up", 0.2, -0.2) + random.normal(0, 0.4, 800),
         ),
@@ -163,7 +162,7 @@ def make_result(fields):
 
     def make(fields=fields, **changes):
         random = np.random.default_rng(1)
-        return SimpleNamespace(
+        return Result(
             summary={**SUMMARY, **changes},
             fields=fields,
             waterfall=[("base", 1.92), ("creep", 0.31), ("ceiling", 0.15), ("floor", 0.12)],

@@ -1,0 +1,144 @@
+"""The report: complete, offline, and never half written."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import Result
+from labrig.view import write_report
+from labrig.view._report import report_html
+
+
+def figures_of(html):
+    """The figures that the page draws, parsed as the browser would."""
+    return json.loads(re.search(r"const figures=(\[.*\]);\nfigures", html)[1].replace("<\\/", "</"))
+
+
+def body_of(html):
+    """What a person reads: the page without scripts and style."""
+    return re.sub(r"<(script|style)>.*?</\1>", "", html, flags=re.DOTALL)
+
+
+def test_report_loads_nothing(make_result, tmp_path):
+    """The file holds everything: the plotting library once, no link, no image, no style from elsewhere."""
+    path = write_report(make_result(), tmp_path / "out")
+    html = path.read_text(encoding="utf-8")
+    assert path == tmp_path / "out" / "report.html"
+    assert html.count("plotly.js v") == 1
+    assert not re.search(r"(src|href)\s*=|@import|url\(", body_of(html))
+    assert "<link" not in html
+    assert "<script src" not in html
+
+
+def test_report_says_it_in_order(make_result):
+    """Verdict, reason, alternatives, next measurement, then waterfall, ranking, surface, places, signatures, captures."""
+    body = body_of(report_html(make_result()))
+    wanted = [
+        "identified, 97 % sure",
+        "Creep is missing from the model.",
+        "the error falls from",
+        "What else could it be?",
+        "What to measure next",
+        "Keep in mind",
+        "From the model to the noise",
+        "Who could have done it",
+        "On the surface",
+        "Where it fails",
+        "What gives it away",
+        "The worst captures",
+    ]
+    places = [body.index(text) for text in wanted]
+    assert places == sorted(places)
+
+
+def test_surfaces_share_one_colour_scale(make_result):
+    """Before and after are drawn side by side on the same scale, before the larger error."""
+    surfaces = [f for f in figures_of(report_html(make_result())) if f["data"][-1]["type"] == "mesh3d"]
+    assert len(surfaces) == 2
+    before, after = (figure["data"][-1] for figure in surfaces)
+    assert (before["cmin"], before["cmax"]) == (after["cmin"], after["cmax"])
+    assert max(before["intensity"]) > 3 * max(after["intensity"])
+
+
+def test_nothing_missing_shows_one_surface(make_result):
+    """Where nothing was added there is no before and after."""
+    error = {"base": 0.11, "model": 0.11, "floor": 0.11, "ceiling": 0.11}
+    html = report_html(make_result(verdict="nothing_missing", effects=[], error=error))
+    assert sum(f["data"][-1]["type"] == "mesh3d" for f in figures_of(html)) == 1
+    assert "Nothing is missing" in body_of(html)
+
+
+def test_without_geometry_measured_against_predicted(make_result, fields):
+    """A run of forces has no surface: measured is drawn against predicted."""
+    plain = fields.drop_vars("rest_mm").isel(observable=slice(0, 2))
+    html = report_html(make_result(fields=plain))
+    assert "Measured against predicted" in body_of(html)
+    (figure,) = [
+        f
+        for f in figures_of(html)
+        if f["layout"].get("xaxis", {}).get("title", {}).get("text") == "predicted, mm"
+    ]
+    assert [trace["name"] for trace in figure["data"]] == ["before", "after", "exact"]
+
+
+def test_units_that_differ_are_scaled(make_result, fields):
+    """Observables of different units are compared in standard deviations."""
+    mixed = fields.drop_vars("rest_mm").isel(observable=slice(0, 2))
+    mixed = mixed.assign_coords(unit=("observable", ["mm", "N"]))
+    titles = [
+        f["layout"].get("xaxis", {}).get("title", {}).get("text")
+        for f in figures_of(report_html(make_result(fields=mixed)))
+    ]
+    assert "predicted, standard deviations" in titles
+
+
+def test_names_are_escaped(make_result):
+    """What a file names cannot inject markup, in words or in figures."""
+    html = report_html(make_result(effects=["</script><b>x"], warnings=["<img src=x>"]))
+    assert "<b>x" not in html
+    assert "<img" not in html
+
+
+def test_comparison_has_a_report(fields):
+    """A comparison, which has no verdict and no effects, is reported too."""
+    summary = {"units": "mm", "error": {"model": 1.2, "floor": 0.1}, "where": [], "warnings": []}
+    html = report_html(Result(summary, fields, [("model", 1.2), ("floor", 0.1)], [], []))
+    assert "The model as it stands is off by 1.2" in body_of(html)
+    assert "Run <code>labrig diagnose</code>" in html
+
+
+def test_values_of_parameters(make_result):
+    """A value comes with its uncertainty and unit, many values with their spread."""
+    creep = {
+        "effect": "creep",
+        "heldout_error": 0.3,
+        "drop": 0.9,
+        "se": 0.02,
+        "probability": 0.9,
+        "parameters": {
+            "tau_s": {"value": 12.0, "sd": 1.5, "unit": "s"},
+            "amplitude": {"value": [0.1, 0.2, 0.3], "sd": [0.01, 0.01, 0.01], "unit": "1"},
+        },
+    }
+    body = body_of(report_html(make_result(ranking=[creep])))
+    assert "tau 12 ± 1.5 s, amplitude 0.1 to 0.3 (3 values)" in body
+    assert "90 ± 2 %" in body
+
+
+def test_a_report_that_fails_leaves_the_old_one(make_result, fields, tmp_path):
+    """What was there stays whole when drawing the new report fails, and nothing half-written stays behind."""
+    path = write_report(make_result(), tmp_path)
+    before = path.read_bytes()
+    with pytest.raises(KeyError):
+        write_report(make_result(fields=fields.drop_vars("base")), tmp_path)
+    assert path.read_bytes() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_marker_that_was_never_seen(make_result, fields):
+    """A marker without a single measurement does not spoil the page."""
+    blind = fields.copy(deep=True)
+    blind["measured"].values[:, :3] = np.nan
+    assert len(figures_of(report_html(make_result(fields=blind)))) == 5
