@@ -243,7 +243,7 @@ def fuzz(name: str, inputs: int, seed: int) -> dict[str, Any]:
     seeds, read = PARSERS[name](chance)
     findings: list[str] = []
     slowest_s = 0.0
-    read(damaged(chance, seeds))
+    _one(read, damaged(chance, seeds), findings)
     tracemalloc.start()
     for _ in range(min(2000, inputs)):  # memory, on a part: tracing is slow
         _one(read, damaged(chance, seeds), findings)
@@ -251,6 +251,8 @@ def fuzz(name: str, inputs: int, seed: int) -> dict[str, Any]:
     tracemalloc.stop()
     began = time.perf_counter()
     for _ in range(inputs):
+        if len(findings) > 20:
+            break
         data = damaged(chance, seeds)
         before = time.perf_counter()
         _one(read, data, findings)
@@ -259,8 +261,6 @@ def fuzz(name: str, inputs: int, seed: int) -> dict[str, Any]:
             slowest_s = took_s
             if took_s > SLOW_S:
                 findings.append(f"took {took_s:.1f} s: {data.hex()}")
-        if len(findings) > 20:
-            break
     return {
         "parser": name,
         "inputs": inputs,

@@ -114,8 +114,8 @@ class OpenPneuWire:
     def identify(self) -> tuple[str, dict[str, str]]:
         """The board's name and version in its own words."""
         if self._dialect == "published":
-            address = self._ask("AT+ADDRESS", _anything)
-            version = self._ask("AT+VERSION", _anything)
+            address = self._ask("AT+ADDRESS", _no_news)
+            version = self._ask("AT+VERSION", _no_news)
             details = {"address": address, "version": version}
         else:
             details = {"address": self._ask("AT+ADD", lambda text: text.startswith("ADD="))}
@@ -167,7 +167,11 @@ class OpenPneuWire:
         pairs = self._options.build == "published" and self._dialect == "published"
         for output in sorted({n - n % 2 for n in self._options.outputs} if pairs else self._options.outputs):
             self._target(output, 0.0)
-        self._send("C" if self._dialect == "published" else "CON")
+        with contextlib.suppress(WireError):  # what it answers is for a person; the readings tell
+            if self._dialect == "published":
+                self._ask("C", lambda text: text.startswith("Timer"), tries=1)
+            else:
+                self._ask("CON", _anything, tries=1)
 
     def _detect(self) -> Dialect:
         for _ in range(TRIES):
@@ -267,3 +271,8 @@ class OpenPneuWire:
 
 def _anything(text: str) -> bool:
     return bool(text)
+
+
+def _no_news(text: str) -> bool:
+    """Not one of the lines with which the board tells that it runs or stops; they may come late."""
+    return bool(text) and not text.startswith(("Timer", "Stop"))

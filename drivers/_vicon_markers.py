@@ -37,7 +37,7 @@ class MarkerTable:
         self._subjects: Mapping[int, Subject] | None = None
         self._index: dict[tuple[int, int], int] = {}
         self._known = np.zeros(len(names), bool)
-        self._keys = b""
+        self._keys: bytes | None = None
         self._rows: NDArray[np.intp] = np.zeros(0, np.intp)
         self._places: NDArray[np.intp] = np.zeros(0, np.intp)
 
@@ -77,7 +77,7 @@ class MarkerTable:
 
     def _learn(self, subjects: Mapping[int, Subject]) -> None:
         self._subjects = subjects
-        self._keys = b""
+        self._keys = None
         self._index = {}
         self._known[:] = False
         for place, wanted in enumerate(self._wanted):

@@ -216,6 +216,8 @@ class WiredPressure:
                 self._watch()
             except (LinkError, WireError) as error:
                 self._lose(str(error))
+            except Exception as error:  # the thread that can vent must not die of anything
+                self._lose(f"unexpected {type(error).__name__}: {error}")
         self._wire.close()
         self._open = False
         self._answer(DeviceError(f"{self.name}: closed"))
@@ -240,6 +242,9 @@ class WiredPressure:
                 future.set_exception(DeviceError(f"{self.name}: {error}"))
             except DeviceError as error:
                 future.set_exception(error)
+            except Exception as error:
+                self._lose(f"unexpected {type(error).__name__}: {error}")
+                future.set_exception(DeviceError(f"{self.name}: {self._problem}"))
 
     def _reopen(self) -> None:
         self._wire.close()

@@ -87,3 +87,12 @@ def test_a_marker_sent_twice_takes_its_last_position():
     """Of two entries for one marker the last counts."""
     position, _ = MarkerTable(["a"]).place(frame_of([(1, 1, (1, 1, 1)), (1, 1, (2, 2, 2))], [TORSO]))
     assert position[0].tolist() == [2, 2, 2]
+
+
+def test_an_empty_frame_after_new_subjects():
+    """A frame without any marker right after the subjects changed has all of them occluded."""
+    table = MarkerTable(["b"])
+    table.place(frame_of([(1, 2, (1, 1, 1))], [TORSO]))
+    position, status = table.place(frame_of([], [OTHER]))
+    assert status.tolist() == [OCCLUDED]
+    assert np.isnan(position).all()

@@ -242,6 +242,18 @@ def test_a_refused_write_is_the_callers_error(wire, make):
     assert wire.is_open
 
 
+def test_an_unexpected_error_is_no_end(wire, make):
+    """An error that nobody foresaw is reported like a lost link, and a vent still works."""
+    device = make()
+    wire.poll = lambda timeout_s: 1 / 0
+    wait_for(lambda: not wire.is_open)
+    device.samples()
+    with pytest.raises(DeviceError, match=r"^pressure: unexpected ZeroDivisionError: division by zero$"):
+        device.set(np.zeros(2))
+    del wire.poll
+    device.vent()
+
+
 def test_samples_are_bounded(make):
     """Samples that nobody fetches push out the oldest, and are counted."""
     device = make(max_samples=5)

@@ -281,6 +281,19 @@ def test_a_wrong_dialect_is_named(twin, driver, settings, text):
     assert str(error.value) == f"pressure: the board at {port} {text}"
 
 
+def test_a_flood_of_anything_is_given_up_in_time(script, driver):
+    """A device that never stops talking is recognised as no board; nothing of it is kept."""
+
+    def talk(connection):
+        while True:
+            connection.sendall(b"blah\r\n" * 10_000)
+
+    device = driver(f"socket://127.0.0.1:{script(talk).port}")
+    with pytest.raises(DeviceError, match=r"^pressure: no OpenPneu board answers AT at .*; it sends b'"):
+        device.connect()
+    assert len(device._wire._replies) <= 64
+
+
 def test_a_port_with_something_else(script, driver):
     """A device that answers something else is named with what it says."""
 
