@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from drivers._clock import Clock
-from drivers._modbus_map import load_map
+from drivers._modbus_map import RegisterMapError, load_map
+from drivers._openpneu_stream import SENSORS
 from drivers._protocols import DeviceError
 from drivers.simulated._artec_twin import ArtecTwin
 from drivers.simulated._modbus_twin import ModbusTwin
@@ -88,7 +89,11 @@ class TwinRig:
     def _pressure(self) -> dict[str, Any]:
         options = self.options
         if options.pressure == "modbus":
-            registers = load_map(options.register_map)
+            try:
+                registers = load_map(options.register_map)
+            except RegisterMapError as error:
+                raise DeviceError(f"pressure: map: {error}") from None
+            _enough(registers.name, len(registers.setpoint.addresses), len(self.plant.channels))
             twin = ModbusTwin(self.plant, registers, host=options.host, port=options.pressure_port)
             _started(twin, "pressure", options.host, options.pressure_port)
             self._stack.callback(twin.stop)
@@ -102,6 +107,7 @@ class TwinRig:
         dialect: Literal["published", "table"] = (
             "table" if options.pressure == "openpneu-table" else "published"
         )
+        _enough("an OpenPneu board", SENSORS, len(self.plant.channels))
         board = OpenPneuBoard(self.plant, dialect, options.build)
         twin = OpenPneuTwin(
             board,
@@ -160,6 +166,11 @@ class TwinRig:
         )
         self.listening["scanner"] = f"Artec exports into {folder}, {every}"
         return {"kind": "artec", "folder": "scans", "unit": options.scan_unit}
+
+
+def _enough(what: str, outputs: int, chambers: int) -> None:
+    if outputs < chambers:
+        raise DeviceError(f"pressure: {what} has {outputs} outputs, the rig has {chambers} chambers")
 
 
 def _started(twin: Any, role: str, host: str, port: int) -> None:

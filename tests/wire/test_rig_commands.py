@@ -14,6 +14,7 @@ from drivers._check import check_devices
 from drivers.simulated._twins import TwinOptions, TwinRig
 from labrig.rig import device_makers, parse_rig
 
+NO_MAP = "pressure: map: nope.yaml: no such register map (labrig brings festo-pgva.yaml, festo-vtem.yaml)"
 LABRIG = [sys.executable, "-c", "from labrig.cli import main; main()"]
 
 
@@ -56,8 +57,9 @@ def twins(plant, tmp_path):
         rig = TwinRig(
             plant, "bench", tmp_path, RealClock(), TwinOptions(**{"boot_s": 0.0, "rate_hz": 200.0, **options})
         )
+        entered = rig.__enter__()
         running.append(rig)
-        return rig.__enter__()
+        return entered
 
     yield start
     for rig in running:
@@ -131,6 +133,20 @@ def test_check_notices_metres(twins, tmp_path, plant):
     state, text = checked(twins(), tmp_path)["mocap", "extent"]
     assert state == "look"
     assert text.endswith("that looks like metres; set `unit: m`, or correct the calibration")
+
+
+@pytest.mark.parametrize(
+    ("register_map", "text"),
+    [
+        ("festo-pgva.yaml", "pressure: Festo PGVA-1 has 1 outputs, the rig has 4 chambers"),
+        ("nope.yaml", NO_MAP),
+    ],
+)
+def test_a_map_that_does_not_serve(twins, register_map, text):
+    """A twin whose map has too few outputs, or is not there, says so."""
+    with pytest.raises(DeviceError) as error:
+        twins(pressure="modbus", register_map=register_map)
+    assert str(error.value) == text
 
 
 def test_a_port_that_is_taken(twins, tmp_path):
