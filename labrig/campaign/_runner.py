@@ -130,6 +130,7 @@ class _Run:
         self.next_segment = max((number for number, _ in segment_paths(folder)), default=-1) + 1
         self.session_name = str(self.next_segment)
         self.captures_done = 0
+        self.planned_captures = plan.captures
         self.last_progress_s = -1e9
         self.step: Step | None = None
 
@@ -257,7 +258,7 @@ class _Run:
             steps_done=steps_done,
             steps=len(plan.steps) if known else None,
             captures_done=self.captures_done,
-            captures=plan.captures if known else None,
+            captures=self.planned_captures if known else None,
             elapsed_s=now_s - self.started_s,
             remaining_s=plan.duration_s - planned_s if known else None,
             step=step.kind,

@@ -19,7 +19,9 @@ TICK_S = 0.05
 """How often devices are asked what is new while the run waits, s."""
 
 SEGMENT_BYTES = 512 * 1024 * 1024
-"""A segment that has grown to this is closed at the end of a step, and the next one begun."""
+SEGMENT_STEPS = 10_000
+"""A segment that has grown to this is closed at the end of a step, and the next one begun: the index of a file is
+kept in memory until the file is closed."""
 
 
 class Control:
@@ -76,6 +78,7 @@ class Session:
         self.tick_s = tick_s
         self.commanded_kpa: Floats = np.zeros(len(rig.config.chambers))
         self.held = Held()
+        self._steps_in_segment = 0
         now_s = self.clock.now_s()
         self._last_sample_s = self._last_frame_s = now_s
         self.on_tick: Callable[[], None] = _nothing
@@ -200,9 +203,13 @@ class Session:
                 self._rotate()
 
     def _rotate(self) -> None:
-        if self.log is not None and self._open_log is not None and self.log.size_bytes() > SEGMENT_BYTES:
+        if self.log is None or self._open_log is None:
+            return
+        self._steps_in_segment += 1
+        if self.log.size_bytes() > SEGMENT_BYTES or self._steps_in_segment >= SEGMENT_STEPS:
             self.log.close()
             self.log = self._open_log()
+            self._steps_in_segment = 0
 
     def begin_step(self, step: Step, index: int) -> None:
         """Forget what arrived before, and say that a step begins."""
