@@ -16,6 +16,7 @@ import time
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,12 +27,14 @@ from drivers._cgstream_session import ClientSession
 from drivers._modbus import ModbusOptions, ModbusWire
 from drivers._modbus_map import load_map
 from drivers._openpneu_stream import StreamParser, telemetry_line
+from drivers._recording import RecordingError, parse_piece
 from drivers._transport import LinkError
 from drivers._vicon_markers import MarkerTable
 from drivers._wired_pressure import WireError
 from drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_bytes
 from drivers.simulated._openpneu_board import OpenPneuBoard
 from drivers.simulated._vicon_encode import Scene, contents
+from drivers.simulated._vicon_server import TwinClient, ViconServer
 
 SLOW_S = 2.0
 ABSURD = (0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0xFFFF, MAGIC)
@@ -187,6 +190,54 @@ def modbus_driver(chance: random.Random) -> tuple[list[bytes], Callable[[bytes],
     return seeds, read
 
 
+def vicon_twin(chance: random.Random) -> tuple[list[bytes], Callable[[bytes], None]]:
+    """What a client sends to the DataStream twin."""
+    plant = SimpleNamespace(marker_names=("m1",), plant=SimpleNamespace(rest_mm=np.zeros((1, 3))))
+    server = ViconServer(plant)  # type: ignore[arg-type]
+    enums = struct.pack("<5I", 4, 1, 2, 5, 6)
+    seeds = [
+        packet([block(100001, enums)]) + packet([block(100002, b"\x01")]),
+        packet([block(100002, b"\0"), block(100008, struct.pack("<I", 1)), block(42, bytes(8))]),
+        packet([block(100007, struct.pack("<4I", 1, 6, 1, 1)), block(100003, b""), block(42, bytes(8))]),
+    ]
+
+    def read(data: bytes) -> None:
+        client = TwinClient(None)  # type: ignore[arg-type]
+        size = chance.choice((7, 100_000))
+        try:
+            for at in range(0, len(data), size):
+                server.take(client, data[at : at + size])
+        except CgstreamError:
+            return
+        assert len(client.pings) <= 64
+        assert client.reader.pending_bytes <= len(data)
+
+    return seeds, read
+
+
+def recordings(chance: random.Random) -> tuple[list[bytes], Callable[[bytes], None]]:
+    """Lines of a recording of a session."""
+    del chance
+    seeds = [
+        b"0.000100 > 41540d0a\n0.5 < 4f4b\n",
+        b"1e3 < 00\n",
+        b"12.25 > \n",
+        b"0 < " + b"ab" * 200 + b"\n",
+    ]
+    path = Path("a.wire")
+
+    def read(data: bytes) -> None:
+        for number, line in enumerate(data.decode("ascii", "replace").splitlines()):
+            try:
+                piece = parse_piece(line, path, number)
+            except RecordingError:
+                continue
+            assert piece.time_s >= 0
+            assert len(piece.data) <= len(line)
+
+    return seeds, read
+
+
 def scan_files(chance: random.Random) -> tuple[list[bytes], Callable[[bytes], None]]:
     """Scan files of every format."""
     vertices = np.array([[0.0, 0, 0], [100, 0, 0], [0, 100, 0], [100, 100, 10]])
@@ -230,10 +281,12 @@ def scan_files(chance: random.Random) -> tuple[list[bytes], Callable[[bytes], No
 
 PARSERS = {
     "vicon client": vicon_client,
+    "vicon twin": vicon_twin,
     "openpneu driver": openpneu_driver,
     "openpneu twin": openpneu_twin,
     "modbus driver": modbus_driver,
     "scan files": scan_files,
+    "recordings": recordings,
 }
 
 

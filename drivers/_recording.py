@@ -108,10 +108,11 @@ def read_pieces(path: Path) -> Iterator[Piece]:
                 if len(line) >= MAX_LINE_CHARACTERS:
                     raise RecordingError(f"{path}: line {number} is longer than {MAX_LINE_CHARACTERS}")
                 return
-            yield _piece(line, path, number)
+            yield parse_piece(line, path, number)
 
 
-def _piece(line: str, path: Path, number: int) -> Piece:
+def parse_piece(line: str, path: Path, number: int) -> Piece:
+    """One line of a recording; `RecordingError` names the file and the line's number."""
     try:
         time_text, arrow, data_text = line.split()
         time_s, data = float(time_text), bytes.fromhex(data_text)

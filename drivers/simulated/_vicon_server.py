@@ -33,7 +33,9 @@ MAX_LATE_FRAMES = 100
 
 
 @dataclass
-class _Client:
+class TwinClient:
+    """One connection, as the server sees it."""
+
     connection: socket.socket
     reader: PacketReader = field(default_factory=lambda: PacketReader(MAX_REQUEST_BYTES))
     unsent: bytearray = field(default_factory=bytearray)
@@ -75,7 +77,7 @@ class ViconServer:
             {*self._statics, *self._scene.frame_blocks(0, rest_mm, 0.0), CgObject.CONTENTS, CgObject.PING}
         )
         self._number = 0
-        self._clients: list[_Client] = []
+        self._clients: list[TwinClient] = []
         self._due: deque[tuple[float, dict[int, bytes]]] = deque()
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
@@ -138,33 +140,37 @@ class ViconServer:
                 return
             connection.setblocking(False)
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            client = _Client(connection)
+            client = TwinClient(connection)
             numbers = (struct.pack("<I", number) for number in sorted(self._supported))
             client.unsent += packet([block(CgObject.OBJECT_ENUMS, vector(numbers))])
             self._clients.append(client)
             selector.register(connection, selectors.EVENT_READ, client)
 
-    def _drop(self, client: _Client, selector: selectors.BaseSelector) -> None:
+    def _drop(self, client: TwinClient, selector: selectors.BaseSelector) -> None:
         if client in self._clients:
             self._clients.remove(client)
             selector.unregister(client.connection)
             client.connection.close()
 
-    def _read(self, client: _Client, selector: selectors.BaseSelector) -> None:
+    def _read(self, client: TwinClient, selector: selectors.BaseSelector) -> None:
         try:
             data = client.connection.recv(1 << 16)
             if not data:
                 self._drop(client, selector)
                 return
-            for body in client.reader.feed(data):
-                for number, payload in blocks(body):
-                    self._handle(client, number, payload)
+            self.take(client, data)
         except BlockingIOError:
             return
         except (OSError, CgstreamError):
             self._drop(client, selector)
 
-    def _handle(self, client: _Client, number: int, payload: bytes) -> None:
+    def take(self, client: TwinClient, data: bytes) -> None:
+        """Act on what a client sent; `CgstreamError` when it makes no sense."""
+        for body in client.reader.feed(data):
+            for number, payload in blocks(body):
+                self._handle(client, number, payload)
+
+    def _handle(self, client: TwinClient, number: int, payload: bytes) -> None:
         if number == CgObject.OBJECT_ENUMS:
             enabled = decode_set(payload, "ObjectEnums") & self._supported
             if enabled != client.enabled:
@@ -199,7 +205,7 @@ class ViconServer:
             client.unsent += self._packet(client, made)
             self.frames_sent += 1
 
-    def _packet(self, client: _Client, made: dict[int, bytes]) -> bytes:
+    def _packet(self, client: TwinClient, made: dict[int, bytes]) -> bytes:
         sent: dict[int, bytes] = {}
         if not client.statics_sent:
             sent.update(self._statics)

@@ -16,9 +16,18 @@ def load():
     return module
 
 
-@pytest.mark.parametrize(
-    "name", ["vicon client", "openpneu driver", "openpneu twin", "modbus driver", "scan files"]
-)
+PARSERS = [
+    "vicon client",
+    "vicon twin",
+    "openpneu driver",
+    "openpneu twin",
+    "modbus driver",
+    "scan files",
+    "recordings",
+]
+
+
+@pytest.mark.parametrize("name", PARSERS)
 def test_damaged_input_ends_in_events_or_the_parsers_own_error(name):
     """Three thousand damaged inputs: no crash, nothing slow, memory that stays small."""
     result = load().fuzz(name, 3000, seed=1)
@@ -28,13 +37,7 @@ def test_damaged_input_ends_in_events_or_the_parsers_own_error(name):
 
 def test_every_parser_is_fuzzed():
     """The parsers that are fuzzed here are all that the benchmark knows."""
-    assert list(load().PARSERS) == [
-        "vicon client",
-        "openpneu driver",
-        "openpneu twin",
-        "modbus driver",
-        "scan files",
-    ]
+    assert list(load().PARSERS) == PARSERS
 
 
 def test_a_parser_that_crashes_is_found():
