@@ -20,11 +20,6 @@ MOST_EFFECTS = 3
 _ROWS = 300  # rows of the campaign that are used: a plain regression needs no more
 
 
-def thinned(rows: int, random: np.random.Generator) -> NDArray[np.int64]:
-    """Indices of at most 300 rows."""
-    return np.sort(random.permutation(rows)[:_ROWS])
-
-
 def _squares(X: Array, y: Array) -> tuple[float, int]:
     """Residual sum of squares of a least squares fit, and the rank."""
     gram = X.T @ X
@@ -107,28 +102,17 @@ def run_baselines(
     context: Context, library: dict[str, Effect], random: np.random.Generator
 ) -> dict[str, Any]:
     """The answers of all baselines that are installed, by name."""
-    data = residuals(context)
-    keep = _kept(data, random)
-    forms = {name: [X[keep] for X in found] for name, found in candidates(data, library).items()}
-    y = data.value[keep]
+    data = residuals(context, random, _ROWS)
+    forms, y = candidates(data, library), data.value
     out = {"bic": answer(bic(y, forms)), "f-test": answer(f_test(y, forms))}
-    sparse = _sparse(context, data)
+    sparse = _sparse(context)
     if sparse is not None:
         out["sindy"] = answer(sparse)
     return out
 
 
-def _kept(data: Residuals, random: np.random.Generator) -> NDArray[np.bool_]:
-    """Which of the seen entries belong to the rows that are used."""
-    rows = np.zeros(len(data.seen), dtype=bool)
-    rows[thinned(len(data.seen), random)] = True
-    return np.broadcast_to(rows[:, None], data.seen.shape)[data.seen]
-
-
-def _sparse(context: Context, data: Residuals) -> list[str] | None:
-    """Sequentially thresholded least squares (Brunton et al. 2016) over everyday terms; None without
-    pysindy.
-    """
+def _sparse(context: Context) -> list[str] | None:
+    """Thresholded least squares (Brunton et al. 2016) over everyday terms; None without pysindy."""
     try:
         from pysindy import STLSQ  # pyright: ignore[reportMissingImports]
     except ImportError:
@@ -136,9 +120,10 @@ def _sparse(context: Context, data: Residuals) -> list[str] | None:
     terms = _everyday_terms(context)
     X = np.concatenate(list(terms.values()), axis=1)
     X = (X - X.mean(axis=0)) / np.maximum(X.std(axis=0), 1e-12)
-    filled = np.where(data.seen, context.rows.values - context.base, 0.0)
-    left, size, _ = np.linalg.svd(filled - filled.mean(axis=0), full_matrices=False)
-    y = (left * size)[:, :PATTERNS]
+    left = context.rows.values - context.base
+    filled = np.where(np.isfinite(left), left, 0.0)
+    score, size, _ = np.linalg.svd(filled - filled.mean(axis=0), full_matrices=False)
+    y = (score * size)[:, :PATTERNS]
     y = y / max(float(y.std()), 1e-12)
     best, kept = y.size * np.log(np.mean(y**2)), np.zeros((1, X.shape[1]))
     for threshold in (0.01, 0.02, 0.05, 0.1, 0.2, 0.4):

@@ -15,7 +15,7 @@ PATTERNS = 3  # free shapes over the observables are looked for among this many 
 
 @dataclass(frozen=True)
 class Residuals:
-    """What the base leaves, (N,) over the entries that were seen; `seen` (F, K) says which."""
+    """What the base leaves, (N,), over the entries of (F, K) that were seen in the rows that are used."""
 
     context: Context
     seen: NDArray[np.bool_]
@@ -23,14 +23,15 @@ class Residuals:
     modes: Array
 
 
-def residuals(context: Context) -> Residuals:
-    """Residuals of a base over all rows, clipped at six robust deviations against outliers."""
+def residuals(context: Context, random: np.random.Generator, most_rows: int) -> Residuals:
+    """Residuals of a base over at most `most_rows` rows, clipped at six robust deviations against outliers."""
     left = context.rows.values - context.base
     seen = np.isfinite(left)
     spread = 1.4826 * np.median(np.abs(left[seen] - np.median(left[seen])))
     left = np.clip(left, -6.0 * spread, 6.0 * spread)
     filled = np.where(seen, left, 0.0)
     modes = np.linalg.svd(filled, full_matrices=False)[2][:PATTERNS]
+    seen[np.sort(random.permutation(len(seen))[most_rows:])] = False
     return Residuals(context, seen, left[seen], modes)
 
 

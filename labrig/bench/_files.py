@@ -29,7 +29,7 @@ def write_campaign(campaign: Campaign, folder: Path) -> None:
     for stem, mapping, dataset in (("table", "map", campaign.dataset), ("fresh", "fresh", campaign.fresh)):
         _replace(
             folder / f"{stem}.csv",
-            table(dataset).to_csv(index=False, float_format="%.6g", lineterminator="\n"),
+            table(dataset).to_csv(index=False, float_format="%.8g", lineterminator="\n"),
         )
         _replace(folder / f"{mapping}.yaml", _yaml(mapping_of(dataset, f"{stem}.csv")))
     write_model(campaign, folder)
@@ -62,12 +62,12 @@ def table(dataset: "xr.Dataset") -> "pd.DataFrame":
     }
     chambers = list(dataset["chamber"].values)
     for c, name in enumerate(chambers):
-        columns[f"set_{name}"] = dataset["commanded"].values[capture, c]
+        columns[f"set_{name}"] = np.round(dataset["commanded"].values[capture, c], 4)
     if "measured" in dataset:
         for c, name in enumerate(chambers):
-            columns[f"read_{name}"] = dataset["measured"].values[capture, row, c]
+            columns[f"read_{name}"] = np.round(dataset["measured"].values[capture, row, c], 3)
     for column, value in _observables(dataset):
-        columns[column] = value[capture, row]
+        columns[column] = np.round(value[capture, row], 4)
     if "covariates" in dataset:
         columns["tilt"] = dataset["covariates"].values[capture, row, 0]
     frame = pd.concat([pd.DataFrame(columns), _silent_events(dataset)], ignore_index=True)
@@ -101,7 +101,7 @@ def _silent_events(dataset: "xr.Dataset") -> "pd.DataFrame":
         "setpoint": ["" for _ in silent],
     }
     for c, name in enumerate(dataset["chamber"].values):
-        columns[f"set_{name}"] = dataset["event_commanded"].values[silent, c]
+        columns[f"set_{name}"] = np.round(dataset["event_commanded"].values[silent, c], 4)
     return pd.DataFrame(columns)
 
 

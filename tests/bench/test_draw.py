@@ -129,3 +129,22 @@ def test_plain_files_hold_the_whole_campaign(name: str, seed: int, tmp_path: Pat
         exec((tmp_path / "base.py").read_text(), scope)
         pressure = data["commanded"].values[:3]
         np.testing.assert_array_equal(scope["predict"](pressure), make_base(campaign.base)(pressure))
+
+
+def test_the_files_make_the_same_campaign_again(tmp_path: Path) -> None:
+    """Imported, the table gives the drawn Dataset back, to the digits that it has."""
+    from labrig.log import import_table
+
+    campaign = draw("single-2", 4)
+    write_campaign(campaign, tmp_path / "files")
+    again = import_table(tmp_path / "files" / "map.yaml", tmp_path / "run")
+    drawn = campaign.dataset
+    assert again.attrs["between_sessions"] == drawn.attrs["between_sessions"]
+    for name in drawn.data_vars:
+        if name in ("time_s", "event_time_s"):
+            continue
+        np.testing.assert_allclose(again[name].values, drawn[name].values, atol=1e-3)
+    shift = again["event_time_s"].values - drawn["event_time_s"].values
+    np.testing.assert_allclose(shift, shift[0], atol=2e-3)
+    for name in ("session", "repeat", "event_of", "event_session"):
+        np.testing.assert_array_equal(again[name].values, drawn[name].values)
