@@ -17,6 +17,7 @@ from labrig.diagnosis._search import (
     Gate,
     draw_signs,
     explore,
+    relative,
     select,
     square_of,
 )
@@ -78,7 +79,8 @@ def diagnose(
     base_left = streams.residual - streams.nothing
     floor_square = float(np.mean(floor.row[streams.counted] ** 2))
     gate = Gate(floor_square, square_of(streams, base_left), tolerance)
-    best = max((c.score.gain for forms in found.values() for c in forms), default=0.0)
+    shares = [relative(c.score.gains, streams.base_squares) for forms in found.values() for c in forms]
+    best = max(shares, default=0.0)
     p_value = float((1 + (largest >= best).sum()) / (1 + len(largest)))
     chosen = select(streams, found, p_value, gate)
     before = ceiling(streams, context, base_left)

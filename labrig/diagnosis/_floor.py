@@ -9,6 +9,8 @@ from labrig.diagnosis._spectrum import bulk_noise
 from labrig.effects import Context
 from labrig.effects._rows import Floats, Ints
 
+_MOST_TO_MATCH = 2000
+
 
 @dataclass(frozen=True)
 class Floor:
@@ -63,7 +65,11 @@ def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
         found = {"repeats with the same history": same, "the bulk of the residuals' spectrum": bulk}
         usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > 0}
         if not usable:
-            usable = {"differences between neighbouring captures": _neighbours(means[:, own])}
+            single = len(captures) == len(rows.capture)
+            if single and len(captures) >= 12:
+                usable = {"differences between neighbouring captures": _neighbours(means[:, own])}
+            else:
+                usable = {"the noise within a capture": inside}
         how = min(usable, key=lambda name: usable[name])
         size = usable[how]
         if not np.isfinite(size) or size <= 0:
@@ -108,9 +114,9 @@ def _repeat_spread(context: Context, means: Floats, captures: Ints) -> dict[str,
     tolerance = 0.02 * context.span
     kinds: dict[str, list[Floats]] = {"same history": [], "opposite history": [], "early against late": []}
     labels: dict[str, list[int]] = {}
-    for i, c in enumerate(captures):
-        if rows.repeat[c]:
-            labels.setdefault(rows.repeat[c], []).append(i)
+    for i, label in enumerate(_labels(context, captures)):
+        if label:
+            labels.setdefault(label, []).append(i)
     for members in labels.values():
         for a, b in pairwise(members):
             alike = (np.abs(came_from[a] - came_from[b]) <= tolerance).all()
@@ -118,6 +124,18 @@ def _repeat_spread(context: Context, means: Floats, captures: Ints) -> dict[str,
         if len(members) > 2:
             kinds["early against late"].append(means[members[-1]] - means[members[0]])
     return {name: _spread(differences) for name, differences in kinds.items()}
+
+
+def _labels(context: Context, captures: Ints) -> list[str]:
+    """Which captures repeat each other: as labelled, else those with equal actuation and covariates."""
+    rows = context.rows
+    given = [rows.repeat[c] for c in captures]
+    if any(given) or len(captures) > _MOST_TO_MATCH:
+        return given
+    first = np.searchsorted(rows.capture, captures)
+    known = [rows.fraction[first], *(cov.values[first, None] for cov in rows.covariates.values())]
+    keys = [",".join(f"{v:.4g}" for v in row) for row in np.concatenate(known, axis=1)]
+    return [key if keys.count(key) > 1 else "" for key in keys] if len(set(keys)) > 1 else given
 
 
 def _spread(differences: list[Floats]) -> float | None:

@@ -55,10 +55,11 @@ def score(columns: Columns) -> Score:
     return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridges[best])
 
 
-def null_gains(columns: Columns, signs: Floats, ridge: float) -> Floats:
-    """The gain when the residuals of whole blocks change sign, (B,) for `signs` (B, G) of +1 and -1.
+def null_gains(columns: Columns, signs: Floats, ridge: float, base: Floats) -> Floats:
+    """The relative gain when the residuals of whole blocks change sign, (B,).
 
-    Under the null the sign of a block's residual says nothing, so this is what the search would have found.
+    `signs` (B, G) are +1 or -1; the gain of each block is taken as a share of its `base` (G,). Under the
+    null the sign of a block's residual says nothing, so this is what the search would have found.
     """
     G, c = columns.sums
     total = G.sum(axis=0)
@@ -66,7 +67,8 @@ def null_gains(columns: Columns, signs: Floats, ridge: float) -> Floats:
     signed = signs @ c
     for f in range(len(G)):
         beta = (signed - signs[:, [f]] * c[f]) @ _inverse(total - G[f], ridge)
-        out += 2 * signs[:, f] * (beta @ c[f]) - np.einsum("bq,qr,br->b", beta, G[f], beta, optimize=True)
+        gain = 2 * signs[:, f] * (beta @ c[f]) - np.einsum("bq,qr,br->b", beta, G[f], beta, optimize=True)
+        out += gain / max(float(base[f]), 1e-300)
     return out
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, order_of
 from labrig.diagnosis._score import Score, null_gains, score
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context, Effect, Variant
+from labrig.effects import Context, Effect, Term, Variant
 from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
 
@@ -21,6 +21,7 @@ CLEAR_SE = 1.0
 LOCAL_Z = 4.0
 LOCAL_OF_FLOOR = 0.5
 TIE_SHARE = 0.03
+OWN_SHARE = 0.05
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_SHARE = 0.06
 
@@ -73,11 +74,12 @@ def explore(
 ) -> tuple[dict[str, list[Candidate]], Floats]:
     """Score every form of every effect alone.
 
-    Returns the best few plausible forms of each effect, best first, and the largest gain that the whole
-    search would have found in each draw of the null, (B,).
+    Returns the best few plausible forms of each effect, best first, and the largest relative gain that the
+    whole search would have found in each draw of the null, (B,).
     """
     found: dict[str, list[Candidate]] = {}
     largest = np.zeros(len(signs))
+    beside = streams.beside_static()
     for name, effect in effects.items():
         kept: list[Candidate] = []
         for variant in effect.variants(context):
@@ -85,12 +87,13 @@ def explore(
             if columns.width == 0:
                 continue
             scored = score(columns)
-            largest = np.maximum(largest, null_gains(columns, signs, scored.ridge))
+            largest = np.maximum(largest, null_gains(columns, signs, scored.ridge, streams.base_squares))
             if not plausible(effect, variant, columns, scored):
                 continue
             kept.append(Candidate(effect, variant, columns, scored))
             kept.sort(key=lambda c: -c.score.gain)
             del kept[KEPT_FORMS:]
+        kept = [c for c in kept if stands_alone(c, beside)]
         if kept:
             found[name] = kept
     return found, largest
@@ -114,9 +117,11 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         start = at_e if in_fields else at_x
         own = slice(start, start + r)
         at_e, at_x = (at_e + r, at_x) if in_fields else (at_e, at_x + r)
+        parameter = effect.parameter(term.parameter)
+        if term.kind == "pattern" and parameter.low >= 0 and not _along(columns, scored.beta[own], term):
+            return False
         if term.kind in {"pattern", "frame"}:
             continue
-        parameter = effect.parameter(term.parameter)
         weight = 1 / np.maximum(np.diag(scored.covariance)[own], 1e-300)
         jack = scored.fold_beta[:, own]
         value = float(np.sum(weight * scored.beta[own]) / weight.sum())
@@ -126,6 +131,40 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         if value < parameter.low - 2 * sd or value > parameter.high + 2 * sd:
             return False
     return True
+
+
+def _along(columns: Columns, beta: Floats, term: Term) -> bool:
+    """Whether a free pattern points the way in which the base itself moves, chamber by chamber."""
+    streams = columns.streams
+    pattern = beta.reshape(-1, streams.n_patterns) @ streams.patterns
+    reach = streams.context.jacobian.mean(axis=0).T
+    if len(pattern) != len(reach) or not np.abs(reach).any():
+        return True
+    return bool((pattern * reach / streams.floor.row**2).sum() > 0)
+
+
+def stands_alone(candidate: Candidate, beside: Streams | None) -> bool:
+    """Whether the effect explains something that a static map of the pressures does not."""
+    needed = candidate.effect.beyond_static
+    reversed_ = candidate.columns.streams.context.reverses
+    if beside is None or needed == "no" or (needed == "if reversed" and not reversed_):
+        return True
+    scored = score(columns_of(beside, candidate.variant))
+    return clear(scored.gains, beside.base_squares) and scored.gain > OWN_SHARE * candidate.score.gain
+
+
+def clear(gains: Floats, base: Floats) -> bool:
+    """Whether gains are more than their standard error, as they are or each as a share of its block's square."""
+    for each in (gains, gains / np.maximum(base, 1e-300)):
+        n = len(each)
+        if each.sum() > CLEAR_SE * np.sqrt(n / max(n - 1, 1) * np.sum((each - each.mean()) ** 2)):
+            return True
+    return False
+
+
+def relative(gains: Floats, base: Floats) -> float:
+    """Gains as shares of what each block had, summed: no single block can carry it."""
+    return float((gains / np.maximum(base, 1e-300)).sum())
 
 
 def draw_signs(n_groups: int, seed: int = 0, draws: int = DRAWS) -> Floats:
@@ -240,9 +279,7 @@ def _stays_plausible(joint: Fit) -> bool:
 def _earns(streams: Streams, before: Fit | None, after: Fit, gate: Gate) -> bool:
     """Better than its standard error, and large enough beside what is explained already."""
     more = after.score.gains - (before.score.gains if before else 0.0)
-    n = len(more)
-    se = float(np.sqrt(n / max(n - 1, 1) * np.sum((more - more.mean()) ** 2)))
-    if more.sum() <= CLEAR_SE * se:
+    if more.sum() <= 0 or not clear(more, streams.base_squares):
         return False
     return _fall(streams, before, after) >= gate.smallest(0.0 if before is None else SMALLEST_SHARE)
 
@@ -302,9 +339,9 @@ def _p_of_addition(
         for c in forms:
             columns = replace(c.columns, streams=left)
             scored = score(columns)
-            largest = np.maximum(largest, null_gains(columns, signs, scored.ridge))
+            largest = np.maximum(largest, null_gains(columns, signs, scored.ridge, streams.base_squares))
             if name == best.names[-1]:
-                observed = max(observed, scored.gain)
+                observed = max(observed, relative(scored.gains, streams.base_squares))
     return float((1 + (largest >= observed).sum()) / (1 + len(signs)))
 
 

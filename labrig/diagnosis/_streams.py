@@ -7,7 +7,7 @@ modes (chambers through the Jacobian, rigid motions of the frame, free patterns)
 scoring needs are sums over rows of mode-by-mode products: no step depends on the number of observables.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,11 +22,13 @@ from labrig.effects._rows import Floats, Ints
 MAX_PATTERNS = 8
 MAX_GROUPS = 12
 _SESSIONS_AS_GROUPS = 6
-_FEW_CAPTURES = 8
+_FEW_CAPTURES = 3
 _FAR = 8.0
 _MOST_FAR = 0.2
 _SMOOTH_RANK = 10
 _STAYS = 4
+_FORM = 0.03
+_ROWS_THAT_COUNT = 6
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class Streams:
     has_frame: bool
     declared: Floats | None
     row_group: Ints
+    as_features: bool = False
 
     @property
     def n_groups(self) -> int:
@@ -98,6 +101,12 @@ class Streams:
         return self.modes[0, self.modes.shape[1] - self.n_patterns :]
 
     @cached_property
+    def base_squares(self) -> Floats:
+        """Weighted square of what the base leaves in each block, (G,)."""
+        each = self.square(self.residual - self.nothing)
+        return np.array([each[own].sum() for own in self.blocks])
+
+    @cached_property
     def counted(self) -> Ints:
         """The observables that errors are quoted for: those of the commonest unit."""
         units = self.context.rows.unit
@@ -109,10 +118,33 @@ class Streams:
         """The stream rows of each left-out block."""
         return [np.flatnonzero(self.group == g) for g in range(self.n_groups)]
 
+    def beside_static(self) -> "Streams | None":
+        """The same with a smooth static map of the pressures as the base's own; None with too few captures.
+
+        Its powers of each pressure, up to the third where there are captures enough, explain what they can
+        first (features are projected as if the modes did not change between captures), so that what is left
+        of an effect is its own.
+        """
+        x = self.context.rows.fraction
+        n = int(self.index.max()) + 1
+        if not self.use_means:
+            return self
+        degree = max((k for k in (1, 2, 3) if n >= 3 * (1 + k * x.shape[1])), default=0)
+        if degree == 0:
+            return None
+        columns = np.column_stack([np.ones(len(x)), *(x**k for k in range(1, degree + 1))])
+        static = np.concatenate(
+            [_per_capture(columns, self.index), np.zeros((len(self.keep), columns.shape[1]))]
+        )
+        both = static if self.declared is None else np.column_stack([self.declared, static])
+        return replace(self, declared=both, as_features=True)
+
     @cached_property
     def constant_modes(self) -> bool:
         """Whether the modes are the same in every capture, so that a feature can be projected on its own."""
-        return bool(np.allclose(self.modes, self.modes[:1], rtol=1e-6, atol=1e-9 * np.abs(self.modes).max()))
+        return self.as_features or bool(
+            np.allclose(self.modes, self.modes[:1], rtol=1e-6, atol=1e-9 * np.abs(self.modes).max())
+        )
 
     def partial(self, target: Floats, train: NDArray[np.bool_]) -> Floats:
         """What the base's own parameters, fitted to the rows `train`, leave of `target` (S, ...)."""
@@ -170,7 +202,9 @@ def _far(values: Floats) -> NDArray[np.bool_]:
         off = np.abs(values - _smooth(values))
     else:
         off = np.abs(values - _running_median(fill(values)))
-    bad = off > _FAR * 1.4826 * np.nanmedian(off)
+    middle = np.nanmedian(values, axis=0)
+    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), _FORM * spread)
     structure = bad.mean(axis=1) > _MOST_FAR
     return bad & ~structure[:, None] if values.shape[1] >= 8 else bad
 
@@ -219,12 +253,14 @@ def build_streams(context: Context, floor: Floor, residual: Floats, declared: Fl
     parts, weights, sources = [], [], []
     if use_means:
         parts.append(means)
-        weights.append(np.isfinite(means) / floor.mean**2)
+        weights.append(np.isfinite(means) / _blurred(floor.mean, means) ** 2)
         sources.append(np.arange(n))
     if len(keep):
         deviation = residual[keep] - means[index[keep]]
         parts.append(deviation)
-        weights.append(np.isfinite(deviation) / np.where(floor.within > 0, floor.within, np.inf) ** 2)
+        crowd = np.minimum(1.0, _ROWS_THAT_COUNT / count[index[keep]])[:, None]
+        noise = _blurred(np.where(floor.within > 0, floor.within, np.inf), deviation)
+        weights.append(np.isfinite(deviation) * crowd / noise**2)
         sources.append(index[keep])
     stacked = np.concatenate(parts)
     weight = np.concatenate(weights)
@@ -236,9 +272,7 @@ def build_streams(context: Context, floor: Floor, residual: Floats, declared: Fl
     )
     patterns = _patterns(stacked, weight)
     if declared is not None:
-        per_capture = np.zeros((n, declared.shape[1]))
-        per_capture[index] = declared
-        constant = [per_capture] if use_means else []
+        constant = [_per_capture(declared, index)] if use_means else []
         declared = np.concatenate([*constant, np.zeros((len(keep), declared.shape[1]))])
     first = np.searchsorted(rows.capture, captures)
     modes = [np.moveaxis(context.jacobian[first], 2, 1)]
@@ -264,6 +298,19 @@ def build_streams(context: Context, floor: Floor, residual: Floats, declared: Fl
     )
 
 
+def _blurred(noise: Floats, residual: Floats) -> Floats:
+    """Noise with a share of the residual's own size: no formula is exact, so none is judged more finely."""
+    size = np.sqrt(np.nanmean(np.where(np.isfinite(residual), residual, np.nan) ** 2))
+    return np.sqrt(noise**2 + (_FORM * size) ** 2)
+
+
+def _per_capture(values: Floats, index: Ints) -> Floats:
+    """One row per capture of what is the same in all its rows."""
+    out = np.zeros((int(index.max()) + 1, values.shape[1]))
+    out[index] = values
+    return out
+
+
 def _groups(context: Context, index: Ints, use_means: bool) -> Ints:
     """Which block each row is left out with: sessions where there are enough, else stretches of captures."""
     rows = context.rows
@@ -271,14 +318,13 @@ def _groups(context: Context, index: Ints, use_means: bool) -> Ints:
         place = np.arange(len(index)) - np.searchsorted(index, index)
         length = np.bincount(index)[index]
         return np.minimum((place * MAX_GROUPS) // length, MAX_GROUPS - 1).astype(np.int64)
+    n = int(index.max()) + 1
     sessions = np.unique(rows.session)
-    if len(sessions) >= _SESSIONS_AS_GROUPS:
+    if len(sessions) >= min(_SESSIONS_AS_GROUPS, n):
         order = {s: i for i, s in enumerate(sessions)}
         each = np.array([order[s] for s in rows.session])
         return (each * min(len(sessions), MAX_GROUPS)) // len(sessions)
-    n = int(index.max()) + 1
-    n_groups = int(np.clip(n // 3, 4, MAX_GROUPS))
-    return (index * n_groups) // n
+    return (index * min(n, MAX_GROUPS)) // n
 
 
 def _patterns(stacked: Floats, weight: Floats) -> Floats:

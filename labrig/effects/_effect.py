@@ -96,6 +96,11 @@ class Effect(ABC):
     reference: ClassVar[str]
     signature: ClassVar[str]
     experiment: ClassVar[str]
+    beyond_static: ClassVar[Literal["no", "always", "if reversed"]] = "no"
+    """Whether it must explain what no static map of the pressures could: history, time in hold, session.
+
+    Where all pressures only rise, history can't be told from pressure; `if reversed` then lets it pass.
+    """
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
 

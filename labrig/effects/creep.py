@@ -24,7 +24,9 @@ class Creep(Effect):
     acts_on = "mechanics"
     parameters = (
         Parameter("amplitude", "1", 0.0, 0.6, "chamber", "delayed share of the response"),
-        Parameter("pattern", "observable", meaning="delayed response at full pressure, for each observable"),
+        Parameter(
+            "pattern", "observable", 0.0, meaning="delayed response at full pressure, for each observable"
+        ),
         Parameter(
             "tau_s", "s", 0.3, 1e5, meaning="retardation time; of a chain the shortest, a decade apart"
         ),
@@ -35,6 +37,7 @@ class Creep(Effect):
     )
     signature = "error that grows with the time in hold towards the load, and fades after release"
     experiment = "hold 3, 10, 60, 300 s at one pressure, release, and watch the recovery"
+    beyond_static = "always"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.has_time or not (context.moves or context.has_holds):

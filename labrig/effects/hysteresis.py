@@ -20,12 +20,13 @@ class Hysteresis(Effect):
     parameters = (
         Parameter("weight", "1", 0.0, 5.0, "chamber", "share of the response that goes through the play"),
         Parameter("wide", "1", 0.0, 5.0, meaning="the same for a second play, three times as wide"),
-        Parameter("pattern", "observable", meaning="the same for each observable, at full range"),
+        Parameter("pattern", "observable", 0.0, meaning="the same for each observable, at full range"),
         Parameter("width", "1", 0.0, 1.0, meaning="half width of the play, fraction of the range"),
     )
     reference = "M. A. Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989 (play, P-I)"
     signature = "up and down strokes apart, by an amount that grows with the stroke and then saturates"
     experiment = "the same set-points approached from above and from below, small and large strokes"
+    beyond_static = "if reversed"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.moves:

@@ -8,7 +8,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
-TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0)
+TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
 
 
 class Leak(Effect):
@@ -19,13 +19,14 @@ class Leak(Effect):
     )
     acts_on = "pressure"
     parameters = (
-        Parameter("loss", "1", 0.0, 2.0, "chamber", "share of the pressure that escapes in the end"),
+        Parameter("loss", "1", 0.4, 1.5, "chamber", "share of the pressure that escapes in the end"),
         Parameter("tau_s", "s", 0.1, 1e6, meaning="time constant of the escape"),
         Parameter("sensor", "1", 0.2, 1.8, meaning="share of the measured loss that reaches the surface"),
     )
     reference = "ISO 6358-1:2013 (flow through pneumatic components); linearised: dp/dt = -p / tau"
     signature = "error that grows with the time in hold against the load, in proportion to the pressure"
     experiment = "the same long hold at two pressures: a leak doubles with the pressure, a drift does not"
+    beyond_static = "always"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         u, chambers = context.rows.actuation, context.rows.chambers

@@ -80,7 +80,12 @@ class _Part:
     def _time(self) -> Floats:
         if self.mapping.time is not None:
             scale = factor(self.mapping.time.unit, "s", f"{self.mapping_path}: time")
-            return self.table.numbers(self.mapping.time.column, "time", required=True) * scale
+            return (
+                self.table.numbers(
+                    self.mapping.time.column, "time", required=True, thousands=self.mapping.time.thousands
+                )
+                * scale
+            )
         if "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d":
             return self.table.numbers("time_s", "time")
         return np.arange(self.n, dtype=float)
@@ -111,14 +116,18 @@ class _Part:
         columns = []
         for o in self.observables:
             scale = factor(o.unit, "mm", f"observable {o.name}") if o.marker and is_length(o.unit) else 1.0
-            columns.append(self.table.numbers(o.column, f"observable {o.name}") * scale)
+            columns.append(
+                self.table.numbers(o.column, f"observable {o.name}", thousands=o.thousands) * scale
+            )
         return np.stack(columns, axis=1)
 
     def _columns(self, entries: Sequence[Any], what: str) -> Floats:
         names = [a.name for a in self.mapping.actuation]
         out = np.full((self.n, len(names)), np.nan)
         for entry in entries:
-            out[:, names.index(entry.name)] = self.table.numbers(entry.column, f"{what} {entry.name}")
+            out[:, names.index(entry.name)] = self.table.numbers(
+                entry.column, f"{what} {entry.name}", thousands=entry.thousands
+            )
         return out
 
     def _covariates(self) -> Floats:
@@ -140,7 +149,10 @@ class _Part:
         if self.mapping.hold is None:
             return np.full(self.n, np.nan)
         scale = factor(self.mapping.hold.unit, "s", f"{self.mapping_path}: hold")
-        return self.table.numbers(self.mapping.hold.column, "hold") * scale
+        return (
+            self.table.numbers(self.mapping.hold.column, "hold", thousands=self.mapping.hold.thousands)
+            * scale
+        )
 
     def _captures(self) -> NDArray[np.int64]:
         """Number of the capture of each row within this file; rows of one capture stand together."""

@@ -14,9 +14,13 @@ class _Strict(BaseModel):
 
 
 class Column(_Strict):
-    """A column by its name, or by its number (from 0) where the table has no header."""
+    """A column by its name, or by its number (from 0) where the table has no header.
+
+    `thousands` is the sign between groups of three digits, where the numbers have one.
+    """
 
     column: str | int
+    thousands: str | None = None
 
 
 class UnitColumn(Column):
@@ -100,7 +104,6 @@ class Format(_Strict):
     separator: str = ","
     header: bool = True
     decimal: str = "."
-    thousands: str | None = None
     skip_rows: int = Field(0, ge=0)
     rows: int | None = Field(None, gt=0)
     every: int = Field(1, gt=0)
@@ -127,6 +130,11 @@ class Mapping(_Strict):
         """The tables, in order."""
         many = self.table if isinstance(self.table, list) else [self.table] if self.table else []
         return [f if isinstance(f, TableFile) else TableFile(file=f) for f in many]
+
+    def any_thousands(self) -> bool:
+        """Whether some column has signs between its thousands, so that the table must be read as text."""
+        columns = [self.time, self.hold, *self.measured, *self.observables]
+        return any(isinstance(c, Column) and c.thousands for c in columns)
 
     def marker_table(self) -> dict[str, Marker]:
         """Markers by name, whichever way they were written."""

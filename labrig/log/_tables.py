@@ -24,10 +24,20 @@ class Table:
     path: Path
     frame: "pd.DataFrame"
     first_row: int
+    decimal: str = "."
 
-    def numbers(self, column: str | int, what: str, *, required: bool = False) -> Floats:
+    def numbers(
+        self, column: str | int, what: str, *, required: bool = False, thousands: str | None = None
+    ) -> Floats:
         """A column as floats; raises `LabrigError` for a missing column, text, or (if required) a gap."""
         values = self._column(column, what)
+        if values.dtype.kind not in "fiu" and (thousands or self.decimal != "."):
+            text = (
+                values.astype(str).str.replace(thousands, "", regex=False)
+                if thousands
+                else values.astype(str)
+            )
+            values = text.str.replace(self.decimal, ".", regex=False)
         import pandas as pd
 
         out = np.asarray(pd.to_numeric(values, errors="coerce"), dtype=float)
@@ -77,7 +87,7 @@ def read_table(path: Path, mapping: Mapping) -> Table:
         if kind in {".parquet", ".pq"}:
             frame, first = pd.read_parquet(path), 1
         else:
-            frame, first = _read_text(path, mapping.format)
+            frame, first = _read_text(path, mapping.format, mapping.any_thousands())
     except LabrigError:
         raise
     except Exception as error:
@@ -86,34 +96,21 @@ def read_table(path: Path, mapping: Mapping) -> Table:
     frame = frame.iloc[: mapping.format.rows : mapping.format.every].reset_index(drop=True)
     if frame.empty:
         raise LabrigError(f"{path}: has no rows")
-    return Table(path, frame, first)
+    return Table(path, frame, first, mapping.format.decimal)
 
 
-def _read_text(path: Path, how: Format) -> tuple["pd.DataFrame", int]:
+def _read_text(path: Path, how: Format, any_thousands: bool) -> tuple["pd.DataFrame", int]:
     import pandas as pd
 
     separator = {"whitespace": r"\s+", "tab": "\t"}.get(how.separator, how.separator)
     options: dict[str, Any] = {"sep": separator, "encoding": "utf-8-sig", "skipinitialspace": True}
     options |= {"skiprows": how.skip_rows, "header": 0 if how.header else None, "skip_blank_lines": False}
-    if how.decimal != "." or how.thousands is not None:
+    if any_thousands or how.decimal != ".":
         options["dtype"] = str
     frame = pd.read_csv(path, **options)
-    if how.decimal != "." or how.thousands is not None:
-        frame = frame.apply(lambda column: _plain_numbers(column, how))
     if how.header:
         frame.columns = [str(c).strip() for c in frame.columns]
     return frame, how.skip_rows + (2 if how.header else 1)
-
-
-def _plain_numbers(column: "pd.Series", how: Format) -> "pd.Series":
-    """Numbers as other countries write them: a decimal comma, points between thousands."""
-    text = column.str.strip()
-    if how.thousands:
-        grouped = text.str.fullmatch(rf"[+-]?\d{{1,3}}(?:{'[' + how.thousands + ']'}\d{{3}})+")
-        text = text.where(
-            ~grouped.fillna(False).astype(bool), text.str.replace(how.thousands, "", regex=False)
-        )
-    return text.str.replace(how.decimal, ".", regex=False)
 
 
 def _read_c3d(path: Path, mapping: Mapping) -> Table:
