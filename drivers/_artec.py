@@ -49,8 +49,8 @@ class ArtecFolder:
     """A `Scanner` whose operator exports each scan into a folder.
 
     What is there when it connects is never delivered; each later export is, once, in the order of the
-    files' times. A scan that comes in several formats counts once. `Scan.time_s` is when the export was
-    last written to.
+    files' times; `skip_existing` before `scan` asks for one that begins now. A scan that comes in several
+    formats counts once. `Scan.time_s` is when the export was last written to.
     """
 
     def __init__(self, name: str, clock: Clock, options: ArtecOptions) -> None:
@@ -60,6 +60,7 @@ class ArtecFolder:
         self._seen: dict[Path, _Signature] = {}
         self._delivered: dict[str, tuple[Path, _Signature]] = {}
         self._changed: dict[Path, tuple[tuple[_Signature, ...], float]] = {}
+        self._unfinished: set[Path] = set()
         self._connected = False
 
     def connect(self) -> None:
@@ -73,9 +74,12 @@ class ArtecFolder:
             self.skip_existing()
 
     def skip_existing(self) -> None:
-        """Deliver nothing of what is in the folder now."""
-        self._seen = dict(self._list())
+        """Deliver nothing of what is in the folder now, nor what is being written: it shows the past."""
+        listed = self._list()
+        self._seen = dict(listed)
         self._changed.clear()
+        recent_ns = (time.time() - self._options.settle_s) * 1e9
+        self._unfinished = {path for path, signature in listed if signature[1] > recent_ns}
 
     def identify(self) -> Identity:
         """Where it watches, and what unit it takes the exports to be in."""
@@ -138,6 +142,11 @@ class ArtecFolder:
     def _new(self) -> list[tuple[Path, _Signature]]:
         new: list[tuple[Path, _Signature]] = []
         for path, signature in self._list():
+            if path in self._unfinished:
+                if self._quiet_s(path, (path,)) >= self._options.settle_s:
+                    self._unfinished.discard(path)
+                self._seen[path] = signature
+                continue
             if self._seen.get(path) == signature:
                 continue
             delivered = self._delivered.get(path.stem)

@@ -156,6 +156,8 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str,
     scanner = session.rig.scanner
     if scanner is None:
         raise LabrigError(f"rig {session.rig.config.name} has no scanner")
+    if (skip := getattr(scanner, "skip_existing", None)) is not None:
+        skip()  # an export from before this step shows an earlier shape
     scan = _while_polling(session, lambda: scanner.scan(step.timeout_s), step.timeout_s + _SCAN_GRACE_S)
     vertices = np.asarray(scan.vertices_mm, float)
     result = Scanned(

@@ -163,6 +163,21 @@ def test_what_was_there_before_is_no_new_scan(scanner, tmp_path):
         device.scan(timeout_s=0.3)
 
 
+def test_skipping_what_is_there_and_what_is_being_written(scanner, tmp_path):
+    """After `skip_existing` neither an earlier export nor the rest of one under way is delivered."""
+    device = scanner(settle_s=0.3)
+    folder = tmp_path / "scans"
+    put(folder, "before.ply", ply_bytes(SQUARE, TRIANGLES))
+    data = ply_bytes(SQUARE, TRIANGLES)
+    put(folder, "under way.ply", data[:200])
+    device.skip_existing()
+    put(folder, "under way.ply", data)
+    with pytest.raises(DeviceError, match="no complete scan"):
+        device.scan(timeout_s=1.0)
+    put(folder, "after.ply", data)
+    assert device.scan(timeout_s=5).files[0].name == "after.ply"
+
+
 def test_one_scan_in_several_formats_counts_once(scanner, tmp_path):
     """Exports of one name in several formats are one scan; the next name is the next."""
     device = scanner()
