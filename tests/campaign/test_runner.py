@@ -289,13 +289,14 @@ def test_scans_are_kept_with_the_run(fake: Any, tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(("limit", "value"), [("SEGMENT_BYTES", 6_000), ("SEGMENT_STEPS", 5)])
 def test_a_long_session_is_spread_over_files(
-    fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str, value: int
 ) -> None:
-    """Segments are closed at a size and read back as one session."""
+    """Segments are closed at a size, or at a number of steps, and read back as one session."""
     run(Three(), fake.rig, tmp_path / "one", fake.clock)
     reference = open_run(tmp_path / "one")
-    monkeypatch.setattr("labrig.campaign._session.SEGMENT_BYTES", 6_000)
+    monkeypatch.setattr(f"labrig.campaign._session.{limit}", value)
     other = _fresh(fake)
     run(Three(), other.rig, tmp_path / "many", other.clock)
     assert len(list((tmp_path / "many").glob("log.*.mcap"))) > 2
