@@ -48,6 +48,7 @@ class Kind:
     confounded: bool = False
     unlisted: bool = False
     deleted: bool = False
+    bodies: str = "any"  # any, markers (no forces), or force
     usual: int = 100  # campaigns of a full benchmark
 
 
@@ -55,14 +56,15 @@ CLASSES: dict[str, Kind] = {
     "null": Kind(0, usual=200),
     "null-slow": Kind(0, slow=0.5),
     "null-static": Kind(0, static=True, usual=50),
-    "single-1": Kind(1, (1.0, 1.0)),
-    "single-2": Kind(1, (2.0, 2.0)),
+    "single-1": Kind(1, (1.0, 1.0), bodies="markers"),
+    "single-2": Kind(1, (2.0, 2.0), bodies="markers"),
+    "force": Kind(1, (2.0, 4.0), bodies="force", usual=50),
     "static": Kind(1, (2.0, 4.0), static=True),
-    "pair": Kind(2, (1.0, 2.0)),
-    "structural": Kind(1, (2.0, 4.0), structural=True),
+    "pair": Kind(2, (1.0, 2.0), bodies="markers"),
+    "structural": Kind(1, (2.0, 4.0), structural=True, bodies="markers"),
     "confounded": Kind(1, (2.0, 4.0), confounded=True, usual=50),
-    "unlisted": Kind(1, (2.0, 4.0), unlisted=True, usual=50),
-    "deleted": Kind(1, (2.0, 4.0), deleted=True, usual=50),
+    "unlisted": Kind(1, (2.0, 4.0), unlisted=True, bodies="markers", usual=50),
+    "deleted": Kind(1, (2.0, 4.0), deleted=True, bodies="markers", usual=50),
 }
 
 
@@ -103,19 +105,23 @@ def available(body: dict[str, Any], static: bool) -> list[str]:
     return out
 
 
-def _body(random: np.random.Generator, linear: bool, forces: bool) -> dict[str, Any]:
-    chance = random.random()
-    if forces and chance < 0.5:
+def _body(random: np.random.Generator, kind: Kind) -> dict[str, Any]:
+    chance, linear = random.random(), kind.static
+    whole = {"kind": "surface", "surface": "mannequin", "active": list(range(9)), "linear": linear}
+    if kind.confounded and chance < 0.5:
         return {"kind": "cylinder", "chambers": 1, "linear": linear}
+    if kind.bodies == "force":
+        return {"kind": "cylinder", "chambers": int(random.integers(1, 3)), "linear": linear}
     if chance < 0.6:
-        return {"kind": "surface", "surface": "mannequin", "active": list(range(9)), "linear": linear}
+        return whole
     if chance < 0.75:
         active = sorted(int(c) for c in random.permutation(9)[: int(random.integers(2, 5))])
         return {"kind": "surface", "surface": "mannequin", "active": active, "linear": linear}
     if chance < 0.88:
         active = sorted(int(c) for c in random.permutation(4)[: int(random.integers(1, 5))])
         return {"kind": "surface", "surface": "membrane", "active": active, "linear": linear}
-    return {"kind": "cylinder", "chambers": int(random.integers(1, 3)), "linear": linear}
+    chambers = int(random.integers(1, 3))
+    return whole if kind.bodies == "markers" else {"kind": "cylinder", "chambers": chambers, "linear": linear}
 
 
 def _spoil(random: np.random.Generator, unit: float) -> Spoil:
@@ -131,7 +137,7 @@ def _spoil(random: np.random.Generator, unit: float) -> Spoil:
 def pick(name: str, random: np.random.Generator) -> Draw:
     """Everything that chance decides about a campaign of class `name`, apart from noise and set-points."""
     kind = CLASSES[name]
-    body = _body(random, kind.static, forces=kind.confounded)
+    body = _body(random, kind)
     unit = 0.25 if body["kind"] == "cylinder" else 0.1
     what = Draw(
         body=body,

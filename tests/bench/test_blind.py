@@ -58,9 +58,9 @@ def test_a_diagnosis_that_crashes_is_a_wrong_answer(monkeypatch: pytest.MonkeyPa
 
 def test_one_campaign_is_drawn_diagnosed_and_judged() -> None:
     """A record holds truth, answer, baselines and figures, and is plain JSON."""
-    record = _run.run_one("single-2", 3)
+    record = _run.run_one("force", 0)
     assert json.loads(json.dumps(record)) == record
-    assert record["truth"]["effects"] == ["leak"]
+    assert record["truth"]["effects"] == ["friction"]
     assert record["answer"]["verdict"] != "error"
     assert {"bic", "f-test"} <= set(record["baselines"])
 

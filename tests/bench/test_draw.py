@@ -105,7 +105,7 @@ def test_a_class_that_does_not_exist_is_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "seed"), [("single-2", 3), ("null-static", 1), ("confounded", 0), ("pair", 1)]
+    ("name", "seed"), [("force", 1), ("null-static", 1), ("confounded", 0), ("pair", 1)]
 )
 def test_plain_files_hold_the_whole_campaign(name: str, seed: int, tmp_path: Path) -> None:
     """The table has a row for every moment and every silent actuation; the base in base.py is the campaign's."""
@@ -135,7 +135,7 @@ def test_the_files_make_the_same_campaign_again(tmp_path: Path) -> None:
     """Imported, the table gives the drawn Dataset back, to the digits that it has."""
     from labrig.log import import_table
 
-    campaign = draw("single-2", 4)
+    campaign = draw("force", 1)
     write_campaign(campaign, tmp_path / "files")
     again = import_table(tmp_path / "files" / "map.yaml", tmp_path / "run")
     drawn = campaign.dataset
