@@ -1,6 +1,7 @@
 """The live view of a run: an observer that draws what happens, and that the run never waits for."""
 
 import atexit
+import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from labrig.view._colours import moved_colours, rgb
 from labrig.view._fields import Floats, rms, skin
 from labrig.view._scene import CHAMBER_COLOURS, UNSEEN, draw_state, scene_in_front
 from labrig.view._style import BEFORE
-from labrig.view._viewer import Viewer, start_viewer
+from labrig.view._viewer import Viewer, reachable, start_viewer
 
 if TYPE_CHECKING:
     from labrig.view._rerun import Recording
@@ -23,6 +24,7 @@ Predict = Callable[[Floats], Floats]
 FRAME_S = 0.05  # frames that follow each other faster are not drawn
 SURFACE_S = 0.2
 SHOWN_S = 120.0
+LOOK_S = 2.0  # how often it is looked whether the viewer is still there
 ERROR_MM = 5.0  # where the colour scale of the error ends until a larger one is seen
 ARROWS = 10.0
 STEP_COLOURS = {
@@ -53,11 +55,20 @@ class LiveView(Observer):
         self._top = ERROR_MM if predict is not None else 1.0
         self._paused = False
         self._captures = 0
+        self._looked_s = 0.0
+
+    def _look(self) -> None:
+        """Raise where nobody listens any more: an observer that raises is left alone from then on."""
+        self._looked_s = time.monotonic()
+        if not reachable(self._url):
+            self._recording = None
+            raise LabrigError("the viewer is gone")
 
     def started(self, rig: RigInfo, rest_mm: Floats | None) -> None:
         """Connect to the viewer and lay out the views."""
         from labrig.view._rerun import Recording
 
+        self._look()
         self._recording = recording = Recording(rig.name)
         recording.to_viewer(self._url)
         self._markers, self._chambers = tuple(rig.marker_names), rig.chamber_names
@@ -180,6 +191,8 @@ class LiveView(Observer):
     def _at(self, time_s: float) -> "Recording | None":
         if self._start_s is None:
             self._start_s = time_s
+        if time.monotonic() - self._looked_s > LOOK_S:
+            self._look()
         if self._recording is not None:
             self._recording.at(capture=self._captures, time_s=time_s - self._start_s)
         return self._recording

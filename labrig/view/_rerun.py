@@ -3,6 +3,7 @@
 Timelines: `capture` (a sequence) and `time` (seconds since the start). Positions mm.
 """
 
+import contextlib
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,6 +23,7 @@ Colour = tuple[int, int, int] | Sequence[int]
 BACKGROUND = (22, 26, 33)
 APPLICATION = "labrig"
 LAST_WORDS_S = 2.0
+_NEVER_LET_GO: list[rr.RecordingStream] = []
 
 
 class Recording:
@@ -38,10 +40,11 @@ class Recording:
     def to_viewer(self, url: str) -> None:
         """Send everything that follows to a viewer, for as long as it takes it.
 
-        What is sent to a viewer that hangs or is gone ends up waiting in the thread that sends it; the end of
-        the program does not wait for it.
+        Letting go of a viewer that hangs waits without end: such a stream is never let go of, and the end of the
+        program does not wait for it either.
         """
         rr.unregister_shutdown()
+        _NEVER_LET_GO.append(self._stream)
         self._stream.connect_grpc(url)
 
     def arrange(self, blueprint: rrb.Blueprint) -> None:
@@ -140,12 +143,12 @@ class Recording:
         self._stream.log(path, rr.Clear(recursive=True))
 
     def close(self) -> None:
-        """Send or write what is left, for two seconds at most, and let go."""
-        try:
+        """Write what is left and close the file, or give a viewer two seconds to take what is left."""
+        if self._stream not in _NEVER_LET_GO:
+            self._stream.disconnect()
+            return
+        with contextlib.suppress(Exception):  # nobody is listening any more
             self._stream.flush(timeout_sec=LAST_WORDS_S)
-        except Exception:
-            return  # nobody is listening any more
-        self._stream.disconnect()
 
 
 def scene(name: str, root: str, eye: Floats, target: Floats, up: Floats) -> rrb.Spatial3DView:

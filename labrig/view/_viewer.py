@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import urlencode
+from urllib.parse import urlencode, urlsplit
 
 from labrig._errors import LabrigError
 from labrig.view._page_server import LOOPBACK, PageServer
@@ -134,6 +134,16 @@ def free_port() -> int:
     with socket.socket() as probe:
         probe.bind((LOOPBACK, 0))
         return int(probe.getsockname()[1])
+
+
+def reachable(url: str, timeout_s: float = 1.0) -> bool:
+    """Whether anybody listens at a viewer's address."""
+    address = urlsplit(url.removeprefix("rerun+"))
+    try:
+        with socket.create_connection((address.hostname or LOOPBACK, address.port or 0), timeout_s):
+            return True
+    except OSError:
+        return False
 
 
 def _answers(process: subprocess.Popen[bytes], port: int, wait_s: float) -> bool:
