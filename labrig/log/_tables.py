@@ -45,9 +45,8 @@ class Table:
         wrong = ~np.isfinite(out) & ~blank
         if wrong.any():
             i = int(np.flatnonzero(wrong)[0])
-            raise LabrigError(
-                f"{self._at(i)}: column {column!r} ({what}) holds {values.iloc[i]!r}, not a number"
-            )
+            found = values.tolist()[i]
+            raise LabrigError(f"{self._at(i)}: column {column!r} ({what}) holds {found!r}, not a number")
         if required and blank.any():
             i = int(np.flatnonzero(blank)[0])
             raise LabrigError(
