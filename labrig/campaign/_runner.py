@@ -140,10 +140,13 @@ class _Run:
         vented: VentReport | DeviceError
         with self.signals:
             try:
-                self._work()
+                try:
+                    self._work()
+                finally:
+                    self.signals.close()
             except BaseException as caught:
                 error = caught
-            self.signals.close()
+                self.signals.close()  # a signal may have come in the middle of the first
             vent_started_s = self.rig.clock.now_s()
             vented = vent_for_sure(self.rig)
             log_error = self._write_end(error, vented, vent_started_s)

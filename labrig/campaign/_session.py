@@ -105,6 +105,7 @@ class Session:
 
     def poll(self) -> None:
         """Take in and log what the devices have; raises `DeviceError` when the rig is not safe to go on with."""
+        self.signals.check()
         with self.signals.shield():
             samples = self.rig.pressure.samples()
             frames = self.rig.mocap.frames() if self.rig.mocap is not None else []

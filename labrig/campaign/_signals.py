@@ -26,6 +26,7 @@ class SignalGuard:
         self._old: dict[int, object] = {}
         self._depth = 0
         self._pending: str | None = None
+        self._raised: str | None = None
         self._closed = False
 
     def __enter__(self) -> Self:
@@ -47,10 +48,20 @@ class SignalGuard:
     def _handle(self, number: int, _frame: FrameType | None) -> None:
         name = signal.Signals(number).name
         word = _WORDS.get(name, name)
-        if self._depth or self._closed:
+        if self._depth or self._closed or self._raised:
             self._pending = self._pending or word
         else:
-            raise Interrupted(word)
+            self._raise(word)
+
+    def _raise(self, word: str) -> None:
+        """Raise, once: a second one could hit the code that answers the first."""
+        self._raised = word
+        raise Interrupted(word)
+
+    def check(self) -> None:
+        """Raise again if a procedure swallowed the first one and the run still goes on."""
+        if self._raised and not self._closed and not self._depth:
+            raise Interrupted(self._raised)
 
     def _pause(self, _number: int, _frame: FrameType | None) -> None:
         if self._on_pause is not None:
@@ -69,9 +80,8 @@ class SignalGuard:
 
     def _leave_shield(self, failing: bool) -> None:
         self._depth -= 1
-        if self._depth == 0 and self._pending and not self._closed and not failing:
-            word, self._pending = self._pending, None
-            raise Interrupted(word)
+        if self._depth == 0 and self._pending and not (self._closed or self._raised or failing):
+            self._raise(self._pending)
 
 
 class _Shield:

@@ -2,12 +2,14 @@
 
 import sys
 import threading
+import time
 from types import TracebackType
 from typing import Any, Self
 
 from labrig.campaign import Control, Observer, Progress
 
 _KEYS_S = 0.2
+_LINE_S = 60.0
 
 
 class Screen(Observer):
@@ -30,6 +32,7 @@ class Screen(Observer):
         )
         self._task = self._bar.add_task("run", total=None, text="")
         self._keys = _Keys(control)
+        self._last_line = time.monotonic()
 
     def __enter__(self) -> Self:
         if self.console.is_terminal:
@@ -50,7 +53,15 @@ class Screen(Observer):
         remaining = "" if progress.remaining_s is None else f", {duration_text(progress.remaining_s)} left"
         state = "paused (vented; p goes on)" if progress.paused else progress.step
         text = f"{progress.captures_done}{of} captures, {state}{remaining}"
+        if not self.console.is_terminal:
+            self._line(text)
         self._bar.update(self._task, total=progress.steps, completed=progress.steps_done, text=text)
+
+    def _line(self, text: str) -> None:
+        """Where nobody watches a bar, a line a minute."""
+        if time.monotonic() - self._last_line >= _LINE_S:
+            self._last_line = time.monotonic()
+            self.console.print(f"labrig: {text}", markup=False)
 
     def event(self, time_s: float, text: str, level: str) -> None:
         """Warnings and errors stay on the screen."""

@@ -284,3 +284,23 @@ def test_a_signal_during_the_last_vent_does_not_stop_it(fake: Any, tmp_path: Pat
         run(Impatient(), fake.rig, tmp_path / "run", fake.clock)
     assert np.abs(fake.pressure_kpa).max() <= VENTED_KPA
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_procedure_cannot_swallow_ctrl_c(fake: Any, tmp_path: Path) -> None:
+    """Even one that catches everything is stopped at its next step."""
+
+    class Stubborn(Procedure):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Actuate((50.0,) * len(rig.channels))
+            try:
+                if fake.pressure.world.commands:
+                    signal.raise_signal(signal.SIGINT)
+            except BaseException:
+                yield Settle(100.0)
+            yield Settle(1.0)
+
+    with pytest.raises(
+        Interrupted, match="stopped by Ctrl-C after 1 steps and 0 captures; the chambers are vented"
+    ):
+        run(Stubborn(), fake.rig, tmp_path / "run", fake.clock)
+    assert np.abs(fake.pressure_kpa).max() <= VENTED_KPA

@@ -1,5 +1,6 @@
 """The runner: limits before anything moves, the whole hold in the log, pauses and observers."""
 
+import signal
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -242,6 +243,61 @@ def test_a_pause_vents_and_goes_on(fake: Any, tmp_path: Path) -> None:
     data = open_run(tmp_path / "run")
     assert data.sizes["capture"] == 6
     assert [0.0, 0.0] in data["event_commanded"].to_numpy()[1:-1].tolist()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="POSIX only; on Windows a key does it")
+def test_a_signal_pauses_and_another_goes_on(fake: Any, tmp_path: Path) -> None:
+    """SIGUSR1 before the second hold: vented until it comes again."""
+    seen: list[float] = []
+
+    class Signalled(Three):
+        def steps(self, rig: RigInfo) -> Steps:
+            for number, step in enumerate(super().steps(rig)):
+                if number == 4 and fake.pressure.world.commands:
+                    signal.raise_signal(signal.SIGUSR1)
+                yield step
+
+    def look() -> None:
+        if signal.getsignal(signal.SIGUSR1) is not signal.SIG_DFL and paused():
+            seen.append(float(np.abs(fake.pressure_kpa).max()))
+            if len(seen) == 80:
+                signal.raise_signal(signal.SIGUSR1)
+
+    def paused() -> bool:
+        return control.paused
+
+    control = Control()
+    fake.clock.on_sleep = look
+    run(Signalled(), fake.rig, tmp_path / "run", fake.clock, watching=Watching(control=control))
+    assert seen[-1] < 0.5
+    assert not control.paused
+    assert open_run(tmp_path / "run").sizes["capture"] == 6
+
+
+def test_a_gap_in_motion_capture_repeats_the_recording(fake: Any, tmp_path: Path) -> None:
+    """A recording in which no frame arrived is made again once frames are back; none is empty."""
+    gap: list[float] = []
+
+    class Gap(Three):
+        def steps(self, rig: RigInfo) -> Steps:
+            for number, step in enumerate(super().steps(rig)):
+                if number == 6 and fake.pressure.world.commands:
+                    gap.append(fake.clock.now_s())
+                    fake.mocap.faults["lost"] = True
+                yield step
+
+    def back() -> None:
+        if gap and fake.clock.now_s() > gap[0] + 5.0:
+            fake.mocap.faults.clear()
+
+    fake.clock.on_sleep = back
+    run(Gap(), fake.rig, tmp_path / "run", fake.clock)
+    data = open_run(tmp_path / "run")
+    assert data.sizes["capture"] == 6
+    settled = data["settled"].to_numpy()
+    assert settled.sum(axis=1).min() >= 9
+    recordings = [done.result for done in read_completed(tmp_path / "run") if isinstance(done.step, Record)]
+    assert all(len(recording.time_s) >= 9 for recording in recordings)  # type: ignore[union-attr]
 
 
 def test_a_run_needs_a_folder_of_its_own(fake: Any, tmp_path: Path) -> None:
