@@ -114,11 +114,15 @@ class OpenPneuWire:
     def identify(self) -> tuple[str, dict[str, str]]:
         """The board's name and version in its own words."""
         if self._dialect == "published":
-            address = self._ask("AT+ADDRESS", _no_news)
-            version = self._ask("AT+VERSION", _no_news)
-            details = {"address": address, "version": version}
+            questions = {"address": ("AT+ADDRESS", _no_news), "version": ("AT+VERSION", _no_news)}
         else:
-            details = {"address": self._ask("AT+ADD", lambda text: text.startswith("ADD="))}
+            questions = {"address": ("AT+ADD", lambda text: text.startswith("ADD="))}
+        details = {}
+        for name, (line, accept) in questions.items():
+            try:
+                details[name] = self._ask(line, accept, tries=1)
+            except WireError:  # a board that will not say who it is can still be used
+                details[name] = "not stated"
         details |= {"dialect": self._dialect, "build": self._options.build, "port": self._options.port}
         return f"OpenPneu ({self._dialect} dialect) at {self._options.port}", details
 

@@ -2,13 +2,14 @@
 
 import contextlib
 import os
-import select
 import socket
+import time
 from collections.abc import Callable
 from typing import Protocol
 from urllib.parse import urlsplit
 
 READ_BYTES = 65536
+SERIAL_WAIT_S = 0.02
 
 
 class LinkError(OSError):
@@ -52,17 +53,17 @@ class TcpLink:
             ) from None
         except (OSError, UnicodeError, OverflowError) as error:
             raise LinkError(f"cannot connect to {self._where}: {_reason(error)}") from None
-        self._socket.settimeout(timeout_s)
+        self._timeout_s = timeout_s
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def read(self, timeout_s: float) -> bytes:
         """What has arrived, waiting at most `timeout_s`."""
         try:
-            readable, _, _ = select.select([self._socket], [], [], max(0.0, timeout_s))
-            if not readable:
-                return b""
+            self._socket.settimeout(max(0.0, timeout_s))
             data = self._socket.recv(READ_BYTES)
-        except (OSError, ValueError) as error:
+        except (TimeoutError, BlockingIOError):
+            return b""
+        except OSError as error:
             raise LinkError(f"lost the connection to {self._where}: {_reason(error)}") from None
         if not data:
             raise LinkError(f"{self._where} closed the connection")
@@ -71,6 +72,7 @@ class TcpLink:
     def write(self, data: bytes) -> None:
         """Send all of `data`."""
         try:
+            self._socket.settimeout(self._timeout_s)
             self._socket.sendall(data)
         except TimeoutError:
             raise LinkError(f"{self._where} does not take what is sent to it") from None
@@ -94,21 +96,28 @@ class SerialLink:
         self._errors = (serial.SerialException, OSError, ValueError, TypeError)
         try:
             self._serial = serial.serial_for_url(
-                port, baudrate=baudrate, timeout=0, write_timeout=timeout_s, exclusive=_exclusive(port)
+                port,
+                baudrate=baudrate,
+                timeout=SERIAL_WAIT_S,
+                write_timeout=timeout_s,
+                exclusive=_exclusive(port),
             )
         except self._errors as error:
             raise LinkError(f"cannot open the serial port {port}: {_reason(error)}") from None
 
     def read(self, timeout_s: float) -> bytes:
-        """What has arrived, waiting at most `timeout_s`."""
+        """What has arrived, waiting at most `timeout_s`, to within `SERIAL_WAIT_S`."""
+        # The port's own timeout stays as it is: to change it would configure the port anew each time.
+        deadline = time.monotonic() + timeout_s
         try:
-            self._serial.timeout = max(0.0, timeout_s)
-            first = self._serial.read(1)
-            waiting = self._serial.in_waiting if first else 0
-            if not waiting:
-                return first
-            self._serial.timeout = 0
-            return first + self._serial.read(min(waiting, READ_BYTES))
+            while True:
+                waiting = self._serial.in_waiting
+                if waiting:
+                    return self._serial.read(min(waiting, READ_BYTES))
+                if time.monotonic() >= deadline:
+                    return b""
+                if first := self._serial.read(1):
+                    return first + self._serial.read(min(self._serial.in_waiting, READ_BYTES))
         except self._errors as error:
             raise LinkError(f"lost the serial port {self._where}: {_reason(error)}") from None
 

@@ -21,6 +21,7 @@ from drivers._transport import Link, LinkError, TcpLink
 from drivers._vicon_markers import MarkerTable, Up
 
 READ_S = 0.05
+MAX_BURST_S = 1.0
 RETRY_S = (0.1, 0.2, 0.5, 1.0, 2.0)
 
 
@@ -211,7 +212,7 @@ class Vicon:
             link.close()
             raise
         for frame in early:  # a server may stream at once
-            self._keep(frame, self._clock.now_s())
+            self._keep(frame, self._clock.now_s() - _behind_s(frame, early[-1]))
         return link, session
 
     def _run(self) -> None:
@@ -252,8 +253,9 @@ class Vicon:
             arrived_s, now = self._clock.now_s(), time.monotonic()
             if data:
                 heard = now
-                for frame in session.receive(data):
-                    self._keep(frame, arrived_s)
+                frames = session.receive(data)
+                for frame in frames:
+                    self._keep(frame, arrived_s - _behind_s(frame, frames[-1]))
                     asked = now
                 self.bad_packets = session.bad_packets
             elif now - heard > options.silence_s:
@@ -312,3 +314,11 @@ class Vicon:
             with contextlib.suppress(Exception):
                 self.close()
             raise DeviceError(f"{self.name}: the reader stopped unexpectedly; connect again")
+
+
+def _behind_s(frame: CgFrame, last: CgFrame) -> float:
+    """How much earlier than the last frame of a burst this one was taken, s, by their numbers and the rate."""
+    if frame.number is None or last.number is None:
+        return 0.0
+    behind_s = (last.number - frame.number) / last.statics.rate_hz
+    return behind_s if 0.0 <= behind_s <= MAX_BURST_S else 0.0  # NaN: the rate is not known

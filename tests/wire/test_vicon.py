@@ -11,6 +11,7 @@ from drivers._cgstream import CgObject, block, packet
 from drivers.simulated._vicon_encode import Scene
 from drivers.simulated._vicon_server import ViconServer
 
+EMPTY = block(6, bytes(4))
 SEEN, OCCLUDED, STALE, NOT_SUBSCRIBED = MarkerStatus
 
 
@@ -95,6 +96,26 @@ def test_time_is_the_arrival_less_the_latency(client, script, until):
     device.connect()
     (frame, *_) = collect(device, until, 1)
     assert frame.time_s == 999.75
+
+
+def test_frames_of_one_burst_are_spaced_by_the_rate(client, script, until):
+    """Frames that arrive at once after a hiccup keep their distance in time."""
+
+    def talk(connection):
+        burst = b"".join(
+            packet(
+                [*Scene("arm", ("a",), 200.0).static_blocks().values(), block(5, struct.pack("<I", n)), EMPTY]
+            )
+            for n in range(5)
+        )
+        connection.sendall(hello(1, 2, 5, 6) + burst)
+        connection.recv(4096)
+        connection.recv(4096)
+
+    device = client(script(talk).port, markers=("a",))
+    device.connect()
+    times = [frame.time_s for frame in collect(device, until, 5)[:5]]
+    assert np.diff(times) == pytest.approx(0.005, abs=1e-3)
 
 
 def test_y_up_servers_give_the_same_positions(server, client, plant, until):
