@@ -10,7 +10,7 @@ from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, o
 from labrig.diagnosis._score import Score, null_gains, score
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Term, Variant
-from labrig.effects._fields import contribution
+from labrig.effects._fields import contribution, term_width
 from labrig.effects._rows import Floats
 
 MAX_EFFECTS = 3
@@ -18,9 +18,9 @@ KEPT_FORMS = 4
 DRAWS = 299
 SIGNIFICANT = 0.02
 CLEAR_SE = 1.0
-LOCAL_Z = 4.0
+LOCAL_Z = 3.0
 LOCAL_OF_FLOOR = 0.5
-TIE_SHARE = 0.03
+TIE_SHARE = 0.05
 OWN_SHARE = 0.05
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_SHARE = 0.06
@@ -34,6 +34,11 @@ class Candidate:
     variant: Variant
     columns: Columns
     score: Score
+
+    @property
+    def freedom(self) -> int:
+        """How many coefficients the form has; a free pattern has one for each observable."""
+        return sum(term_width(t, self.columns.streams.residual.shape[1]) for t in self.variant.terms)
 
 
 @dataclass(frozen=True)
@@ -122,7 +127,11 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
             return False
         if term.kind in {"pattern", "frame"}:
             continue
-        weight = 1 / np.maximum(np.diag(scored.covariance)[own], 1e-300)
+        variance = np.diag(scored.covariance)[own]
+        live = variance > 0
+        if not live.any():
+            continue
+        weight = np.where(live, 1 / np.where(live, variance, 1.0), 0.0)
         jack = scored.fold_beta[:, own]
         value = float(np.sum(weight * scored.beta[own]) / weight.sum())
         each = jack @ weight / weight.sum()
