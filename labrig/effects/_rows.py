@@ -168,10 +168,8 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     event_sessions = [str(v) for v in dataset["event_session"].values]
     sessions = tuple(dict.fromkeys(event_sessions + session_names))
     code = {s: i for i, s in enumerate(sessions)}
-    with np.errstate(all="ignore"):
-        frame_noise = (
-            np.nanmedian(np.array(jumps), axis=0) / 0.954 if jumps else np.full(len(names), np.nan)
-        )  # median |difference of two normal deviates| is 0.954 sd
+    # median |difference of two normal deviates| is 0.954 sd
+    frame_noise = _middle(np.array(jumps)) / 0.954 if jumps else np.full(len(names), np.nan)
     cov = np.array(picked["cov"]).reshape(len(capture), len(covariate_names))
     rest = np.asarray(dataset["rest_mm"].values, float) if "rest_mm" in dataset else None
     return Rows(
@@ -240,8 +238,7 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
         n: Covariate(first.covariates[n].unit, np.concatenate([p.covariates[n].values for p in parts]))
         for n in common
     }
-    with np.errstate(all="ignore"):
-        joined["frame_noise"] = np.nanmean([p.frame_noise for p in parts], axis=0)
+    joined["frame_noise"] = _middle(np.array([p.frame_noise for p in parts]))
     joined["warnings"] = tuple(w for p in parts for w in p.warnings)
     return Rows(**joined)
 

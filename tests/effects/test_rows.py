@@ -1,0 +1,140 @@
+"""Rows: holds condensed, transients dropped, runs joined."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from labrig._errors import LabrigError
+from labrig.effects import join_rows, rows_of
+
+MakeLab = Callable[..., object]
+
+
+def test_every_row_of_a_short_hold_is_kept(make_lab) -> None:
+    """Few rows that begin after the transient stay as they are, in order, with all that belongs to them."""
+    lab = make_lab(captures=12, rows_s=(3.0, 4.0, 5.0))
+    values = lab.predict(lab.u)
+    rows = rows_of(lab.dataset(values, {"temperature": ("degC", np.linspace(20, 25, 12))}))
+    assert rows.values == pytest.approx(values.reshape(36, -1))
+    assert rows.capture.tolist() == np.repeat(np.arange(12), 3).tolist()
+    assert rows.event.tolist() == rows.capture.tolist()
+    assert rows.hold_s.tolist() == [3.0, 4.0, 5.0] * 12
+    assert rows.time_s == pytest.approx(lab.time_s.ravel())
+    assert rows.actuation == pytest.approx(np.repeat(lab.commanded, 3, axis=0))
+    assert rows.fraction == pytest.approx(rows.actuation / 60.0)
+    assert rows.covariates["temperature"].values == pytest.approx(np.repeat(np.linspace(20, 25, 12), 3))
+    assert rows.covariates["temperature"].unit == "degC"
+    assert rows.observables[:4] == ("m0.x", "m0.y", "m0.z", "m1.x")
+    assert rows.marker.tolist() == np.repeat(np.arange(6), 3).tolist()
+    assert rows.axis.tolist() == [0, 1, 2] * 6
+
+
+def test_the_transient_is_dropped(make_lab) -> None:
+    """Nothing of the first second is kept, or of the first third where the hold is shorter than three seconds."""
+    lab = make_lab(captures=4, rows_s=tuple(np.arange(0.0, 6.0, 0.25)), repeats=False)
+    assert rows_of(lab.dataset(lab.predict(lab.u))).hold_s.min() >= 1.0
+    brief = make_lab(captures=4, rows_s=tuple(np.arange(0.0, 1.3, 0.1)), repeats=False)
+    assert rows_of(brief.dataset(brief.predict(brief.u))).hold_s.min() == pytest.approx(0.4)
+
+
+def test_a_long_hold_is_condensed_densely_at_its_beginning(make_lab) -> None:
+    """Hundreds of frames become few bins, their middle unmoved by a spike, shorter early than late."""
+    lab = make_lab(captures=20, rows_s=tuple(np.arange(1.0, 101.0, 0.25)), repeats=False)
+    values = lab.predict(lab.u)
+    values[:, 200] += 1000.0
+    rows = rows_of(lab.dataset(values), row_budget=400)
+    per_capture = np.bincount(rows.capture)
+    assert (per_capture <= 20).all()
+    assert (per_capture >= 10).all()
+    at = rows.hold_s[rows.capture == 0]
+    assert (np.diff(at) > 0).all()
+    assert np.diff(at)[0] < 0.3 * np.diff(at)[-1]
+    assert rows.values == pytest.approx(lab.predict(lab.commanded)[rows.capture], abs=1e-9)
+
+
+def test_what_was_not_seen_stays_nan(make_lab) -> None:
+    """A hidden marker is NaN in its rows, and a capture without anything seen has no rows at all."""
+    lab = make_lab(captures=12)
+    values = lab.predict(lab.u)
+    values[3, :, 6:9] = np.nan
+    values[7] = np.nan
+    rows = rows_of(lab.dataset(values))
+    hidden = rows.capture == 3
+    assert np.isnan(rows.values[hidden][:, 6:9]).all()
+    assert np.isfinite(rows.values[~hidden]).all()
+    assert 7 not in rows.capture
+    assert rows.n_captures == 12
+
+
+def test_limits_that_are_unknown_are_those_of_the_commands(make_lab) -> None:
+    """Without limits the range is from zero to the highest command; one that never moves still has a range."""
+    lab = make_lab(captures=6, chambers=2, repeats=False)
+    lab.commanded[:, 1] = 0.0
+    data = lab.dataset(lab.predict(lab.u)).assign_coords(
+        chamber_min=("chamber", [np.nan, np.nan]), chamber_max=("chamber", [np.nan, np.nan])
+    )
+    rows = rows_of(data)
+    assert rows.low.tolist() == [0.0, 0.0]
+    assert rows.high.tolist() == [lab.commanded[:, 0].max(), 1.0]
+
+
+def test_single_observables_and_markers_stand_side_by_side(make_lab) -> None:
+    """A force beside markers is an observable like any other, with its own unit and no marker."""
+    lab = make_lab(captures=6, repeats=False)
+    data = lab.dataset(lab.predict(lab.u))
+    force = np.arange(18.0).reshape(6, 3, 1)
+    data["observed"] = (("capture", "time", "observable"), force)
+    data = data.assign_coords(
+        observable=["grip"],
+        unit=("observable", ["N"]),
+        marker_of=("observable", [""]),
+        axis_of=("observable", [""]),
+    )
+    rows = rows_of(data)
+    assert rows.observables[-1] == "grip"
+    assert rows.unit == ("mm",) * 18 + ("N",)
+    assert (rows.marker[-1], rows.axis[-1]) == (-1, -1)
+    assert rows.values[:, -1].tolist() == list(range(18))
+
+
+def test_joined_runs_keep_their_own_sessions_and_history(make_lab) -> None:
+    """Captures, events and sessions are counted on; equal names of sessions do not meet."""
+    one, two = make_lab(captures=6, repeats=False), make_lab(captures=8, seed=1, sessions=2, repeats=False)
+    a, b = (rows_of(lab.dataset(lab.predict(lab.u))) for lab in (one, two))
+    rows = join_rows([a, b])
+    assert rows.sessions == ("1:s0", "2:s0", "2:s1")
+    assert rows.n_captures == 14
+    assert rows.capture.tolist() == np.repeat(np.arange(14), 3).tolist()
+    assert rows.event_actuation == pytest.approx(np.concatenate([one.commanded, two.commanded]))
+    assert rows.event_session.tolist() == [0] * 6 + [1] * 4 + [2] * 4
+    assert rows.event_actuation[rows.event] == pytest.approx(rows.actuation)
+    assert join_rows([a]) is a
+
+
+def test_runs_of_other_rigs_are_not_joined(make_lab) -> None:
+    """What differs is named."""
+    one, two = make_lab(captures=6), make_lab(captures=6, markers=5)
+    a, b = (rows_of(lab.dataset(lab.predict(lab.u))) for lab in (one, two))
+    with pytest.raises(LabrigError) as error:
+        join_rows([a, b])
+    assert str(error.value) == "the runs differ in their observables: they can't be diagnosed together"
+
+
+def test_a_run_with_nothing_in_it_is_refused(make_lab) -> None:
+    """No captures, no observables, nothing seen: each has its own complaint."""
+    lab = make_lab(captures=6)
+    data = lab.dataset(lab.predict(lab.u)).assign_attrs(run="today")
+
+    def complaint(bad: xr.Dataset) -> str:
+        with pytest.raises(LabrigError) as error:
+            rows_of(bad)
+        return str(error.value)
+
+    assert complaint(data.isel(capture=slice(0))) == "today: the run has no captures; nothing can be compared"
+    assert (
+        complaint(data.drop_vars("position_mm"))
+        == "today: the run has no observables; name some under 'observables:'"
+    )
+    assert complaint(data * np.nan) == "today: no observable was seen in any capture"
