@@ -174,15 +174,13 @@ class _Scanner:
     def _messages(self, plain: bytes) -> None:
         position, size, topics = 0, len(plain), self.topics
         unpack, head = _MESSAGE_HEAD.unpack_from, _MESSAGE_HEAD.size
-        while position + _RECORD.size <= size:
-            opcode, length = _RECORD.unpack_from(plain, position)
-            end = position + _RECORD.size + length
-            if opcode == _MESSAGE:
-                _, _, channel, sequence, time_ns, _ = unpack(plain, position)
-                if (messages := topics.get(channel)) is not None:
-                    messages.time_ns.append(time_ns)
-                    messages.payload.append(plain[position + head : end])
-                    messages.sequence.append(sequence)
+        while position + head <= size:  # shorter than a message's head: nothing that matters here
+            opcode, length, channel, sequence, time_ns, _ = unpack(plain, position)
+            end = position + 9 + length
+            if opcode == _MESSAGE and (messages := topics.get(channel)) is not None:
+                messages.time_ns.append(time_ns)
+                messages.payload.append(plain[position + head : end])
+                messages.sequence.append(sequence)
             position = end
 
     def _metadata(self, position: int, end: int) -> None:
