@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from enum import IntEnum
 
 MAGIC = 0x1A2B0001
-MAX_PACKET_BYTES = 16 << 20
+MAX_PACKET_BYTES = 4 << 20  # 34 markers are 4 kB, a thousand 120 kB
 CLOCK_HZ = 135e6  # StreamInfo's period counts these ticks
 
 _HEADER = struct.Struct("<II")

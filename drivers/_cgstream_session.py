@@ -44,6 +44,7 @@ WANTED = frozenset(
     }
 )
 MAX_BAD_PACKETS = 100
+MAX_SUBJECTS = 1000
 _NO_LABELED = np.zeros(0, objects.LABELED_DTYPE)
 _NO_UNLABELED = np.zeros(0, objects.UNLABELED_DTYPE)
 
@@ -215,6 +216,8 @@ class ClientSession:
             elif number == CgObject.SUBJECT_INFO:
                 subject = objects.decode_subject(payload)
                 sent[subject.id] = subject
+                if len(sent) > MAX_SUBJECTS:
+                    raise CgstreamError(f"a packet has more than {MAX_SUBJECTS} subjects")
             elif number == CgObject.APPLICATION_INFO:
                 y_up = objects.decode_y_up(payload)
         self.statics = Statics(rate_hz, sent or subjects, y_up)

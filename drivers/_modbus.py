@@ -167,15 +167,13 @@ class ModbusWire:
         self.write(np.zeros(len(self._options.outputs)))
 
     def close(self) -> None:
-        """Set-points 0, programs off; release the link."""
+        """Set-points 0; release the link. The programs run on: a slot that is off would keep its pressure."""
         client = self._client
         if client is None:
             return
         with contextlib.suppress(LinkError, WireError):
             if client.connected:
                 self.stop()
-                for index in self._slots() if self._map.gate else ():
-                    self._write(self._map.gate.command[index], self._map.gate.rest)  # type: ignore[union-attr]
         self._client = None
         with contextlib.suppress(Exception):
             client.close()

@@ -104,12 +104,14 @@ class Vicon:
     def connect(self) -> None:
         """Open the link, wait for the server's greeting, subscribe, and begin to stream."""
         if self._thread is not None:
-            return
+            if self._thread.is_alive():
+                return
+            self.close()
+        self._stop.clear()
         try:
             self._link, self._session = self._open()
         except (LinkError, CgstreamError) as error:
             raise DeviceError(f"{self.name}: {error}") from None
-        self._stop.clear()
         self._lost_at = None
         self._last_frame_at = time.monotonic()
         self._thread = threading.Thread(target=self._run, name=f"{self.name}-reader", daemon=True)
@@ -142,7 +144,9 @@ class Vicon:
             raise DeviceError(f"{self.name}: not connected")
         frames: list[MarkerFrame] = []
         while self._frames:
-            frames.append(self._frames.popleft())
+            frame = self._frames.popleft()
+            if len(frame.status) == len(self.marker_names):  # not from before the markers were known
+                frames.append(frame)
         if not frames:
             self._raise_if_lost()
             now = time.monotonic()

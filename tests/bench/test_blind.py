@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 from labrig._errors import LabrigError
-from labrig.bench import _run, plan, read_records, run_blind, summarise, write_report, write_results
+from labrig.bench import (
+    _run,
+    plan,
+    read_records,
+    run_blind,
+    summarise,
+    write_report,
+    write_results,
+    write_speed,
+)
 from labrig.bench._baselines import bic, f_test
 
 
@@ -90,3 +99,13 @@ def test_a_report_leaves_the_rest_of_the_file_alone(tmp_path: Path) -> None:
     assert "old" not in text
     assert text.index("kept") < text.index("how") < text.index("## Last") < text.index("kept too")
     assert "| null | 3 | 100.0 % |" in text
+
+
+def test_times_have_a_section_of_their_own(tmp_path: Path) -> None:
+    """The times of diagnoses and the figures of the blind benchmark share one file without touching each other."""
+    results = tmp_path / "RESULTS.md"
+    write_results(summarise([_record("null", 0)]), results, "how")
+    write_speed([(100, 40800, 3.0), (300, 122400, 9.0)], results)
+    text = results.read_text()
+    assert "| 300 | 122400 | 9.0 | 30 |" in text
+    assert "## Blind benchmark" in text

@@ -104,9 +104,7 @@ def test_a_class_that_does_not_exist_is_named() -> None:
         draw("single", 0)
 
 
-@pytest.mark.parametrize(
-    ("name", "seed"), [("force", 1), ("null-static", 1), ("confounded", 0), ("pair", 1)]
-)
+@pytest.mark.parametrize(("name", "seed"), [("force", 1), ("null-static", 1), ("confounded", 0), ("pair", 1)])
 def test_plain_files_hold_the_whole_campaign(name: str, seed: int, tmp_path: Path) -> None:
     """The table has a row for every moment and every silent actuation; the base in base.py is the campaign's."""
     import pandas as pd

@@ -92,7 +92,7 @@ def test_absurd_length_is_refused_before_it_is_awaited():
     reader = PacketReader()
     with pytest.raises(CgstreamError) as error:
         reader.feed(bytes.fromhex("01002b1affffff7f"))
-    assert str(error.value) == "a packet of 2147483647 bytes is above the cap of 16777216"
+    assert str(error.value) == "a packet of 2147483647 bytes is above the cap of 4194304"
 
 
 def test_truncated_block_costs_one_packet():
@@ -129,6 +129,16 @@ def test_payloads_of_fixed_size_may_not_be_shorter(number, needed):
     session.receive(packet([block(number, bytes(needed - 1))]))
     assert session.bad_packets == 1
     session.receive(packet([block(number, bytes(needed))]))
+    assert session.bad_packets == 1
+
+
+def test_subjects_without_end_are_refused():
+    """A packet full of subjects is a bad packet, not a heap of memory."""
+    session = greeted(2, 5)
+    info = [block(2, struct.pack("<6I", n, 0, 0, 0, 0, 0)) for n in range(1001)]
+    session.receive(packet(info[:1000]))
+    assert (session.bad_packets, len(session.statics.subjects)) == (0, 1000)
+    session.receive(packet(info))
     assert session.bad_packets == 1
 
 

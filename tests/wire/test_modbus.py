@@ -75,7 +75,7 @@ def test_vtem_registers(twin, driver, registers, plant):
     assert other.read_holding_registers(45395, count=1, device_id=1).registers == [0x83]
     assert other.read_holding_registers(45401, count=1, device_id=1).registers == [61]  # slot 2: not used
     device.close()
-    assert other.read_holding_registers(40003, count=6, device_id=1).registers == [61, 0, 0, 61, 0, 0]
+    assert other.read_holding_registers(40003, count=6, device_id=1).registers == [3, 0, 0, 3, 0, 0]
     assert not plant.commands[-1].any()
 
 

@@ -62,6 +62,19 @@ def test_driver_over_a_serial_port(twin, driver, until):
     device.vent()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo terminals")
+def test_a_serial_port_that_is_pulled_out(twin, driver, until):
+    """A serial port that disappears is named, and so is the vent that cannot be confirmed."""
+    running = twin(pty=True)
+    device = driver(running.port)
+    device.connect()
+    running.stop()
+    with pytest.raises(DeviceError, match=rf"^pressure: lost the serial port {running.port}: "):
+        until(lambda: device.samples() and False)
+    with pytest.raises(VentNotConfirmedError, match=rf"cannot open the serial port {running.port}: "):
+        device.vent(timeout_s=0.3)
+
+
 def test_outputs_map_chambers_to_the_boards_channels(twin, driver, until, plant):
     """Chambers sit on the channels that `outputs` names."""
     device = driver(twin(outputs=(9, 4, 0, 2)).port, outputs=(9, 4, 0, 2))
