@@ -7,6 +7,7 @@ from labrig.bench._files import write_campaign, write_model
 from labrig.bench._judge import brier, calibration_error, is_right, wilson
 from labrig.bench._report import lines, tables, write_report, write_results
 from labrig.bench._run import plan, read_records, run_blind, run_one
+from labrig.bench._speed import speed_table, time_diagnosis, write_speed
 from labrig.bench._summary import summarise
 
 __all__ = [
@@ -22,11 +23,14 @@ __all__ = [
     "read_records",
     "run_blind",
     "run_one",
+    "speed_table",
     "summarise",
     "tables",
+    "time_diagnosis",
     "wilson",
     "write_campaign",
     "write_model",
     "write_report",
     "write_results",
+    "write_speed",
 ]

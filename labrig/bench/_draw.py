@@ -41,16 +41,17 @@ class Campaign:
     truth: dict[str, Any] = field(default_factory=dict)
 
 
-def draw(name: str, seed: int, without: tuple[str, ...] = ()) -> Campaign:
+def draw(name: str, seed: int, without: tuple[str, ...] = (), captures: int | None = None) -> Campaign:
     """The campaign of a class (see `CLASSES`) and a seed; the same two give the same campaign.
 
     `without`: effects that the library will not have; where one of them is hidden, unknown is the right
-    answer.
+    answer. `captures`: about how many, in place of what chance says.
     """
     if name not in CLASSES:
         raise LabrigError(f"bench: there is no class '{name}' (known: {', '.join(CLASSES)})")
     random = np.random.default_rng([seed, *name.encode()])
     what = pick(name, random)
+    what.captures = captures or what.captures
     body = make_body(what.body)
     max_kpa = np.full(len(body.chamber_names), MAX_KPA)
     plan = make_plan(what.design, random, max_kpa, what.captures, what.repeats, what.tilted, what.long_share)

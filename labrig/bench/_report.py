@@ -99,13 +99,21 @@ def write_report(summary: dict[str, Any], folder: Path) -> None:
 def write_results(summary: dict[str, Any], path: Path, how: str) -> None:
     """Put the figures into a Markdown file under "Blind benchmark"; the rest of the file stays as it is."""
     head, rows = rows_of_table(summary)
-    body = [_HEADING, "", how, "", "| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    body += ["| " + " | ".join(row) + " |" for row in rows]
-    body += ["", *lines(summary), ""]
+    write_section(path, _HEADING, [how, "", *markdown(head, rows), "", *lines(summary)])
+
+
+def markdown(head: list[str], rows: list[list[str]]) -> list[str]:
+    """Lines of a Markdown table."""
+    return ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
+
+
+def write_section(path: Path, heading: str, below: list[str]) -> None:
+    """Put lines under a heading of a Markdown file, in place of what was there."""
     text = path.read_text(encoding="utf-8") if path.exists() else "# Measured results\n"
-    before, found, rest = text.partition(_HEADING + "\n")
+    before, found, rest = text.partition(heading + "\n")
     after = rest[rest.find("\n## ") + 1 :] if found and "\n## " in rest else ""
-    joined = before.rstrip("\n") + "\n\n" + "\n".join(body) + ("\n" + after if after else "")
+    section = "\n".join([heading, "", *below, ""])
+    joined = before.rstrip("\n") + "\n\n" + section + ("\n" + after if after else "")
     path.parent.mkdir(parents=True, exist_ok=True)
     _replace(path, joined)
 

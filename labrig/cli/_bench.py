@@ -20,11 +20,12 @@ def draw_campaign(
         str, typer.Option("--class", help="Kind of campaign: null, single-1, ...")
     ] = "single-2",
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
+    captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
     """Write one blind campaign as plain files: table.csv, map.yaml, base.py, model.yaml, and truth.json."""
     from labrig.bench import draw, write_campaign
 
-    write_campaign(draw(class_name, seed), out)
+    write_campaign(draw(class_name, seed, captures=captures), out)
     typer.echo(
         f"{out}: table.csv, map.yaml, model.yaml (import, then diagnose); truth.json says what is hidden"
     )
@@ -81,6 +82,30 @@ def blind(
     console.print(f"{out}: campaigns.jsonl, summary.json, confusion.png")
     if results is not None:
         write_results(summary, results, f"`labrig bench blind --classes {','.join(names)} --seed {seed}`")
+
+
+@bench.command("speed")
+def speed(
+    captures: Annotated[str, typer.Option(help="Sizes of campaigns, with commas.")] = "100,300,1000",
+    seed: Annotated[int, typer.Option(help="Another seed is another hidden effect.")] = 0,
+    results: Annotated[
+        Path | None, typer.Option(help="Markdown file whose section 'Speed of a diagnosis' is to be written.")
+    ] = None,
+) -> None:
+    """Time diagnoses of campaigns of growing size: nine chambers, 34 markers, the whole library."""
+    from rich.console import Console
+
+    from labrig._errors import LabrigError
+    from labrig.bench import speed_table, time_diagnosis, write_speed
+
+    try:
+        sizes = [int(size) for size in _names(captures)]
+    except ValueError:
+        raise LabrigError(f"bench: --captures {captures}: whole numbers with commas between them") from None
+    timed = [time_diagnosis(size, seed) for size in sizes]
+    Console().print(speed_table(timed))
+    if results is not None:
+        write_speed(timed, results)
 
 
 def _names(text: str) -> list[str]:
