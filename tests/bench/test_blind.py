@@ -105,7 +105,7 @@ def test_times_have_a_section_of_their_own(tmp_path: Path) -> None:
     """The times of diagnoses and the figures of the blind benchmark share one file without touching each other."""
     results = tmp_path / "RESULTS.md"
     write_results(summarise([_record("null", 0)]), results, "how")
-    write_speed([(100, 40800, 3.0), (300, 122400, 9.0)], results)
+    write_speed([(100, 40800, 3.0, 4.5), (300, 122400, 9.0, 12.0)], results)
     text = results.read_text()
-    assert "| 300 | 122400 | 9.0 | 30 |" in text
+    assert "| 300 | 122400 | 9.0 | 12.0 | 40 |" in text
     assert "## Blind benchmark" in text
