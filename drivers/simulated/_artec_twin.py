@@ -1,5 +1,6 @@
 """Exports as Artec Studio and its operator make them: real files, written slowly and in place."""
 
+import contextlib
 import struct
 import threading
 import time
@@ -21,7 +22,8 @@ class ArtecTwin:
 
     `formats` from obj (with MTL and PNG), ply, stl, xyz; `unit` as set in Artec Studio; `seams` splits an
     OBJ's surface into two patches of texture; `noise_mm` is the scanner's; `truncate` keeps only that part
-    of the mesh file. With `every_s` the operator exports again and again from a thread.
+    of the mesh file. With `every_s` the operator exports again and again from a thread, and with `keep`
+    clears all but so many scans away.
     """
 
     def __init__(
@@ -37,6 +39,7 @@ class ArtecTwin:
         truncate: float | None = None,
         registration_error_mm: float | None = None,
         every_s: float | None = None,
+        keep: int | None = None,
         seed: int = 0,
     ) -> None:
         self.folder = folder
@@ -50,6 +53,7 @@ class ArtecTwin:
         self._noise_mm = noise_mm
         self._registration_error_mm = registration_error_mm
         self._every_s = every_s
+        self._keep = keep
         self._chance = np.random.default_rng(seed)
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
@@ -90,12 +94,19 @@ class ArtecTwin:
                 material = f"newmtl scan\nKd 1 1 1\nmap_Kd {name}.png\n"
                 self._write(self.folder / f"{name}.mtl", material.encode())
                 self._write(self.folder / f"{name}.png", png_bytes(8, 8))
+        if self._keep is not None:
+            self._clear_away(self.number - self._keep)
         return name
 
     def _run(self) -> None:
         assert self._every_s is not None
         while not self._stopping.wait(self._every_s):
             self.export()
+
+    def _clear_away(self, number: int) -> None:
+        for suffix in ("obj", "mtl", "png", "ply", "stl", "xyz", "yaml"):
+            with contextlib.suppress(OSError):  # somebody may be reading it
+                (self.folder / f"Eva scan {number}.{suffix}").unlink(missing_ok=True)
 
     def _write(self, path: Path, data: bytes, cut: bool = False) -> None:
         if cut and self.truncate is not None:

@@ -16,6 +16,7 @@ from drivers.simulated._openpneu_twin import OpenPneuTwin
 from drivers.simulated._vicon_server import ViconServer
 from drivers.simulated._wire_plant import SharedPlant, WirePlant
 
+KEPT_SCANS = 20
 PRESSURE_KINDS = ("openpneu", "openpneu-table", "modbus")
 
 
@@ -159,6 +160,7 @@ class TwinRig:
             formats=options.scan_formats,
             unit=options.scan_unit,
             every_s=options.scan_every_s,
+            keep=KEPT_SCANS,
         ).start()
         self._stack.callback(twin.stop)
         every = (

@@ -74,7 +74,7 @@ def simulate(
     ] = 0,
     rate_hz: Annotated[float, typer.Option(min=1, max=1000, help="Motion capture frames a second.")] = 100.0,
     up: Annotated[str, typer.Option(help="The axis that the motion capture server calls up: z or y.")] = "z",
-    scan_every_s: Annotated[float | None, typer.Option(min=0.1, help="Export a scan this often, s.")] = None,
+    scan_every_s: Annotated[float, typer.Option(min=0.1, help="Export a scan this often, s.")] = 10.0,
     scan_unit: Annotated[str, typer.Option(help="Unit of the exported scans: mm, cm, m or inch.")] = "mm",
     seconds: Annotated[
         float | None, typer.Option(min=0, help="End after this long, s; otherwise on Ctrl-C.")

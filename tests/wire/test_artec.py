@@ -178,6 +178,15 @@ def test_skipping_what_is_there_and_what_is_being_written(scanner, tmp_path):
     assert device.scan(timeout_s=5).files[0].name == "after.ply"
 
 
+def test_an_operator_who_clears_away(shared, tmp_path):
+    """The twin that exports again and again keeps only the last ones."""
+    twin = ArtecTwin(shared, tmp_path, keep=2, bytes_per_s=1e9).start()
+    for _ in range(4):
+        twin.export()
+    assert sorted(path.name for path in tmp_path.glob("*.obj")) == ["Eva scan 3.obj", "Eva scan 4.obj"]
+    assert len(list(tmp_path.iterdir())) == 6
+
+
 def test_one_scan_in_several_formats_counts_once(scanner, tmp_path):
     """Exports of one name in several formats are one scan; the next name is the next."""
     device = scanner()

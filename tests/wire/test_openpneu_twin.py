@@ -157,3 +157,15 @@ def test_shared_plant_time_never_runs_backward(small_plant_class):
     for _ in range(3):
         shared.pressure_kpa()
     assert seen == [5.0, 5.0, 6.0]
+
+
+def test_pyserial_talks_to_the_twin(twin):
+    """pyserial's own socket handler, as other programs use it, gets the board's replies."""
+    import serial
+
+    with serial.serial_for_url(twin(interleave=0.0).port, timeout=5) as port:
+        port.write(b"AT\r\n")
+        assert port.readline() == b"OK;Successful\r\n"
+        port.write(b"C\r\n")
+        assert port.readline() == b"Timer Starts...\r\n"
+        assert port.readline() == b"T" + b",".join([b"0.00"] * 10) + b";\r\n"
