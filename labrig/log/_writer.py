@@ -18,6 +18,9 @@ from labrig.log._topics import Topic, descriptor_set, topic_table
 _CHUNK_BYTES = 1024 * 1024 - 64 * 1024
 """A chunk is closed by the message that passes this: it stays below 1 MiB for messages below 64 KiB."""
 
+_FRESH_EVERY = 500
+"""A protobuf message keeps the memory of every value that it ever had: the one that is reused is made anew."""
+
 _MAX_NS = 2**63 - 1
 _POINT = np.dtype([("position_mm", "<f4", (3,)), ("status", "u1")])
 
@@ -136,6 +139,8 @@ class LogWriter:
 
     def frame(self, frame: MarkerFrame) -> None:
         """One motion capture frame; positions are kept as 32 bit floats (below 0.0001 mm at 1 m)."""
+        if self._sequence[Topic.MARKERS] % _FRESH_EVERY == 0:
+            self._cloud = self._empty_cloud()
         self._points["position_mm"] = frame.position_mm
         self._points["status"] = frame.status
         self._cloud.data = self._points.tobytes()
