@@ -25,7 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
-KNOWN = np.load(Path(__file__).with_name("base.npz"))
+with np.load(Path(__file__).with_name("base.npz")) as file:
+    KNOWN = dict(file)
 
 
 def predict(actuation):

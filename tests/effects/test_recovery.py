@@ -1,0 +1,215 @@
+"""Known causes, made with formulas that the library does not have, are named, sized and signed aright.
+
+What a laboratory (tests/conftest.py) measures is changed by a formula of the test's own; `diagnose` must name
+the effect of that kind, and what the fitted model says must follow what was put in, row by row.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from labrig.diagnosis import Result, diagnose
+from labrig.effects import rows_of
+from labrig.model import Model, base_context, build_base
+
+LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
+
+
+def found(lab: Any, values: np.ndarray, name: str, **extra: Any) -> tuple[Result, dict[str, Any]]:
+    """Diagnose what the lab measures; the effect must be named alone, and fit what was put in.
+
+    Returns the result and the effect's fitted parameters by name.
+    """
+    model = lab.model()
+    result = diagnose(lab.dataset(values + lab.noise(), **extra), model)
+    summary = result.summary
+    assert (summary["verdict"], summary["effects"]) == ("identified", [name])
+    assert summary["error"]["model"] < 0.5 * summary["error"]["base"]
+    assert result.improved is not None
+    true, said = changes(lab, lab.dataset(values, **extra), result.improved, model)
+    assert np.sum(true * said) / np.sum(true**2) == pytest.approx(1.0, abs=0.15)
+    assert np.corrcoef(true.ravel(), said.ravel())[0, 1] > 0.95
+    entry = result.improved.file.effects[-1]
+    return result, {k: np.asarray(v.value) for k, v in entry.parameters.items()}
+
+
+def changes(lab: Any, clean: xr.Dataset, improved: Model, model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """What was put in, and what the improved model says of it, (F, K)."""
+    del lab
+    rows = rows_of(clean)
+    base = base_context(build_base(model.file, model.folder, rows), rows).base
+    return rows.values - base, improved.context(rows).base - base
+
+
+def test_regulator(make_lab) -> None:
+    """Gains that are off by 6 to 9 %, S-shaped, one for each chamber: the gains come back within a fifth."""
+    lab = make_lab()
+    gain = np.array([0.09, 0.06, 0.075])
+    x = lab.u / 60.0
+    u = lab.u * (1 + gain) + 0.5 * np.sin(2 * np.pi * x)
+    _, values = found(lab, lab.predict(u), "regulator")
+    assert values["gain"] == pytest.approx(gain, rel=0.3)
+
+
+def test_hysteresis(make_lab) -> None:
+    """A Bouc-Wen loop (Wen 1976): set-points from above lie higher, by an amount that saturates."""
+    lab = make_lab(captures=80)
+    u = lab.u
+    z = np.zeros(3)
+    last = np.zeros(3)
+    for i, way in lab.path(60):
+        for point in way:
+            d = (point - last) / 60.0
+            z = z + d / 0.08 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
+            last = point
+        u[i] -= 3.0 * z
+    _, values = found(lab, lab.predict(u), "hysteresis")
+    half = 60 * values["width"].item() * (np.mean(values["weight"]) + 3 * np.mean(values.get("wide", 0)))
+    assert half == pytest.approx(3.0, rel=0.3)
+
+
+def test_creep(make_lab) -> None:
+    """Power-law creep after every step: the response goes on growing, and fades after release."""
+    lab = make_lab(captures=60, long_s=LONG_S)
+    u = lab.u
+    steps = np.diff(lab.commanded, axis=0, prepend=0.0)
+    since = np.maximum(lab.time_s[:, :, None] - lab.event_s, 0.0)
+    u = u + np.einsum("nte,ec->ntc", 0.04 * (1 + since) ** 0.3 - 0.04, steps)
+    _, values = found(lab, lab.predict(u), "creep")
+    assert (values["amplitude"] > 0).all()
+
+
+def test_leak(make_lab) -> None:
+    """Air escapes through an orifice, so that the root of the pressure falls in a straight line."""
+    lab = make_lab(long_s=LONG_S)
+    u = np.maximum(np.sqrt(lab.u) - 0.03 * lab.hold_s[:, :, None], 0.0) ** 2
+    _, values = found(lab, lab.predict(u), "leak")
+    lost = 25 * np.mean(values["loss"]) * -np.expm1(-20.0 / values["tau_s"])
+    assert lost == pytest.approx(25 - (np.sqrt(25) - 0.6) ** 2, rel=0.25)
+
+
+def test_coupling(make_lab) -> None:
+    """A chamber gives way to its inflated neighbours, less and less the further they are out."""
+    lab = make_lab(captures=80)
+    x = lab.u / 60.0
+    near = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]])
+    u = lab.u * (1 - 0.12 * np.tanh(2 * x) @ near)
+    found(lab, lab.predict(u), "coupling")
+
+
+def test_stiffening(make_lab) -> None:
+    """A wall that stiffens as the exponential of the pressure's square: compliance at full pressure is lost."""
+    lab = make_lab()
+    x = lab.u / 60.0
+    u = lab.u * (1 - 0.1 * np.expm1(0.9 * x**2))
+    _, values = found(lab, lab.predict(u), "stiffening")
+    at_full = sum(np.mean(v) for v in values.values())
+    assert at_full == pytest.approx(-0.1 * np.expm1(0.9), rel=0.3)
+
+
+def test_gravity(make_lab) -> None:
+    """Payloads in grams pull the markers down, a little less than in proportion."""
+    lab = make_lab()
+    payload = lab.random.choice([0.0, 50.0, 100.0], lab.captures)
+    sag = -2.0 * np.tanh(payload / 120.0)[:, None] * np.linspace(0.5, 1.5, lab.markers)
+    values = lab.predict(lab.u)
+    values[:, :, 2::3] += sag[:, None]
+    _, fitted = found(lab, values, "gravity", covariates={"payload": ("g", payload)})
+    along_z = fitted["sag"].reshape(-1)[2:18:3]
+    assert along_z == pytest.approx(-2.0 * np.tanh(100 / 120) * np.linspace(0.5, 1.5, 6), rel=0.2)
+
+
+def test_drift(make_lab) -> None:
+    """The cameras' mount warms up, with a slow wave on it: a shift that is the same for all markers."""
+    lab = make_lab()
+    t = lab.time_s / np.nanmax(lab.time_s)
+    warm = 1 - np.exp(-3 * t) + 0.1 * np.sin(5 * t)
+    values = lab.predict(lab.u) + (warm[:, :, None] * np.tile([0.8, -0.4, 0.6], 6))
+    found(lab, values, "drift")
+
+
+def test_contact(make_lab) -> None:
+    """The first chamber meets something soft at two thirds of its range, and goes on with a sixth of its way."""
+    lab = make_lab(captures=80)
+    u = lab.u
+    beyond = 2.0 * np.logaddexp(0, (u[:, :, 0] - 40.0) / 2.0)
+    u[:, :, 0] -= 0.8 * beyond
+    _, values = found(lab, lab.predict(u), "contact")
+    assert values["limit"].item() == pytest.approx(2 / 3, abs=0.12)
+
+
+def test_marker_slip(make_lab) -> None:
+    """Marker 3 creeps away over three captures and stays 2 mm off."""
+    lab = make_lab()
+    values = lab.predict(lab.u)
+    gone = np.clip((np.arange(lab.captures) - 28) / 3, 0, 1)
+    values[:, :, 9:12] += gone[:, None, None] * np.array([1.2, -1.0, 1.2])
+    _, fitted = found(lab, values, "marker_slip")
+    assert fitted["marker"].item() == 3
+    assert abs(fitted["since"].item() - 30) <= 2
+    assert fitted["slip"] == pytest.approx([1.2, -1.0, 1.2], abs=0.2)
+
+
+def test_frame(make_lab) -> None:
+    """A finite rotation by two degrees (Rodrigues) and a shift: both come back, in rad and mm."""
+    lab = make_lab()
+    axis, angle = np.array([0.6, 0.0, 0.8]), np.radians(2.0)
+    S = np.array([[0, -0.8, 0.0], [0.8, 0, -0.6], [0.0, 0.6, 0]])
+    R = np.eye(3) + np.sin(angle) * S + (1 - np.cos(angle)) * S @ S
+    q = lab.predict(lab.u).reshape(*lab.hold_s.shape, -1, 3)
+    middle = q.mean(axis=(0, 1, 2))
+    values = ((q - middle) @ R.T + middle + np.array([0.5, -1.0, 0.8])).reshape(*lab.hold_s.shape, -1)
+    _, fitted = found(lab, values, "frame")
+    assert fitted["shift"][:3] == pytest.approx([0.5, -1.0, 0.8], abs=0.2)
+    assert fitted["shift"][3:] == pytest.approx(angle * axis, abs=0.005)
+
+
+def test_delay(make_lab) -> None:
+    """Two volumes fill one after the other: just after a step some of the old shape is there."""
+    lab = make_lab(rows_s=(1.0, 1.5, 2.0, 3.0, 5.0))
+    before = np.concatenate([np.zeros((1, 3)), lab.commanded[:-1]])[:, None]
+    s = lab.hold_s[:, :, None] / 0.5
+    u = lab.u + (before - lab.u) * (1 + s) * np.exp(-s)
+    _, values = found(lab, lab.predict(u), "delay")
+    assert 0.3 < values["tau_s"].item() < 2.0
+
+
+def test_friction(make_lab) -> None:
+    """Dahl's bristles (1968), which slide after a twentieth of the range, hold back against the last motion."""
+    lab = make_lab(captures=80)
+    u = lab.u
+    z = np.zeros(3)
+    for i, way in lab.path(40):
+        last = lab.commanded[i - 1] if i else np.zeros(3)
+        for point in way:
+            d = (point - last) / 60.0
+            z = z + d / 0.01 * (1 - np.sign(d) * z)
+            z = np.clip(z, -1, 1)
+            last = point
+        u[i] -= 3.0 * z
+    _, values = found(lab, lab.predict(u), "friction")
+    assert np.mean(values["coulomb"]) == pytest.approx(3.0, rel=0.3)
+
+
+def test_rest_shape(make_lab) -> None:
+    """Every marker was glued somewhere else than drawn, by a millimetre or so."""
+    lab = make_lab()
+    off = lab.random.normal(0, 1.0, 18)
+    _, values = found(lab, lab.predict(lab.u) + off, "rest_shape")
+    assert values["offset"] == pytest.approx(off, abs=0.15)
+
+
+def test_tension(make_lab) -> None:
+    """A membrane mounted a fifth tighter pushes back with its deflection: the pressure that it takes is missing."""
+    lab = make_lab(bent=2.0)
+    x = lab.u / 60.0
+    low, high = np.zeros_like(x), x.copy()
+    for _ in range(50):
+        middle = (low + high) / 2
+        out = middle * (1 + lab.bent) / (1 + lab.bent * middle)
+        too_far = middle + 0.15 * out > x
+        low, high = np.where(too_far, low, middle), np.where(too_far, middle, high)
+    _, values = found(lab, lab.predict(60 * low), "tension")
+    assert next(iter(values.values())) == pytest.approx(-0.15, abs=0.06)
