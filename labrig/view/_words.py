@@ -60,8 +60,11 @@ class Lines:
 def summary_words(summary: dict[str, Any]) -> Lines:
     """What a command prints about a diagnosis, a comparison or an improvement."""
     words = note(summary)
-    effects = [str(name) for name in summary.get("effects", []) or summary.get("rivals", [])]
-    named = f": {listed(effects)}" if effects else ""
+    effects = [str(name) for name in summary.get("effects", [])]
+    last = "and"
+    if summary.get("verdict") == "confounded":
+        effects, last = list(dict.fromkeys([*effects, *map(str, summary.get("rivals", []))])), "or"
+    named = f": {listed(effects, last)}" if effects else ""
     return Lines(words.headline, f"{words.verdict}{named} ({percent(summary.get('probability'))} sure)")
 
 

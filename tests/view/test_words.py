@@ -88,6 +88,8 @@ def test_lines_for_a_terminal():
     """A command prints the verdict with its effect and how sure it is."""
     lines = summary_words({**BASE, "verdict": "identified", "effects": ["creep"]})
     assert lines.found == "identified: creep (97 % sure)"
+    lines = summary_words({**BASE, "verdict": "confounded", "effects": ["frame"], "rivals": ["rest_shape"]})
+    assert lines.found == "confounded: frame or rest shape (97 % sure)"
 
 
 @pytest.mark.parametrize(
