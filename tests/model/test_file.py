@@ -1,0 +1,154 @@
+"""model.yaml: read, refused, written, and read again."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from labrig._errors import LabrigError
+from labrig.model import EffectEntry, Model, Value, read_model_file, write_model_file
+
+TEXT = """\
+base: {kind: static, degree: 2}
+effects:
+- name: leak
+  form: per chamber
+  parameters:
+    loss:
+      value: [1.0, 0.5]
+      sd: [0.01, 0.02]
+      unit: '1'
+      per: [c1, c2]
+    tau_s: {value: 40.0, unit: s}
+"""
+
+
+def refused(path: Path) -> str:
+    """What reading this file says."""
+    with pytest.raises(LabrigError) as error:
+        read_model_file(path)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+@pytest.fixture
+def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A relative path in a folder of the test's own."""
+    monkeypatch.chdir(tmp_path)
+    return Path("model.yaml")
+
+
+def test_a_model_is_written_as_it_was_read(path: Path) -> None:
+    """Reading and writing change nothing but the layout; what nobody said is not written."""
+    path.write_text(TEXT)
+    model = read_model_file(path)
+    again = Path("again.yaml")
+    write_model_file(model, again)
+    assert read_model_file(again) == model
+    assert yaml.safe_load(again.read_text()) == yaml.safe_load(TEXT)
+    assert sorted(p.name for p in Path().iterdir()) == ["again.yaml", "model.yaml"]
+
+
+def test_the_smallest_model(path: Path) -> None:
+    """A base alone is a model; a static map is a straight line unless it says otherwise."""
+    path.write_text("base: {kind: static}\n")
+    model = read_model_file(path)
+    assert model.base.kind == "static"
+    assert model.base.degree == 1  # type: ignore[union-attr]
+    assert model.effects == []
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "a model needs 'base:', for example  base: {kind: static, degree: 1}"),
+        ("- creep\n", "a model needs 'base:', for example  base: {kind: static, degree: 1}"),
+        ("effects: []\n", "a model needs 'base:', for example  base: {kind: static, degree: 1}"),
+        (
+            "base: {kind: surrogate, file: forward.pt}\n",
+            "base kind 'surrogate' is not in this version; use simulator, static or python",
+        ),
+        (
+            "base: {kind: magic}\n",
+            "base: Input tag 'magic' found using 'kind' does not match any of the expected tags: "
+            "'python', 'static', 'simulator'",
+        ),
+        ("base: {degree: 1}\n", "base: Unable to extract tag using discriminator 'kind'"),
+        ("base: {kind: static, degree: 4}\n", "base.static.degree: Input should be less than or equal to 3"),
+        ("base: {kind: python}\n", "base.python.file: Field required"),
+        ("base: {kind: static, file: x.py}\n", "base.static.file: Extra inputs are not permitted"),
+        ("base: {kind: static}\neffect: []\n", "effect: Extra inputs are not permitted"),
+        (
+            "base: {kind: static}\neffects: [creep]\n",
+            "effects.0: Input should be a valid dictionary or instance of EffectEntry",
+        ),
+        ("base: {kind: static}\neffects: [{form: play}]\n", "effects.0.name: Field required"),
+        (
+            "base: {kind: static}\neffects: [{name: creep, amplitude: 0.2}]\n",
+            "effects.0.amplitude: Extra inputs are not permitted",
+        ),
+        (
+            "base: {kind: static}\neffects: [{name: creep, parameters: {amplitude: {unit: '1'}}}]\n",
+            "effects.0.parameters.amplitude.value: Field required",
+        ),
+    ],
+)
+def test_what_is_no_model_is_refused(path: Path, text: str, complaint: str) -> None:
+    """One line: the file, the place in it, what is wrong."""
+    path.write_text(text)
+    assert refused(path) == f"model.yaml: {complaint}"
+
+
+def test_a_syntax_error_has_its_line(path: Path) -> None:
+    """YAML's own complaint, with the line as an editor counts it."""
+    path.write_text("base: {kind: static}\neffects: [\n")
+    assert (
+        refused(path)
+        == "model.yaml, line 3: is not YAML (expected the node content, but found '<stream end>')"
+    )
+
+
+def test_files_that_cannot_be_read(path: Path) -> None:
+    """No file, a folder, and bytes that are no text."""
+    assert refused(path) == "model.yaml: can't read the model file (No such file or directory)"
+    path.write_bytes(b"base: \xff\xfe")
+    assert refused(path) == "model.yaml: is not a text file; a model is YAML"
+    path.unlink()
+    path.mkdir()
+    assert refused(path).startswith("model.yaml: can't read the model file (")
+
+
+def test_an_unknown_effect_is_refused_at_once(path: Path) -> None:
+    """Loading checks the names of the effects, not only their layout."""
+    path.write_text("base: {kind: static}\neffects: [{name: crep}]\n")
+    with pytest.raises(LabrigError) as error:
+        Model.load(path)
+    assert str(error.value).startswith("there is no effect 'crep'; choose one of: contact, coupling, creep, ")
+
+
+def test_an_effect_is_appended_and_nothing_else_changes(path: Path) -> None:
+    """Saving with one more entry leaves the base and the entries before it as they were."""
+    path.write_text(TEXT)
+    model = Model.load(path)
+    entry = EffectEntry(name="frame", parameters={"shift": Value(value=[0.0] * 6, unit="mm")})
+    more = model.with_effect(entry)
+    assert model.file.effects[0].name == "leak"
+    assert len(model.file.effects) == 1
+    more.save("new.yaml")
+    old, new = (yaml.safe_load(Path(p).read_text()) for p in ("model.yaml", "new.yaml"))
+    assert new["base"] == old["base"]
+    assert new["effects"][:-1] == old["effects"]
+    assert new["effects"][-1] == {
+        "name": "frame",
+        "parameters": {"shift": {"value": [0.0] * 6, "unit": "mm"}},
+    }
+
+
+def test_paths_follow_a_model_to_another_folder(path: Path) -> None:
+    """A base's file is found from where the model is saved, however far away."""
+    Path("lib").mkdir()
+    Path("out/deep").mkdir(parents=True)
+    Path("lib/base.py").write_text("def predict(u):\n    return u\n")
+    path.write_text("base: {kind: python, file: lib/base.py}\n")
+    Model.load(path).save("out/deep/model.yaml")
+    assert read_model_file(Path("out/deep/model.yaml")).base.file == "../../lib/base.py"  # type: ignore[union-attr]
