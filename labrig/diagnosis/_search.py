@@ -18,9 +18,10 @@ KEPT_FORMS = 4
 DRAWS = 299
 SIGNIFICANT = 0.02
 CLEAR_SE = 1.0
-LOCAL_Z = 3.0
-LOCAL_OF_FLOOR = 0.5
+LOCAL_Z = 2.0
+LOCAL_OF_FLOOR = 0.55
 TIE_SHARE = 0.05
+SAME_SHARE = 0.015
 OWN_SHARE = 0.05
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_SHARE = 0.06
@@ -303,7 +304,8 @@ def _clear_locally(streams: Streams, before: Fit | None, after: Fit, gate: Gate)
     """Whether single captures say so clearly, and it is large.
 
     Signs of m blocks can give no p-value below 2^(1 - m), so what happens in a few blocks only (a slip, a
-    limit that is rarely reached) needs another way in: a large fall, many standard errors of it by capture.
+    limit that is rarely reached) needs another way in: a fall that is larger than all that slow noise of
+    half a floor could give, and clear by capture.
     """
     old = streams.residual - (before.heldout if before else streams.nothing)
     each = streams.square(old) - streams.square(streams.residual - after.heldout)
@@ -321,10 +323,9 @@ def _simplest(chosen: Fit, found: Mapping[str, list[Candidate]]) -> Fit:
         for option in _options(chosen, found, leave=i):
             behind = chosen.score.gains - option.score.gains
             se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
-            tied = behind.sum() <= min(se, TIE_SHARE * worth)
-            simpler = (
-                1.5 * option.parts[-1].columns.width <= best.parts[min(i, len(best.parts) - 1)].columns.width
-            )
+            tied = behind.sum() <= min(max(se, SAME_SHARE * worth), TIE_SHARE * worth)
+            holder = part if best is chosen else best.parts[-1]
+            simpler = 1.5 * option.parts[-1].freedom <= holder.freedom
             if (
                 tied
                 and simpler

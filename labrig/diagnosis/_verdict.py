@@ -18,8 +18,11 @@ ALIKE_SHARE = 0.02
 ALIKE_COSINE = 0.95
 IMITATES_WIDTH = 1.5
 CEILING_SE = 2.5
-UNKNOWN_FLOORS = 0.5
-UNKNOWN_SHARE = 0.4
+LEARNT_Z = 4.0
+UNKNOWN_OF_FLOOR = 0.35
+UNKNOWN_SHARE = 0.15
+UNKNOWN_SHARE_STATIC = 0.35
+UNKNOWN_SHARE_FORM = 0.8
 STATIC = "pressure"
 
 
@@ -85,7 +88,7 @@ def rivals_of(chosen: Fit, found: Mapping[str, list[Candidate]]) -> list[Rival]:
             )
             z = behind.sum() / se if se > 0 else np.inf
             share = behind.sum() / worth if worth > 0 else 1.0
-            wider = best.parts[-1].columns.width / part.columns.width
+            wider = best.parts[-1].freedom / part.freedom
             out.append(Rival(name, part.effect.name, float(z), float(share), cosine, wider))
     return out
 
@@ -109,10 +112,13 @@ def decide(
     left = square_of(streams, streams.residual - chosen.heldout)
     explained = gate.base_square - left
     beyond, share, learner = _predictable(streams, chosen, after, explained)
-    static_only = _static_only(after, learner)
+    most = UNKNOWN_SHARE
+    if _static_only(after, learner):
+        moving = any(p.effect.beyond_static != "no" for p in chosen.parts)
+        most = UNKNOWN_SHARE_FORM if moving else UNKNOWN_SHARE_STATIC
     warnings: list[str] = []
-    if learner is not None and beyond > (UNKNOWN_FLOORS**2) * gate.floor_square and share > UNKNOWN_SHARE:
-        if not (static_only and share < 0.8):
+    if learner is not None and beyond > UNKNOWN_OF_FLOOR * gate.floor_square:
+        if share > most:
             z = learner.gain / max(_se(learner.gains), 1e-300)
             return Verdict(
                 "unknown",
@@ -123,8 +129,8 @@ def decide(
                 compared=tuple(compared),
             )
         warnings.append(
-            f"beside {' and '.join(chosen.names)}, a smooth function of the pressures alone would explain "
-            f"{np.sqrt(beyond):.3g} more: the base may be wrong in form"
+            f"beside {' and '.join(chosen.names)}, a smooth function of {learner.covariates} would explain "
+            f"{np.sqrt(beyond):.3g} more: the base or the effect may be wrong in form"
         )
     alike = [r for r in compared if r.alike]
     if alike:
@@ -143,10 +149,10 @@ def decide(
 def _without_effect(streams: Streams, before: Mapping[str, Ceiling], p_value: float, gate: Gate) -> Verdict:
     """No named effect came in: unknown if a learner sees structure, else nothing missing or underpowered."""
     best = max(before.values(), key=lambda c: c.gain, default=None)
-    if best is not None and best.gain > CEILING_SE * _se(best.gains) and (best.gains > 0).mean() >= 0.8:
-        left = square_of(streams, streams.residual - best.heldout)
+    if best is not None and _learnt(streams, best) > LEARNT_Z:
+        left = square_of(streams, streams.residual - streams.nothing - best.heldout)
         explained = gate.base_square - left
-        if explained > gate.smallest(0.1) and explained > (UNKNOWN_FLOORS**2) * gate.floor_square:
+        if explained > max(gate.smallest(0.1), UNKNOWN_OF_FLOOR * gate.floor_square):
             z = best.gain / max(_se(best.gains), 1e-300)
             return Verdict("unknown", (), float(np.clip(norm.cdf(z - 1), 0.34, 0.97)), (), best.covariates)
     smallest = detectable(streams, gate)
@@ -186,6 +192,14 @@ def _predictable(
 def _static_only(after: Mapping[str, Ceiling], learner: Ceiling | None) -> bool:
     """Whether the pressures alone carry most of what is still predictable."""
     return learner is not None and STATIC in after and after[STATIC].gain > 0.7 * learner.gain
+
+
+def _learnt(streams: Streams, learner: Ceiling) -> float:
+    """How many standard errors, by capture, the learner's held-out gain is above zero."""
+    left = streams.residual - streams.nothing
+    each = streams.square(left) - streams.square(left - learner.heldout)
+    gains = np.bincount(streams.source, weights=each)
+    return float(gains.sum() / max(np.sqrt(len(gains)) * gains.std(), 1e-300))
 
 
 def _se(gains: Floats) -> float:

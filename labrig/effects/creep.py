@@ -13,6 +13,8 @@ TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
 DECADE = 10.0
 SETTLE_S = 3.0
+SHORTEST_S = 10.0
+"""A lag behind the settled shape that is shorter than this is a delay."""
 
 
 class Creep(Effect):
@@ -51,6 +53,8 @@ class Creep(Effect):
             strain = np.mean([context.relaxed(t) for t in chain], axis=0)
             settled = float(np.mean([-np.expm1(-SETTLE_S / t) for t in chain]))
             for known in context.grid("known", (0.0, settled, 1.0)):
+                if known == 1.0 and tau < SHORTEST_S:
+                    continue
                 change = strain - known * u
                 shape = {"tau_s": tau, "known": known}
                 yield Variant(name, (Term.common("amplitude", change),), shape)

@@ -17,7 +17,7 @@ class Delay(Effect):
     )
     acts_on = "pressure"
     parameters = (
-        Parameter("share", "1", 0.6, 1.5, "chamber", "share of the change that lags; 1 is a plain lag"),
+        Parameter("share", "1", 0.05, 1.5, "chamber", "share of the change that lags; 1 is a plain lag"),
         Parameter("tau_s", "s", 0.05, 30.0, meaning="time constant of the lag"),
     )
     reference = "K. Ogata, Modern Control Engineering, 5th ed. 2010, ch. 5 (first-order systems)"
