@@ -1,0 +1,112 @@
+"""`labrig demo`: from a rig that hides something to its name, with everything that it leaves."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+import yaml
+
+EVERYTHING = {
+    "rig.yaml", "model.yaml", "sealed.json", "run", "compare.json", "diagnosis.json", "report.html", "demo.rrd",
+}  # fmt: skip
+
+
+def labrig(folder, *arguments):
+    """Run a command in `folder`."""
+    command = [sys.executable, "-c", "from labrig.cli import main; main()", *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=110, check=False)
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory):
+    """A demo that hides creep, and what it printed."""
+    folder = tmp_path_factory.mktemp("demo")
+    return folder, labrig(folder, "demo", "--hide", "creep")
+
+
+@pytest.mark.slow
+def test_it_names_what_is_hidden(demo):
+    """The hidden effect is named, the error falls towards the floor, and the model with it is written."""
+    folder, ran = demo
+    assert ran.returncode == 0, ran.stderr
+    found = json.loads((folder / "labrig-demo" / "diagnosis.json").read_text())
+    assert (found["verdict"], found["effects"]) == ("identified", ["creep"])
+    assert found["error"]["model"] < 0.3 * found["error"]["base"]
+    improved = yaml.safe_load((folder / "labrig-demo" / "model.improved.yaml").read_text())
+    assert [effect["name"] for effect in improved["effects"]] == ["creep"]
+    assert "Creep is missing from the model." in ran.stdout
+
+
+@pytest.mark.slow
+def test_it_leaves_everything(demo):
+    """Run, rig, models, figures, report and recording are there, and nothing half-written."""
+    folder, _ = demo
+    assert {entry.name for entry in (folder / "labrig-demo").iterdir()} == EVERYTHING | {
+        "model.improved.yaml"
+    }
+
+
+@pytest.mark.slow
+def test_its_last_lines_work(demo):
+    """The commands that it names at the end do what it says."""
+    folder, ran = demo
+    report, view, reveal = (line.strip() for line in ran.stdout.splitlines()[-3:])
+    assert report == str((folder / "labrig-demo" / "report.html").resolve())
+    assert labrig(folder, *view.split()[1:], "--save", "saved.rrd").returncode == 0
+    assert (folder / "saved.rrd").read_bytes() == (folder / "labrig-demo" / "demo.rrd").read_bytes()
+    assert labrig(folder, *reveal.split()[1:]).stdout == "creep: 1 mm rms\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("hide", "seed"), [("hysteresis", "1"), ("coupling", "2"), ("regulator", "0")])
+def test_other_effects(tmp_path, hide, seed):
+    """Other effects are named as surely."""
+    assert labrig(tmp_path, "demo", "--hide", hide, "--seed", seed, "--out", "here").returncode == 0
+    found = json.loads((tmp_path / "here" / "diagnosis.json").read_text())
+    assert (found["verdict"], found["effects"]) == ("identified", [hide])
+
+
+@pytest.mark.slow
+def test_nothing_is_nothing(tmp_path):
+    """A rig that hides nothing ends in nothing_missing, the model stays as it is, and an older demo too."""
+    (tmp_path / "labrig-demo").mkdir()
+    (tmp_path / "labrig-demo" / "mine.txt").write_text("keep")
+    ran = labrig(tmp_path, "demo", "--hide", "nothing", "--seed", "3")
+    assert ran.returncode == 0, ran.stderr
+    assert [entry.name for entry in (tmp_path / "labrig-demo").iterdir()] == ["mine.txt"]
+    folder = tmp_path / "labrig-demo-2"
+    assert json.loads((folder / "diagnosis.json").read_text())["verdict"] == "nothing_missing"
+    assert {entry.name for entry in folder.iterdir()} == EVERYTHING
+    assert "nothing is added: the model stays as it is" in ran.stdout
+
+
+def test_an_unknown_effect(tmp_path):
+    """A name that does not exist is one line with those that do, and nothing is made."""
+    ran = labrig(tmp_path, "demo", "--hide", "gremlins")
+    assert ran.returncode == 2
+    assert ran.stdout == ""
+    assert ran.stderr.startswith(
+        "labrig: --hide: there is no effect 'gremlins'; choose nothing, hysteresis, creep,"
+    )
+    assert ran.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_made(tmp_path):
+    """Where the folder cannot be made, one line says so."""
+    (tmp_path / "file").write_text("")
+    ran = labrig(tmp_path, "demo", "--hide", "creep", "--out", "file/here")
+    assert (ran.returncode, ran.stderr) == (
+        2,
+        "labrig: cannot make the folder file/here: Not a directory\n",
+    )
+
+
+def test_the_seed_chooses_and_says_nothing():
+    """Without --hide the seed decides, always the same way, and different seeds differ."""
+    from labrig.cli._demo_steps import _hidden
+
+    chosen = [_hidden("", seed) for seed in range(12)]
+    assert chosen == [_hidden("", seed) for seed in range(12)]
+    assert len({json.dumps(setting["effects"]) for setting in chosen}) > 4
