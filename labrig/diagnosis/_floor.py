@@ -139,10 +139,15 @@ def _labels(context: Context, captures: Ints) -> list[str]:
 
 
 def _spread(differences: list[Floats]) -> float | None:
-    """Standard deviation of one of two captures from their differences; few pairs are allowed for."""
+    """Standard deviation of one of two captures from their differences, by the median over the pairs.
+
+    The median of a mean of k squares lies below its expectation (Wilson and Hilferty 1931), most for k = 1.
+    """
     if not differences:
         return None
     d = np.array(differences)
     d = d[np.isfinite(d).any(axis=1)]
-    good = np.nanmean(d**2, axis=1)
-    return float(np.sqrt(np.median(good) / 2)) if len(good) else None
+    if not len(d):
+        return None
+    k = np.isfinite(d).sum(axis=1)
+    return float(np.sqrt(np.median(np.nanmean(d**2, axis=1) / (1 - 2 / (9 * k)) ** 3) / 2))
