@@ -1,0 +1,143 @@
+"""The noise floor: known noise is found, whatever else the residuals hold."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis._floor import capture_means, noise_floor
+from labrig.diagnosis._spectrum import bulk_edge, bulk_noise, fill
+from labrig.effects import rows_of
+from labrig.model import base_context, build_base
+
+
+def floor_of(lab: Any, values: np.ndarray, lost: int = 0) -> Any:
+    """The floor of what a lab's own base leaves."""
+    model = lab.model()
+    rows = rows_of(lab.dataset(values))
+    context = base_context(build_base(model.file, model.folder, rows), rows)
+    return noise_floor(context, context.residual, lost)
+
+
+def test_white_noise_is_found(make_lab) -> None:
+    """Noise of captures and of rows come back apart, for every observable."""
+    lab = make_lab(captures=100, rows_s=(3.0, 3.5, 4.0, 4.5))
+    floor = floor_of(lab, lab.predict(lab.u) + lab.noise(row=0.2, capture=0.3))
+    assert floor.mean == pytest.approx(np.full(18, np.hypot(0.3, 0.2 / 2)), rel=0.15)
+    assert floor.within == pytest.approx(np.full(18, 0.2), rel=0.25)
+    assert floor.row == pytest.approx(np.hypot(floor.mean, floor.within))
+    assert floor.repeats["same history"] == pytest.approx(0.316, rel=0.4)
+    assert floor.repeats["within a capture"] == pytest.approx(0.2, rel=0.25)
+    assert floor.repeats["early against late"] is not None
+
+
+def test_an_effect_does_not_lift_the_floor(make_lab) -> None:
+    """Residuals of ten floors that depend on the pressures leave the floor where it is."""
+    lab = make_lab(captures=100)
+    floor = floor_of(lab, lab.predict(lab.u * 1.1) + lab.noise())
+    assert floor.mean[0] == pytest.approx(0.104, rel=0.2)
+
+
+def test_history_and_drift_are_no_noise(make_lab) -> None:
+    """Repeats from elsewhere, and early against late, are listed but do not make the floor."""
+    lab = make_lab(captures=100)
+    before = np.concatenate([np.zeros((1, 3)), lab.commanded[:-1]])[:, None]
+    late = np.linspace(0, 2, 100)[:, None, None]
+    floor = floor_of(lab, lab.predict(lab.u + 0.1 * (before - lab.u)) + late + lab.noise())
+    assert floor.mean[0] == pytest.approx(0.104, rel=0.35)
+    assert floor.repeats["early against late"] > 5 * floor.mean[0]
+    assert "repeats" in floor.how or "spectrum" in floor.how
+
+
+def test_without_repeats_the_spectrum_says_it(make_lab) -> None:
+    """The bulk of the singular values is the noise, and it is said that nothing was repeated."""
+    lab = make_lab(captures=60, repeats=False)
+    floor = floor_of(lab, lab.predict(lab.u * 1.1) + lab.noise())
+    assert floor.how == "the bulk of the residuals' spectrum (no same-history repeats)"
+    assert floor.mean[0] == pytest.approx(0.104, rel=0.25)
+    assert floor.repeats["same history"] is None
+
+
+def test_repeats_are_recognised_without_labels(make_lab) -> None:
+    """Equal set-points with equal predecessors count as repeats though nobody called them so."""
+    lab = make_lab(captures=60)
+    lab.label = [""] * 60
+    floor = floor_of(lab, lab.predict(lab.u) + lab.noise())
+    assert floor.repeats["same history"] == pytest.approx(0.104, rel=0.6)
+
+
+def test_one_force_with_few_captures(make_lab) -> None:
+    """A single observable has no spectrum: repeats say it, and without them the noise within a hold."""
+    lab = make_lab(chambers=1, force=True, captures=400)
+    floor = floor_of(lab, lab.predict(lab.u) + lab.noise(row=0.2, capture=0.3))
+    assert floor.how == "repeats with the same history"
+    assert floor.mean[0] == pytest.approx(np.hypot(0.3, 0.2 / np.sqrt(3)), rel=0.25)
+    few = make_lab(chambers=1, force=True, captures=8, repeats=False)
+    floor = floor_of(few, few.predict(few.u) + few.noise(row=0.2, capture=0.0))
+    assert floor.how == "the noise within a capture (no same-history repeats)"
+    assert floor.mean[0] == pytest.approx(0.2, rel=0.6)
+
+
+def test_a_continuous_record_is_judged_by_its_neighbours(make_lab) -> None:
+    """Single rows of one observable: second differences, which a smooth course does not move."""
+    lab = make_lab(chambers=1, force=True, captures=200, rows_s=(3.0,), repeats=False)
+    lab.commanded = lab.random.uniform(0, 60, (200, 1))
+    smooth = 5 * np.sin(np.arange(200) / 30)[:, None, None]
+    floor = floor_of(lab, lab.predict(lab.u) + smooth + lab.noise(row=0.2, capture=0.0))
+    assert floor.how == "differences between neighbouring captures (no same-history repeats)"
+    assert floor.mean[0] == pytest.approx(0.2, rel=0.2)
+
+
+def test_no_noise_at_all_is_no_zero(make_lab) -> None:
+    """Exact data have a tiny floor, so that nothing is divided by zero."""
+    lab = make_lab(captures=20, repeats=False)
+    floor = floor_of(lab, lab.predict(lab.u * 1.1))
+    assert (floor.mean > 0).all()
+    assert (floor.mean < 1e-2).all()
+
+
+@pytest.mark.parametrize(("n", "K", "rank"), [(60, 102, 5), (150, 30, 3), (40, 12, 0)])
+def test_the_bulk_of_a_spectrum(n: int, K: int, rank: int) -> None:
+    """Noise under a signal of low rank is found to a tenth, with a tenth of the entries missing too."""
+    rng = np.random.default_rng(0)
+    noise = 0.3 * rng.normal(size=(n, K))
+    matrix = noise + 20 * rng.normal(size=(n, rank)) @ rng.normal(size=(rank, K))
+    assert bulk_noise(matrix) == pytest.approx(0.3, rel=0.1)
+    assert np.linalg.norm(noise, 2) < 0.3 * bulk_edge(n, K)
+    matrix[rng.random((n, K)) < 0.1] = np.nan
+    assert bulk_noise(matrix) == pytest.approx(0.3, rel=0.2)
+
+
+def test_lost_degrees_of_freedom_are_allowed_for() -> None:
+    """A fit of ten regressors takes their share of the noise; told of it, the estimate stays."""
+    rng = np.random.default_rng(0)
+    X, noise = rng.normal(size=(40, 10)), 0.3 * rng.normal(size=(40, 60))
+    left = noise - X @ np.linalg.lstsq(X, noise, rcond=None)[0]
+    assert bulk_noise(left, 10) == pytest.approx(0.3, rel=0.1)
+    assert bulk_noise(left, 0) < 0.25
+
+
+def test_a_small_matrix_says_nothing() -> None:
+    """Fewer than six rows or columns have no bulk."""
+    assert np.isnan(bulk_noise(np.ones((40, 5))))
+    assert np.isnan(bulk_noise(np.ones((5, 40))))
+
+
+def test_gaps_are_filled_from_what_has_low_rank() -> None:
+    """Entries that were not seen come nearer than their column's mean, those that were are not touched."""
+    rng = np.random.default_rng(0)
+    whole = rng.normal(size=(60, 2)) @ rng.normal(size=(2, 20))
+    holed = np.where(rng.random(whole.shape) < 0.1, np.nan, whole)
+    filled = fill(holed)
+    seen = np.isfinite(holed)
+    assert (filled[seen] == whole[seen]).all()
+    mean = np.nanmean(holed, axis=0, keepdims=True)
+    assert np.std((filled - whole)[~seen]) < 0.9 * np.std((mean - whole)[~seen])
+
+
+def test_means_of_captures_skip_what_was_not_seen() -> None:
+    """The mean is over the rows that have a value; NaN where none has."""
+    values = np.array([[1.0, np.nan], [3.0, np.nan], [5.0, 2.0], [np.nan, 4.0]])
+    means, captures = capture_means(values, np.array([0, 0, 7, 7]))
+    assert captures.tolist() == [0, 7]
+    assert means == pytest.approx(np.array([[2.0, np.nan], [5.0, 3.0]]), nan_ok=True)
