@@ -258,13 +258,16 @@ class WiredPressure:
             self._wire.close()
             raise
         self._open = True
+        self._venting = False
         self._problem = None
         self._heard_at = time.monotonic()
 
     def _aim(self, target: NDArray[np.float64]) -> None:
+        self._raise_problem()  # it may have come up since the caller looked
         if not self._open:
             raise LinkError("the link is down")
-        self._venting = False
+        if self._venting:
+            raise DeviceError(f"{self.name}: the last vent is not confirmed; vent again before any set-point")
         self._target = target
         self._ramp()
 
@@ -283,12 +286,12 @@ class WiredPressure:
         self._commanded = commanded
 
     def _begin_vent(self) -> None:
-        self._venting = True
         self._calm = 0
         self._target = np.zeros(len(self.channels))
         self._commanded = np.zeros(len(self.channels))
         if not self._open:
             self._reopen()
+        self._venting = True
         self._wire.stop()
 
     def _take(self, measured: NDArray[np.float64]) -> None:
@@ -321,18 +324,19 @@ class WiredPressure:
     def _trip(self, why: str) -> None:
         self._target[:] = 0.0
         self._commanded[:] = 0.0
-        self._problem = f"{why}; stopped, and no set-point is taken until a vent is confirmed"
+        problem = f"{why}; stopped, and no set-point is taken until a vent is confirmed"
         try:
             self._wire.stop()
         except (LinkError, WireError) as error:
-            self._problem = f"{why}; and it could not be stopped: {error}"
+            problem = f"{why}; and it could not be stopped: {error}"
+        self._problem = problem
 
     def _lose(self, why: str) -> None:
-        self._problem = why
         self._open = False
         self._target[:] = 0.0
         self._commanded[:] = 0.0
         self._wire.close()
+        self._problem = why  # last: who reads it may count on the device being at rest, if it can be reached
 
     # The caller's thread again.
 

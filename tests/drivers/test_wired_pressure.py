@@ -151,6 +151,12 @@ def test_vent_that_does_not_succeed_says_what_is_still_up(wire, make):
     assert str(error.value) == (
         "pressure: vent not confirmed within 0.3 s: a reads 50.0 kPa; relieve the pressure by hand"
     )
+    with pytest.raises(DeviceError) as error:
+        device.set(np.array([1.0, 0.0]))
+    assert str(error.value) == ("pressure: the last vent is not confirmed; vent again before any set-point")
+    wire.stuck_kpa = None
+    device.vent()
+    device.set(np.array([1.0, 0.0]))
 
 
 def test_a_channel_without_reading_is_not_confirmed(wire, make):
