@@ -73,7 +73,7 @@ def _actuate(session: Session, step: Actuate, reason: str) -> tuple[Result, dict
         reach = slew * session.tick_s
         change = np.clip(target - session.commanded_kpa, -reach, reach)
         arrived = bool(np.all(np.abs(target - session.commanded_kpa) <= reach))
-        session.command(target if arrived else session.commanded_kpa + change, event=False, reason=reason)
+        session.command(target if arrived else session.commanded_kpa + change, reason)
         if arrived:
             session.poll()
             return Actuated(started_s, tuple(step.pressure_kpa)), {"time_s": started_s}

@@ -156,14 +156,13 @@ class Session:
         """Begin the staleness checks anew, after something that did not poll."""
         self._last_sample_s = self._last_frame_s = self.clock.now_s()
 
-    def command(self, target_kpa: Floats, *, event: bool, reason: str) -> None:
-        """Send a set-point and log it; `event` where an actuation begins, then the log gets the target."""
+    def command(self, target_kpa: Floats, reason: str) -> None:
+        """Send a set-point and log it as one of an actuation's."""
         now_s = self.clock.now_s()
         with self.signals.shield():
             self.rig.pressure.set(target_kpa)
         self.commanded_kpa = np.array(target_kpa, float)
-        if not event:
-            self.log_command(now_s, target_kpa, event=False, reason=reason)
+        self.log_command(now_s, target_kpa, event=False, reason=reason)
 
     def log_command(self, time_s: float, setpoint_kpa: Floats, *, event: bool, reason: str) -> None:
         """Log what was commanded."""

@@ -32,6 +32,17 @@ def to_ns(time_s: float) -> int:
     return min(_MAX_NS, int(time_s) * 1_000_000_000 + round((time_s - int(time_s)) * 1e9))
 
 
+def _sync_folder(folder: Path) -> None:
+    """Make a new file's name durable, too. POSIX only: Windows has no way to ask for it, and no need."""
+    if os.name != "posix":
+        return
+    number = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
 class LogWriter:
     """Writes one segment (`log.000.mcap`, ...) of a run.
 
@@ -56,6 +67,8 @@ class LogWriter:
         self._cloud = self._empty_cloud()
         try:
             self._begin(layout, run)
+            self.step_done()
+            _sync_folder(self.path.parent)
         except BaseException:
             self.abandon()
             raise

@@ -308,6 +308,19 @@ def test_a_run_needs_a_folder_of_its_own(fake: Any, tmp_path: Path) -> None:
     assert str(caught.value) == f"{tmp_path / 'run'} holds a run already; choose another folder, or resume it"
 
 
+def test_a_rig_without_motion_capture_records_its_pressures(
+    make_rig: Callable[..., Any], tmp_path: Path
+) -> None:
+    """The rows are then those of the pressure sensors."""
+    blind = make_rig(markers=[], mocap=None)
+    run(Three(), blind.rig, tmp_path / "run", blind.clock)
+    data = open_run(tmp_path / "run")
+    assert data.sizes["capture"] == 6
+    assert "position_mm" not in data
+    last = data["measured"][5].to_numpy()[data["settled"][5].to_numpy()]
+    np.testing.assert_allclose(last[-1], [40.0, 10.0], atol=1.0)
+
+
 def test_run_yaml_says_what_the_run_is(fake: Any, tmp_path: Path) -> None:
     """Procedure, parameters, seed, rig, identities and versions; the log holds the same."""
     run(Three(top_kpa=30.0), fake.rig, tmp_path / "run", fake.clock, 7)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,3 +85,9 @@ def two_sessions(tmp_path: Path) -> Path:
     write_session(folder, 0, captures=2)
     write_session(folder, 1, captures=3, start_s=START_S + 100.0)
     return folder
+
+
+@pytest.fixture
+def write_log() -> Any:
+    """`write_session`."""
+    return write_session

@@ -1,6 +1,8 @@
 """A rig's log becomes the Dataset of docs/reference/dataset.md."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -147,3 +149,10 @@ def test_an_older_log_is_migrated(small_log, monkeypatch: pytest.MonkeyPatch) ->
         {1: lambda text: text.replace('"c1"', '"c?"'), 2: lambda text: text.replace('"c?"', '"chest"')},
     )
     assert open_run(small_log.folder)["chamber"].to_numpy().tolist() == ["chest", "c2"]
+
+
+def test_a_run_without_captures_opens(tmp_path: Path, write_log: Callable[..., Any]) -> None:
+    """Stopped before the first capture was complete: no rows, but the events are there."""
+    write_log(tmp_path, 0, captures=0)
+    run = open_run(tmp_path)
+    assert dict(run.sizes) == {"capture": 0, "chamber": 2, "time": 0, "marker": 3, "axis": 3, "event": 1}
