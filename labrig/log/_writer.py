@@ -29,6 +29,8 @@ def to_ns(time_s: float) -> int:
     """Seconds as the nanoseconds of a log; what cannot be expressed is moved to the nearest end."""
     if math.isnan(time_s) or time_s <= 0:
         return 0
+    if math.isinf(time_s):
+        return _MAX_NS
     return min(_MAX_NS, int(time_s) * 1_000_000_000 + round((time_s - int(time_s)) * 1e9))
 
 

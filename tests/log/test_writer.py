@@ -53,7 +53,14 @@ def test_a_file_that_cannot_be_begun_is_closed(tmp_path: Path, monkeypatch: pyte
 
 @pytest.mark.parametrize(
     ("time_s", "time_ns"),
-    [(0.0, 0), (-5.0, 0), (float("nan"), 0), (1.5, 1_500_000_000), (1e300, 2**63 - 1)],
+    [
+        (0.0, 0),
+        (-5.0, 0),
+        (float("nan"), 0),
+        (1.5, 1_500_000_000),
+        (1e300, 2**63 - 1),
+        (float("inf"), 2**63 - 1),
+    ],
 )
 def test_every_time_has_a_place_in_the_log(time_s: float, time_ns: int) -> None:
     """What nanoseconds cannot express is moved to the nearest end; the exact value stays in the message."""
