@@ -185,9 +185,22 @@ def _marker_of(fields: "xr.Dataset") -> list[str]:
     return [str(name) for name in fields["marker_of"].values]
 
 
+def actuated(fields: "xr.Dataset") -> bool:
+    """Whether anything was commanded at all."""
+    return "commanded" in fields and bool(np.nan_to_num(fields["commanded"].values).any())
+
+
+def capture_numbers(fields: "xr.Dataset") -> NDArray[np.int64]:
+    """The captures' numbers in their run; their places where these are no rising numbers."""
+    captures = np.asarray(fields["capture"].values)
+    if np.issubdtype(captures.dtype, np.integer) and (np.diff(captures) > 0).all():
+        return captures.astype(np.int64)
+    return np.arange(len(captures), dtype=np.int64)
+
+
 def _pressures(fields: "xr.Dataset", capture: int) -> str:
     """The set-points that are not zero, largest first, such as `c3 41, c1 12 kPa`."""
-    if "commanded" not in fields:
+    if not actuated(fields):
         return ""
     values = np.asarray(fields["commanded"].values[capture], dtype=float)
     chambers = [str(name) for name in fields["chamber"].values]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.view._fields import Cloud, Skin, residuals, rms
+from labrig.view._fields import Cloud, Skin, capture_numbers, residuals, rms
 from labrig.view._style import AFTER, BEFORE, ERROR_SCALE, FLOOR, GROUPS, INK, LINE, MUTED
 
 if TYPE_CHECKING:
@@ -214,13 +214,13 @@ def fit(fields: "xr.Dataset") -> Figure:
 def over_captures(fields: "xr.Dataset", units: str, floor: float | None) -> Figure:
     """The rms error of every capture in the order of the campaign, before and after, above the noise floor."""
     before, after = residuals(fields)
-    x = list(range(measured_count := before.shape[0]))
+    x = capture_numbers(fields)
     data = [
         {**_curve(x, rms(before, axis=1), "before", BEFORE), "mode": "lines+markers", "marker": {"size": 5}},
         {**_curve(x, rms(after, axis=1), "after", AFTER), "mode": "lines+markers", "marker": {"size": 5}},
     ]
     if floor is not None:
-        line = _curve([0, max(measured_count - 1, 1)], [floor, floor], "noise floor", FLOOR)
+        line = _curve(x[[0, -1]], [floor, floor], "noise floor", FLOOR)
         data.append({**line, "line": {"color": FLOOR, "width": 1.5, "dash": "dash"}})
     layout = _layout(
         height=280,

@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig.view._colours import rgb
-from labrig.view._fields import Cloud, Floats, cloud, residuals, rms, skin, worst_captures
+from labrig.view._fields import (
+    Cloud,
+    Floats,
+    actuated,
+    capture_numbers,
+    cloud,
+    residuals,
+    rms,
+    skin,
+    worst_captures,
+)
 from labrig.view._scene import CHAMBER_COLOURS, draw_state, scene_in_front
 from labrig.view._style import BEFORE, FLOOR
 from labrig.view._words import has_improved, note, number, word
@@ -61,14 +71,14 @@ def _draw_result(recording: "Recording", result: "Result") -> None:
     improved = has_improved(summary)
     scenes: list[Any] = []
     if markers is not None:
-        scale = _draw_clouds(recording, markers, improved)
+        scale = _draw_clouds(recording, markers, capture_numbers(fields), improved)
         added = " + ".join(word(str(name)) for name in summary.get("effects", [])) or "best candidate"
         arrows = f"arrows: residual × {number(scale)}"
         scenes.append(scene_in_front(f"Before: the model as it was ({arrows})", "/before", markers.rest_mm))
         if improved:
             scenes.append(scene_in_front(f"After: with {added}", "/after", markers.rest_mm))
     curves = [_draw_errors(recording, result, improved)]
-    if "commanded" in fields:
+    if actuated(fields):
         curves.append(_draw_commanded(recording, fields))
     recording.text("/verdict", _verdict(result))
     text = _rerun.page("Verdict", "/verdict")
@@ -90,7 +100,7 @@ def _shown(count: int, error: Floats) -> list[int]:
     return sorted({int(i) for i in np.concatenate([even, worst])})
 
 
-def _draw_clouds(recording: "Recording", markers: Cloud, improved: bool) -> float:
+def _draw_clouds(recording: "Recording", markers: Cloud, numbers: Any, improved: bool) -> float:
     """Log every capture before and after; returns by how much the residual arrows are longer than the residuals."""
     size = float(np.ptp(markers.rest_mm, axis=0).max()) or 1.0
     before = markers.base_error_mm
@@ -102,7 +112,7 @@ def _draw_clouds(recording: "Recording", markers: Cloud, improved: bool) -> floa
     for root, _ in states:
         recording.upright(root)
     for n in _shown(len(before), rms(before, axis=1)):
-        recording.at(capture=n)
+        recording.at(capture=int(numbers[n]))
         for root, predicted in states:
             measured = markers.measured_mm[n]
             draw_state(recording, root, markers.names, surface, measured, predicted[n], top, scale)
@@ -121,7 +131,7 @@ def _draw_errors(recording: "Recording", result: "Result", improved: bool) -> An
     from labrig.view import _rerun
 
     before, after = residuals(result.fields)
-    at = np.arange(len(before))
+    at = capture_numbers(result.fields)
     units = str(result.summary.get("units", ""))
     recording.series("/error/before", "before", rgb(BEFORE), 2.0)
     recording.curve("/error/before", "capture", at, rms(before, axis=1))
@@ -142,7 +152,7 @@ def _draw_commanded(recording: "Recording", fields: "xr.Dataset") -> Any:
     for k, name in enumerate(str(chamber) for chamber in fields["chamber"].values):
         path = f"/commanded/{name}"
         recording.series(path, name, rgb(CHAMBER_COLOURS[k % len(CHAMBER_COLOURS)]), 1.5, steps=True)
-        recording.curve(path, "capture", np.arange(len(commanded)), commanded[:, k])
+        recording.curve(path, "capture", capture_numbers(fields), commanded[:, k])
     unit = str(fields["commanded"].attrs.get("units", ""))
     return _rerun.plot(f"commanded, {unit}", "/commanded/**")
 

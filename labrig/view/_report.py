@@ -8,12 +8,14 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from labrig.view import _figures
 from labrig.view._fields import cloud, skin, worst_captures
 from labrig.view._page import Page, bar, table
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
 from labrig.view._waterfall import waterfall_svg
-from labrig.view._words import amount, has_improved, meanings, note, number, percent, word
+from labrig.view._words import amount, counted, has_improved, meanings, note, number, percent, word
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -73,9 +75,8 @@ def _opening(page: Page, result: "Result") -> None:
     summary, fields = result.summary, result.fields
     words = note(summary)
     run = str(fields.attrs.get("run", ""))
-    sizes = [f"{fields.sizes['capture']} captures", f"{fields.sizes['observable']} observables"]
-    if fields.sizes.get("marker", 0):
-        sizes[1] = f"{fields.sizes['marker']} markers"
+    measured = "marker" if fields.sizes.get("marker", 0) else "observable"
+    sizes = [counted(fields.sizes["capture"], "capture"), counted(fields.sizes[measured], measured)]
     about = " · ".join(
         filter(
             None, ["labrig", Path(run).name, *sizes, datetime.now().astimezone().strftime("%d %B %Y, %H:%M")]
@@ -269,7 +270,8 @@ def _first_number(name: str) -> float:
 
 
 def _signatures(page: Page, result: "Result") -> None:
-    if not result.signatures:
+    shown = [item for item in result.signatures if np.ptp(np.nan_to_num(item.x)) > 0]
+    if not shown:
         return
     units = str(result.summary.get("units", ""))
     page.section(
@@ -280,7 +282,7 @@ def _signatures(page: Page, result: "Result") -> None:
     blocks = [
         f'<div class="plot"><h3>{escape(word(item.effect))}: {escape(item.covariate)}</h3>'
         f"{page.plot(_figures.signature(item, units))}</div>"
-        for item in result.signatures
+        for item in shown
     ]
     page.add(f'<div class="plots">{"".join(blocks)}</div>')
 

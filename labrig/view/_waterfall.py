@@ -9,6 +9,7 @@ from labrig.view._words import number, word
 WIDTH, HEIGHT = 956.0, 320.0
 TOP, BOTTOM = 34.0, 52.0
 SLOT = 240.0
+ROOM = 48.0  # that a drop needs for a label of its own
 
 
 def waterfall_svg(steps: Sequence[tuple[str, float]], units: str) -> str:
@@ -35,7 +36,8 @@ def waterfall_svg(steps: Sequence[tuple[str, float]], units: str) -> str:
         if is_model and previous is not None and previous > value:
             parts.append(_rectangle(x, y(previous), bar, y(value) - y(previous), LINE))
             parts.append(_line(x - (slot - bar), y(previous), x + bar, y(previous), MUTED))
-            drop = f"−{100 * (previous - value) / previous:.0f} %" if previous else ""
+            roomy = y(value) - y(previous) > ROOM
+            drop = f"−{100 * (previous - value) / previous:.0f} %" if previous and roomy else ""
             parts.append(_text(x + bar / 2, (y(previous) + y(value)) / 2 + 4, drop, MUTED, 13))
         parts.append(_rectangle(x, y(value), bar, y(0.0) - y(value), _colour(label, i)))
         parts.append(_text(x + bar / 2, y(value) - 8, f"{number(value)} {units}", INK, 15, bold=True))

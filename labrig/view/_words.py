@@ -85,6 +85,11 @@ def listed(names: list[str], last: str = "and") -> str:
     return f"{', '.join(words[:-1])} {last} {words[-1]}"
 
 
+def counted(count: int, what: str) -> str:
+    """`1 marker`, `34 markers`."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
 def word(name: str) -> str:
     """An effect's name as a word in a sentence."""
     return name.replace("_", " ")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labrig.view._fields import cloud, skin, worst_captures
+from labrig.view._fields import capture_numbers, cloud, skin, worst_captures
 
 
 def test_cloud_has_every_marker_in_place(fields):
@@ -50,7 +50,16 @@ def test_worst_captures_are_the_worst(fields):
 
 
 def test_a_vented_capture_is_called_vented(fields):
-    """Set-points that are all zero have a word of their own."""
+    """Set-points that are all zero have a word of their own, unless nothing was ever commanded."""
     vented = fields.copy(deep=True)
+    vented["commanded"].values[1:] = 0
+    assert {capture.commanded for capture in worst_captures(vented) if capture.capture != "0"} == {"vented"}
     vented["commanded"].values[:] = 0
-    assert {capture.commanded for capture in worst_captures(vented)} == {"vented"}
+    assert {capture.commanded for capture in worst_captures(vented)} == {""}
+
+
+def test_capture_numbers_are_those_of_the_run(fields):
+    """Captures keep the numbers of their run, also where only some of them are shown."""
+    np.testing.assert_array_equal(capture_numbers(fields.isel(capture=[3, 8, 20])), [3, 8, 20])
+    named = fields.isel(capture=[3, 8]).assign_coords(capture=["a", "b"])
+    np.testing.assert_array_equal(capture_numbers(named), [0, 1])
