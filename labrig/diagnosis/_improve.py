@@ -41,7 +41,7 @@ def compare(runs: "Sequence[Dataset] | Dataset", model: Model) -> Result:
         "error": error,
         "where": places,
         "floor": {"how": floor.how, "repeats": floor.repeats},
-        "warnings": [f"{dropped} outlying values were left out"] if dropped else [],
+        "warnings": [*context.rows.warnings, *_left_out(dropped)],
     }
     return Result(
         summary=summary,
@@ -99,11 +99,14 @@ def improve(
         "added": [entry.model_dump(exclude_none=True) for entry in entries],
         "where": places,
         "warnings": [
-            f"{effect.name!r} does not lower the held-out error; it was added because of --force"
-            for effect, (more, se) in zip(effects, helps, strict=True)
-            if more <= se
-        ]
-        + ([f"{dropped} outlying values were left out"] if dropped else []),
+            *context.rows.warnings,
+            *(
+                f"{effect.name!r} does not lower the held-out error; it was added because of --force"
+                for effect, (more, se) in zip(effects, helps, strict=True)
+                if more <= se
+            ),
+            *_left_out(dropped),
+        ],
     }
     return Result(
         summary=summary,
@@ -115,6 +118,10 @@ def improve(
         where=places,
         improved=improved,
     )
+
+
+def _left_out(dropped: int) -> list[str]:
+    return [f"{dropped} outlying values were left out"] if dropped else []
 
 
 def _fit_named(streams: Streams, context: Context, effects: Sequence[Effect]) -> Fit:

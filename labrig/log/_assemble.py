@@ -77,14 +77,10 @@ def build_dataset(
             np.array([limit[side][c] if v is None else v for c, v in enumerate(given)], dtype=float),
         )
     _observables(mapping, observables, values, data, coords)
-    covariates = [
-        (e["name"], e.get("unit", "1")) if isinstance(e, dict) else (e.name, e.unit)
-        for e in mapping.covariates
-    ]
-    if covariates:
+    if mapping.covariates:
         data["covariates"] = (("capture", "time", "covariate"), padded([c.covariates for c in captures]))
-        coords["covariate"] = [name for name, _ in covariates]
-        coords["covariate_unit"] = ("covariate", [unit for _, unit in covariates])
+        coords["covariate"] = [e.name for e in mapping.covariates]
+        coords["covariate_unit"] = ("covariate", [e.unit for e in mapping.covariates])
     attrs = {"source": "table", "between_sessions": mapping.between_sessions}
     return xr.Dataset(data, coords=coords, attrs=attrs)  # type: ignore[arg-type]
 

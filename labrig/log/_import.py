@@ -133,11 +133,11 @@ class _Part:
     def _covariates(self) -> Floats:
         columns = []
         for entry in self.mapping.covariates:
-            if isinstance(entry, dict):
-                value = self.file.covariates.get(entry["name"], np.nan)
-                columns.append(np.full(self.n, value))
+            if entry.column is None:
+                columns.append(np.full(self.n, self.file.covariates.get(entry.name, np.nan)))
             else:
-                columns.append(self.table.numbers(entry.column, f"covariate {entry.name}"))
+                what = f"covariate {entry.name}"
+                columns.append(self.table.numbers(entry.column, what, thousands=entry.thousands))
         return np.stack(columns, axis=1) if columns else np.zeros((self.n, 0))
 
     def _session(self) -> list[str]:
@@ -210,9 +210,7 @@ def _check_units(mapping: Mapping, path: Path) -> None:
         ("covariates", mapping.covariates),
     ):
         for entry in entries:
-            unit = entry.get("unit", "1") if isinstance(entry, dict) else entry.unit
-            name = entry["name"] if isinstance(entry, dict) else entry.name
-            check(unit, f"{path}: {what} {name!r}")
+            check(entry.unit, f"{path}: {what} {entry.name!r}")
     for what, entry in (("time", mapping.time), ("hold", mapping.hold)):
         if entry is not None:
             factor(entry.unit, "s", f"{path}: {what}")

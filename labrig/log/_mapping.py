@@ -67,10 +67,13 @@ class Observable(UnitColumn):
     axis: Literal["x", "y", "z"] | None = None
 
 
-class CovariateColumn(UnitColumn):
-    """Anything else that was logged."""
+class Covariate(_Strict):
+    """Anything else that was logged: in a column, or (without one) a constant of each file of `table`."""
 
+    column: str | int | None = None
     name: str
+    unit: str = "1"
+    thousands: str | None = None
 
 
 class Marker(_Strict):
@@ -104,9 +107,9 @@ class Format(_Strict):
     separator: str = ","
     header: bool = True
     decimal: str = "."
-    skip_rows: int = Field(0, ge=0)
-    rows: int | None = Field(None, gt=0)
-    every: int = Field(1, gt=0)
+    skip_rows: int = Field(default=0, ge=0)
+    rows: int | None = Field(default=None, gt=0)
+    every: int = Field(default=1, gt=0)
 
 
 class Mapping(_Strict):
@@ -124,7 +127,7 @@ class Mapping(_Strict):
     measured: list[Measured] = Field(default_factory=list)
     observables: list[Observable] = Field(default_factory=list)
     markers: dict[str, Marker] | list[str] = Field(default_factory=dict)
-    covariates: list[CovariateColumn | dict[str, str]] = Field(default_factory=list)
+    covariates: list[Covariate] = Field(default_factory=list)
 
     def files(self) -> list[TableFile]:
         """The tables, in order."""
@@ -133,8 +136,8 @@ class Mapping(_Strict):
 
     def any_thousands(self) -> bool:
         """Whether some column has signs between its thousands, so that the table must be read as text."""
-        columns = [self.time, self.hold, *self.measured, *self.observables]
-        return any(isinstance(c, Column) and c.thousands for c in columns)
+        columns = [self.time, self.hold, *self.measured, *self.observables, *self.covariates]
+        return any(c is not None and c.thousands for c in columns)
 
     def marker_table(self) -> dict[str, Marker]:
         """Markers by name, whichever way they were written."""

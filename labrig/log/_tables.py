@@ -67,7 +67,8 @@ class Table:
             have = ", ".join(str(c) for c in list(self.frame.columns)[:12])
             more = ", ..." if len(self.frame.columns) > 12 else ""
             raise LabrigError(f"{self.path}: has no column {column!r} ({what}); it has {have}{more}")
-        return self.frame[column]
+        values: Any = self.frame[column]
+        return values
 
     def _at(self, i: int) -> str:
         return f"{self.path}, line {i + self.first_row}"
