@@ -259,3 +259,21 @@ def test_a_damaged_run_is_recovered(lab: Path, labrig: Run) -> None:
         "",
         "labrig: one-recovered exists already; choose another name or remove it\n",
     )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits a file's size as POSIX does")
+def test_a_disk_that_is_full_stops_the_run_and_loses_nothing_durable(lab: Path, labrig: Run) -> None:
+    """A real write error in the middle of a run: one line, exit code 2; with room again, the run is resumed."""
+    code = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))"
+    words = ["run", "capture", "--rig", "rig.yaml", "--out", "one", "--captures", "8", "--repeated", "0"]
+    command = [sys.executable, "-c", f"{code}; from labrig.cli import main; main()", *words]
+    done = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == (
+        "labrig: the log in one cannot be written: File too large; the chambers are vented; "
+        "go on with: labrig run --resume one"
+    )
+    kept = _captures("one")
+    assert 1 <= kept < 8
+    assert labrig("run", "--resume", "one")[0] == 0
+    assert open_run("one").sizes["capture"] == 8
