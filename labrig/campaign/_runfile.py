@@ -16,6 +16,9 @@ from labrig.campaign._plan import Plan, plan_facts, sha256_of
 from labrig.campaign._procedure import Procedure
 from labrig.rig import Rig
 
+_NUMBERS = ("address", "version", "serial")
+"""What devices say of themselves that does not change from one connection to the next."""
+
 
 def run_facts(
     procedure: Procedure, rig: Rig, seed: int, plan: Plan, context: dict[str, Any]
@@ -37,7 +40,11 @@ def run_facts(
         "operator": _operator(),
         "rig": rig.config.to_dict(),
         "identity": {
-            role: {"kind": identity.kind, "description": identity.description}
+            role: {
+                "kind": identity.kind,
+                "description": identity.description,
+                "details": dict(identity.details),
+            }
             for role, identity in rig.identity.items()
         },
         "versions": {"labrig": __version__, "python": platform.python_version(), "system": platform.system()},
@@ -81,12 +88,22 @@ def check_resumable(folder: Path, old: dict[str, Any], new: dict[str, Any]) -> N
     old_rig, new_rig = old.get("rig", {}), new["rig"]
     for field, what in (("name", "rig"), ("chambers", "limits of the chambers"), ("markers", "markers")):
         _same(folder, what, old_rig.get(field), new_rig.get(field))
-    _same(folder, "devices", old.get("identity"), new["identity"])
+    _same(folder, "devices", _who(old.get("identity") or {}), _who(new["identity"]))
     if old.get("steps_sha256") != new["steps_sha256"]:
         raise LabrigError(
             f"cannot resume {folder}: procedure {new['procedure']} no longer makes the steps that it made when "
             "the run began; start a new run"
         )
+
+
+def _who(identity: dict[str, Any]) -> dict[str, str]:
+    """What of the devices must stay the same: their kinds and numbers, not the ports that they are found at."""
+    known = {}
+    for role, of_role in identity.items():
+        details = of_role.get("details") or {}
+        stated = [details[key] for key in _NUMBERS if details.get(key, "not stated") != "not stated"]
+        known[role] = " ".join([of_role["kind"], *stated])
+    return known
 
 
 def _same(folder: Path, what: str, old: Any, new: Any) -> None:

@@ -57,6 +57,8 @@ def world_of(clock: Any, chambers: int = 2) -> World:
 
 
 class _Fake:
+    version, port = "1", "A"
+
     def __init__(self, name: str, clock: Clock) -> None:
         self.name, self.clock = name, clock
         self.faults: dict[str, Any] = {}
@@ -67,7 +69,9 @@ class _Fake:
         self.last_s = self.clock.now_s()
 
     def identify(self) -> Identity:
-        return Identity(self.name, "fake", f"a fake {self.name}")
+        return Identity(
+            self.name, "fake", f"a fake {self.name}", {"version": self.version, "port": self.port}
+        )
 
     def close(self) -> None:
         self.closed = True

@@ -1,6 +1,7 @@
 """A run that was interrupted goes on where it stopped: completed steps are replayed from the log."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -234,3 +235,25 @@ def test_a_cut_log_is_resumed_from_what_is_whole(make_rig: Callable[..., Any], t
     resume(Three(), second.rig, folder, second.clock)
     assert open_run(folder).sizes["capture"] == 6
     assert log.stat().st_size == cut
+
+
+def test_another_device_is_refused_but_another_port_is_not(
+    make_rig: Callable[..., Any], tmp_path: Path
+) -> None:
+    """A board that is found at another port after a power cut is the same board; another version is not."""
+    folder = tmp_path / "run"
+    _interrupt_after(make_rig(), 5, Three(), folder)
+    other = make_rig()
+    identity = other.rig.identity["pressure"]
+    other.rig.identity["pressure"] = replace(identity, details={"version": "2", "port": "A"})
+    with pytest.raises(LabrigError) as caught:
+        resume(Three(), other.rig, folder, other.clock)
+    assert str(caught.value) == (
+        f"cannot resume {folder}: the devices changed (pressure was 'fake 1', now it is 'fake 2'); start a new run"
+    )
+    moved = make_rig()
+    moved.rig.identity["pressure"] = replace(
+        identity, description="elsewhere", details={"version": "1", "port": "B"}
+    )
+    resume(Three(), moved.rig, folder, moved.clock)
+    assert open_run(folder).sizes["capture"] == 6

@@ -327,7 +327,11 @@ def test_run_yaml_says_what_the_run_is(fake: Any, tmp_path: Path) -> None:
     facts = yaml.safe_load((tmp_path / "run" / "run.yaml").read_text())
     assert (facts["procedure"], facts["parameters"], facts["seed"]) == ("three", {"top_kpa": 30.0}, 7)
     assert facts["rig"]["chambers"][0]["max_kpa"] == 60.0
-    assert facts["identity"]["pressure"] == {"kind": "fake", "description": "a fake pressure"}
+    assert facts["identity"]["pressure"] == {
+        "kind": "fake",
+        "description": "a fake pressure",
+        "details": {"version": "1", "port": "A"},
+    }
     assert set(facts["versions"]) == {"labrig", "python", "system"}
     assert facts["steps"] == 12
 
