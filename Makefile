@@ -10,7 +10,8 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 demo: .venv/.demo-installed
 	$(BIN)/labrig demo
 
-export OMP_NUM_THREADS ?= 1  # small matrices: more threads only wait for each other where tests share a computer
+# Small matrices: more threads would only wait for each other where the tests share a computer.
+export OMP_NUM_THREADS ?= 1
 
 test: check .venv/.system-libraries
 	$(BIN)/python -m pytest
