@@ -62,7 +62,7 @@ class Closed(Procedure):
 
 def _interrupt_after(fake: Any, steps: int, procedure: Procedure, folder: Path) -> None:
     """Run and stop with Ctrl-C once so many steps are done."""
-    done = 0
+    done = -1  # a log makes its own beginning durable first
     original = LogWriter.step_done
 
     def count(writer: LogWriter) -> None:
