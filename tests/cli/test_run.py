@@ -277,3 +277,50 @@ def test_a_disk_that_is_full_stops_the_run_and_loses_nothing_durable(lab: Path, 
     assert 1 <= kept < 8
     assert labrig("run", "--resume", "one")[0] == 0
     assert open_run("one").sizes["capture"] == 8
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo terminal")
+def test_in_a_terminal_a_bar_is_drawn_and_p_pauses(lab: Path) -> None:
+    """Keys are read while the run goes on; the bar says that it is paused, and the terminal is given back."""
+    import os
+    import pty
+    import select
+    import termios
+
+    ours, theirs = pty.openpty()
+    before = termios.tcgetattr(theirs)
+    words = [
+        "run",
+        "capture",
+        "--rig",
+        "rig.yaml",
+        "--out",
+        "one",
+        "--captures",
+        "3",
+        "--repeated",
+        "0",
+        "--realtime",
+    ]
+    command = [sys.executable, "-c", "from labrig.cli import main; main()", *words, "--settle-s", "0.3"]
+    process = subprocess.Popen(command, stdin=theirs, stdout=subprocess.DEVNULL, stderr=theirs)
+    seen, pressed = b"", 0
+    begin = time.monotonic()
+    while process.poll() is None and time.monotonic() - begin < 90:
+        if select.select([ours], [], [], 0.1)[0]:
+            seen += os.read(ours, 65536)
+        if (pressed == 0 and b"1/3 captures" in seen) or (
+            pressed == 1 and b"paused (vented; p goes on)" in seen
+        ):
+            os.write(ours, b"p")
+            pressed += 1
+    process.kill()
+    process.wait()
+    after = termios.tcgetattr(theirs)
+    os.close(ours)
+    os.close(theirs)
+    assert pressed == 2
+    assert process.returncode == 0
+    assert after == before
+    assert b"3/3 captures" in seen
+    assert open_run("one").sizes["capture"] == 3
