@@ -171,7 +171,7 @@ def _ranking(page: Page, summary: dict[str, Any]) -> None:
         "probability",
         "values",
     ]
-    classes = ["", "number", "", "number", ""]
+    classes = ["", "number", "bars", "number", ""]
     marked = sum(str(row.get("effect")) in chosen for row in order)
     page.add(table(header, [cells(row) for row in order[:RANKED]], classes, marked))
     if len(order) > RANKED:

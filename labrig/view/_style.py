@@ -55,6 +55,7 @@ table { border-collapse: collapse; width: 100%; font-size: 14.5px; font-variant-
 th { text-align: left; font-weight: 600; color: #66717f; font-size: 13px; border-bottom: 1px solid #c9c5bb;
   padding: 6px 14px 6px 0; }
 td { border-bottom: 1px solid #e3e0d8; padding: 7px 14px 7px 0; vertical-align: top; }
+td:first-child, td.bars { white-space: nowrap; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 tr.chosen td:first-child { font-weight: 600; color: #1f6f8b; }
 tr.more { display: none; }

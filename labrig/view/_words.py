@@ -17,6 +17,7 @@ AFTER_IMPROVING = (
     "Run `labrig diagnose` with the new model to see whether anything is left, best on a fresh programme: other "
     "set-points, another order, other holds."
 )
+COMES_NEAR = 1.25  # a runner-up's error, as a multiple of the winner's, that is worth a thought
 STANDS_OUT = 1.15  # an error worth a word, as a multiple of the usual one
 
 
@@ -230,8 +231,12 @@ def _rivals(summary: dict[str, Any]) -> str:
         )
     if verdict in ("identified", "multiple") and ranking:
         best = min(ranking, key=lambda row: row.get("heldout_error", float("inf")))
+        near = best.get("heldout_error", float("inf")) < COMES_NEAR * (
+            summary.get("error", {}).get("model") or 0.0
+        )
         return (
-            f"Nothing else comes near: the next best explanation, {word(str(best['effect']))}, leaves "
+            f"{'One comes near' if near else 'Nothing else comes near'}: "
+            f"the next best explanation, {word(str(best['effect']))}, leaves "
             f"{number(best.get('heldout_error'))} {summary.get('units', '')} on the same captures."
         )
     if verdict == "nothing_missing" and ranking:

@@ -69,6 +69,13 @@ def test_the_runner_up_is_named():
     )
 
 
+def test_a_close_runner_up_is_called_close():
+    """A runner-up that leaves hardly more than the winner is not said to be far off."""
+    ranking = [{"effect": "creep", "heldout_error": 0.3}, {"effect": "drift", "heldout_error": 0.33}]
+    words = note({**BASE, "verdict": "identified", "effects": ["creep"], "ranking": ranking})
+    assert words.else_.startswith("One comes near: the next best explanation, drift, leaves 0.33 mm")
+
+
 def test_rivals_are_said_before_runners_up():
     """Where rivals are named, the note does not claim that nothing comes near."""
     words = note({**BASE, "verdict": "identified", "effects": ["creep"], "rivals": ["drift"]})
