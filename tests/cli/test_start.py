@@ -23,7 +23,9 @@ def test_help_imports_nothing_heavy():
         "try:\n    main(['--help'])\nexcept SystemExit as end:\n    code = end.code\n"
         "print('\\n'.join(sys.modules), file=sys.stderr)\nsys.exit(code)"
     )
-    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    ran = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+    )
     assert ran.returncode == 0
     assert "diagnose" in ran.stdout
     imported = {name for name in ran.stderr.splitlines() if name in HEAVY}
@@ -57,16 +59,32 @@ def test_wheel_gives_the_command_anywhere(wheel, tmp_path):
     venv.create(tmp_path / "venv", with_pip=False)
     scripts = "Scripts" if sys.platform == "win32" else "bin"
     python = tmp_path / "venv" / scripts / ("python.exe" if sys.platform == "win32" else "python")
-    install = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", "--no-index", str(wheel)]
+    install = [
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        str(python),
+        "install",
+        "--no-deps",
+        "--no-index",
+        str(wheel),
+    ]
     subprocess.run(install, check=True, capture_output=True, timeout=100)
     place = [str(python), "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
-    packages = Path(subprocess.run(place, check=True, capture_output=True, text=True, timeout=60).stdout.strip())
+    packages = Path(
+        subprocess.run(place, check=True, capture_output=True, text=True, timeout=60).stdout.strip()
+    )
     (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
     command = python.with_name("labrig.exe" if sys.platform == "win32" else "labrig")
     shown = subprocess.run(
         [str(command), "--help"], cwd=tmp_path, check=True, capture_output=True, text=True, timeout=60
     )
     assert "Run a soft-robotics rig" in shown.stdout
-    where = [str(python), "-c", "import labrig, drivers, procedures, logs_schema.pressure_pb2; print(labrig.__file__)"]
+    where = [
+        str(python),
+        "-c",
+        "import labrig, drivers, procedures, logs_schema.pressure_pb2; print(labrig.__file__)",
+    ]
     found = subprocess.run(where, cwd=tmp_path, check=True, capture_output=True, text=True, timeout=60)
     assert Path(found.stdout.strip()).is_relative_to(packages)
