@@ -174,6 +174,11 @@ def clean(residual: Floats, capture: Ints) -> tuple[Floats, int]:
     """
     if len(np.unique(capture)) < 6 and len(residual) < 20:
         return residual, 0
+    seen = np.isfinite(residual).any(axis=0)
+    if not seen.all():
+        rows = residual.copy()
+        rows[:, seen], dropped = clean(residual[:, seen], capture)
+        return rows, dropped
     captures, index = np.unique(capture, return_inverse=True)
     rows = np.where(_passing(_far(residual), index), np.nan, residual)
     means, _ = capture_means(rows, capture)
