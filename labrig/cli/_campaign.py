@@ -34,6 +34,9 @@ def run(
     ] = False,
     live: Annotated[bool, typer.Option("--live", help="Watch in a window.")] = False,
     serve: Annotated[bool, typer.Option("--serve", help="Watch in a browser on this machine.")] = False,
+    model: Annotated[
+        Path | None, typer.Option(help="While watching, show what the simulator of this model predicts.")
+    ] = None,
     help: Annotated[bool, typer.Option("--help", help="Show this, or a procedure's parameters.")] = False,
 ) -> None:
     """Run a procedure on a rig: capture, hold, idle, pairs, repeatability, sweep, or one of your own.
@@ -50,7 +53,7 @@ def run(
         if procedure:
             typer.echo("\n" + parameters_help(find_procedure(procedure)))
         return
-    request = Request(rig, out, seed, realtime, live, serve)
+    request = Request(rig, out, seed, realtime, live, serve, model)
     if resume is not None:
         if procedure or context.args or dry_run:
             raise LabrigError(

@@ -35,6 +35,7 @@ class Request:
     realtime: bool
     live: bool
     serve: bool
+    model: Path | None = None
 
 
 def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
@@ -99,7 +100,13 @@ def do_resume(folder: Path, request: Request) -> None:
     procedure = find_procedure(str(facts["source"])).model_validate(facts["parameters"])
     config = load_rig(request.rig or Path(str(facts["rig_file"])))
     request = Request(
-        request.rig, folder, request.seed, bool(facts.get("realtime")), request.live, request.serve
+        request.rig,
+        folder,
+        request.seed,
+        bool(facts.get("realtime")),
+        request.live,
+        request.serve,
+        request.model,
     )
     _go(procedure, config, folder, request, None)
 
@@ -115,7 +122,7 @@ def _go(
     clock = _clock(config, request)
     control = Control()
     with Screen(control) as screen:
-        observers: list[Observer] = [screen, *_viewers(request)]
+        observers: list[Observer] = [screen, *_viewers(request, config)]
         watching = Watching(observers, control, dict(context or {}))
         guard_log = folder / "guard.log"
         try:
@@ -143,12 +150,17 @@ def _go_on(folder: Path) -> str:
     return f"; go on with: labrig run --resume {folder}" if done else ""
 
 
-def _viewers(request: Request) -> list[Observer]:
+def _viewers(request: Request, config: RigConfig) -> list[Observer]:
     if not (request.live or request.serve):
+        if request.model is not None:
+            raise LabrigError("--model is for watching: add --live or --serve")
         return []
-    from labrig.view._live import live_observers
+    from labrig.view import live_observers, live_predict
 
-    return live_observers(request.live, request.serve, lambda line: typer.echo(f"labrig: {line}", err=True))
+    predict = None if request.model is None else live_predict(request.model, config.markers)
+    return live_observers(
+        request.live, request.serve, lambda line: typer.echo(f"labrig: {line}", err=True), predict
+    )
 
 
 def _clock(config: RigConfig, request: Request) -> Clock:

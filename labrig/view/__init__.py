@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from labrig.view._live import LiveView, live_observers
+    from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
     from labrig.view._viewer import Viewer, screenshot, start_viewer
@@ -15,6 +16,7 @@ _LAZY = {
     "LiveView": "_live",
     "Viewer": "_viewer",
     "live_observers": "_live",
+    "live_predict": "_predict",
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
@@ -27,6 +29,7 @@ __all__ = [
     "LiveView",
     "Viewer",
     "live_observers",
+    "live_predict",
     "screenshot",
     "start_viewer",
     "summary_words",

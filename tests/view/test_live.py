@@ -9,12 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import labrig
 from drivers import SimulatedClock
+from labrig import LabrigError
 from labrig.campaign import RigInfo, Watching, run
+from labrig.physics import load_surface
 from labrig.rig import connect, parse_rig
-from labrig.view import LiveView, live_observers
+from labrig.view import LiveView, live_observers, live_predict
 from labrig.view import _live as live_module
 from labrig.view._viewer import headless_viewer
 from procedures import Capture
@@ -103,6 +106,43 @@ def test_nothing_asked_nothing_started(monkeypatch):
     """Without --live and --serve no viewer is started."""
     monkeypatch.setattr(live_module, "start_viewer", pytest.fail)
     assert live_observers(False, False, pytest.fail) == []
+
+
+@pytest.fixture
+def model(tmp_path):
+    """A model whose base is the simulator of the rig."""
+    (tmp_path / "rig.yaml").write_text(yaml.safe_dump(RIG))
+    (tmp_path / "model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n")
+    return tmp_path / "model.yaml"
+
+
+def test_the_model_predicts_the_markers_that_the_rig_has(model):
+    """The live view compares each marker with the simulator's own, in the rig's order."""
+    pressure_kpa = np.linspace(0, 50, 9)
+    everything = load_surface(RIG).predict(pressure_kpa[None])[0]
+    np.testing.assert_array_equal(live_predict(model)(pressure_kpa), everything)
+    np.testing.assert_array_equal(live_predict(model, ("m03", "m01"))(pressure_kpa), everything[[2, 0]])
+
+
+def test_a_model_that_cannot_predict(model):
+    """A base that is no simulator, a marker that it does not know and a missing rig are each one line."""
+    with pytest.raises(LabrigError) as unknown:
+        live_predict(model, ("nose",))
+    rig = model.parent / "rig.yaml"
+    assert str(unknown.value) == f"{rig}: the simulator knows nothing of marker 'nose', which the rig has"
+    rig.unlink()
+    with pytest.raises(LabrigError) as missing:
+        live_predict(model)
+    assert (
+        str(missing.value) == f"{rig}: can't read the rig file of the simulator (No such file or directory)"
+    )
+    model.write_text("base: {kind: static, degree: 1}\n")
+    with pytest.raises(LabrigError) as static:
+        live_predict(model)
+    assert (
+        str(static.value)
+        == f"{model}: base: the live view needs a simulator to predict with, this is 'static'"
+    )
 
 
 @drawing

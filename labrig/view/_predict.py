@@ -1,0 +1,43 @@
+"""What the live view compares the markers with: the simulator that a model starts from."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from labrig._errors import LabrigError
+from labrig.view._fields import Floats
+from labrig.view._live import Predict
+
+
+def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
+    """A function from pressures (C,) kPa to `markers` (M, 3) mm, by the base of `model`; without its effects,
+
+    which need a campaign's history. Raises `LabrigError` where the base is no simulator, or lacks a marker.
+    """
+    from labrig.model import read_model_file
+    from labrig.physics import load_surface
+
+    base = read_model_file(model).base
+    if base.kind != "simulator":
+        raise LabrigError(
+            f"{model}: base: the live view needs a simulator to predict with, this is '{base.kind}'"
+        )
+    path = model.parent / base.rig
+    try:
+        surface = load_surface(yaml.safe_load(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise LabrigError(f"{path}: can't read the rig file of the simulator ({error.strerror})") from None
+    except yaml.YAMLError:
+        raise LabrigError(f"{path}: is not YAML") from None
+    names = list(surface.marker_names)
+    for marker in markers:
+        if marker not in names:
+            raise LabrigError(f"{path}: the simulator knows nothing of marker {marker!r}, which the rig has")
+    order = [names.index(marker) for marker in markers or names]
+
+    def predict(pressure_kpa: Floats) -> Floats:
+        return np.asarray(surface.predict(pressure_kpa[None])[0], dtype=float)[order]
+
+    return predict
