@@ -1,0 +1,291 @@
+"""The whole pipeline on small campaigns: every verdict, its JSON, and what the data may be like."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import Result, compare, diagnose, write_json
+
+LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
+GROUPS = {
+    "marker",
+    "observable",
+    "region",
+    "chamber",
+    "pressure band",
+    "direction",
+    "time in session",
+    "time in hold",
+    "pair of chambers",
+    "capture",
+}
+
+
+def leaking(lab: Any) -> np.ndarray:
+    """Values of a rig that leaks through an orifice."""
+    return lab.predict(np.maximum(np.sqrt(lab.u) - 0.03 * lab.hold_s[:, :, None], 0.0) ** 2)
+
+
+def looped(lab: Any, size_kpa: float) -> np.ndarray:
+    """Pressures with a Bouc-Wen loop on them."""
+    u, z, last = lab.u, np.zeros(lab.chambers), np.zeros(lab.chambers)
+    for i, way in lab.path(60):
+        for point in way:
+            d = (point - last) / 60.0
+            z = z + d / 0.08 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
+            last = point
+        u[i] -= size_kpa * z
+    return u
+
+
+def as_json(result: Result, tmp_path) -> dict[str, Any]:
+    """What a result's file holds."""
+    write_json(result.summary, tmp_path / "result.json")
+    return json.loads((tmp_path / "result.json").read_text())
+
+
+def answer(result: Result) -> tuple[str, set[str]]:
+    """Verdict and names."""
+    return result.summary["verdict"], set(result.summary["effects"])
+
+
+def test_the_file_is_of_the_documented_form(make_lab, tmp_path) -> None:
+    """diagnosis.json has the keys that others rely on, of the right kinds, and nothing that is not JSON."""
+    lab = make_lab(long_s=LONG_S)
+    result = diagnose(lab.dataset(leaking(lab) + lab.noise()), lab.model())
+    content = as_json(result, tmp_path)
+    documented = {"verdict", "effects", "probability", "rivals", "units", "error", "where", "ranking"}
+    documented |= {"next_experiment", "warnings"}
+    assert set(content) >= documented
+    assert set(content) - documented == {"drop", "carried_by", "floor"}
+    assert (content["verdict"], content["effects"], content["rivals"]) == ("identified", ["leak"], [])
+    assert content["units"] == "mm"
+    assert 0.8 < content["probability"] <= 1
+    assert list(content["error"]) == ["base", "model", "floor", "ceiling"]
+    error = content["error"]
+    assert 0 < error["floor"] <= 1.2 * error["model"] < 0.5 * error["base"]
+    assert error["ceiling"] <= error["model"] * 1.001
+    assert content["drop"] > 0.9
+    assert {w["group"] for w in content["where"]} <= GROUPS
+    assert {"marker", "time in hold", "capture"} <= {w["group"] for w in content["where"]}
+    for place in content["where"]:
+        assert set(place) == {"group", "name", "error", "share", "clear"}
+        assert place["error"] > 0
+        assert 0 <= place["share"] <= 1
+    assert [w["error"] for w in content["where"]] == sorted(
+        (w["error"] for w in content["where"]), reverse=True
+    )
+    first = content["ranking"][0]
+    assert set(first) == {"effect", "form", "heldout_error", "drop", "se", "probability", "parameters"}
+    assert first["effect"] == "leak"
+    assert [r["heldout_error"] for r in content["ranking"]] == sorted(
+        r["heldout_error"] for r in content["ranking"]
+    )
+    assert sum(r["probability"] for r in content["ranking"]) == pytest.approx(1.0, abs=1e-6)
+    for value in first["parameters"].values():
+        assert {"value", "unit"} <= set(value)
+    assert first["parameters"]["tau_s"]["unit"] == "s"
+    assert content["next_experiment"] is None
+    assert not any("repeats" in w or "sessions" in w or "outlying" in w for w in content["warnings"])
+
+
+def test_the_waterfall_falls(make_lab) -> None:
+    """Base, each effect, ceiling, floor: held-out errors, the effects' steps downwards, ends as in `error`."""
+    lab = make_lab(captures=80, long_s=LONG_S)
+    values = lab.predict(looped(lab, 3.0) * np.exp(-lab.hold_s / 120.0)[:, :, None])
+    result = diagnose(lab.dataset(values + lab.noise()), lab.model())
+    assert answer(result) == ("multiple", {"hysteresis", "leak"})
+    labels, steps = zip(*result.waterfall, strict=True)
+    assert labels[0] == "base"
+    assert set(labels[1:3]) == {"+ hysteresis", "+ leak"}
+    assert labels[3:] == ("ceiling", "floor")
+    assert steps[0] > steps[1] > steps[2] >= steps[3] * 0.999
+    error = result.summary["error"]
+    assert [steps[0], *steps[2:]] == pytest.approx([error[k] for k in ("base", "model", "ceiling", "floor")])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_is_nothing(make_lab, seed: int) -> None:
+    """A base that is right up to noise lacks nothing; the model is not changed."""
+    lab = make_lab(captures=40, seed=seed, long_s=LONG_S)
+    result = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model())
+    assert answer(result) == ("nothing_missing", set())
+    assert result.improved is None
+    assert result.summary["error"]["base"] == pytest.approx(result.summary["error"]["floor"], rel=0.35)
+    assert [label for label, _ in result.waterfall] == ["base", "ceiling", "floor"]
+
+
+def test_one_slow_fall_has_two_explanations(make_lab) -> None:
+    """One hold, one force that falls in a straight line: leak and drift are both possible, and it is said so."""
+    lab = make_lab(
+        chambers=1, force=True, captures=1, rows_s=tuple(np.arange(1.0, 140.0, 0.25)), repeats=False
+    )
+    lab.commanded[:] = 50.0
+    values = lab.predict(lab.u) * (1 - 0.00003 * lab.hold_s[:, :, None])
+    result = diagnose(lab.dataset(values + lab.noise(row=0.05, capture=0.0)), lab.model())
+    summary = result.summary
+    assert summary["verdict"] == "confounded"
+    assert {"leak", "drift"} <= {*summary["effects"], *summary["rivals"]}
+    nxt = summary["next_experiment"]
+    assert {"leak", "drift"} <= set(nxt["separates"])
+    assert any("leak doubles with the pressure" in probe for probe in nxt["probes"])
+
+
+def test_what_no_effect_explains_is_unknown(make_lab) -> None:
+    """With what could explain it left out of the library, something predictable is found, and what carries it."""
+    lab = make_lab(captures=80)
+    data = lab.dataset(lab.predict(looped(lab, 6.0)) + lab.noise())
+    gone = ["hysteresis", "friction", "creep", "delay", "regulator", "stiffening", "contact", "tension"]
+    summary = diagnose(data, lab.model(), without=gone).summary
+    assert summary["verdict"] == "unknown"
+    assert summary["effects"] == []
+    assert "history" in summary["carried_by"] or "everything" in summary["carried_by"]
+    assert summary["error"]["ceiling"] < 0.8 * summary["error"]["base"]
+
+
+def test_a_tolerance_below_what_can_be_seen(make_lab) -> None:
+    """Asked for a hundredth of the noise, few captures can't say; asked for plenty, they can."""
+    lab = make_lab(captures=20, chambers=1, force=True)
+    data, model = lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()
+    small = diagnose(data, model, tolerance=0.001).summary
+    assert small["verdict"] == "underpowered"
+    assert small["warnings"][0].startswith("the smallest effect that these data could show is 0.")
+    assert diagnose(data, model, tolerance=5.0).summary["verdict"] == "nothing_missing"
+
+
+def test_an_effect_below_the_tolerance_is_let_pass(make_lab) -> None:
+    """What is real but smaller than what matters is not claimed."""
+    lab = make_lab(long_s=LONG_S)
+    data, model = lab.dataset(leaking(lab) + lab.noise()), lab.model()
+    assert answer(diagnose(data, model, tolerance=0.2)) == ("identified", {"leak"})
+    assert answer(diagnose(data, model, tolerance=50.0))[0] in {"nothing_missing", "underpowered"}
+
+
+def test_the_same_input_gives_the_same_file(make_lab, tmp_path) -> None:
+    """Twice the same numbers, to the last digit of the JSON."""
+    lab = make_lab(captures=40, long_s=LONG_S)
+    data, model = lab.dataset(leaking(lab) + lab.noise()), lab.model()
+    one, two = (as_json(diagnose(data.copy(deep=True), model), tmp_path) for _ in range(2))
+    assert one == two
+
+
+def test_a_library_may_be_cut_down(make_lab) -> None:
+    """An effect that is left out is not named."""
+    lab = make_lab(captures=40, long_s=LONG_S)
+    data = lab.dataset(leaking(lab) + lab.noise())
+    result = diagnose(data, lab.model(), without=["leak"])
+    assert "leak" not in {r["effect"] for r in result.summary["ranking"]}
+    assert "leak" not in answer(result)[1]
+
+
+def test_twenty_captures(make_lab) -> None:
+    """A short campaign is enough for an effect of several floors."""
+    lab = make_lab(captures=20, rows_s=LONG_S, chambers=2)
+    assert answer(diagnose(lab.dataset(leaking(lab) + lab.noise()), lab.model())) == ("identified", {"leak"})
+
+
+def test_fifteen_hundred_captures(make_lab) -> None:
+    """A long campaign of single rows of one force is no trouble, and finds what is small."""
+    lab = make_lab(captures=1500, chambers=1, force=True, rows_s=(3.0,))
+    u = looped(lab, 0.8)
+    result = diagnose(lab.dataset(lab.predict(u) + lab.noise(row=0.0, capture=0.25)), lab.model())
+    assert "hysteresis" in {*result.summary["effects"], *result.summary["rivals"]} or answer(result)[1] == {
+        "friction"
+    }
+    assert result.summary["error"]["floor"] == pytest.approx(0.25, rel=0.3)
+
+
+def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
+    """Each unit has its own floor, so that numbers of another size do not drown the others."""
+    lab = make_lab(long_s=LONG_S)
+    data = lab.dataset(leaking(lab) + lab.noise())
+    u = np.maximum(np.sqrt(lab.u) - 0.03 * lab.hold_s[:, :, None], 0.0) ** 2
+    grip = 1000.0 * u.mean(axis=2, keepdims=True) + 200.0 * lab.random.normal(size=(60, u.shape[1], 1))
+    data["observed"] = (
+        ("capture", "time", "observable"),
+        np.where(np.isfinite(lab.hold_s)[:, :, None], grip, np.nan),
+    )
+    data = data.assign_coords(
+        observable=["grip"],
+        unit=("observable", ["N"]),
+        marker_of=("observable", [""]),
+        axis_of=("observable", [""]),
+    )
+    model = lab.model()
+    (lab.folder / "base.py").write_text(
+        (lab.folder / "base.py").read_text().replace("def predict", "def markers")
+        + "\n\ndef predict(u):\n    return np.column_stack([markers(u), 1000.0 * u.mean(axis=1)])\n"
+    )
+    result = diagnose(data, model)
+    assert answer(result) == ("identified", {"leak"})
+    assert result.summary["units"] == "mm"
+    assert result.summary["error"]["base"] < 10
+    assert result.summary["error"]["floor"] == pytest.approx(0.12, rel=0.4)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.4])
+def test_markers_out_of_sight(make_lab, share: float) -> None:
+    """Few or many values missing, a marker never seen and a capture never seen, change nothing of the verdict."""
+    lab = make_lab(long_s=LONG_S)
+    values = (leaking(lab) + lab.noise()).reshape(60, -1, 6, 3)
+    values[lab.random.random(values.shape[:3]) < share] = np.nan
+    values[:, :, 4] = np.nan
+    values[11] = np.nan
+    result = diagnose(lab.dataset(values.reshape(60, -1, 18)), lab.model())
+    assert answer(result) == ("identified", {"leak"})
+    assert "m4" not in {w["name"] for w in result.summary["where"]}
+
+
+def test_a_base_that_is_badly_wrong(make_lab) -> None:
+    """Half the reach and a wrong law: no claim that all is well, and the error does not rise by what is added."""
+    lab = make_lab()
+    data = lab.dataset(lab.predict(lab.u) + lab.noise())
+    lab.reach, lab.bent = 0.5 * lab.reach, 0.0
+    result = diagnose(data, lab.model())
+    assert result.summary["verdict"] not in {"nothing_missing", "underpowered"}
+    assert result.summary["error"]["model"] <= result.summary["error"]["base"] * 1.001
+    assert np.isfinite(result.summary["error"]["ceiling"])
+
+
+def test_it_says_where(make_lab) -> None:
+    """The marker that slipped comes first among the markers, the captures after it among the captures."""
+    lab = make_lab(captures=40)
+    values = lab.predict(lab.u) + lab.noise()
+    values[30:, :, 9:12] += 3.0
+    for result in (diagnose(lab.dataset(values), lab.model()), compare(lab.dataset(values), lab.model())):
+        markers = [w for w in result.where if w["group"] == "marker"]
+        assert markers[0]["name"] == "m3"
+        assert markers[0]["clear"]
+        assert markers[0]["share"] > 0.9
+        assert not any(w["clear"] for w in markers[1:])
+        assert {int(w["name"]) for w in result.where if w["group"] == "capture"} <= set(range(30, 40))
+        times = [w for w in result.where if w["group"] == "time in session"]
+        assert (
+            max(times, key=lambda w: w["error"])["name"].split("-")[1].split()[0] == f"{lab.time_s.max():.3g}"
+        )
+
+
+def test_sessions_and_missing_repeats_are_noted(make_lab) -> None:
+    """What the answer rests on is said: unknown pressures between sessions, no repeats, outliers."""
+    lab = make_lab(captures=40, sessions=2, between="unknown", repeats=False)
+    values = lab.predict(lab.u) + lab.noise()
+    values[7, :, 4] += 40.0
+    warnings = diagnose(lab.dataset(values), lab.model()).summary["warnings"]
+    assert (
+        "no repeats with the same history: the noise floor is an estimate, repeat some set-points" in warnings
+    )
+    assert "what the pressures did between sessions is unknown: taken as released" in warnings
+    assert any(w.endswith(" outlying values were left out") for w in warnings)
+
+
+def test_two_runs_are_diagnosed_together(make_lab) -> None:
+    """Several runs of one rig make one diagnosis; each is its own session."""
+    one = make_lab(captures=24, long_s=LONG_S)
+    two = make_lab(captures=24, long_s=LONG_S, seed=1)
+    data = [lab.dataset(leaking(lab) + lab.noise()) for lab in (one, two)]
+    result = diagnose(data, one.model())
+    assert answer(result) == ("identified", {"leak"})
+    assert set(result.fields["session"].values) == {"1:s0", "2:s0"}
+    assert result.fields.sizes["capture"] == 48

@@ -1,0 +1,123 @@
+"""Measurements of other laboratories, imported by the examples' mappings, get the verdicts that they deserve."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from labrig.diagnosis import diagnose
+from labrig.log import import_table
+from labrig.model import Model
+
+ROOT = Path(__file__).parents[2]
+DATA = ROOT.parent / "shared" / "data"
+EXAMPLES = ROOT / "examples"
+
+pytestmark = pytest.mark.skipif(not (DATA / "README.md").is_file(), reason="the real sets are not here")
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder of the test."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def lay_out(example: str, data: str) -> None:
+    """Copy an example's files and the measurements that it is about to the current folder."""
+    shutil.copytree(EXAMPLES / example, ".", dirs_exist_ok=True)
+    shutil.copytree(DATA / data, ".", dirs_exist_ok=True)
+
+
+def test_the_leaking_chamber_by_commands(desk: Path, labrig) -> None:
+    """Ultimaker_020, as a person types it: a leak, and the table and the file say so."""
+    lay_out("zillen_leak", "zillen_airchamber_leak")
+    code, out, err = labrig("import", "--mapping", "ultimaker_020.yaml", "-o", "run")
+    assert (code, err) == (0, "")
+    assert out == "run: 1 captures, 1 actuated, 1 observables, 1 session(s)\n"
+    code, out, err = labrig("diagnose", "run", "--model", "model.yaml")
+    assert (code, err) == (0, "")
+    assert out.startswith("verdict: identified (one effect is missing)\neffects: leak\n")
+    content = json.loads(Path("diagnosis/diagnosis.json").read_text())
+    assert content["units"] == "bar"
+    assert content["error"]["model"] < 0.3 * content["error"]["base"]
+    leak = content["ranking"][0]["parameters"]
+    assert leak["tau_s"]["unit"] == "s"
+
+
+@pytest.mark.parametrize("chamber", ["aluminium", "ultimaker_006"])
+def test_a_slow_fall_is_leak_or_drift(desk: Path, chamber: str) -> None:
+    """The tight chambers: leak and drift explain the fall equally well, with the figures of both."""
+    lay_out("zillen_leak", "zillen_airchamber_leak")
+    run = import_table(Path(f"{chamber}.yaml"), Path("run"))
+    summary = diagnose(run, Model.load("model.yaml")).summary
+    assert summary["verdict"] in {"confounded", "nothing_missing"}
+    if summary["verdict"] == "confounded":
+        assert {"leak", "drift"} <= {*summary["effects"], *summary["rivals"]}
+    alone = {r["effect"]: r["heldout_error"] for r in summary["ranking"]}
+    assert alone["leak"] == pytest.approx(alone["drift"], rel=0.05)
+
+
+def test_the_cylinder_rubs(desk: Path) -> None:
+    """Force against pressure times area: friction, with gain and offset, and the held-out error falls below 2 N."""
+    lay_out("zillen_cylinder", "zillen_pneumatic_cylinder")
+    run = import_table(Path("map.yaml"), Path("run"))
+    assert run.sizes["event"] == run.sizes["capture"]
+    assert len(set(run["session"].values)) == 10
+    summary = diagnose(run, Model.load("model.yaml")).summary
+    assert summary["verdict"] == "multiple"
+    assert set(summary["effects"]) == {"friction", "regulator"}
+    assert summary["units"] == "N"
+    assert 6.5 < summary["error"]["base"] < 8.5
+    assert summary["error"]["model"] < 2.0
+
+
+def static_table() -> None:
+    """Make the CSV of the static set, as the example says."""
+    import runpy
+
+    script = runpy.run_path("static_table.py")
+    script["main"]("blackframe_25mbarIntervals.npy", "static.csv")
+
+
+def test_the_arm_stiffens(desk: Path) -> None:
+    """The soft arm's static set against a straight line: its compliance changes with pressure."""
+    lay_out("srl_softarm", "srl_softarm_1segment")
+    static_table()
+    run = import_table(Path("static.yaml"), Path("run"))
+    assert (run.sizes["capture"], run.sizes["marker"], run.sizes["time"]) == (15, 3, 150)
+    summary = diagnose(run, Model.load("linear.yaml")).summary
+    assert summary["verdict"] == "identified"
+    assert summary["effects"] == ["stiffening"]
+    assert summary["error"]["model"] < 0.9 * summary["error"]["base"]
+
+
+def test_the_arm_creeps(desk: Path) -> None:
+    """The soft arm's holds against a static map: creep, whatever else its static map lacks."""
+    lay_out("srl_softarm", "srl_softarm_1segment")
+    run = import_table(Path("holds.yaml"), Path("run"))
+    assert (run.sizes["capture"], run.sizes["marker"]) == (8, 3)
+    summary = diagnose(run, Model.load("curved.yaml")).summary
+    assert summary["verdict"] in {"identified", "multiple", "confounded"}
+    assert "creep" in summary["effects"]
+
+
+def test_the_beam_sags(desk: Path) -> None:
+    """A clamped beam under three loads: gravity, and the loads' order comes back."""
+    lay_out("srl_beam", "srl_real_beam")
+    run = import_table(Path("map.yaml"), Path("run"))
+    assert run.sizes["capture"] == 6
+    assert sorted(set(run["covariates"].values[:, 0, 0])) == [0.0, 52.0, 101.0]
+    result = diagnose(run, Model.load("model.yaml"))
+    assert (result.summary["verdict"], result.summary["effects"]) == ("identified", ["gravity"])
+    assert result.summary["error"]["model"] < 0.3 * result.summary["error"]["base"]
+    assert result.improved is not None
+    sag = dict(
+        zip(
+            result.fields["observable"].values,
+            result.improved.file.effects[0].parameters["sag"].value,  # type: ignore[arg-type]
+            strict=True,
+        )
+    )
+    assert sag["tip1.x"] < -15
