@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from labrig.view._live import LiveView, live_observers
+    from labrig.view._picture import write_picture
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
@@ -20,6 +21,7 @@ _LAZY = {
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
+    "write_picture": "_picture",
     "write_recording": "_recording",
     "write_report": "_report",
 }
@@ -33,6 +35,7 @@ __all__ = [
     "screenshot",
     "start_viewer",
     "summary_words",
+    "write_picture",
     "write_recording",
     "write_report",
 ]
