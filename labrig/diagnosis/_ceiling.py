@@ -32,9 +32,9 @@ class Ceiling:
         return float(self.gains.sum())
 
 
-def ceiling(streams: Streams, context: Context, left: Floats) -> dict[str, Ceiling]:
-    """Learn what is `left` (S, K) from each set of covariates; the best ridge of each, by name."""
-    sets = _covariates(context)
+def ceiling(streams: Streams, context: Context, left: Floats, only: str | None = None) -> dict[str, Ceiling]:
+    """Learn what is `left` (S, K) from each set of covariates, or from one; the best ridge of each, by name."""
+    sets = {name: x for name, x in _covariates(context).items() if only in (None, name)}
     target = _scores(streams, left)
     rows = np.arange(len(context.base))
     if len(rows) > _MOST_ROWS:

@@ -6,21 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
-from labrig.diagnosis._search import (
-    Candidate,
-    Fit,
-    Gate,
-    draw_signs,
-    explore,
-    relative,
-    select,
-    square_of,
-)
+from labrig.diagnosis._search import Gate, search
 from labrig.diagnosis._streams import Streams, build_streams, clean
 from labrig.diagnosis._verdict import Verdict, decide
 from labrig.diagnosis._where import where
@@ -75,17 +67,14 @@ def diagnose(
     rows = rows_from(runs)
     streams, context, floor, dropped = prepare(rows, model)
     effects = {n: e for n, e in model.library().items() if n not in without}
-    found, largest = explore(streams, context, effects, draw_signs(streams.n_groups))
     base_left = streams.residual - streams.nothing
     floor_square = float(np.mean(floor.row[streams.counted] ** 2))
     gate = Gate(floor_square, square_of(streams, base_left), tolerance)
-    shares = [relative(c.score.gains, streams.base_squares) for forms in found.values() for c in forms]
-    best = max(shares, default=0.0)
-    p_value = float((1 + (largest >= best).sum()) / (1 + len(largest)))
-    chosen = select(streams, found, p_value, gate)
+    searched = search(streams, effects, gate)
+    found, chosen = searched.found, searched.chosen
     before = ceiling(streams, context, base_left)
     after = ceiling(streams, context, streams.residual - chosen.heldout) if chosen else before
-    verdict = decide(streams, found, chosen, before, after, p_value, gate)
+    verdict = decide(streams, searched, before, after, gate)
     return _result(
         streams, context, floor, dropped, found, chosen, before, after, verdict, gate, model, effects
     )
@@ -168,8 +157,6 @@ def _ranking(
     streams: Streams, found: Mapping[str, list[Candidate]], gate: Gate, reachable: float
 ) -> list[dict[str, Any]]:
     """Every effect on its own, best first, with the share of block resamples in which it is the best."""
-    from labrig.diagnosis._search import fit
-
     names = list(found)
     if not names:
         return []
@@ -222,8 +209,6 @@ def _rows_left(context: Context, streams: Streams) -> Floats:
 def _waterfall(
     streams: Streams, chosen: Fit | None, base: float, ceiling_error: float, floor_error: float
 ) -> list[tuple[str, float]]:
-    from labrig.diagnosis._search import fit
-
     steps = [("base", float(base))]
     if chosen:
         for i in range(len(chosen.parts)):

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, square_of
 from labrig.diagnosis._columns import columns_of
 from labrig.diagnosis._diagnose import drop_of, prepare, rows_from
 from labrig.diagnosis._parameters import entry_of, refined
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._score import score
-from labrig.diagnosis._search import Candidate, Fit, fit, plausible, square_of
 from labrig.diagnosis._streams import Streams, clean
 from labrig.diagnosis._where import where
 from labrig.effects import Context, Effect, get

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._columns import coefficients, columns_of
 from labrig.diagnosis._score import score
-from labrig.diagnosis._search import Candidate, Fit, fit
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Term, Variant
 from labrig.effects._rows import Floats

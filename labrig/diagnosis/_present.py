@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig.diagnosis._candidates import Candidate, Fit, change_of
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
-from labrig.diagnosis._search import Candidate, Fit, change_of
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context
 

@@ -29,6 +29,8 @@ _SMOOTH_RANK = 10
 _STAYS = 4
 _FORM = 0.03
 _ROWS_THAT_COUNT = 6
+_CAPTURES_PER_TERM = 7
+_STATIC_RIDGE = 0.01
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ class Streams:
         n = int(self.index.max()) + 1
         if not self.use_means:
             return self
-        degree = max((k for k in (1, 2, 3) if n >= 3 * (1 + k * x.shape[1])), default=0)
+        degree = max((k for k in (1, 2, 3) if n >= _CAPTURES_PER_TERM * (1 + k * x.shape[1])), default=0)
         if degree == 0:
             return None
         columns = np.column_stack([np.ones(len(x)), *(x**k for k in range(1, degree + 1))])
@@ -153,7 +155,12 @@ class Streams:
         w = np.sqrt(self.weight.max(axis=1))
         fit = train & (w > 0)
         flat = target.reshape(len(target), -1)
-        beta = np.linalg.lstsq(self.declared[fit] * w[fit, None], flat[fit] * w[fit, None], rcond=1e-9)[0]
+        A, b = self.declared[fit] * w[fit, None], flat[fit] * w[fit, None]
+        if self.as_features:
+            ridge = _STATIC_RIDGE * np.diag(np.square(A).sum(axis=0))
+            beta = np.linalg.solve(A.T @ A + ridge + 1e-12 * np.eye(A.shape[1]), A.T @ b)
+        else:
+            beta = np.linalg.lstsq(A, b, rcond=1e-9)[0]
         return (flat - self.declared @ beta).reshape(target.shape)
 
     def project(self, residual: Floats) -> Floats:

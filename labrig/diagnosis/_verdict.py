@@ -7,8 +7,9 @@ from typing import Literal
 import numpy as np
 from scipy.stats import norm
 
+from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling
-from labrig.diagnosis._search import SIGNIFICANT, Candidate, Fit, Gate, fit, mean_square, square_of
+from labrig.diagnosis._search import SIGNIFICANT, STATIC, Gate, Search
 from labrig.diagnosis._streams import Streams
 from labrig.effects._rows import Floats
 
@@ -23,7 +24,6 @@ UNKNOWN_OF_FLOOR = 0.35
 UNKNOWN_SHARE = 0.15
 UNKNOWN_SHARE_STATIC = 0.35
 UNKNOWN_SHARE_FORM = 0.8
-STATIC = "pressure"
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,21 @@ class Verdict:
     compared: tuple[Rival, ...] = field(default=())
 
 
-def rivals_of(chosen: Fit, found: Mapping[str, list[Candidate]]) -> list[Rival]:
-    """For each chosen effect, how every other one would do in its place."""
+def rivals_of(searched: Search) -> list[Rival]:
+    """For each chosen effect, how every other one would do in its place, on the ground where it was chosen."""
+    if searched.chosen is None:
+        return []
+    if searched.moving is None:
+        return _rivals(searched.chosen, searched.static_ground.found, 0)
+    fixed = len(searched.moving.parts)
+    own = _rivals(searched.moving, searched.moving_ground.found, 0)
+    return own + _rivals(searched.chosen, searched.static_ground.found, fixed)
+
+
+def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> list[Rival]:
     out = []
-    for i, part in enumerate(chosen.parts):
+    for i in range(first, len(chosen.parts)):
+        part = chosen.parts[i]
         rest = [p for j, p in enumerate(chosen.parts) if j != i]
         without = fit(rest).score.gains if rest else np.zeros_like(chosen.score.gains)
         worth = float((chosen.score.gains - without).sum())
@@ -95,20 +106,19 @@ def rivals_of(chosen: Fit, found: Mapping[str, list[Candidate]]) -> list[Rival]:
 
 def decide(
     streams: Streams,
-    found: Mapping[str, list[Candidate]],
-    chosen: Fit | None,
+    searched: Search,
     before: Mapping[str, Ceiling],
     after: Mapping[str, Ceiling],
-    p_value: float,
     gate: Gate,
 ) -> Verdict:
     """Name the verdict.
 
     `before` and `after` are the ceilings of what the base leaves and of what the chosen effects leave.
     """
+    chosen, p_value = searched.chosen, searched.p_value
     if chosen is None:
         return _without_effect(streams, before, p_value, gate)
-    compared = rivals_of(chosen, found)
+    compared = rivals_of(searched)
     left = square_of(streams, streams.residual - chosen.heldout)
     explained = gate.base_square - left
     beyond, share, learner = _predictable(streams, chosen, after, explained)
@@ -207,4 +217,4 @@ def _se(gains: Floats) -> float:
     return float(np.sqrt(n) * gains.std(ddof=1)) if n > 1 else float("inf")
 
 
-__all__ = ["Rival", "Verdict", "decide", "detectable", "mean_square", "rivals_of"]
+__all__ = ["Rival", "Verdict", "decide", "detectable", "rivals_of"]

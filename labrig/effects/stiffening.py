@@ -46,6 +46,6 @@ class Stiffening(Effect):
                 (Term.per_chamber("quadratic", second, chambers), Term.per_chamber("cubic", third, chambers)),
             )
             yield Variant("total load", (Term.common("load", u * x.mean(axis=1, keepdims=True)),))
-        if len(chambers) <= 3 or context.base_kind == "static":
+        if len(context.rows.unit) <= 8 or context.base_kind == "static":
             yield Variant("pattern", (Term.pattern("pattern", x**2),))
             yield Variant("cubic pattern", (Term.pattern("pattern", np.hstack([x**2, x**3])),))
