@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.log._dataset import CampaignArrays
+from labrig.log._frames import POINT
 from labrig.log._scan import Messages
 from labrig.log._segments import LoadedSegment
 from labrig.log._topics import Topic
-from labrig.log._writer import _POINT, to_ns
+from labrig.log._writer import to_ns
 
 _LONGEST_GAP_S = 1.5
 _NEAR_S = 0.1
@@ -82,11 +83,11 @@ def marker_series(messages: Messages, markers: int) -> tuple[Series, Series]:
     """
     from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 
-    size = markers * _POINT.itemsize
+    size = markers * POINT.itemsize
     parse = PointCloud.FromString
     data = [parse(payload).data for payload in messages.payload]
     kept = [index for index, points in enumerate(data) if len(points) == size]
-    points = np.frombuffer(b"".join([data[index] for index in kept]), dtype=_POINT)
+    points = np.frombuffer(b"".join([data[index] for index in kept]), dtype=POINT)
     time_ns = np.array(messages.time_ns, np.int64)[kept]
     position = points["position_mm"].reshape(len(kept), markers, 3)
     return _ordered(time_ns, position), _ordered(time_ns, points["status"].reshape(len(kept), markers))

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import math
 import os
 from pathlib import Path
 from typing import Any
@@ -12,26 +11,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from drivers import MarkerFrame, PressureSample
 from labrig._errors import LabrigError
+from labrig.log._frames import FrameEncoder
 from labrig.log._layout import Layout, layout_to_text, pack_metadata
 from labrig.log._topics import Topic, descriptor_set, topic_table
 
 _CHUNK_BYTES = 1024 * 1024 - 64 * 1024
 """A chunk is closed by the message that passes this: it stays below 1 MiB for messages below 64 KiB."""
 
-_FRESH_EVERY = 500
-"""A protobuf message keeps the memory of every value that it ever had: the one that is reused is made anew."""
-
 _MAX_NS = 2**63 - 1
-_POINT = np.dtype([("position_mm", "<f4", (3,)), ("status", "u1")])
+_MAX_S = 9.2e9
 
 
 def to_ns(time_s: float) -> int:
     """Seconds as the nanoseconds of a log; what cannot be expressed is moved to the nearest end."""
-    if math.isnan(time_s) or time_s <= 0:
-        return 0
-    if math.isinf(time_s):
-        return _MAX_NS
-    return min(_MAX_NS, int(time_s) * 1_000_000_000 + round((time_s - int(time_s)) * 1e9))
+    if 0.0 < time_s < _MAX_S:
+        whole = int(time_s)
+        return whole * 1_000_000_000 + int((time_s - whole) * 1e9 + 0.5)
+    return _MAX_NS if time_s >= _MAX_S else 0
 
 
 def _sync_folder(folder: Path) -> None:
@@ -63,10 +59,10 @@ class LogWriter:
             raise LabrigError(f"{self.path} exists already, and a log is never overwritten") from None
         self.closed = False
         self._topics = topic_table()
-        self._sequence = dict.fromkeys(Topic, 0)
+        self._sequence = [0] * (max(Topic) + 1)
         self._writer = Writer(self._file, chunk_size=_CHUNK_BYTES)
-        self._points = np.zeros(len(layout.markers), dtype=_POINT)
-        self._cloud = self._empty_cloud()
+        self._add_message = self._writer.add_message
+        self._frames = FrameEncoder(len(layout.markers))
         try:
             self._begin(layout, run)
             self.step_done()
@@ -115,19 +111,6 @@ class LogWriter:
         )
         self._writer.flush()
 
-    def _empty_cloud(self) -> Any:
-        from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
-
-        cloud = self._topics[Topic.MARKERS].message()
-        cloud.frame_id = "rig"
-        cloud.pose.position.x = 0.0
-        cloud.pose.orientation.w = 1.0
-        cloud.point_stride = _POINT.itemsize
-        for offset, name in ((0, "x"), (4, "y"), (8, "z")):
-            cloud.fields.add(name=name, offset=offset, type=PackedElementField.FLOAT32)
-        cloud.fields.add(name="status", offset=12, type=PackedElementField.UINT8)
-        return cloud
-
     def _add(self, topic: Topic, time_s: float, message: Any) -> None:
         time_ns = to_ns(time_s)
         stamp = message.timestamp
@@ -154,12 +137,8 @@ class LogWriter:
 
     def frame(self, frame: MarkerFrame) -> None:
         """One motion capture frame; positions are kept as 32 bit floats (below 0.0001 mm at 1 m)."""
-        if self._sequence[Topic.MARKERS] % _FRESH_EVERY == 0:
-            self._cloud = self._empty_cloud()
-        self._points["position_mm"] = frame.position_mm
-        self._points["status"] = frame.status
-        self._cloud.data = self._points.tobytes()
-        self._add(Topic.MARKERS, frame.time_s, self._cloud)
+        time_ns = to_ns(frame.time_s)
+        self.raw(Topic.MARKERS, time_ns, self._frames.encode(frame, time_ns))
 
     def environment(self, time_s: float, values: ArrayLike) -> None:
         """One row of the layout's covariates."""
@@ -173,7 +152,7 @@ class LogWriter:
     def raw(self, topic: Topic, time_ns: int, payload: bytes) -> None:
         """A message that is encoded already."""
         self._sequence[topic] = sequence = (self._sequence[topic] + 1) & 0xFFFFFFFF
-        self._writer.add_message(int(topic), time_ns, payload, time_ns, sequence)
+        self._add_message(int(topic), time_ns, payload, time_ns, sequence)
 
     def event(self, time_s: float, text: str, level: str = "INFO") -> None:
         """A line for people, as Foxglove's Log message; `level` is INFO, WARNING, ERROR or FATAL."""
