@@ -1,0 +1,144 @@
+"""The tutorial and the how-tos of the diagnosis: their files are written, their commands run, in their order.
+
+A block whose first line is `# NAME` (with an ending) is a file; a block without a language holds commands;
+`text` blocks are output, or what the reader's own names stand in.
+"""
+
+import re
+import shlex
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from labrig.diagnosis import diagnose
+from labrig.log import Mapping
+from labrig.model import read_model_file
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = (
+    "tutorial-hidden-effect.md",
+    "howto-your-data.md",
+    "howto-add-an-effect.md",
+    "reference/mapping.md",
+    "reference/model.md",
+    "reference/diagnosis.md",
+)
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def blocks(page: str) -> Iterator[tuple[str, str]]:
+    """Language and text of each fenced block of a page."""
+    for found in re.finditer(
+        r"^```(\w*)\n(.*?)^```$", (DOCS / page).read_text("utf-8"), re.MULTILINE | re.DOTALL
+    ):
+        yield found[1], found[2]
+
+
+def follow(page: str, labrig: Run, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """Do what a page says; returns what each command printed."""
+    printed = {}
+    for language, text in blocks(page):
+        first, _, rest = text.partition("\n")
+        if re.fullmatch(r"# [\w./-]+\.\w+", first):
+            path = Path(first[2:])
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(rest if path.suffix == ".csv" else text, encoding="utf-8")
+        elif language == "":
+            for line in text.splitlines():
+                command = line.partition("#")[0]
+                words = shlex.split(command)
+                if words[0] == "cd":
+                    monkeypatch.chdir(words[1])
+                    continue
+                assert words[0] == "labrig", line
+                code, out, err = labrig(*words[1:])
+                assert code == 0, (line, err)
+                printed[command.strip()] = out
+    return printed
+
+
+@pytest.fixture(autouse=True)
+def _desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_the_tutorial(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each command does what the page says that it does."""
+    printed = follow("tutorial-hidden-effect.md", labrig, monkeypatch)
+    assert "identified: creep" in printed["labrig demo --hide creep --seed 3 --out lab"]
+    said = printed["labrig diagnose by-hand --model model.yaml"]
+    assert said.startswith("verdict: identified (one effect is missing)\neffects: creep\n")
+    assert printed["labrig reveal by-hand"] == "creep: 1 mm rms\n"
+    after = printed["labrig diagnose fresh --model better.yaml --out diagnosis-after"]
+    assert after.startswith("verdict: nothing_missing")
+    assert [e.name for e in read_model_file(Path("better.yaml")).effects] == ["creep"]
+
+
+def test_your_data(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The smallest case works as it is written."""
+    printed = follow("howto-your-data.md", labrig, monkeypatch)
+    assert printed["labrig import --mapping map.yaml -o run"] == (
+        "run: 12 captures, 1 actuated, 1 observables, 1 session(s)\n"
+    )
+    assert "error, N rms" in printed["labrig compare run --model model.yaml"]
+
+
+def test_an_effect_of_your_own(labrig: Run, monkeypatch: pytest.MonkeyPatch, make_lab) -> None:
+    """The page's effect is found in data in which the weather moves the pressures, and its share comes back."""
+    page = "howto-add-an-effect.md"
+    printed = follow(page, labrig, monkeypatch)
+    shown = printed["labrig effects show barometer"]
+    assert shown.startswith(
+        "barometer (acts on pressure)\n\nThe pressure controller holds an absolute pressure"
+    )
+    lab = make_lab(captures=60, sessions=6)
+    weather_hpa = 1013 + 15 * lab.random.normal(size=6)[lab.session] + lab.random.normal(size=60)
+    u = lab.u - 0.09 * (weather_hpa - weather_hpa[0])[:, None, None]
+    data = lab.dataset(lab.predict(u) + lab.noise(), {"barometer": ("hPa", weather_hpa)})
+    result = diagnose(data, lab.model())
+    assert (result.summary["verdict"], result.summary["effects"]) == ("identified", ["barometer"])
+    assert result.improved is not None
+    share = result.improved.file.effects[0].parameters["share"].value
+    assert share == pytest.approx(0.9, abs=0.1)
+    calm = lab.dataset(lab.predict(lab.u) + lab.noise(), {"barometer": ("hPa", weather_hpa)})
+    assert np.isfinite(weather_hpa).all()
+    assert diagnose(calm, lab.model()).summary["verdict"] == "nothing_missing"
+
+
+def test_the_model_of_the_reference_is_one() -> None:
+    """The example file is read without complaint."""
+    text = next(t for language, t in blocks("reference/model.md") if language == "yaml")
+    Path("model.yaml").write_text(text)
+    assert [e.name for e in read_model_file(Path("model.yaml")).effects] == ["leak"]
+
+
+def test_the_reference_names_every_field_of_a_mapping() -> None:
+    """What the reader accepts is what the page lists."""
+    page = (DOCS / "reference/mapping.md").read_text("utf-8")
+    listed = set(re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE))
+    assert listed == set(Mapping.model_fields)
+    assert yaml.safe_load("{payload: 52}") == {"payload": 52}
+
+
+def test_the_reference_has_the_verdicts_and_fields(make_lab) -> None:
+    """Every verdict, and every key of a real diagnosis, is explained or shown."""
+    from labrig.cli._tables import _VERDICTS
+
+    page = (DOCS / "reference/diagnosis.md").read_text("utf-8")
+    assert set(re.findall(r"^\| `(\w+)` \| .* \| .* \|$", page, re.MULTILINE)) == set(_VERDICTS)
+    lab = make_lab(captures=20)
+    summary = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary
+    shown = next(t for language, t in blocks("reference/diagnosis.md") if language == "text")
+    assert set(re.findall(r'"(\w+)":', shown)) >= set(summary)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page: str) -> None:
+    """Every relative link of these pages is a file of the project."""
+    for target in re.findall(r"\]\(([^)#]+)\)", (DOCS / page).read_text("utf-8")):
+        if "://" not in target:
+            assert (DOCS / page).parent.joinpath(target).is_file(), target
