@@ -13,7 +13,7 @@ TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
 DECADE = 10.0
 SETTLE_S = 3.0
-SHORTEST_S = 10.0
+SHORTEST_S = 3.0
 """A lag behind the settled shape that is shorter than this is a delay."""
 
 

@@ -6,7 +6,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
-TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0, 8.0)
+TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
 
 
 class Delay(Effect):
@@ -17,7 +17,7 @@ class Delay(Effect):
     )
     acts_on = "pressure"
     parameters = (
-        Parameter("share", "1", 0.05, 1.5, "chamber", "share of the change that lags; 1 is a plain lag"),
+        Parameter("share", "1", 0.4, 2.5, "chamber", "share of the change that lags; 1 is a plain lag"),
         Parameter("tau_s", "s", 0.05, 30.0, meaning="time constant of the lag"),
     )
     reference = "K. Ogata, Modern Control Engineering, 5th ed. 2010, ch. 5 (first-order systems)"
