@@ -36,6 +36,7 @@ LOCAL_Z = 2.0
 LOCAL_OF_FLOOR = 0.55
 TIE_SHARE = 0.05
 SAME_SHARE = 0.015
+GOOD_FORM = 0.97
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_BESIDE = 0.2
 SMALLEST_SHARE = 0.06
@@ -103,7 +104,7 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
 
     standing = {name: own_ground[name] for name in found}
     whole, _ = explore(streams, context, standing, signs[:0])
-    start = _large_enough(_on_whole(moving, whole), gate) if moving else None
+    start = _large_enough(_on_whole(streams, moving, whole), gate) if moving else None
     if start is None:
         moving = None
     static_found, static_null = explore(streams, context, others, signs)
@@ -150,17 +151,23 @@ def _p(found: Mapping[str, list[Candidate]], ground: Ground) -> float:
     return float((1 + (ground.null >= max(shares, default=0.0)).sum()) / (1 + len(ground.null)))
 
 
-def _on_whole(moving: Fit, whole: Mapping[str, list[Candidate]]) -> Fit:
+def _on_whole(streams: Streams, moving: Fit, whole: Mapping[str, list[Candidate]]) -> Fit:
     """The same effects on the whole problem, in the forms that do best there together."""
-    streams = next(iter(whole.values()))[0].columns.streams
-    forms = [[*lay_out(streams, p.effect, [p.variant]), *whole[p.effect.name]] for p in moving.parts]
+    forms = [[*lay_out(streams, p.effect, [p.variant]), *whole.get(p.effect.name, ())] for p in moving.parts]
     chosen = fit([own[0] for own in forms])
     for _ in range(2):
         for i, own in enumerate(forms):
             options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
             good = [f for f in options if stays_plausible(f)] or options
-            chosen = max(good, key=lambda f: f.score.gain)
+            least = GOOD_FORM * max(f.score.gain for f in good)
+            chosen = min((f for f in good if f.score.gain >= least), key=_left)
     return chosen
+
+
+def _left(chosen: Fit) -> float:
+    """Held-out mean square that a fit leaves, in the units of the observables."""
+    streams = chosen.columns.streams
+    return square_of(streams, streams.residual - chosen.heldout)
 
 
 def _large_enough(chosen: Fit, gate: Gate) -> Fit | None:
@@ -168,7 +175,7 @@ def _large_enough(chosen: Fit, gate: Gate) -> Fit | None:
     kept = []
     for i, part in enumerate(chosen.parts):
         streams = part.columns.streams
-        if square_of(streams, part.columns.field(chosen.own(i))) >= gate.smallest(0.0):
+        if square_of(streams, part.columns.field(chosen.own(i))) >= gate.smallest(SMALLEST_SHARE):
             kept.append(part)
     return fit(kept) if kept else None
 
