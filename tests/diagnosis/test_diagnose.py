@@ -180,6 +180,18 @@ def test_a_library_may_be_cut_down(make_lab) -> None:
     assert "leak" not in answer(result)[1]
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_curve_without_a_name(make_lab, seed: int) -> None:
+    """A static law that no effect in a cut-down library has: some answer, whatever it is, and no crash."""
+    lab = make_lab(seed=seed)
+    data = lab.dataset(lab.predict(lab.u * (1 + 0.2 * (lab.u / 60) ** 3)) + lab.noise())
+    gone = ["stiffening", "contact", "tension", "regulator"]
+    summary = diagnose(data, lab.model(), without=gone).summary
+    assert summary["verdict"] != "nothing_missing"
+    assert not set(summary["effects"]) & set(gone)
+    assert summary["error"]["model"] <= summary["error"]["base"] * 1.001
+
+
 def test_twenty_captures(make_lab) -> None:
     """A short campaign is enough for an effect of several floors."""
     lab = make_lab(captures=20, rows_s=LONG_S, chambers=2)

@@ -44,13 +44,13 @@ def changes(lab: Any, clean: xr.Dataset, improved: Model, model: Model) -> tuple
 
 
 def test_regulator(make_lab) -> None:
-    """Gains that are off by 6 to 9 %, S-shaped, one for each chamber: the gains come back within a fifth."""
+    """Gains that are off by up to 10 %, up and down, S-shaped: each chamber's comes back."""
     lab = make_lab()
-    gain = np.array([0.09, 0.06, 0.075])
+    gain = np.array([0.1, -0.06, 0.05])
     x = lab.u / 60.0
-    u = lab.u * (1 + gain) + 0.5 * np.sin(2 * np.pi * x)
+    u = lab.u * (1 + gain) + 0.3 * np.sin(2 * np.pi * x)
     _, values = found(lab, lab.predict(u), "regulator")
-    assert values["gain"] == pytest.approx(gain, rel=0.3)
+    assert values["gain"] == pytest.approx(gain, abs=0.02)
 
 
 def test_hysteresis(make_lab) -> None:
