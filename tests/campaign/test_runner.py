@@ -211,11 +211,6 @@ def test_a_pause_vents_and_goes_on(fake: Any, tmp_path: Path) -> None:
     control = Control()
     held: list[float] = []
 
-    class Pauser(Observer):
-        def step_done(self, completed: Completed) -> None:
-            if completed.index == 2:
-                control.pause()
-
     def going_on() -> None:
         if (
             control.paused
@@ -225,17 +220,15 @@ def test_a_pause_vents_and_goes_on(fake: Any, tmp_path: Path) -> None:
             held.append(float(np.abs(fake.pressure_kpa).max()))
             control.go_on()
 
-    class Slow(Three):
+    class Pauses(Three):
         def steps(self, rig: RigInfo) -> Steps:
-            for step in super().steps(rig):
+            for number, step in enumerate(super().steps(rig)):
+                if number == 2 and fake.pressure.world.commands:
+                    control.pause()
                 yield step
-                if fake.pressure.world.commands:
-                    import time
-
-                    time.sleep(0.05)  # lets the observer's thread ask for the pause
 
     fake.clock.on_sleep = going_on
-    run(Slow(), fake.rig, tmp_path / "run", fake.clock, watching=Watching([Pauser()], control))
+    run(Pauses(), fake.rig, tmp_path / "run", fake.clock, watching=Watching(control=control))
     assert held
     assert held[0] < 0.5
     data = open_run(tmp_path / "run")
