@@ -1,0 +1,53 @@
+"""Campaigns of the blind benchmark's plant, drawn by class and seed: each kind of verdict at least once."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from labrig.bench import draw, is_right, write_model
+from labrig.diagnosis import diagnose
+from labrig.model import Model
+
+
+def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The truth of a drawn campaign, and what the diagnosis says."""
+    campaign = draw(name, seed)
+    model = Model.load(write_model(campaign, folder))
+    return campaign.truth, diagnose(
+        campaign.dataset, model, without=campaign.truth["without"], **extra
+    ).summary
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "verdict"),
+    [
+        ("null", 3, "nothing_missing"),
+        ("single-2", 1, "identified"),
+        ("force", 0, "identified"),
+        ("static", 0, "identified"),
+        ("pair", 2, "multiple"),
+        ("confounded", 0, "confounded"),
+        ("deleted", 0, "unknown"),
+    ],
+)
+def test_the_verdict_is_right(name: str, seed: int, verdict: str, tmp_path: Path) -> None:
+    """Verdict and names are those of the truth, which neither base nor library has been told."""
+    truth, summary = judged(name, seed, tmp_path)
+    assert truth["verdict"] == verdict
+    assert is_right(truth, summary), (
+        truth["effects"],
+        summary["verdict"],
+        summary["effects"],
+        summary["rivals"],
+    )
+    if truth["effects"] and not truth["without"] and verdict != "confounded":
+        assert summary["drop"] > 0.8
+    assert summary["error"]["floor"] == pytest.approx(truth["floor"], rel=0.5)
+
+
+def test_noise_cannot_answer_a_fine_question(tmp_path: Path) -> None:
+    """Where nothing is hidden and the tolerance is far below the floor, the data are not enough, and it is said."""
+    truth, summary = judged("null", 3, tmp_path, tolerance=0.001)
+    assert truth["verdict"] == "nothing_missing"
+    assert summary["verdict"] == "underpowered"
