@@ -1,6 +1,6 @@
 """Make a CSV of the static set: it comes as a pickled array, which labrig does not open by itself.
 
-    python static_table.py blackframe_25mbarIntervals.npy static.csv
+python static_table.py blackframe_25mbarIntervals.npy static.csv
 """
 
 import sys

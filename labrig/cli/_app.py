@@ -49,7 +49,8 @@ def main(arguments: list[str] | None = None) -> None:
             )
             exit_code = 1
         else:
-            text = error.format_message() if hasattr(error, "format_message") else str(error)
+            format_message = getattr(error, "format_message", None)
+            text = format_message() if format_message else str(error)
             print(f"labrig: {' '.join(text.splitlines())}", file=sys.stderr)
         code = exit_code
     sys.exit(code if isinstance(code, int) else 0)

@@ -1,15 +1,13 @@
 """Fitted values with their uncertainty, as they go into a model file."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, fit
-from labrig.diagnosis._columns import coefficients, columns_of
+from labrig.diagnosis._columns import coefficients, columns_of, order_of
 from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context, Effect, Term, Variant
-from labrig.effects._rows import Floats
+from labrig.effects import Context, Effect, Term
+from labrig.effects._rows import Floats, Ints
 from labrig.model import EffectEntry, Value
 
 _ROUNDS = 10
@@ -75,9 +73,7 @@ def _with_shape(
     return None
 
 
-def _own_order(chosen: Fit, i: int) -> Floats:
-    from labrig.diagnosis._columns import order_of
-
+def _own_order(chosen: Fit, i: int) -> Ints:
     return order_of([p.columns for p in chosen.parts])[i]
 
 
@@ -119,6 +115,3 @@ def _rounded(values: Floats) -> list[float] | list[list[float]]:
 
 def _round(value: float) -> float:
     return float(f"{value:.5g}")
-
-
-__all__ = ["Variant", "entry_of", "refined", "replace"]

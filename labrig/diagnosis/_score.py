@@ -97,4 +97,4 @@ def _inverse(G: Floats, ridge: float) -> Floats:
     live = d > 1e-9 * max(float(d.max(initial=0.0)), 1e-300)
     scale = np.where(live, 1 / np.where(live, d, 1.0), 0.0)
     scaled = G * scale[:, None] * scale + np.diag(np.where(live, ridge, 1.0))
-    return np.linalg.inv(scaled) * scale[:, None] * scale
+    return np.asarray(np.linalg.inv(scaled) * scale[:, None] * scale, dtype=float)

@@ -104,14 +104,14 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
 
     standing = {name: own_ground[name] for name in found}
     whole, _ = explore(streams, context, standing, signs[:0])
-    start = _large_enough(_on_whole(streams, moving, whole), gate) if moving else None
+    start = _large_enough(_on_whole(streams, moving, whole), moving_ground.gate) if moving else None
     if start is None:
         moving = None
     static_found, static_null = explore(streams, context, others, signs)
     static_ground = Ground(streams, others, static_found, static_null, gate)
     chosen = _forward(static_ground, start, signs)
     if moving is None:
-        better = _better_moving(chosen, whole, moving_ground, gate)
+        better = _better_moving(chosen, whole, moving_ground)
         if better is not None:
             moving, chosen = better[0], _forward(static_ground, better[1], signs)
     p_value = min(_p(found, moving_ground), _p(static_found, static_ground))
@@ -119,7 +119,7 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
 
 
 def _better_moving(
-    static: Fit | None, whole: Mapping[str, list[Candidate]], ground: Ground, gate: Gate
+    static: Fit | None, whole: Mapping[str, list[Candidate]], ground: Ground
 ) -> tuple[Fit, Fit] | None:
     """A moving effect that does clearly better on the whole problem than the static ones chosen there.
 
@@ -129,7 +129,7 @@ def _better_moving(
     if static is None:
         return None
     best = max((c for forms in whole.values() for c in forms), key=lambda c: c.score.gain, default=None)
-    if best is None or _large_enough(fit([best]), gate) is None:
+    if best is None or _large_enough(fit([best]), ground.gate) is None:
         return None
     ahead = best.score.gains - static.score.gains
     alone = ground.found[best.effect.name][0]
@@ -171,7 +171,8 @@ def _left(chosen: Fit) -> float:
 
 
 def _large_enough(chosen: Fit, gate: Gate) -> Fit | None:
-    """Leave out what, static part included, stays too small beside the floor to matter."""
+    """Leave out what, static part included, is too small to matter beside what a static map leaves."""
+    gate = replace(gate, of_floor=SMALLEST_OF_FLOOR)
     kept = []
     for i, part in enumerate(chosen.parts):
         streams = part.columns.streams

@@ -28,8 +28,9 @@ _MOST_FAR = 0.2
 _SMOOTH_RANK = 10
 _STAYS = 4
 _FORM = 0.03
-_ROWS_THAT_COUNT = 6
+_ROWS_THAT_COUNT = 12
 _CAPTURES_PER_TERM = 7
+_CAPTURES_PER_LINE = 3
 _STATIC_RIDGE = 0.01
 
 
@@ -131,7 +132,10 @@ class Streams:
         n = int(self.index.max()) + 1
         if not self.use_means:
             return self
-        degree = max((k for k in (1, 2, 3) if n >= _CAPTURES_PER_TERM * (1 + k * x.shape[1])), default=0)
+        width = x.shape[1]
+        enough = {1: _CAPTURES_PER_LINE * (1 + width), 2: _CAPTURES_PER_TERM * (1 + 2 * width)}
+        enough[3] = _CAPTURES_PER_TERM * (1 + 3 * width)
+        degree = max((k for k, least in enough.items() if n >= least), default=0)
         if degree == 0:
             return None
         columns = np.column_stack([np.ones(len(x)), *(x**k for k in range(1, degree + 1))])
@@ -201,10 +205,10 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
     np.logical_or.at(touched, index, far)
     if n < _STAYS:
         return far
-    windows = np.lib.stride_tricks.sliding_window_view(touched, _STAYS, axis=0).all(axis=-1)
+    whole = np.logical_and.reduce([touched[shift : n - _STAYS + 1 + shift] for shift in range(_STAYS)])
     stays = np.zeros_like(touched)
     for shift in range(_STAYS):
-        stays[shift : shift + len(windows)] |= windows
+        stays[shift : shift + len(whole)] |= whole
     return far & ~stays[index]
 
 

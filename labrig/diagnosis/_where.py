@@ -7,14 +7,14 @@ import numpy as np
 
 from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
-from labrig.effects._rows import Floats
+from labrig.effects._rows import Floats, Ints
 from labrig.effects.coupling import overlap
 
 _CLEAR = 1.3
 _KEPT = {"marker": 12, "observable": 12, "capture": 5, "pair of chambers": 8}
 
 
-def where(context: Context, left: Floats, floor: Floor, counted: Floats) -> list[dict[str, Any]]:
+def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[dict[str, Any]]:
     """Errors (root mean square, in units) of parts of the campaign, and each part's share of the whole.
 
     `left` (F, K) is measured minus model; `share` is the part of the square beyond the floor that falls in
@@ -83,7 +83,7 @@ def where(context: Context, left: Floats, floor: Floor, counted: Floats) -> list
     return _worst_first(out)
 
 
-def _regions(context: Context, square: Floats, counted: Floats, add: Any) -> None:
+def _regions(context: Context, square: Floats, counted: Ints, add: Any) -> None:
     """Markers that one chamber moves most are that chamber's region."""
     reach = np.abs(context.jacobian).mean(axis=0) * context.span
     owner = reach.argmax(axis=1)

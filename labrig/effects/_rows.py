@@ -138,7 +138,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     measured_all = _extra(dataset, "measured", hold.shape, dataset.sizes["chamber"])
     covariate_names = [str(v) for v in dataset["covariate"].values] if "covariates" in dataset else []
     covariates_all = _extra(dataset, "covariates", hold.shape, len(covariate_names))
-    seen = np.isfinite(values).any(axis=2)
+    seen = np.asarray(np.isfinite(values).any(axis=2))
     n_bins = int(np.clip(row_budget // n_captures, _MIN_BINS, _MAX_BINS))
 
     picked: dict[str, list[Any]] = {n: [] for n in ("capture", "hold", "time", "values", "measured", "cov")}

@@ -232,4 +232,4 @@ def _robust_fit(X: Floats, y: Floats, weight: Floats) -> Floats:
             break
         r = w * np.sqrt(np.minimum(1.0, 3.0 * scale / np.maximum(off, 1e-300)))
         beta = np.linalg.lstsq(X * r[:, None], y * r, rcond=1e-10)[0]
-    return beta
+    return np.asarray(beta, dtype=float)
