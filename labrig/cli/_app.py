@@ -1,6 +1,7 @@
 """The typer application, and how errors reach a person: one line, exit code not 0, no traceback."""
 
 import importlib
+import os
 import sys
 
 import typer
@@ -29,6 +30,7 @@ _debug = False
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; the only place where an exception becomes an exit code."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # small matrices: more threads would wait for each other
     for module in _COMMAND_MODULES:
         importlib.import_module(f"labrig.cli.{module}")
     try:

@@ -10,6 +10,7 @@ from labrig.effects import Context
 from labrig.effects._rows import Floats, Ints
 
 _MOST_TO_MATCH = 2000
+_FEWEST_PAIRS = 3
 
 
 @dataclass(frozen=True)
@@ -58,12 +59,14 @@ def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
     repeats: dict[str, float | None] = {}
     hows = []
     for number, own in enumerate(groups.values()):
-        kinds = _repeat_spread(context, means[:, own], captures)
+        kinds, pairs = _repeat_spread(context, means[:, own], captures)
         bulk = bulk_noise(means[:, own], lost) if len(captures) >= 12 else float("nan")
         inside = _within(deviation[many][:, own], index[many], rows.hold_s[many])
         same = kinds["same history"]
         found = {"repeats with the same history": same, "the bulk of the residuals' spectrum": bulk}
         usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > 0}
+        if len(usable) == 2 and pairs < _FEWEST_PAIRS:
+            del usable["repeats with the same history"]
         if not usable:
             single = len(captures) == len(rows.capture)
             if single and len(captures) >= 12:
@@ -106,8 +109,11 @@ def _neighbours(means: Floats) -> float:
     return float(1.4826 * np.median(good) / np.sqrt(6.0)) if len(good) else float("nan")
 
 
-def _repeat_spread(context: Context, means: Floats, captures: Ints) -> dict[str, float | None]:
-    """What repeats of a set-point differ by, per kind of history, as a standard deviation of one capture."""
+def _repeat_spread(context: Context, means: Floats, captures: Ints) -> tuple[dict[str, float | None], int]:
+    """What repeats of a set-point differ by, per kind of history, as a standard deviation of one capture.
+
+    Also how many pairs with the same history there are.
+    """
     rows = context.rows
     first = np.searchsorted(rows.capture, captures)
     came_from = context.previous[rows.event[first]]
@@ -123,7 +129,8 @@ def _repeat_spread(context: Context, means: Floats, captures: Ints) -> dict[str,
             kinds["same history" if alike else "opposite history"].append(means[b] - means[a])
         if len(members) > 2:
             kinds["early against late"].append(means[members[-1]] - means[members[0]])
-    return {name: _spread(differences) for name, differences in kinds.items()}
+    spreads = {name: _spread(differences) for name, differences in kinds.items()}
+    return spreads, len(kinds["same history"])
 
 
 def _labels(context: Context, captures: Ints) -> list[str]:

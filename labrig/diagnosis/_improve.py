@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, clear, fit, plausible, square_of
 from labrig.diagnosis._columns import columns_of
 from labrig.diagnosis._diagnose import drop_of, prepare, rows_from
 from labrig.diagnosis._parameters import entry_of, refined
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._score import score
+from labrig.diagnosis._search import Gate
 from labrig.diagnosis._streams import Streams, clean
 from labrig.diagnosis._where import where
 from labrig.effects import Context, Effect, get
@@ -67,19 +68,22 @@ def improve(
     streams, context, floor, dropped = prepare(rows_from(runs), model)
     chosen = _fit_named(streams, context, effects)
     base_square = square_of(streams, streams.residual - streams.nothing)
-    helps = [_helps(chosen, i) for i in range(len(effects))]
-    for effect, (more, se) in zip(effects, helps, strict=True):
-        if more <= se and not force:
+    floor_square = float(np.mean(floor.row[streams.counted] ** 2))
+    units = context.rows.unit[int(streams.counted[0])]
+    falls = [_fall_of(chosen, i) for i in range(len(effects))]
+    least = Gate(floor_square, base_square, None).smallest(0.0)
+    helps = [fall >= least and clear_ for fall, clear_ in falls]
+    for effect, helpful, (fall, _) in zip(effects, helps, falls, strict=True):
+        if not helpful and not force:
             raise LabrigError(
-                f"{effect.name!r} does not lower the held-out error (gain {more:.3g}, standard error {se:.3g}); "
-                "the model is left as it is; --force adds it all the same"
+                f"{effect.name!r} does not lower the held-out error enough to matter (by {_rms(fall):.2g} {units}, "
+                f"needed {_rms(least):.2g} {units}); the model is left as it is; --force adds it all the same"
             )
     model_square = square_of(streams, streams.residual - chosen.heldout)
     entries = [entry_of(streams, context, chosen, i, refine=False) for i in range(len(effects))]
     improved = model
     for entry in entries:
         improved = improved.with_effect(entry)
-    floor_square = float(np.mean(floor.row[streams.counted] ** 2))
     residual, _ = clean(context.residual, context.rows.capture)
     places = where(context, residual, floor, streams.counted)
     steps = [("base", float(np.sqrt(base_square)))]
@@ -88,7 +92,7 @@ def improve(
         square = square_of(streams, streams.residual - part.heldout)
         steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
     summary: dict[str, Any] = {
-        "units": context.rows.unit[int(streams.counted[0])],
+        "units": units,
         "effects": [e.name for e in effects],
         "error": {
             "base": np.sqrt(base_square),
@@ -101,11 +105,9 @@ def improve(
         "warnings": [
             *context.rows.warnings,
             *(
-                f"{effect.name!r} does not lower the held-out error; it was added because of --force"
-                for effect, (more, se) in zip(effects, helps, strict=True)
-                if more <= se
-            ),
-            *_left_out(dropped),
+                f"{effect.name!r} does not lower the held-out error enough to matter; it was added because of --force"
+            for effect, helpful in zip(effects, helps, strict=True)
+            if not helpful
         ],
     }
     return Result(
@@ -155,10 +157,17 @@ def _forms(streams: Streams, context: Context, effect: Effect) -> list[Candidate
     return [candidate for _, candidate in found[:6]]
 
 
-def _helps(chosen: Fit, i: int) -> tuple[float, float]:
-    """Held-out gain of the i-th effect beside the others, and its standard error."""
+def _fall_of(chosen: Fit, i: int) -> tuple[float, bool]:
+    """By how much the i-th effect lowers the held-out mean square beside the others, and whether clearly."""
+    streams = chosen.columns.streams
     rest = [p for j, p in enumerate(chosen.parts) if j != i]
-    without = fit(rest).score.gains if rest else np.zeros_like(chosen.score.gains)
-    more = chosen.score.gains - without
-    n = len(more)
-    return float(more.sum()), float(np.sqrt(n) * more.std(ddof=1)) if n > 1 else float("inf")
+    before = fit(rest) if rest else None
+    more = chosen.score.gains - (before.score.gains if before else 0.0)
+    left = streams.residual - (before.heldout if before else streams.nothing)
+    fall = square_of(streams, left) - square_of(streams, streams.residual - chosen.heldout)
+    return fall, clear(more, streams.base_squares)
+
+
+def _rms(square: float) -> float:
+    """A mean square as a root mean square, of either sign."""
+    return float(np.sign(square) * np.sqrt(abs(square)))

@@ -10,6 +10,7 @@ from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context
+from labrig.effects._rows import Floats
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -21,6 +22,8 @@ def fields_of(context: Context, chosen: Fit | None) -> "Dataset":
 
     rows = context.rows
     change = change_of(context, chosen) if chosen else np.zeros_like(context.base)
+    if chosen and chosen.columns.streams.declared is not None:
+        change = change + _refit(context, chosen, change)
     seen = np.where(np.isfinite(rows.values), 1.0, np.nan)
     measured, captures = capture_means(rows.values, rows.capture)
     base, _ = capture_means(context.base * seen, rows.capture)
@@ -53,6 +56,16 @@ def fields_of(context: Context, chosen: Fit | None) -> "Dataset":
         out["rest_mm"] = (("marker", "axis"), rows.rest_mm)
         out = out.assign_coords(marker=list(rows.markers[: len(rows.rest_mm)]), axis=list("xyz"))
     return out
+
+
+def _refit(context: Context, chosen: Fit, change: Floats) -> Floats:
+    """What the base's own parameters, fitted again beside the effects, change in the prediction, (F, K)."""
+    streams = chosen.columns.streams
+    assert streams.declared is not None
+    left, _ = capture_means(context.residual - change, context.rows.capture)
+    columns = streams.declared[: len(left)] if streams.use_means else np.zeros((len(left), 1))
+    beta = np.linalg.lstsq(columns, np.nan_to_num(left), rcond=1e-9)[0]
+    return (columns @ beta)[streams.index]
 
 
 def signatures_of(

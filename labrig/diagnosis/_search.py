@@ -34,9 +34,10 @@ SIGNIFICANT = 0.02
 EVERYWHERE = 10
 LOCAL_Z = 2.0
 LOCAL_OF_FLOOR = 0.55
-TIE_SHARE = 0.05
+TIE_SHARE = 0.03
 SAME_SHARE = 0.015
 GOOD_FORM = 0.97
+RULES_SHARE = 0.5
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_BESIDE = 0.2
 SMALLEST_SHARE = 0.06
@@ -164,6 +165,18 @@ def _on_whole(streams: Streams, moving: Fit, whole: Mapping[str, list[Candidate]
     return chosen
 
 
+def _rules_the_hold(part: Candidate) -> bool:
+    """Whether an effect explains most of what changes within the holds, however much differs between them."""
+    streams = part.columns.streams
+    within = streams.within_holds
+    if not within.any():
+        return False
+    before = (streams.residual - streams.nothing)[within]
+    after = (streams.residual - fit([part]).heldout)[within]
+    seen = streams.weight[within] > 0
+    return bool(np.square(after[seen]).sum() < RULES_SHARE * np.square(before[seen]).sum())
+
+
 def _left(chosen: Fit) -> float:
     """Held-out mean square that a fit leaves, in the units of the observables."""
     streams = chosen.columns.streams
@@ -176,7 +189,8 @@ def _large_enough(chosen: Fit, gate: Gate) -> Fit | None:
     kept = []
     for i, part in enumerate(chosen.parts):
         streams = part.columns.streams
-        if square_of(streams, part.columns.field(chosen.own(i))) >= gate.smallest(SMALLEST_SHARE):
+        size = square_of(streams, part.columns.field(chosen.own(i)))
+        if size >= gate.smallest(SMALLEST_SHARE) or (size >= gate.smallest(0.0) and _rules_the_hold(part)):
             kept.append(part)
     return fit(kept) if kept else None
 
@@ -366,13 +380,19 @@ def _swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
 
 
 def _prune(ground: Ground, chosen: Fit, fixed: int) -> Fit:
-    """Drop what the others do as well without."""
-    while len(chosen.parts) > max(fixed, 1):
-        rest = [
-            fit([p for j, p in enumerate(chosen.parts) if j != i]) for i in range(fixed, len(chosen.parts))
-        ]
-        weakest = max(rest, key=lambda f: f.score.gain)
-        if _earns(ground, weakest, chosen):
+    """Drop what the others do as well without; of the fixed parts only what has become nothing beside them."""
+    while len(chosen.parts) > 1:
+        rest = [fit([p for j, p in enumerate(chosen.parts) if j != i]) for i in range(len(chosen.parts))]
+        lost = [_fall(ground.streams, f, chosen) for f in rest[:fixed]]
+        if (
+            lost
+            and min(lost) < ground.gate.smallest(0.0)
+            and not _rules_the_hold(chosen.parts[lost.index(min(lost))])
+        ):
+            chosen, fixed = rest[lost.index(min(lost))], fixed - 1
+            continue
+        weakest = max(rest[fixed:], key=lambda f: f.score.gain, default=None)
+        if weakest is None or _earns(ground, weakest, chosen):
             return chosen
         chosen = weakest
     return chosen

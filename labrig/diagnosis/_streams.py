@@ -103,6 +103,12 @@ class Streams:
         """The free directions over the observables, (r, K)."""
         return self.modes[0, self.modes.shape[1] - self.n_patterns :]
 
+    @property
+    def within_holds(self) -> NDArray[np.bool_]:
+        """Which stream rows are deviations within a hold, (S,)."""
+        n = int(self.index.max()) + 1 if self.use_means else 0
+        return np.arange(len(self.source)) >= n
+
     @cached_property
     def base_squares(self) -> Floats:
         """Weighted square of what the base leaves in each block, (G,)."""

@@ -18,6 +18,7 @@ Name = Literal["nothing_missing", "identified", "multiple", "confounded", "unkno
 ALIKE_SHARE = 0.02
 ALIKE_COSINE = 0.95
 IMITATES_WIDTH = 1.5
+EQUAL_SHARE = 0.005
 CEILING_SE = 2.5
 LEARNT_Z = 4.0
 UNKNOWN_OF_FLOOR = 0.35
@@ -44,12 +45,17 @@ class Rival:
         A rival with many more coefficients that only reproduces the same field (a free offset of every
         marker in place of a shifted frame) is no rival: it contains the simpler one.
         """
-        if self.z >= 1.0:
-            return False
         same_shape = abs(self.cosine) > ALIKE_COSINE
-        if same_shape and self.wider > IMITATES_WIDTH:
+        if self.imitates:
             return False
-        return self.share < (3 * ALIKE_SHARE if same_shape else ALIKE_SHARE)
+        if self.share < EQUAL_SHARE and same_shape:
+            return True
+        return self.z < 1.0 and self.share < (3 * ALIKE_SHARE if same_shape else ALIKE_SHARE)
+
+    @property
+    def imitates(self) -> bool:
+        """Whether it has many more coefficients and only reproduces the same field."""
+        return abs(self.cosine) > ALIKE_COSINE and self.wider > IMITATES_WIDTH
 
 
 @dataclass(frozen=True)
@@ -71,8 +77,9 @@ def rivals_of(searched: Search) -> list[Rival]:
         return []
     if searched.moving is None:
         return _rivals(searched.chosen, searched.static_ground.found, 0)
-    fixed = len(searched.moving.parts)
-    own = _rivals(searched.moving, searched.moving_ground.found, 0)
+    kept = set(searched.chosen.names)
+    fixed = sum(name in kept for name in searched.moving.names)
+    own = [r for r in _rivals(searched.moving, searched.moving_ground.found, 0) if r.instead_of in kept]
     return own + _rivals(searched.chosen, searched.static_ground.found, fixed)
 
 
@@ -150,7 +157,7 @@ def decide(
         return Verdict(
             "confounded", chosen.names, probability, names, warnings=tuple(warnings), compared=tuple(compared)
         )
-    closest = min((r.z for r in compared), default=np.inf)
+    closest = min((r.z for r in compared if not r.imitates), default=np.inf)
     probability = float(np.clip(norm.cdf(closest) * (1 - p_value), 0.34, 0.99))
     name: Name = "identified" if len(chosen.parts) == 1 else "multiple"
     return Verdict(name, chosen.names, probability, (), warnings=tuple(warnings), compared=tuple(compared))

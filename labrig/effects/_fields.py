@@ -22,7 +22,12 @@ def frame_modes(context: Context) -> Floats:
     for m in range(len(rows.markers)):
         for a in range(3):
             own = np.flatnonzero((rows.marker == m) & (rows.axis == a))
-            if len(own) and rows.rest_mm is not None and m < len(rows.rest_mm):
+            if (
+                len(own)
+                and rows.rest_mm is not None
+                and m < len(rows.rest_mm)
+                and np.isfinite(rows.rest_mm[m, a])
+            ):
                 where[:, m, a] = rows.rest_mm[m, a] + context.displacement[:, own[0]]
             elif len(own):
                 where[:, m, a] = context.base[:, own[0]]

@@ -194,7 +194,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         marker=np.array(marker_of, dtype=np.int64),
         axis=np.array(axis_of, dtype=np.int64),
         markers=markers,
-        rest_mm=rest if rest is not None and np.isfinite(rest).all() and rest.size else None,
+        rest_mm=rest if rest is not None and np.isfinite(rest).any() else None,
         repeat=tuple(str(v) for v in dataset["repeat"].values),
         covariates={
             name: Covariate(str(unit), cov[:, i])

@@ -77,12 +77,15 @@ class StaticModel:
     def __init__(self, spec: StaticBase, rows: Rows) -> None:
         self._degree = spec.degree
         self._low, self._span = rows.low, rows.high - rows.low
+        self.fit(rows, rows.values)
+
+    def fit(self, rows: Rows, values: Floats) -> None:
+        """Fit the map to `values` (F, K), captures counting alike; NaN are left out."""
         X = self.declared(rows.actuation)
         captures = np.bincount(rows.capture, minlength=rows.n_captures)
         weight = np.sqrt(1.0 / captures[rows.capture])
-        self._coefficients = np.stack(
-            [_robust_fit(X, rows.values[:, k], weight) for k in range(rows.values.shape[1])], axis=1
-        )
+        columns = [_robust_fit(X, values[:, k], weight) for k in range(values.shape[1])]
+        self._coefficients = np.stack(columns, axis=1)
 
     def predict(self, actuation: Floats) -> Floats:
         """Evaluate the fitted map."""

@@ -10,8 +10,10 @@ from labrig._errors import LabrigError
 from labrig.effects import Context, Effect, Rows, Variant, get, library
 from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
-from labrig.model._bases import BaseModel, build_base, jacobian, solo_deflection
+from labrig.model._bases import BaseModel, StaticModel, build_base, jacobian, solo_deflection
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
+
+_ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -59,10 +61,20 @@ class Model:
         """Predict the rows by base and effects, with the derivative by the actuation."""
         base = build_base(self.file, self.folder, rows)
         context = base_context(base, rows)
+        change = self._change(context)
+        if isinstance(base, StaticModel) and self.file.effects:
+            # the map was fitted as if there were no effects: fit it again to what they leave
+            for _ in range(_ROUNDS):
+                base.fit(rows, rows.values - change)
+                context = base_context(base, rows)
+                change = self._change(context)
+        return replace(context, base=context.base + change, _memo={})
+
+    def _change(self, context: Context) -> Floats:
         change = np.zeros_like(context.base)
         for entry in self.file.effects:
             change += evaluate(context, get(entry.name, self.folder), entry)
-        return replace(context, base=context.base + change, _memo={})
+        return change
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
