@@ -9,11 +9,11 @@ from labrig._errors import LabrigError
 from labrig.diagnosis._candidates import Candidate, Fit, clear, fit, plausible, square_of
 from labrig.diagnosis._columns import columns_of
 from labrig.diagnosis._diagnose import drop_of, prepare, rows_from
+from labrig.diagnosis._gate import Gate
 from labrig.diagnosis._parameters import entry_of, refined
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._score import score
-from labrig.diagnosis._search import Gate
 from labrig.diagnosis._streams import Streams, clean
 from labrig.diagnosis._where import where
 from labrig.effects import Context, Effect, get
@@ -106,8 +106,10 @@ def improve(
             *context.rows.warnings,
             *(
                 f"{effect.name!r} does not lower the held-out error enough to matter; it was added because of --force"
-            for effect, helpful in zip(effects, helps, strict=True)
-            if not helpful
+                for effect, helpful in zip(effects, helps, strict=True)
+                if not helpful
+            ),
+            *_left_out(dropped),
         ],
     }
     return Result(

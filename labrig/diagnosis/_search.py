@@ -19,58 +19,39 @@ from labrig.diagnosis._candidates import (
     explore,
     fit,
     lay_out,
-    relative,
     square_of,
     stays_plausible,
 )
 from labrig.diagnosis._ceiling import ceiling
-from labrig.diagnosis._score import null_gains, score
-from labrig.diagnosis._streams import MAX_GROUPS, Streams
+from labrig.diagnosis._gate import (
+    SIGNIFICANT,
+    SMALLEST_OF_FLOOR,
+    SMALLEST_SHARE,
+    Gate,
+    Ground,
+    clear_locally,
+    earns,
+    everywhere,
+    fall,
+    p_of_addition,
+    p_of_best,
+    p_of_search,
+    similarity,
+)
+from labrig.diagnosis._streams import Streams
 from labrig.effects import Effect
 from labrig.effects._rows import Floats
 
 MAX_EFFECTS = 3
-SIGNIFICANT = 0.02
-EVERYWHERE = 10
-LOCAL_Z = 2.0
-LOCAL_OF_FLOOR = 0.55
 TIE_SHARE = 0.03
 SAME_SHARE = 0.015
+SAME_SHAPE = 0.95
 GOOD_FORM = 0.97
 RULES_SHARE = 0.5
-SMALLEST_OF_FLOOR = 0.33
 SMALLEST_BESIDE = 0.2
-SMALLEST_SHARE = 0.06
 STATIC_SHARE_FIRST = 0.45
 STATIC_SHARE_NEXT = 0.9
 STATIC = "pressure"
-
-
-@dataclass(frozen=True)
-class Gate:
-    """What an effect must pass to come in: squares are mean squares in the units of the observables."""
-
-    floor_square: float
-    base_square: float
-    tolerance: float | None
-    of_floor: float = SMALLEST_OF_FLOOR
-
-    def smallest(self, share: float) -> float:
-        """The least fall of the mean square that matters."""
-        least = (self.of_floor**2) * self.floor_square
-        least = max(least, share * max(self.base_square - self.floor_square, 0.0))
-        return max(least, self.tolerance**2) if self.tolerance else least
-
-
-@dataclass(frozen=True)
-class Ground:
-    """Where a group of effects competes: streams, the forms found there, and the null of the whole search."""
-
-    streams: Streams
-    effects: Mapping[str, Effect]
-    found: Mapping[str, list[Candidate]]
-    null: Floats
-    gate: Gate
 
 
 @dataclass(frozen=True)
@@ -115,7 +96,7 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
         better = _better_moving(chosen, whole, moving_ground)
         if better is not None:
             moving, chosen = better[0], _forward(static_ground, better[1], signs)
-    p_value = min(_p(found, moving_ground), _p(static_found, static_ground))
+    p_value = min(p_of_search(found, moving_ground), p_of_search(static_found, static_ground))
     return Search({**whole, **static_found}, chosen, moving, moving_ground, static_ground, p_value)
 
 
@@ -145,11 +126,6 @@ def _moves(effect: Effect, streams: Streams) -> bool:
     return effect.beyond_static == "always" or (
         effect.beyond_static == "if reversed" and streams.context.reverses
     )
-
-
-def _p(found: Mapping[str, list[Candidate]], ground: Ground) -> float:
-    shares = [relative(c.score.gains, ground.streams.base_squares) for forms in found.values() for c in forms]
-    return float((1 + (ground.null >= max(shares, default=0.0)).sum()) / (1 + len(ground.null)))
 
 
 def _on_whole(streams: Streams, moving: Fit, whole: Mapping[str, list[Candidate]]) -> Fit:
@@ -204,14 +180,14 @@ def _forward(ground: Ground, start: Fit | None, signs: Floats) -> Fit | None:
         if chosen is not None:
             found |= _look_again(ground.streams, chosen, found)
         best = _best_addition(chosen, found)
-        if best is None or not _earns(ground, chosen, best):
+        if best is None or not earns(ground, chosen, best):
             break
         if chosen is not None:
-            p = _p_of_addition(ground.streams, chosen, found, best, signs)
+            p = p_of_addition(ground.streams, chosen, found, best, signs)
         else:
-            p = _p(found, ground)
-            p = p if p <= SIGNIFICANT else _p_of_best(ground, best, signs)
-        if p > SIGNIFICANT and not _clear_locally(ground, chosen, best) and not _everywhere(chosen, best):
+            p = p_of_search(found, ground)
+            p = p if p <= SIGNIFICANT else p_of_best(ground, best, signs)
+        if p > SIGNIFICANT and not clear_locally(ground, chosen, best) and not everywhere(chosen, best):
             break
         if not _fits_form(ground.streams, chosen, best):
             break
@@ -232,7 +208,7 @@ def _fits_form(streams: Streams, before: Fit | None, after: Fit) -> bool:
         return True
     possible = square_of(streams, left) - square_of(streams, left - learnt[STATIC].heldout)
     needed = STATIC_SHARE_FIRST if before is None else STATIC_SHARE_NEXT
-    return _fall(streams, before, after) >= needed * possible
+    return fall(streams, before, after) >= needed * possible
 
 
 def _look_again(
@@ -268,46 +244,6 @@ def _best_addition(chosen: Fit | None, found: Mapping[str, list[Candidate]]) -> 
     return max(options, key=lambda f: f.score.gain, default=None)
 
 
-def _earns(ground: Ground, before: Fit | None, after: Fit) -> bool:
-    """Better than its standard error, and large enough beside what is explained already."""
-    more = after.score.gains - (before.score.gains if before else 0.0)
-    if more.sum() <= 0 or not clear(more, ground.streams.base_squares):
-        return False
-    least = ground.gate.smallest(0.0 if before is None else SMALLEST_SHARE)
-    return _fall(ground.streams, before, after) >= least
-
-
-def _fall(streams: Streams, before: Fit | None, after: Fit) -> float:
-    """By how much the held-out mean square falls."""
-    left = square_of(streams, streams.residual - (before.heldout if before else streams.nothing))
-    return left - square_of(streams, streams.residual - after.heldout)
-
-
-def _everywhere(before: Fit | None, after: Fit) -> bool:
-    """Whether nearly every left-out block is predicted better.
-
-    Where flipped blocks leave the search much to find (a base of wrong form does), the p-value says little;
-    under the null a block gains or loses by chance, and twelve of twelve gain in one case of 4096.
-    """
-    more = after.score.gains - (before.score.gains if before else 0.0)
-    return len(more) >= EVERYWHERE and int((more <= 0).sum()) <= (1 if len(more) >= MAX_GROUPS else 0)
-
-
-def _clear_locally(ground: Ground, before: Fit | None, after: Fit) -> bool:
-    """Whether single captures say so clearly, and it is large.
-
-    Signs of m blocks can give no p-value below 2^(1 - m), so what happens in a few blocks only (a slip, a
-    limit that is rarely reached) needs another way in: a fall that is larger than all that slow noise of
-    half a floor could give, and clear by capture.
-    """
-    streams = ground.streams
-    old = streams.residual - (before.heldout if before else streams.nothing)
-    each = streams.square(old) - streams.square(streams.residual - after.heldout)
-    gains = np.bincount(streams.source, weights=each)
-    z = gains.sum() / max(np.sqrt(len(gains)) * gains.std(ddof=1), 1e-300) if len(gains) > 2 else 0.0
-    return bool(z > LOCAL_Z and _fall(streams, before, after) > LOCAL_OF_FLOOR**2 * ground.gate.floor_square)
-
-
 def _simplest(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
     """Where other effects do as well with fewer coefficients, the one with the fewest takes the place."""
     for i in range(fixed, len(chosen.parts)):
@@ -318,7 +254,9 @@ def _simplest(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> 
         for option in _options(chosen, found, leave=i):
             behind = chosen.score.gains - option.score.gains
             se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
-            tied = behind.sum() <= min(max(se, SAME_SHARE * worth), TIE_SHARE * worth)
+            tied = behind.sum() <= se or (
+                behind.sum() <= SAME_SHARE * worth and similarity(part, option.parts[-1]) > SAME_SHAPE
+            )
             holder = part if best is chosen else best.parts[-1]
             simpler = 1.5 * option.parts[-1].freedom <= holder.freedom
             if (
@@ -331,35 +269,6 @@ def _simplest(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> 
         if best is not chosen:
             return best
     return chosen
-
-
-def _p_of_best(ground: Ground, best: Fit, signs: Floats) -> float:
-    """How often the whole search would find as much in what `best` leaves, by flipped blocks.
-
-    A strong effect, flipped by blocks, looks like a drift of itself; flipping what it leaves does not.
-    """
-    streams = ground.streams
-    observed = relative(best.score.gains, streams.base_squares)
-    left = replace(streams, residual=streams.residual - best.columns.field(best.score.beta))
-    _, null = explore(left, streams.context, ground.effects, signs)
-    return float((1 + (null >= observed).sum()) / (1 + len(null)))
-
-
-def _p_of_addition(
-    streams: Streams, chosen: Fit, found: Mapping[str, list[Candidate]], best: Fit, signs: Floats
-) -> float:
-    """How often the whole search would find as much in what `chosen` leaves, by flipped blocks."""
-    left = replace(streams, residual=streams.residual - chosen.columns.field(chosen.score.beta))
-    largest = np.zeros(len(signs))
-    observed = 0.0
-    for name, forms in found.items():
-        for c in forms:
-            columns = replace(c.columns, streams=left)
-            scored = score(columns)
-            largest = np.maximum(largest, null_gains(columns, signs, scored.ridge, streams.base_squares))
-            if name == best.names[-1]:
-                observed = max(observed, relative(scored.gains, streams.base_squares))
-    return float((1 + (largest >= observed).sum()) / (1 + len(signs)))
 
 
 def _swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
@@ -383,7 +292,7 @@ def _prune(ground: Ground, chosen: Fit, fixed: int) -> Fit:
     """Drop what the others do as well without; of the fixed parts only what has become nothing beside them."""
     while len(chosen.parts) > 1:
         rest = [fit([p for j, p in enumerate(chosen.parts) if j != i]) for i in range(len(chosen.parts))]
-        lost = [_fall(ground.streams, f, chosen) for f in rest[:fixed]]
+        lost = [fall(ground.streams, f, chosen) for f in rest[:fixed]]
         if (
             lost
             and min(lost) < ground.gate.smallest(0.0)
@@ -392,7 +301,7 @@ def _prune(ground: Ground, chosen: Fit, fixed: int) -> Fit:
             chosen, fixed = rest[lost.index(min(lost))], fixed - 1
             continue
         weakest = max(rest[fixed:], key=lambda f: f.score.gain, default=None)
-        if weakest is None or _earns(ground, weakest, chosen):
+        if weakest is None or earns(ground, weakest, chosen):
             return chosen
         chosen = weakest
     return chosen

@@ -9,7 +9,8 @@ from scipy.stats import norm
 
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling
-from labrig.diagnosis._search import SIGNIFICANT, STATIC, Gate, Search
+from labrig.diagnosis._gate import SIGNIFICANT, Gate, similarity
+from labrig.diagnosis._search import STATIC, Search
 from labrig.diagnosis._streams import Streams
 from labrig.effects._rows import Floats
 
@@ -90,7 +91,6 @@ def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> li
         rest = [p for j, p in enumerate(chosen.parts) if j != i]
         without = fit(rest).score.gains if rest else np.zeros_like(chosen.score.gains)
         worth = float((chosen.score.gains - without).sum())
-        own = part.columns.field(part.score.beta)
         taken = set(chosen.names)
         for name, forms in found.items():
             if name in taken:
@@ -99,11 +99,7 @@ def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> li
             behind = chosen.score.gains - best.score.gains
             n = len(behind)
             se = float(np.sqrt(n) * behind.std(ddof=1)) if n > 1 else np.inf
-            other = best.parts[-1].columns.field(best.parts[-1].score.beta)
-            w = part.columns.streams.weight
-            cosine = float(
-                (w * own * other).sum() / np.sqrt((w * own**2).sum() * (w * other**2).sum() + 1e-300)
-            )
+            cosine = similarity(part, best.parts[-1])
             z = behind.sum() / se if se > 0 else np.inf
             share = behind.sum() / worth if worth > 0 else 1.0
             wider = best.parts[-1].freedom / part.freedom
