@@ -46,6 +46,7 @@ MAX_EFFECTS = 3
 TIE_SHARE = 0.03
 SAME_SHARE = 0.015
 SAME_SHAPE = 0.95
+SAME_OF_FLOOR = 0.1
 GOOD_FORM = 0.97
 RULES_SHARE = 0.5
 SMALLEST_BESIDE = 0.2
@@ -191,7 +192,7 @@ def _forward(ground: Ground, start: Fit | None, signs: Floats) -> Fit | None:
             break
         if not _fits_form(ground.streams, chosen, best):
             break
-        chosen = _simplest(_swap(best, found, fixed), found, fixed)
+        chosen = _simplest(ground, _swap(best, found, fixed), found, fixed)
     return None if chosen is None else _prune(ground, chosen, fixed)
 
 
@@ -244,7 +245,7 @@ def _best_addition(chosen: Fit | None, found: Mapping[str, list[Candidate]]) -> 
     return max(options, key=lambda f: f.score.gain, default=None)
 
 
-def _simplest(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
+def _simplest(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
     """Where other effects do as well with fewer coefficients, the one with the fewest takes the place."""
     for i in range(fixed, len(chosen.parts)):
         part = chosen.parts[i]
@@ -254,9 +255,9 @@ def _simplest(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> 
         for option in _options(chosen, found, leave=i):
             behind = chosen.score.gains - option.score.gains
             se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
-            tied = behind.sum() <= se or (
-                behind.sum() <= SAME_SHARE * worth and similarity(part, option.parts[-1]) > SAME_SHAPE
-            )
+            worse = _left(option) - _left(chosen)
+            same = worse <= SAME_OF_FLOOR * ground.gate.floor_square and behind.sum() <= SAME_SHARE * worth
+            tied = behind.sum() <= se or (same and similarity(part, option.parts[-1]) > SAME_SHAPE)
             holder = part if best is chosen else best.parts[-1]
             simpler = 1.5 * option.parts[-1].freedom <= holder.freedom
             if (
