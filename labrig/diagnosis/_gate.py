@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Candidate, Fit, clear, explore, relative, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, clear, explore, fit, relative, square_of
 from labrig.diagnosis._score import null_gains, score
 from labrig.diagnosis._streams import MAX_GROUPS, Streams
 from labrig.effects import Effect
@@ -17,6 +17,7 @@ LOCAL_Z = 2.0
 LOCAL_OF_FLOOR = 0.55
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_SHARE = 0.1
+RULES_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -126,3 +127,15 @@ def p_of_addition(
             if name == best.names[-1]:
                 observed = max(observed, relative(scored.gains, streams.base_squares))
     return float((1 + (largest >= observed).sum()) / (1 + len(signs)))
+
+
+def rules_the_hold(part: Candidate) -> bool:
+    """Whether an effect explains most of what changes within the holds, however much differs between them."""
+    streams = part.columns.streams
+    within = streams.within_holds
+    if not within.any():
+        return False
+    before = (streams.residual - streams.nothing)[within]
+    after = (streams.residual - fit([part]).heldout)[within]
+    seen = streams.weight[within] > 0
+    return bool(np.square(after[seen]).sum() < RULES_SHARE * np.square(before[seen]).sum())

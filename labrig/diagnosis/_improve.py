@@ -9,7 +9,7 @@ from labrig._errors import LabrigError
 from labrig.diagnosis._candidates import Candidate, Fit, clear, fit, plausible, square_of
 from labrig.diagnosis._columns import columns_of
 from labrig.diagnosis._diagnose import drop_of, prepare, rows_from
-from labrig.diagnosis._gate import Gate
+from labrig.diagnosis._gate import Gate, rules_the_hold
 from labrig.diagnosis._parameters import entry_of, refined
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
@@ -72,7 +72,10 @@ def improve(
     units = context.rows.unit[int(streams.counted[0])]
     falls = [_fall_of(chosen, i) for i in range(len(effects))]
     least = Gate(floor_square, base_square, None).smallest(0.0)
-    helps = [fall >= least and clear_ for fall, clear_ in falls]
+    helps = [
+        clear_ and (fall >= least or rules_the_hold(part))
+        for part, (fall, clear_) in zip(chosen.parts, falls, strict=True)
+    ]
     for effect, helpful, (fall, _) in zip(effects, helps, falls, strict=True):
         if not helpful and not force:
             raise LabrigError(

@@ -36,6 +36,7 @@ from labrig.diagnosis._gate import (
     p_of_addition,
     p_of_best,
     p_of_search,
+    rules_the_hold,
     similarity,
 )
 from labrig.diagnosis._streams import Streams
@@ -48,7 +49,6 @@ SAME_SHARE = 0.015
 SAME_SHAPE = 0.95
 SAME_OF_FLOOR = 0.1
 GOOD_FORM = 0.97
-RULES_SHARE = 0.5
 SMALLEST_BESIDE = 0.2
 STATIC_SHARE_FIRST = 0.45
 STATIC_SHARE_NEXT = 0.9
@@ -142,18 +142,6 @@ def _on_whole(streams: Streams, moving: Fit, whole: Mapping[str, list[Candidate]
     return chosen
 
 
-def _rules_the_hold(part: Candidate) -> bool:
-    """Whether an effect explains most of what changes within the holds, however much differs between them."""
-    streams = part.columns.streams
-    within = streams.within_holds
-    if not within.any():
-        return False
-    before = (streams.residual - streams.nothing)[within]
-    after = (streams.residual - fit([part]).heldout)[within]
-    seen = streams.weight[within] > 0
-    return bool(np.square(after[seen]).sum() < RULES_SHARE * np.square(before[seen]).sum())
-
-
 def _left(chosen: Fit) -> float:
     """Held-out mean square that a fit leaves, in the units of the observables."""
     streams = chosen.columns.streams
@@ -167,7 +155,7 @@ def _large_enough(chosen: Fit, gate: Gate) -> Fit | None:
     for i, part in enumerate(chosen.parts):
         streams = part.columns.streams
         size = square_of(streams, part.columns.field(chosen.own(i)))
-        if size >= gate.smallest(SMALLEST_SHARE) or (size >= gate.smallest(0.0) and _rules_the_hold(part)):
+        if size >= gate.smallest(SMALLEST_SHARE) or (size >= gate.smallest(0.0) and rules_the_hold(part)):
             kept.append(part)
     return fit(kept) if kept else None
 
@@ -297,7 +285,7 @@ def _prune(ground: Ground, chosen: Fit, fixed: int) -> Fit:
         if (
             lost
             and min(lost) < ground.gate.smallest(0.0)
-            and not _rules_the_hold(chosen.parts[lost.index(min(lost))])
+            and not rules_the_hold(chosen.parts[lost.index(min(lost))])
         ):
             chosen, fixed = rest[lost.index(min(lost))], fixed - 1
             continue

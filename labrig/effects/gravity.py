@@ -40,9 +40,10 @@ class Gravity(Effect):
         if features:
             loads = np.stack(features, axis=1)
             yield Variant("payload or tilt", (Term.pattern("sag", loads),))
-            yield Variant(
-                "own weight too", (Term.pattern("sag", np.column_stack([loads, np.ones(len(loads))])),)
-            )
+            if context.base_kind != "static":  # a static map has a constant of its own
+                yield Variant(
+                    "own weight too", (Term.pattern("sag", np.column_stack([loads, np.ones(len(loads))])),)
+                )
             return
         if context.rows.rest_mm is None or not context.moves:
             return

@@ -97,13 +97,13 @@ def test_what_does_not_help_is_refused_unless_forced(make_lab) -> None:
     with pytest.raises(LabrigError) as error:
         improve(data, model, ["hysteresis"])
     text = str(error.value)
-    assert text.startswith("'hysteresis' does not lower the held-out error (gain ")
+    assert text.startswith("'hysteresis' does not lower the held-out error enough to matter (by ")
     assert text.endswith("; the model is left as it is; --force adds it all the same")
     forced = improve(data, model, ["hysteresis"], force=True)
     assert forced.improved is not None
     assert [e.name for e in forced.improved.file.effects] == ["hysteresis"]
     assert forced.summary["warnings"] == [
-        "'hysteresis' does not lower the held-out error; it was added because of --force"
+        "'hysteresis' does not lower the held-out error enough to matter; it was added because of --force"
     ]
 
 
