@@ -33,6 +33,7 @@ from drivers._vicon_markers import MarkerTable
 from drivers.simulated._vicon_encode import Scene, contents
 from drivers.simulated._vicon_server import ViconServer
 from drivers.simulated._wire_plant import SharedPlant
+from labrig.bench._report import write_section
 
 NAMES = tuple(f"m{number:02d}" for number in range(1, 35))
 
@@ -184,12 +185,35 @@ def vicons_own_client(rate_hz: float, seconds: float = 10.0) -> dict[str, Any] |
     }
 
 
+def table(results: dict[str, Any]) -> list[str]:
+    """The section of RESULTS.md."""
+    decoding_, stream_, beside = results["decoding"], results["stream"], results["vicons_own_client"]
+    lines = [
+        "`python benchmarks/cgstream.py`, server and client on one computer over loopback.",
+        "",
+        "| What | Measured | Asked for |",
+        "|---|---|---|",
+        f"| decoding frames of 34 markers, one core | {decoding_['frames_per_s']:,} /s | at least 5,000 /s |",
+        f"| stream at {stream_['rate_hz']:.0f} Hz for {stream_['seconds'] / 60:.0f} min beside a log fsynced "
+        f"each second: frames that came | {stream_['frames']:,} of {stream_['expected']:,} | |",
+        f"| of these lost, repeated or backward | {stream_['lost']}, {stream_['repeated_or_backward']} | 0 |",
+        f"| processor | {stream_['cpu_percent']} % of one core | |",
+    ]
+    if beside:
+        lines.append(
+            f"| at {beside['rate_hz']:.0f} Hz, frames a second: Vicon's own client (`motioncapture`), ours | "
+            f"{beside['motioncapture_frames_per_s']}, {beside['labrig_frames_per_s']} | |"
+        )
+    return lines
+
+
 def main() -> int:
     """Measure and print; 1 when a target is missed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--rate-hz", type=float, default=400.0)
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--results", type=Path, help="Markdown file whose section is to be written")
     options = parser.parse_args()
     results: dict[str, Any] = {"decoding": decoding()}
     print("decoding", results["decoding"], flush=True)
@@ -199,6 +223,8 @@ def main() -> int:
     print("stream", results["stream"], flush=True)
     if options.out is not None:
         options.out.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    if options.results is not None:
+        write_section(options.results, "## Motion capture", table(results))
     well = results["decoding"]["frames_per_s"] >= 5000 and results["stream"]["lost"] == 0
     return int(not well)
 

@@ -35,6 +35,7 @@ from drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_b
 from drivers.simulated._openpneu_board import OpenPneuBoard
 from drivers.simulated._vicon_encode import Scene, contents
 from drivers.simulated._vicon_server import TwinClient, ViconServer
+from labrig.bench._report import write_section
 
 SLOW_S = 2.0
 ABSURD = (0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0xFFFF, MAGIC)
@@ -331,6 +332,20 @@ def _one(read: Callable[[bytes], None], data: bytes, findings: list[str]) -> Non
         findings.append(f"{type(error).__name__}: {error}: {data.hex()}")
 
 
+def table(results: list[dict[str, Any]]) -> list[str]:
+    """The section of RESULTS.md."""
+    lines = [
+        "`python benchmarks/fuzz.py`: a finding is a hang, a crash, or any error but the device's own.",
+        "",
+        "| Parser | inputs | findings | slowest, ms | peak memory, kB |",
+        "|---|---|---|---|---|",
+    ]
+    for r in results:
+        findings, slowest, peak = len(r["findings"]), r["slowest_ms"], r["peak_kb"]
+        lines.append(f"| {r['parser']} | {r['inputs']:,} | {findings} | {slowest} | {peak} |")
+    return lines
+
+
 def main() -> int:
     """Fuzz, print the table; 1 if anything was found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -338,6 +353,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", choices=list(PARSERS))
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--results", type=Path, help="Markdown file whose section is to be written")
     options = parser.parse_args()
     results = []
     print(f"{'parser':18} {'inputs':>9} {'seconds':>8} {'slowest ms':>11} {'peak kB':>8} findings")
@@ -353,6 +369,8 @@ def main() -> int:
             print(f"  {finding[:400]}")
     if options.out is not None:
         options.out.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    if options.results is not None:
+        write_section(options.results, "## Fuzzed parsers", table(results))
     return int(any(result["findings"] for result in results))
 
 

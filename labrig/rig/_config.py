@@ -47,7 +47,7 @@ class SafetyConfig(_Section):
 
     vent_timeout_s: float = Field(default=10.0, gt=0.0)
     vent_patience_s: float = Field(default=60.0, gt=0.0)
-    vented_kpa: float = Field(default=2.0, gt=0.0)
+    vented_kpa: float = Field(default=3.0, gt=0.0)
     stale_pressure_s: float = Field(default=1.0, gt=0.0)
     over_pressure_kpa: float = Field(default=5.0, gt=0.0)
     lost_mocap_s: float = Field(default=30.0, gt=0.0)
