@@ -2,7 +2,6 @@
 
 import contextlib
 import struct
-import threading
 import time
 import zlib
 from collections.abc import Sequence
@@ -12,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers._artec_files import MM_PER_UNIT
+from drivers.simulated._threaded import Threaded
 from drivers.simulated._wire_plant import SharedPlant
 
 CHUNK_BYTES = 1 << 16
 
 
-class ArtecTwin:
+class ArtecTwin(Threaded):
     """Writes the plant's surface into `folder` as ``Eva scan 1``, ``Eva scan 2``, ...
 
     `formats` from obj (with MTL and PNG), ply, stl, xyz; `unit` as set in Artec Studio; `seams` splits an
@@ -55,24 +55,14 @@ class ArtecTwin:
         self._every_s = every_s
         self._keep = keep
         self._chance = np.random.default_rng(seed)
-        self._stopping = threading.Event()
-        self._thread: threading.Thread | None = None
+        super().__init__()
 
     def start(self) -> "ArtecTwin":
         """Create the folder and, with `every_s`, begin to export."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        self._stopping.clear()
         if self._every_s is not None:
-            self._thread = threading.Thread(target=self._run, name="artec-twin", daemon=True)
-            self._thread.start()
+            self._begin("artec-twin", self._run)
         return self
-
-    def stop(self) -> None:
-        """End the thread; an export that is being written is left unfinished."""
-        self._stopping.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
 
     def export(self) -> str:
         """Scan the surface as it is now and write it; returns the scan's name when all is written."""

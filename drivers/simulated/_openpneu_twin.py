@@ -6,16 +6,16 @@ import random
 import select
 import socket
 import sys
-import threading
 import time
 
 from drivers.simulated._openpneu_board import OpenPneuBoard
+from drivers.simulated._threaded import Threaded
 
 TICK_S = 0.01
 MAX_UNSENT_BYTES = 1 << 20
 
 
-class OpenPneuTwin:
+class OpenPneuTwin(Threaded):
     """Serves a board to one host at a time, as a serial port does; opening it resets the board.
 
     With `pty` (POSIX only) `port` is a device path after `start`, otherwise ``socket://HOST:PORT``.
@@ -43,13 +43,11 @@ class OpenPneuTwin:
         self._host, self._tcp_port, self._pty = host, tcp_port, pty
         self._boot_s, self._telemetry_hz, self._interleave = boot_s, telemetry_hz, interleave
         self._chance = random.Random(seed)
-        self._stopping = threading.Event()
-        self._thread: threading.Thread | None = None
+        super().__init__()
         self._stepped_at = time.monotonic()
 
     def start(self) -> "OpenPneuTwin":
         """Serve from a thread."""
-        self._stopping.clear()
         if self._pty:
             import pty
             import tty
@@ -65,16 +63,8 @@ class OpenPneuTwin:
             self._tcp_port = listener.getsockname()[1]
             self.port = f"socket://{self._host}:{self._tcp_port}"
             target, arguments = self._serve_tcp, (listener,)
-        self._thread = threading.Thread(target=target, args=arguments, name="openpneu-twin", daemon=True)
-        self._thread.start()
+        self._begin("openpneu-twin", target, *arguments)
         return self
-
-    def stop(self) -> None:
-        """End the thread and its connection."""
-        self._stopping.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
 
     def _serve_tcp(self, listener: socket.socket) -> None:
         with listener:

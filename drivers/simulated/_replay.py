@@ -9,12 +9,13 @@ import time
 from pathlib import Path
 
 from drivers._recording import Piece, read_header, read_pieces
+from drivers.simulated._threaded import Threaded
 
 PATIENCE_S = 2.0
 MAX_HELD_BYTES = 1 << 20
 
 
-class ReplayTwin:
+class ReplayTwin(Threaded):
     """Serves one recording on a TCP port, from its beginning for each connection, one at a time.
 
     What the device said is sent once the client has sent as many bytes as the host had by then, or after
@@ -38,25 +39,15 @@ class ReplayTwin:
         self._recording = recording
         self._speed = speed
         self._patience_s = patience_s
-        self._stopping = threading.Event()
-        self._thread: threading.Thread | None = None
+        super().__init__()
 
     def start(self) -> "ReplayTwin":
         """Listen and answer from a thread."""
         listener = socket.create_server((self.host, self.port))
         listener.settimeout(0.05)
         self.port = listener.getsockname()[1]
-        self._stopping.clear()
-        self._thread = threading.Thread(target=self._serve, args=(listener,), name="replay", daemon=True)
-        self._thread.start()
+        self._begin("replay", self._serve, listener)
         return self
-
-    def stop(self) -> None:
-        """End the thread and its connection."""
-        self._stopping.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
 
     def _serve(self, listener: socket.socket) -> None:
         with listener:

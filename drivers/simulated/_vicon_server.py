@@ -4,7 +4,6 @@ import contextlib
 import selectors
 import socket
 import struct
-import threading
 import time
 from collections import deque
 from dataclasses import dataclass, field
@@ -22,6 +21,7 @@ from drivers._cgstream import (
     packet,
 )
 from drivers._cgstream_objects import decode_ping, decode_set
+from drivers.simulated._threaded import Threaded
 from drivers.simulated._vicon_encode import LATENCIES_S, Scene, contents, vector
 from drivers.simulated._wire_plant import SharedPlant
 
@@ -46,7 +46,7 @@ class TwinClient:
     pings: list[int] = field(default_factory=list)
 
 
-class ViconServer:
+class ViconServer(Threaded):
     """Streams the markers of a plant; `start` binds, `stop` ends it and its connections.
 
     Occluded markers are left out of the frame. A client that does not read loses whole frames, never
@@ -79,25 +79,15 @@ class ViconServer:
         self._number = 0
         self._clients: list[TwinClient] = []
         self._due: deque[tuple[float, dict[int, bytes]]] = deque()
-        self._stopping = threading.Event()
-        self._thread: threading.Thread | None = None
+        super().__init__()
 
     def start(self) -> "ViconServer":
         """Listen and stream from a thread."""
         listener = socket.create_server((self.host, self.port))
         listener.setblocking(False)
         self.port = listener.getsockname()[1]
-        self._stopping.clear()
-        self._thread = threading.Thread(target=self._serve, args=(listener,), name="vicon-twin", daemon=True)
-        self._thread.start()
+        self._begin("vicon-twin", self._serve, listener)
         return self
-
-    def stop(self) -> None:
-        """Close every connection and end the thread."""
-        self._stopping.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
 
     def _serve(self, listener: socket.socket) -> None:
         began = time.perf_counter()
