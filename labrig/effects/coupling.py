@@ -50,7 +50,8 @@ class Coupling(Effect):
         if context.rows.n_captures > 1.5 * len(pairs):
             for form, other in partner.items():
                 yield Variant(f"{form}, pairs", (self._pairs(context, pairs, other),))
-            if len(pairs) <= 40 and (context.base_kind == "static" or len(context.rows.unit) <= 8):
+            few = len(pairs) <= 3 or len(context.rows.unit) <= 8 or context.base_kind == "static"
+            if few and len(pairs) <= 40:
                 feature = np.stack([x[:, i] * x[:, j] for i, j in pairs], axis=1)
                 yield Variant("pattern", (Term.pattern("pattern", feature),))
 
