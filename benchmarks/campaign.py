@@ -21,6 +21,7 @@ from unittest import mock
 import numpy as np
 
 from drivers import Clock, Identity, MarkerFrame, PressureSample, RealClock, SimulatedClock, VentReport
+from labrig.bench._report import write_section
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps, run
 from labrig.log import Layout, LogWriter, Topic, load_segments, open_run
 from labrig.rig import Rig, RigConfig, parse_rig
@@ -335,19 +336,6 @@ def soak(folder: Path, hours: float) -> dict[str, float]:
     }
 
 
-def report(lines: list[str], path: Path) -> None:
-    """Replace the section "Campaigns" of the results."""
-    text = path.read_text(encoding="utf-8") if path.exists() else "# Measured\n"
-    head, _, rest = text.partition("## Campaigns\n")
-    _, mark, tail = rest.partition("\n## ")
-    section = "## Campaigns\n\n" + "\n".join(lines) + "\n"
-    partial = path.with_suffix(".partial")
-    partial.write_text(
-        head.rstrip("\n") + "\n\n" + section + (f"\n## {tail}" if mark else ""), encoding="utf-8"
-    )
-    partial.replace(path)
-
-
 def main() -> None:
     """Measure everything and write the section."""
     parser = argparse.ArgumentParser(
@@ -408,7 +396,7 @@ def main() -> None:
             f"and late | {long['early_mb']:.0f} MB, {long['late_mb']:.0f} MB | flat |\n"
             f"| its log | {long['files']:.0f} files, {long['total_mb']:.0f} MB, largest {long['largest_mb']:.0f} MB | |"
         )
-    report(lines, options.out)
+    write_section(options.out, "## Campaigns", lines)
     print("\n".join(lines))
 
 

@@ -70,8 +70,6 @@ class Rows:
     repeat: tuple[str, ...]
     covariates: dict[str, Covariate]
     between_sessions: str
-    frame_noise: Floats
-    """Noise of the rows of `values` as seen from frame to frame within a hold, (K,), NaN if unknown."""
     warnings: tuple[str, ...] = ()
 
     @property
@@ -142,14 +140,11 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     n_bins = int(np.clip(row_budget // n_captures, _MIN_BINS, _MAX_BINS))
 
     picked: dict[str, list[Any]] = {n: [] for n in ("capture", "hold", "time", "values", "measured", "cov")}
-    jumps: list[Floats] = []
     for c in range(n_captures):
         index = np.flatnonzero(seen[c])
         if not len(index):
             continue
-        index, chunks = _bins(index, hold[c], n_bins)
-        if any(len(chunk) > 1 for chunk in chunks):
-            jumps.append(_middle(np.abs(np.diff(values[c, index], axis=0))))
+        chunks = _bins(index, hold[c], n_bins)
         for chunk in chunks:
             picked["capture"].append(c)
             picked["hold"].append(_mean(hold[c, chunk]))
@@ -169,7 +164,6 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     sessions = tuple(dict.fromkeys(event_sessions + session_names))
     code = {s: i for i, s in enumerate(sessions)}
     # median |difference of two normal deviates| is 0.954 sd
-    frame_noise = _middle(np.array(jumps)) / 0.954 if jumps else np.full(len(names), np.nan)
     cov = np.array(picked["cov"]).reshape(len(capture), len(covariate_names))
     rest = np.asarray(dataset["rest_mm"].values, float) if "rest_mm" in dataset else None
     return Rows(
@@ -203,7 +197,6 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
             )
         },
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
-        frame_noise=frame_noise,
         warnings=tuple(str(w) for w in dataset.attrs.get("warnings", ())),
     )
 
@@ -238,7 +231,6 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
         n: Covariate(first.covariates[n].unit, np.concatenate([p.covariates[n].values for p in parts]))
         for n in common
     }
-    joined["frame_noise"] = _middle(np.array([p.frame_noise for p in parts]))
     joined["warnings"] = tuple(w for p in parts for w in p.warnings)
     return Rows(**joined)
 
@@ -261,23 +253,23 @@ def _limits(dataset: "Dataset", commanded: Floats) -> tuple[Floats, Floats]:
     return low, np.where(high > low, high, low + np.maximum(1.0, np.abs(low)))
 
 
-def _bins(index: Ints, hold_s: Floats, n_bins: int) -> tuple[Ints, list[Ints]]:
+def _bins(index: Ints, hold_s: Floats, n_bins: int) -> list[Ints]:
     """Drop the transient and split one hold into at most `n_bins` runs of rows."""
     t = hold_s[index]
     if len(index) <= 2 or not np.isfinite(t).all() or t[-1] <= t[0]:
-        return index, [np.array([i]) for i in index] if len(index) <= n_bins else np.array_split(
-            index, n_bins
-        )
+        if len(index) <= n_bins:
+            return [np.array([i]) for i in index]
+        return np.array_split(index, n_bins)
     begin = min(TRANSIENT_S, t[0] + (t[-1] - t[0]) / 3)
     kept = index[t >= begin - 1e-9]
     t = hold_s[kept]
     if len(kept) <= n_bins:
-        return kept, [np.array([i]) for i in kept]
+        return [np.array([i]) for i in kept]
     floor = max(t[0], 1e-3)
     log_edges = np.geomspace(floor, t[-1], n_bins // 2 + 1)
     edges = np.unique(np.concatenate([log_edges, np.linspace(floor, t[-1], n_bins - n_bins // 2 + 1)]))
     place = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(edges) - 2)
-    return kept, [kept[place == b] for b in np.unique(place)]
+    return [kept[place == b] for b in np.unique(place)]
 
 
 def _mean(x: Floats) -> float:
