@@ -49,7 +49,7 @@ format: .venv/.all-installed
 lock:
 	$(PYTHON) -m venv --clear build/lock
 	build/lock/bin/python -m pip install --quiet '.[dev]'
-	build/lock/bin/python -m pip freeze --exclude labrig > requirements.lock.new
+	build/lock/bin/python -m pip freeze --exclude labrig | sed 's/+cpu$$//' > requirements.lock.new
 	mv requirements.lock.new requirements.lock
 	rm -rf build/lock
 
