@@ -2,13 +2,14 @@
 
 from labrig.model._bases import BaseModel, build_base, jacobian
 from labrig.model._file import EffectEntry, ModelFile, Value, read_model_file, write_model_file
-from labrig.model._model import Model, base_context, evaluate, find_variant
+from labrig.model._model import Model, Predictor, base_context, evaluate, find_variant
 
 __all__ = [
     "BaseModel",
     "EffectEntry",
     "Model",
     "ModelFile",
+    "Predictor",
     "Value",
     "base_context",
     "build_base",

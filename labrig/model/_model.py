@@ -59,16 +59,16 @@ class Model:
 
     def context(self, rows: Rows) -> Context:
         """Predict the rows by base and effects, with the derivative by the actuation."""
-        base = build_base(self.file, self.folder, rows)
-        context = base_context(base, rows)
-        change = self._change(context)
+        return self.predictor(rows).context(rows)
+
+    def predictor(self, fitted: Rows) -> "Predictor":
+        """The model made ready for rows like `fitted`; a base that is fitted to a run is fitted to them."""
+        base = build_base(self.file, self.folder, fitted)
         if isinstance(base, StaticModel) and self.file.effects:
             # the map was fitted as if there were no effects: fit it again to what they leave
             for _ in range(_ROUNDS):
-                base.fit(rows, rows.values - change)
-                context = base_context(base, rows)
-                change = self._change(context)
-        return replace(context, base=context.base + change, _memo={})
+                base.fit(fitted, fitted.values - self._change(base_context(base, fitted)))
+        return Predictor(self, base)
 
     def _change(self, context: Context) -> Floats:
         change = np.zeros_like(context.base)
@@ -79,6 +79,23 @@ class Model:
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
         return build_base(self.file, self.folder, rows).declared(rows.actuation)
+
+
+@dataclass(frozen=True)
+class Predictor:
+    """A model whose base is ready: it predicts any rows with the same chambers and observables."""
+
+    model: Model
+    base: BaseModel
+
+    def context(self, rows: Rows) -> Context:
+        """Predict the rows by base and effects, with the derivative by the actuation."""
+        context = base_context(self.base, rows)
+        return replace(context, base=context.base + self.model._change(context), _memo={})
+
+    def declared(self, rows: Rows) -> Floats | None:
+        """Regressors (F, D) of what the base calls its own, or None."""
+        return self.base.declared(rows.actuation)
 
 
 def base_context(base: BaseModel, rows: Rows) -> Context:
