@@ -1,5 +1,21 @@
-"""Surfaces as labrig handles them: B-splines over the unit square, and what is done with them."""
+"""Surfaces as labrig handles them: B-splines over the unit square, meshes and scans, and what is done with them."""
 
+from labrig.surface._distance import Distances, distances
+from labrig.surface._mesh import Mesh, clean, read_mesh
+from labrig.surface._nearest import Nearest
+from labrig.surface._registration import Registration, Target, register
 from labrig.surface._spline import Spline, grid
 
-__all__ = ["Spline", "grid"]
+__all__ = [
+    "Distances",
+    "Mesh",
+    "Nearest",
+    "Registration",
+    "Spline",
+    "Target",
+    "clean",
+    "distances",
+    "grid",
+    "read_mesh",
+    "register",
+]

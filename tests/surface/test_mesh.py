@@ -1,0 +1,99 @@
+"""Meshes as scanners export them: units, seams, debris, normals, borders."""
+
+import numpy as np
+import pytest
+
+from drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_bytes
+from labrig import LabrigError
+from labrig.surface import Mesh, Nearest, clean, grid, read_mesh
+
+WRITERS = {
+    "obj": lambda v, t: obj_bytes(v, t, "none.mtl", True).replace(b"mtllib none.mtl\nusemtl scan\n", b""),
+    "ply": ply_bytes,
+    "stl": stl_bytes,
+    "xyz": xyz_bytes,
+}
+
+
+def dome(scale=1.0):
+    uv, triangles = grid(21, 21)
+    x, z = 300 * (uv[:, 0] - 0.5), 300 * (uv[:, 1] - 0.5)
+    return Mesh(scale * np.stack([x, 80 - (x**2 + z**2) / 500, z], axis=1), triangles)
+
+
+@pytest.mark.parametrize("kind", sorted(WRITERS))
+@pytest.mark.parametrize("scale", [1.0, 0.001])
+def test_every_export_gives_the_same_surface(tmp_path, kind, scale):
+    """OBJ with seams, PLY, STL and a cloud, in mm or m, come out in mm with as many points as there were."""
+    shape = dome(scale)
+    path = tmp_path / f"Eva scan 1.{kind}"
+    path.write_bytes(WRITERS[kind](shape.vertices_mm, shape.triangles))
+    mesh = read_mesh(path)
+    assert mesh.is_cloud == (kind == "xyz")
+    assert len(mesh.vertices_mm) == len(shape.vertices_mm)
+    assert Nearest(mesh.vertices_mm).one(dome().vertices_mm)[1].max() < 2e-3**2
+
+
+def test_a_unit_that_is_given_is_believed(tmp_path):
+    """The option goes before the guess, and a PLY's own comment does too."""
+    shape = dome()
+    path = tmp_path / "a.ply"
+    path.write_bytes(ply_bytes(shape.vertices_mm, shape.triangles))
+    assert np.ptp(read_mesh(path, "cm").vertices_mm[:, 0]) == pytest.approx(3000)
+    said = ply_bytes(shape.vertices_mm, shape.triangles).replace(b"1.0\n", b"1.0\ncomment unit inch\n", 1)
+    path.write_bytes(said)
+    assert np.ptp(read_mesh(path).vertices_mm[:, 0]) == pytest.approx(7620)
+
+
+def test_errors_name_the_file(tmp_path):
+    """What cannot be read is said in one line with the file's name."""
+    path = tmp_path / "a.ply"
+    with pytest.raises(LabrigError) as error:
+        read_mesh(path)
+    assert str(error.value) == f"cannot read {path}: No such file or directory"
+    shape = dome(20.0)
+    path.write_bytes(ply_bytes(shape.vertices_mm, shape.triangles)[:-100])
+    with pytest.raises(LabrigError, match="promises at least"):
+        read_mesh(path)
+    path.write_bytes(ply_bytes(shape.vertices_mm, shape.triangles))
+    with pytest.raises(LabrigError) as error:
+        read_mesh(path)
+    assert str(error.value).endswith(" across, in mm or in m no size for a surface: say its unit (--unit)")
+    with pytest.raises(LabrigError) as error:
+        read_mesh(path, "foot")
+    assert str(error.value) == "unit 'foot': choose one of mm, cm, m, inch"
+
+
+def test_debris_goes_and_the_border_is_known():
+    """A loose piece of a few triangles is dropped; holes and the outer rim are border, the rest is not."""
+    shape = dome()
+    hole = np.flatnonzero((shape.triangles == 220).any(axis=1))
+    kept = np.delete(shape.triangles, hole, axis=0)
+    loose = np.array([[500.0, 0, 0], [510, 0, 0], [500, 10, 0]])
+    mesh = clean(np.concatenate([shape.vertices_mm, loose]), np.concatenate([kept, [[441, 442, 443]]]))
+    assert len(mesh.vertices_mm) == 440
+    assert mesh.border.sum() == 80 + 6
+
+
+def test_normals_point_outwards():
+    """A mesh's normals follow its triangles; a cloud's are turned away from its inside."""
+    shape = dome()
+    x, _, z = shape.vertices_mm.T
+    truth = np.stack([x / 250, np.ones_like(x), z / 250], axis=1)
+    truth /= np.linalg.norm(truth, axis=1, keepdims=True)
+    inner = ~shape.border
+    assert (np.einsum("pi,pi->p", shape.normals, truth)[inner] > 0.999).all()
+    cloud = Mesh(shape.vertices_mm, np.zeros((0, 3), np.int64))
+    assert (np.einsum("pi,pi->p", cloud.normals, truth)[inner] > 0.99).mean() > 0.95
+    assert cloud.border[shape.border].mean() > 0.9
+    assert cloud.border[inner].mean() < 0.1
+
+
+def test_a_clouds_outliers_go():
+    """Points far from all others are no part of the surface."""
+    shape = dome()
+    cloud = clean(np.concatenate([shape.vertices_mm, [[0, 400.0, 0], [700, 0, 0]]]), np.zeros((0, 3)))
+    assert len(cloud.vertices_mm) == len(shape.vertices_mm)
+    with pytest.raises(LabrigError) as error:
+        clean(shape.vertices_mm[:5], np.zeros((0, 3)), "x.xyz")
+    assert str(error.value) == "x.xyz: has 5 different points, which is no surface"
