@@ -1,0 +1,310 @@
+"""The energy of a shell at one quadrature point, one compiled kernel per term.
+
+Every kernel adds its share of the energy density (kPa mm), of its derivatives `force[layer, alpha, xyz]` by the
+position and its two tangents (alpha = 0, 1, 2), and, where `curved`, of the second derivatives
+`stiff[layer, alpha, layer, beta, xyz, xyz]`. Tangents are derivatives along two orthonormal directions of the
+resting surface, the second to the left of the first seen from outside, so that their cross product points outwards.
+
+Arrays are passed whole and indexed, never sliced: views would cost more than the arithmetic.
+"""
+
+import math
+
+import numba
+import numpy as np
+
+_OPTIONS = {"fastmath": True, "cache": True, "nogil": True, "error_model": "numpy"}
+jit = numba.njit(**_OPTIONS)
+
+MODULUS, THICKNESS, STIFFENING, WEIGHT = range(4)
+"""Columns of `layers`: shear modulus, kPa; thickness, mm; exponential stiffening; weight per area, kPa."""
+SEAM, ADHESION, CONTACT = range(3)
+"""Entries of `springs`: the seams between chambers, the tangential adhesion, contact; all kPa/mm."""
+
+_LARGEST = 40.0
+"""Strain invariant beyond which a trial shape is refused: its exponential would overflow a search."""
+IMPOSSIBLE = 1e30
+
+
+@jit
+def cross(a, b, out):
+    """The cross product of two vectors."""
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@jit
+def _add_skew(stiff, la, alpha, lb, beta, scale, v):
+    """Add `scale` [v]x to one block of the second derivatives and its transpose to the mirrored one."""
+    x, y, z = scale * v[0], scale * v[1], scale * v[2]
+    block, mirror = stiff[la, alpha, lb, beta], stiff[lb, beta, la, alpha]
+    block[0, 1] -= z
+    block[0, 2] += y
+    block[1, 0] += z
+    block[1, 2] -= x
+    block[2, 0] -= y
+    block[2, 1] += x
+    mirror[1, 0] -= z
+    mirror[2, 0] += y
+    mirror[0, 1] += z
+    mirror[2, 1] -= x
+    mirror[0, 2] -= y
+    mirror[1, 2] += x
+
+
+@jit
+def membrane(layer, point, layers, inner, q, intact, curved, convex, force, stiff):
+    """In-plane stretch: incompressible neo-Hookean, stiffened exponentially (Fung).
+
+    W = h mu / (2 k) (exp(k (I - 3)) - 1), I - 3 = tr C + 1 / det C - 3, with C the metric of the elastic part of
+    the deformation: `inner[q, layer]` (3, 3) takes (C11, C22, C12) as measured to the elastic one, which is how
+    pre-stretch and internal strains enter. `convex` clips compressive stress out of the geometric stiffness.
+    """
+    f1, f2 = point[layer, 1], point[layer, 2]
+    m11 = f1[0] * f1[0] + f1[1] * f1[1] + f1[2] * f1[2]
+    m22 = f2[0] * f2[0] + f2[1] * f2[1] + f2[2] * f2[2]
+    m12 = f1[0] * f2[0] + f1[1] * f2[1] + f1[2] * f2[2]
+    t = inner[q, layer]
+    a11 = t[0, 0] * m11 + t[0, 1] * m22 + t[0, 2] * m12
+    a22 = t[1, 0] * m11 + t[1, 1] * m22 + t[1, 2] * m12
+    a12 = t[2, 0] * m11 + t[2, 1] * m22 + t[2, 2] * m12
+    area = a11 * a22 - a12 * a12
+    if area < 1e-6:
+        return IMPOSSIBLE
+    r = 1.0 / area
+    invariant = a11 + a22 + r - 3.0
+    if invariant > _LARGEST:
+        return IMPOSSIBLE
+    k = layers[layer, STIFFENING]
+    rise = math.exp(k * invariant)
+    scale = layers[layer, MODULUS] * layers[layer, THICKNESS] * intact
+    energy = 0.5 * scale * (rise - 1.0) / k
+    scale *= rise
+    # Voigt derivatives by (a11, a22, a12); i.. is the inverse metric
+    i11, i22, i12 = a22 * r, a11 * r, -a12 * r
+    e1, e2, e3 = 0.5 * scale * (1.0 - r * i11), 0.5 * scale * (1.0 - r * i22), -scale * r * i12
+    s11 = 2.0 * (t[0, 0] * e1 + t[1, 0] * e2 + t[2, 0] * e3)
+    s22 = 2.0 * (t[0, 1] * e1 + t[1, 1] * e2 + t[2, 1] * e3)
+    s12 = t[0, 2] * e1 + t[1, 2] * e2 + t[2, 2] * e3
+    for c in range(3):
+        force[layer, 1, c] += s11 * f1[c] + s12 * f2[c]
+        force[layer, 2, c] += s12 * f1[c] + s22 * f2[c]
+    if not curved:
+        return energy
+    g = scale * r
+    c11, c22, c12 = g * i11 * i11, g * i22 * i22, g * (i11 * i22 + i12 * i12) * 0.5
+    c13, c23, c33 = (
+        2.0 * g * i11 * i12,
+        2.0 * g * i22 * i12,
+        2.0 * g * i12 * i12 + g * (i11 * i22 + i12 * i12),
+    )
+    n = 2.0 * k / scale
+    c11 += n * e1 * e1
+    c22 += n * e2 * e2
+    c12 += n * e1 * e2
+    c13 += n * e1 * e3
+    c23 += n * e2 * e3
+    c33 += n * e3 * e3
+    # d2W by the measured metric: transpose(t) c t, in the convention of the strain (dC11/2, dC22/2, dC12)
+    u = np.empty((3, 3))
+    for j in range(3):
+        u[0, j] = c11 * t[0, j] + c12 * t[1, j] + c13 * t[2, j]
+        u[1, j] = c12 * t[0, j] + c22 * t[1, j] + c23 * t[2, j]
+        u[2, j] = c13 * t[0, j] + c23 * t[1, j] + c33 * t[2, j]
+    d = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            d[i, j] = t[0, i] * u[0, j] + t[1, i] * u[1, j] + t[2, i] * u[2, j]
+    d11, d22, d12 = 4.0 * d[0, 0], 4.0 * d[1, 1], 4.0 * d[0, 1]
+    d13, d23, d33 = 2.0 * d[0, 2], 2.0 * d[1, 2], d[2, 2]
+    if convex:
+        mean = 0.5 * (s11 + s22)
+        spread = math.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
+        low = mean - spread
+        if low < 0.0:
+            high = max(mean + spread, 0.0)
+            part = high / (2.0 * spread) if spread > 1e-14 else 0.0
+            s11, s22, s12 = part * (s11 - low), part * (s22 - low), part * s12
+    for a in range(3):
+        for b in range(3):
+            p11, p12, p21, p22 = f1[a] * f1[b], f1[a] * f2[b], f2[a] * f1[b], f2[a] * f2[b]
+            stiff[layer, 1, layer, 1, a, b] += d11 * p11 + d13 * (p12 + p21) + d33 * p22
+            stiff[layer, 2, layer, 2, a, b] += d22 * p22 + d23 * (p12 + p21) + d33 * p11
+            mixed = d12 * p12 + d13 * p11 + d23 * p22 + d33 * p21
+            stiff[layer, 1, layer, 2, a, b] += mixed
+            stiff[layer, 2, layer, 1, b, a] += mixed
+        stiff[layer, 1, layer, 1, a, a] += s11
+        stiff[layer, 2, layer, 2, a, a] += s22
+        stiff[layer, 1, layer, 2, a, a] += s12
+        stiff[layer, 2, layer, 1, a, a] += s12
+    return energy
+
+
+@jit
+def bending(layer, point, bend, layers, rest_curvature, q, intact, normal, slope, moment):
+    """Change of curvature (Kirchhoff-Love, plane stress, incompressible): mu h^3 / 12 (tr^2 + k : k).
+
+    Leaves the unit normal, the Christoffel symbols `slope[layer]` (3, 2) that turn second derivatives of a
+    displacement into changes of curvature, and the moments `moment[layer]` (3,): bending acts on second
+    derivatives, so the assembly spreads it. `bend[layer, r]` are the second derivatives 11, 22, 12.
+    """
+    f1, f2, n = point[layer, 1], point[layer, 2], normal[layer]
+    cross(f1, f2, n)
+    length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+    for c in range(3):
+        n[c] /= length
+    m11 = f1[0] * f1[0] + f1[1] * f1[1] + f1[2] * f1[2]
+    m22 = f2[0] * f2[0] + f2[1] * f2[1] + f2[2] * f2[2]
+    m12 = f1[0] * f2[0] + f1[1] * f2[1] + f1[2] * f2[2]
+    r = 1.0 / (m11 * m22 - m12 * m12)
+    k = np.empty(3)
+    for row in range(3):
+        w = bend[layer, row]
+        k[row] = w[0] * n[0] + w[1] * n[1] + w[2] * n[2] - rest_curvature[q, row]
+        along1 = w[0] * f1[0] + w[1] * f1[1] + w[2] * f1[2]
+        along2 = w[0] * f2[0] + w[1] * f2[1] + w[2] * f2[2]
+        slope[layer, row, 0] = r * (m22 * along1 - m12 * along2)
+        slope[layer, row, 1] = r * (m11 * along2 - m12 * along1)
+    rigid = layers[layer, MODULUS] * layers[layer, THICKNESS] ** 3 / 6.0 * intact
+    trace = k[0] + k[1]
+    moment[layer, 0] = rigid * (trace + k[0])
+    moment[layer, 1] = rigid * (trace + k[1])
+    moment[layer, 2] = rigid * 2.0 * k[2]
+    return 0.5 * rigid * (trace * trace + k[0] * k[0] + k[1] * k[1] + 2.0 * k[2] * k[2])
+
+
+@jit
+def weight(layer, point, layers, down, force):
+    """Dead weight, -w (down . x)."""
+    w = layers[layer, WEIGHT]
+    along = 0.0
+    for c in range(3):
+        along += down[c] * point[layer, 0, c]
+        force[layer, 0, c] -= w * down[c]
+    return -w * along
+
+
+@jit
+def foundation(point, core, outward, q, seam, springs, curved, force, stiff):
+    """Layer 1 on the core: the seams that hold it down, adhesion along the surface, one-sided contact.
+
+    Half of `seam` |d|^2, of adhesion |d - (d.n) n|^2 and, where it sinks in, of contact (d.n)^2.
+    """
+    gap = 0.0
+    d0, d1, d2 = (
+        point[0, 0, 0] - core[q, 0, 0],
+        point[0, 0, 1] - core[q, 0, 1],
+        point[0, 0, 2] - core[q, 0, 2],
+    )
+    n = outward[q]
+    gap = d0 * n[0] + d1 * n[1] + d2 * n[2]
+    square = d0 * d0 + d1 * d1 + d2 * d2
+    adhesion = springs[ADHESION]
+    across = (springs[CONTACT] if gap < 0.0 else 0.0) - adhesion
+    along = seam + adhesion
+    force[0, 0, 0] += along * d0 + across * gap * n[0]
+    force[0, 0, 1] += along * d1 + across * gap * n[1]
+    force[0, 0, 2] += along * d2 + across * gap * n[2]
+    if curved:
+        for a in range(3):
+            stiff[0, 0, 0, 0, a, a] += along
+            for b in range(3):
+                stiff[0, 0, 0, 0, a, b] += across * n[a] * n[b]
+    return 0.5 * (along * square + across * gap * gap)
+
+
+@jit
+def interlayer(layer, point, outward, q, springs, curved, force, stiff):
+    """Layer layer + 1 on the layer below it: adhesion along the surface and one-sided contact."""
+    n = outward[q]
+    below = layer - 1
+    gap = 0.0
+    square = 0.0
+    for c in range(3):
+        d = point[layer, 0, c] - point[below, 0, c]
+        gap += d * n[c]
+        square += d * d
+    along = springs[ADHESION]
+    across = (springs[CONTACT] if gap < 0.0 else 0.0) - along
+    for c in range(3):
+        f = along * (point[layer, 0, c] - point[below, 0, c]) + across * gap * n[c]
+        force[layer, 0, c] += f
+        force[below, 0, c] -= f
+    if curved:
+        for a in range(3):
+            for b in range(3):
+                s = across * n[a] * n[b] + (along if a == b else 0.0)
+                stiff[layer, 0, layer, 0, a, b] += s
+                stiff[below, 0, below, 0, a, b] += s
+                stiff[layer, 0, below, 0, a, b] -= s
+                stiff[below, 0, layer, 0, a, b] -= s
+    return 0.5 * (along * square + across * gap * gap)
+
+
+@jit
+def air(layer, point, core, q, pressure, curved, force, stiff):
+    """Pressure as a potential: -p V, V the exact volume of the ruled region between a chamber's two faces.
+
+    Per area of the resting surface, V = d . (u1 x u2 / 3 + v1 x v2 / 3 + (u1 x v2 + v1 x u2) / 6), where u are the
+    tangents of the lower face, v those of the upper one and d leads from one to the other. A follower load, whose
+    second derivatives are nevertheless symmetric.
+    """
+    d, u1, u2, n, swap = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    for c in range(3):
+        low = core[q, 0, c] if layer == 0 else point[layer - 1, 0, c]
+        u1[c] = core[q, 1, c] if layer == 0 else point[layer - 1, 1, c]
+        u2[c] = core[q, 2, c] if layer == 0 else point[layer - 1, 2, c]
+        d[c] = point[layer, 0, c] - low
+    v1, v2 = point[layer, 1], point[layer, 2]
+    cross(u1, u2, n)
+    cross(v1, v2, swap)
+    for c in range(3):
+        n[c] = (n[c] + swap[c]) / 3.0
+    cross(u1, v2, swap)
+    for c in range(3):
+        n[c] += swap[c] / 6.0
+    cross(v1, u2, swap)
+    for c in range(3):
+        n[c] += swap[c] / 6.0
+    volume = d[0] * n[0] + d[1] * n[1] + d[2] * n[2]
+    a, b = np.empty(3), np.empty(3)  # d n / d v1 = -[a]x, d n / d v2 = [b]x
+    for c in range(3):
+        a[c] = v2[c] / 3.0 + u2[c] / 6.0
+        b[c] = v1[c] / 3.0 + u1[c] / 6.0
+        force[layer, 0, c] -= pressure * n[c]
+    cross(a, d, swap)
+    for c in range(3):
+        force[layer, 1, c] -= pressure * swap[c]
+    cross(d, b, swap)
+    for c in range(3):
+        force[layer, 2, c] -= pressure * swap[c]
+    if curved:
+        _add_skew(stiff, layer, 0, layer, 1, pressure, a)
+        _add_skew(stiff, layer, 0, layer, 2, -pressure, b)
+        _add_skew(stiff, layer, 1, layer, 2, pressure / 3.0, d)
+    if layer == 0:
+        return -pressure * volume
+    k = layer - 1
+    e, f = np.empty(3), np.empty(3)  # the same by u1 and u2
+    for c in range(3):
+        e[c] = u2[c] / 3.0 + v2[c] / 6.0
+        f[c] = u1[c] / 3.0 + v1[c] / 6.0
+        force[k, 0, c] += pressure * n[c]
+    cross(e, d, swap)
+    for c in range(3):
+        force[k, 1, c] -= pressure * swap[c]
+    cross(d, f, swap)
+    for c in range(3):
+        force[k, 2, c] -= pressure * swap[c]
+    if curved:
+        _add_skew(stiff, layer, 0, k, 1, pressure, e)
+        _add_skew(stiff, layer, 0, k, 2, -pressure, f)
+        _add_skew(stiff, k, 0, k, 1, -pressure, e)
+        _add_skew(stiff, k, 0, k, 2, pressure, f)
+        _add_skew(stiff, k, 0, layer, 1, -pressure, a)
+        _add_skew(stiff, k, 0, layer, 2, pressure, b)
+        _add_skew(stiff, k, 1, k, 2, pressure / 3.0, d)
+        _add_skew(stiff, k, 1, layer, 2, pressure / 6.0, d)
+        _add_skew(stiff, layer, 1, k, 2, pressure / 6.0, d)
+    return -pressure * volume
