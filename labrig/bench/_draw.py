@@ -2,6 +2,7 @@
 measurement.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MAX_KPA = 60.0
+PAUSE_S = 600.0
 
 
 @dataclass
@@ -39,6 +41,8 @@ class Campaign:
     fresh: "xr.Dataset"
     base: dict[str, Any] | None
     truth: dict[str, Any] = field(default_factory=dict)
+    later: "Callable[[Plan, int], xr.Dataset] | None" = field(default=None, repr=False, compare=False)
+    """Measures another plan on the same rig, vented for `PAUSE_S` after the campaign; an int seeds its noise."""
 
 
 def draw(name: str, seed: int, without: tuple[str, ...] = (), captures: int | None = None) -> Campaign:
@@ -87,7 +91,11 @@ def draw(name: str, seed: int, without: tuple[str, ...] = (), captures: int | No
     }
     if truth["without"] and truth["verdict"] == "identified":
         truth["verdict"] = "unknown" if set(effects) & set(truth["without"]) else "identified"
-    return Campaign(dataset, fresh, None if what.static else base, truth)
+
+    def later(after: Plan, seed: int) -> "xr.Dataset":
+        return _later(body, hidden, plan, after, clean, np.random.default_rng([seed, 13]))
+
+    return Campaign(dataset, fresh, None if what.static else base, truth, later)
 
 
 def _right_verdict(name: str, effects: list[str], without: tuple[str, ...]) -> str:
@@ -157,6 +165,25 @@ def _base(
     size = np.sqrt(np.mean((make_base(recipe)(programme.command_kpa) - right(programme.command_kpa)) ** 2))
     error["scale"] = float(what.structural * floor / size)
     return recipe
+
+
+def _later(
+    body: BenchBody, hidden: list[Hidden], before: Plan, after: Plan, how: Spoil, random: np.random.Generator
+) -> "xr.Dataset":
+    """The dataset of a plan that follows another one after a pause; its own clock starts at zero."""
+    start_s = before.time_s + PAUSE_S
+    programme = _programme(after)
+    zeros = np.zeros_like(programme.command_kpa[:1])
+    first = np.array([p for _, p in before.commands])
+    whole = Programme(
+        command_s=np.concatenate(
+            [[t for t, _ in before.commands], [before.time_s], programme.command_s + start_s]
+        ),
+        command_kpa=np.concatenate([first, zeros, programme.command_kpa]),
+        row_s=programme.row_s + start_s,
+        tilt_deg=programme.tilt_deg,
+    )
+    return _measure(body, hidden, after, whole, how, random)
 
 
 def _measure(

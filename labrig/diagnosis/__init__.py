@@ -1,7 +1,20 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
 from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
+from labrig.diagnosis._experiment import Experiment, Limits, propose_experiment
 from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._result import Result, Signature, write_json
 
-__all__ = ["Result", "Signature", "compare", "diagnose", "improve", "prepare", "rows_from", "write_json"]
+__all__ = [
+    "Experiment",
+    "Limits",
+    "Result",
+    "Signature",
+    "compare",
+    "diagnose",
+    "improve",
+    "prepare",
+    "propose_experiment",
+    "rows_from",
+    "write_json",
+]

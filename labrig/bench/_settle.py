@@ -1,0 +1,135 @@
+"""How many captures it takes to settle a confounded pair: chosen, at random, and spread out evenly."""
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.bench._draw import MAX_KPA, Campaign, draw
+from labrig.bench._files import write_model
+from labrig.bench._judge import is_right
+from labrig.bench._programmes import Plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from labrig.model import Model
+
+Array = NDArray[np.float64]
+Strategy = Literal["chosen", "random", "even"]
+STRATEGIES: tuple[Strategy, ...] = ("chosen", "random", "even")
+
+MOST = 60
+BATCH = 6
+HIGHEST = 0.9
+_SHORTEST_S, _LONGEST_S = 3.5, 60.0
+
+
+def confounded_campaigns(first_seed: int, count: int, most: int = 400) -> Iterator[tuple[int, Campaign]]:
+    """Seeds from `first_seed` on whose campaign of class `confounded` is answered so."""
+    from labrig.diagnosis import diagnose
+
+    found = 0
+    for seed in range(first_seed, first_seed + most):
+        if found >= count:
+            return
+        campaign = draw("confounded", seed)
+        with tempfile.TemporaryDirectory(prefix="labrig-bench-") as folder:
+            summary = diagnose(campaign.dataset, _model(campaign, Path(folder))).summary
+        if summary["verdict"] == "confounded":
+            found += 1
+            yield seed, campaign
+
+
+def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) -> dict[str, Any]:
+    """Measure on, `BATCH` captures at a time, until the verdict names what is hidden and nothing else.
+
+    Returns captures and minutes that it took (None if `most` were not enough), and the last verdict.
+    """
+    from labrig.diagnosis import diagnose
+
+    truth = {**campaign.truth, "verdict": "identified"}
+    with tempfile.TemporaryDirectory(prefix="labrig-bench-") as folder:
+        model = _model(campaign, Path(folder))
+        summary = diagnose(campaign.dataset, model).summary
+        done: list[xr.Dataset] = []
+        taken, minutes = 0, 0.0
+        while taken < most:
+            holds = _holds(strategy, campaign, [campaign.dataset, *done], model, summary, seed, taken)
+            if not holds:
+                break
+            for end in range(BATCH, len(holds) + BATCH, BATCH):
+                part = holds[:end]
+                measured = _measured(campaign, part, seed + taken)
+                summary = diagnose([campaign.dataset, *done, measured], model).summary
+                now = taken + len(part)
+                right = is_right(truth, summary)
+                if right or now >= most or end >= len(holds):
+                    taken, minutes = now, minutes + sum(hold_s for _, hold_s in part) / 60
+                    done.append(measured)
+                    break
+            if is_right(truth, summary):
+                return _answer(summary, strategy, taken, minutes, settled=True)
+    return _answer(summary, strategy, taken, minutes, settled=False)
+
+
+def _answer(
+    summary: dict[str, Any], strategy: str, captures: int, minutes: float, settled: bool
+) -> dict[str, Any]:
+    return {
+        "strategy": strategy,
+        "settled": settled,
+        "captures": captures if settled else None,
+        "minutes": minutes if settled else None,
+        "verdict": summary["verdict"],
+        "effects": summary["effects"],
+        "rivals": summary["rivals"],
+    }
+
+
+def _holds(
+    strategy: Strategy,
+    campaign: Campaign,
+    runs: "list[xr.Dataset]",
+    model: "Model",
+    summary: dict[str, Any],
+    seed: int,
+    taken: int,
+) -> list[tuple[Array, float]]:
+    """The next set-points, kPa, and how long each is held, s."""
+    from labrig import LabrigError
+    from labrig.diagnosis import propose_experiment
+
+    chambers = campaign.dataset.sizes["chamber"]
+    if strategy == "chosen":
+        try:
+            experiment = propose_experiment(runs, model, summary=summary)
+        except LabrigError:
+            return []  # it is sure, of something wrong, or sees nothing that would tell
+        return [(experiment.limits.actuation(p.share), p.hold_s) for p in experiment.points]
+    random = np.random.default_rng([seed, taken, len(strategy)])
+    if strategy == "random":
+        unit = random.random((MOST, chambers + 1))
+    else:
+        from scipy.stats import qmc
+
+        unit = qmc.Halton(chambers + 1, scramble=True, rng=random).random(MOST)
+    hold_s = _SHORTEST_S * (_LONGEST_S / _SHORTEST_S) ** unit[:, -1]
+    return [(HIGHEST * MAX_KPA * u[:-1], float(h)) for u, h in zip(unit, hold_s, strict=True)]
+
+
+def _measured(campaign: Campaign, holds: list[tuple[Array, float]], seed: int) -> "xr.Dataset":
+    plan = Plan(np.random.default_rng(seed), np.full(campaign.dataset.sizes["chamber"], MAX_KPA))
+    for pressure, hold_s in holds:
+        plan.capture(pressure, max(hold_s, 2.5), 6 if hold_s > 15 else 4)
+    assert campaign.later is not None
+    return campaign.later(plan, seed)
+
+
+def _model(campaign: Campaign, folder: Path) -> "Model":
+    from labrig.model import Model
+
+    return Model.load(write_model(campaign, folder))

@@ -1,0 +1,259 @@
+"""The next experiment: the pressure programme that tells the open explanations apart best per minute."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
+from labrig.diagnosis._experiment_plan import Limits, Point, Probe, repeat_labels
+from labrig.diagnosis._experiment_probes import by_hand, canonical
+from labrig.diagnosis._experiment_rivals import open_rivals
+from labrig.diagnosis._experiment_score import Judge, Problem, Sums
+from labrig.diagnosis._experiment_search import Choice, points_of, search_programme
+from labrig.diagnosis._experiment_unknown import search_unknown
+from labrig.effects import Context, Effect
+from labrig.model import Model
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+MINUTES = 10.0
+_TOO_LITTLE = 0.02
+_SEEN = 0.3
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What to measure next.
+
+    `summary` is the content of next.json; `points` the programme, as shares of each chamber's range, with a
+    repeat label and a probe's name for each.
+    """
+
+    summary: dict[str, Any]
+    points: tuple[Point, ...]
+    repeats: tuple[str, ...]
+    labels: tuple[str, ...]
+    limits: Limits = field(repr=False)
+    chambers: tuple[str, ...] = ()
+
+    def programme(self) -> list[dict[str, Any]]:
+        """The points as the `programme` procedure takes them: chambers that are vented are left out."""
+        out = []
+        for point, repeat, label in zip(self.points, self.repeats, self.labels, strict=True):
+            actuation = self.limits.actuation(point.share)
+            named = {c: float(u) for c, u in zip(self.chambers, actuation, strict=True) if u != 0.0}
+            entry: dict[str, Any] = {"pressure_kpa": named, "hold_s": round(point.hold_s, 2)}
+            entry |= {"repeat": repeat} if repeat else {}
+            out.append({**entry, "label": label})
+        return out
+
+
+def propose_experiment(
+    runs: "Sequence[Dataset] | Dataset",
+    model: Model,
+    *,
+    summary: Mapping[str, Any] | None = None,
+    limits: Limits | None = None,
+    minutes: float = MINUTES,
+    tolerance: float | None = None,
+    without: Sequence[str] = (),
+) -> Experiment:
+    """The programme that separates what a diagnosis leaves open, best per minute of laboratory time.
+
+    Args:
+        runs: what has been measured so far.
+        model: the model that was questioned.
+        summary: the diagnosis of these runs; it is made where it is not given.
+        limits: what the rig allows; by default what the runs state.
+        minutes: the longest that the programme may take.
+        tolerance: the smallest effect that matters, for `underpowered`.
+        without: names of effects to leave out of the library.
+
+    Raises:
+        LabrigError: the verdict leaves nothing open, or no programme of this rig would tell.
+    """
+    if not minutes > 0:
+        raise LabrigError(f"an experiment of {minutes:g} min: give it some time")
+    found = (
+        diagnose(runs, model, tolerance=tolerance, without=without).summary if summary is None else summary
+    )
+    rows = rows_from(runs)
+    streams, context, _, _ = prepare(rows, model)
+    effects = {n: e for n, e in model.library().items() if n not in without}
+    limits = Limits.of(rows) if limits is None else limits
+    verdict = str(found["verdict"])
+    if verdict in {"nothing_missing", "multiple"}:
+        raise LabrigError(f"the verdict is {verdict}: it leaves nothing to settle")
+    rivals = open_rivals(streams, context, effects, found) if verdict in {"confounded", "identified"} else []
+    if verdict == "identified" and not rivals:
+        raise LabrigError(
+            "the verdict is identified and no other effect comes near: there is nothing to settle; check it on a "
+            "fresh programme (labrig run capture, with another seed)"
+        )
+    problem = Problem(streams, context, model.predictor(rows), rivals, limits)
+    seeds = canonical(context, limits.rest)
+    if rivals:
+        choice = search_programme(problem, seeds, 60 * minutes)
+        if choice is None:
+            raise _nothing_tells(found, rivals, effects, minutes)
+        return _named(problem, choice, found, effects, minutes)
+    choice, gains = search_unknown(problem, seeds, 60 * minutes, found.get("carried_by"))
+    return _unnamed(problem, choice, gains, found, effects)
+
+
+def _nothing_tells(
+    found: Mapping[str, Any], rivals: Sequence[Any], effects: Mapping[str, Effect], minutes: float
+) -> LabrigError:
+    names = [*found["effects"], *found["rivals"]]
+    hands = "; ".join(f"{h['effect']}: {h['what']}" for h in by_hand(names, effects))
+    titles = " and ".join(r.title for r in rivals) or " and ".join(names)
+    return LabrigError(
+        f"no programme of {minutes:g} min within the rig's limits tells {titles} apart"
+        + (f"; by hand: {hands}" if hands else "")
+    )
+
+
+def _named(
+    problem: Problem, choice: Choice, found: Mapping[str, Any], effects: Mapping[str, Effect], minutes: float
+) -> Experiment:
+    """The experiment for named rivals, with what it is expected to say."""
+    points, owner = points_of(choice)
+    layout = problem.lay_out([points], by_point=True)
+    judge = Judge(layout, [r.weight for r in problem.rivals])
+    total = layout.programmes[0]
+    apart = judge.apart(total)
+    goals = np.array([judge.goal(m) for m, _ in judge.pairs])
+    if (apart / goals).max(initial=0.0) < _TOO_LITTLE:
+        raise _nothing_tells(found, problem.rivals, effects, minutes)
+    titles = [r.title for r in problem.rivals]
+    floor = float(np.sqrt(np.mean(problem.streams.floor.row[problem.counted] ** 2)))
+    per_capture = len(points) * problem.streams.residual.shape[1]
+    # the errors of one capture hang together: as many numbers count as there are patterns that stand clear
+    cautious = 0.5 / np.log(10) * problem.streams.n_patterns / problem.streams.residual.shape[1]
+    expected = [
+        {
+            "true": titles[m],
+            "other": titles[n],
+            "apart": floor * float(np.sqrt(a / per_capture)),
+            "floors": float(np.sqrt(a / per_capture)),
+            "log10_bayes": float(cautious * a),
+            "settles": bool(a >= g),
+        }
+        for (m, n), a, g in zip(judge.pairs, apart, goals, strict=True)
+    ]
+    probes = []
+    for i, (probe, times) in enumerate(zip(choice.probes, choice.times, strict=True)):
+        own = [layout.points[0][k] for k in range(len(points)) if owner[k] == i]
+        alone = judge.apart(_sum(own))
+        best = judge.pairs[int(np.argmax(alone))]
+        probes.append(
+            {
+                "probe": probe.name,
+                "separates": f"{titles[best[0]]} from {titles[best[1]]}",
+                "shows": probe.separates,
+                "times": times,
+                "minutes": times * probe.seconds(problem.limits) / 60,
+                "floors": float(np.sqrt(alone.mean() / (len(own) * problem.streams.residual.shape[1]))),
+                "log10_bayes": float(cautious * alone.mean()),
+            }
+        )
+    names = list(
+        dict.fromkeys([*found["effects"], *found["rivals"], *(n for r in problem.rivals for n in r.names)])
+    )
+    weakest = min(expected, key=lambda e: e["floors"])
+    why = (
+        f"fitted again to this programme too, {weakest['other']} would still miss what {weakest['true']} predicts by "
+        f"{weakest['floors']:.2g} noise floors; all other pairs are further apart"
+        if len(expected) > 1
+        else f"{weakest['other']} would miss what {weakest['true']} predicts by {weakest['floors']:.2g} noise floors"
+    )
+    warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, minutes)]
+    return _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
+
+
+def _may_not_settle(expected: Sequence[Mapping[str, Any]], minutes: float) -> str:
+    open_ = [f"{e['true']} from {e['other']}" for e in expected if not e["settles"]]
+    return f"may not be enough to tell {', '.join(open_)} within {minutes:g} min: allow more, or repeat it"
+
+
+def _unnamed(
+    problem: Problem,
+    choice: Choice,
+    gains: Sequence[float],
+    found: Mapping[str, Any],
+    effects: Mapping[str, Effect],
+) -> Experiment:
+    """The experiment for an error that has no name yet, or that the data are too few to show."""
+    points, owner = points_of(choice)
+    probes = [
+        {
+            "probe": probe.name,
+            "separates": str(found.get("carried_by") or "what was not looked at yet"),
+            "shows": probe.separates,
+            "times": times,
+            "minutes": times * probe.seconds(problem.limits) / 60,
+            "nats": gain,
+        }
+        for probe, times, gain in zip(choice.probes, choice.times, gains, strict=True)
+    ]
+    if found["verdict"] == "unknown":
+        why = (
+            f"what is unexplained is carried by {found['carried_by']}: these probes go where a smooth function of it "
+            "is least known"
+        )
+    else:
+        why = "these probes go where least is known, and repeat themselves: more numbers, and the noise floor with them"
+    names = [str(n) for n in found["rivals"] if n in effects]
+    return _experiment(problem, choice, points, owner, found, names, effects, probes, [], why, [])
+
+
+def _experiment(
+    problem: Problem,
+    choice: Choice,
+    points: Sequence[Point],
+    owner: Sequence[int],
+    found: Mapping[str, Any],
+    names: Sequence[str],
+    effects: Mapping[str, Effect],
+    probes: list[dict[str, Any]],
+    expected: list[dict[str, Any]],
+    why: str,
+    warnings: list[str],
+) -> Experiment:
+    rows = problem.context.rows
+    whole = Probe("", "", tuple(points))
+    summary = {
+        "verdict": str(found["verdict"]),
+        "separates": list(names),
+        "units": rows.unit[int(problem.counted[0])],
+        "minutes": whole.seconds(problem.limits) / 60,
+        "captures": len(points),
+        "why": why,
+        "probes": sorted(probes, key=lambda p: -p.get("log10_bayes", p.get("nats", 0.0))),
+        "expected": expected,
+        "floor": float(np.sqrt(np.mean(problem.streams.floor.row[problem.counted] ** 2))),
+        "by_hand": by_hand(names, effects),
+        "warnings": warnings,
+    }
+    return Experiment(
+        summary=summary,
+        points=tuple(points),
+        repeats=tuple(repeat_labels(points, problem.limits.rest)),
+        labels=tuple(choice.probes[i].name for i in owner),
+        limits=problem.limits,
+        chambers=rows.chambers,
+    )
+
+
+def _sum(parts: Sequence[Sums]) -> Sums:
+    out = parts[0]
+    for part in parts[1:]:
+        out = out + part
+    return out
+
+
+__all__ = ["Context", "Experiment", "Limits", "propose_experiment"]

@@ -1,0 +1,177 @@
+"""A pressure programme that could be measured next: its points, how long it takes, and the rows it would give."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from labrig.effects import Covariate, Rows
+from labrig.effects._rows import TRANSIENT_S, Floats
+
+SLEW_PER_S = 100.0
+SETTLE_S = 1.0
+START_S = 2.0
+"""From the vent with which every run begins to its first actuation, s."""
+
+_ROWS_SHORT, _ROWS_LONG = 3, 6
+_LONG_S = 8.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a rig allows, (C,): lowest and highest actuation, and how fast it may change, per second."""
+
+    low: Floats
+    high: Floats
+    slew_per_s: Floats
+
+    @classmethod
+    def of(cls, rows: Rows) -> "Limits":
+        """The limits that a run states; how fast is not stated, so 100 per second."""
+        return cls(rows.low, rows.high, np.full(len(rows.low), SLEW_PER_S))
+
+    @property
+    def rest(self) -> tuple[float, ...]:
+        """A vented rig, as shares of each chamber's range."""
+        return tuple(((np.clip(0.0, self.low, self.high) - self.low) / (self.high - self.low)).tolist())
+
+    def actuation(self, share: Sequence[float]) -> Floats:
+        """Shares of the range (C,) as set-points, rounded to what a person would type."""
+        exact = self.low + np.asarray(share) * (self.high - self.low)
+        return np.clip(np.round(exact, 2), self.low, self.high)
+
+    def way_s(self, before: Sequence[float], after: Sequence[float]) -> float:
+        """How long it takes to go from one set-point to another, s."""
+        change = np.abs(self.actuation(after) - self.actuation(before))
+        return float((change / self.slew_per_s).max())
+
+
+@dataclass(frozen=True)
+class Point:
+    """One set-point, as shares of each chamber's range, held for `hold_s` after the way there."""
+
+    share: tuple[float, ...]
+    hold_s: float
+    settle_s: float = SETTLE_S
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A few points that show one thing; each begins and ends with a vented rig."""
+
+    name: str
+    separates: str
+    points: tuple[Point, ...]
+
+    def seconds(self, limits: Limits) -> float:
+        """How long it takes, s: ways and holds."""
+        before, total = limits.rest, 0.0
+        for point in self.points:
+            total += limits.way_s(before, point.share) + point.hold_s
+            before = point.share
+        return total
+
+    def scaled(self, levels: float = 1.0, holds: float = 1.0, rest: tuple[float, ...] = ()) -> "Probe":
+        """The same with other levels and longer or shorter holds (1 to 600 s); `rest` stays where it is."""
+        points = []
+        for point in self.points:
+            vented = np.asarray(rest if rest else np.zeros(len(point.share)))
+            share = np.clip(vented + levels * (np.asarray(point.share) - vented), 0.0, 1.0)
+            hold_s = point.hold_s
+            if hold_s > _LONG_S:
+                hold_s = float(np.clip(holds * hold_s, 5.0, 600.0))
+            points.append(replace(point, share=tuple(share.tolist()), hold_s=hold_s))
+        return replace(self, points=tuple(points))
+
+
+@dataclass(frozen=True)
+class Planned:
+    """Rows of programmes, each a session of its own; `owner` (F,) is which programme a row belongs to,
+    `point` (F,) which of its points."""
+
+    rows: Rows
+    owner: Any
+    point: Any
+
+
+def planned_rows(
+    template: Rows, programmes: Sequence[Sequence[Point]], limits: Limits, idle_s: float = 0.0
+) -> Planned:
+    """What the programmes would record, as rows without values, shaped like the run `template`.
+
+    Each is a session of its own, and begins when `idle_s` of it have passed.
+    """
+    event_at: list[float] = []
+    event_u: list[Floats] = []
+    event_session: list[int] = []
+    kept: dict[str, list[Any]] = {n: [] for n in ("u", "capture", "event", "hold", "time", "owner", "point")}
+    capture = -1
+    for number, points in enumerate(programmes):
+        clock, before = START_S + idle_s, limits.rest
+        event_at.append(0.0)
+        event_u.append(limits.actuation(before))
+        event_session.append(number)
+        for place, point in enumerate(points):
+            way = limits.way_s(before, point.share)
+            end = way + point.hold_s
+            capture += 1
+            event_at.append(clock)
+            event_u.append(limits.actuation(point.share))
+            event_session.append(number)
+            for hold in _moments(max(TRANSIENT_S, way) + 0.1, end):
+                kept["u"].append(event_u[-1])
+                kept["capture"].append(capture)
+                kept["event"].append(len(event_at) - 1)
+                kept["hold"].append(hold)
+                kept["time"].append(clock + hold)
+                kept["owner"].append(number)
+                kept["point"].append(place)
+            clock, before = clock + end, point.share
+    n = len(kept["u"])
+    actuation = np.array(kept["u"]).reshape(n, -1)
+    owner = np.array(kept["owner"], dtype=np.int64)
+    rows = replace(
+        template,
+        actuation=actuation,
+        measured=np.full((n, template.measured.shape[1]), np.nan),
+        values=np.full((n, len(template.observables)), np.nan),
+        capture=np.array(kept["capture"], dtype=np.int64),
+        session=owner,
+        event=np.array(kept["event"], dtype=np.int64),
+        hold_s=np.array(kept["hold"], float),
+        time_s=np.array(kept["time"], float),
+        event_actuation=np.array(event_u),
+        event_time_s=np.array(event_at, float),
+        event_session=np.array(event_session, dtype=np.int64),
+        sessions=tuple(f"planned {i + 1}" for i in range(len(programmes))),
+        repeat=tuple("" for _ in range(capture + 1)),
+        covariates={name: _as_before(cov, n) for name, cov in template.covariates.items()},
+        warnings=(),
+    )
+    return Planned(rows, owner, np.array(kept["point"], dtype=np.int64))
+
+
+def _as_before(covariate: Covariate, n: int) -> Covariate:
+    """What else was logged, taken to stay as it last was."""
+    known = covariate.values[np.isfinite(covariate.values)]
+    return Covariate(covariate.unit, np.full(n, known[-1] if len(known) else np.nan))
+
+
+def _moments(first: float, end: float) -> Floats:
+    """The moments of a hold that say most of it, denser at its beginning."""
+    count = _ROWS_LONG if end > _LONG_S else _ROWS_SHORT
+    return np.geomspace(min(first, 0.8 * end), end, count)
+
+
+def repeat_labels(points: Sequence[Point], rest: tuple[float, ...]) -> list[str]:
+    """Equal labels for points that repeat each other: the same set-point and hold after the same one before.
+
+    The label says what it is the label of, so that those of several programmes do not collide.
+    """
+    keys, before = [], Point(rest, 0.0)
+    for point in points:
+        keys.append(f"{before.share} {before.hold_s:g} {point.share} {point.hold_s:g}")
+        before = point
+    return [f"s{hashlib.sha1(k.encode()).hexdigest()[:8]}" if keys.count(k) > 1 else "" for k in keys]
