@@ -5,6 +5,7 @@ from labrig.surface._mesh import Mesh, clean, read_mesh
 from labrig.surface._nearest import Nearest
 from labrig.surface._registration import Registration, Target, register
 from labrig.surface._spline import Spline, grid
+from labrig.surface._warp import Warp, fit_warp
 
 __all__ = [
     "Distances",
@@ -13,8 +14,10 @@ __all__ = [
     "Registration",
     "Spline",
     "Target",
+    "Warp",
     "clean",
     "distances",
+    "fit_warp",
     "grid",
     "read_mesh",
     "register",

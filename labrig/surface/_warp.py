@@ -1,13 +1,14 @@
 """A space warp: an affine map plus Gaussian bells around centers, and how it is fitted."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
 
-Floats = NDArray[np.float64]
+Floats = NDArray[Any]
 
 _JITTER = 1e-10
 """Added to the diagonal of the bells' matrix: wide bells at near centers are all but dependent."""

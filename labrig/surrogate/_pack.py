@@ -1,0 +1,236 @@
+"""Learned models to facts and arrays, and back, checked on the way."""
+
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.surface import Spline
+from labrig.surrogate._file import Arrays
+from labrig.surrogate._forward import ForwardModel
+from labrig.surrogate._gaussian import GaussianHead
+from labrig.surrogate._kernel import Floats, Kernel
+from labrig.surrogate._network import Network, NetworkHead
+from labrig.surrogate._warp_heads import FieldHead, FunctionHead, MarkerHead
+from labrig.surrogate._warped import WarpedModel
+
+
+class Unpacking:
+    """Arrays and facts of a file; whatever is missing or has another shape is a one-line error."""
+
+    def __init__(self, path: Path, facts: dict[str, Any], arrays: Arrays, prefix: str = "") -> None:
+        self._path, self.facts, self._arrays, self._prefix = path, facts, arrays, prefix
+
+    def inner(self, name: str) -> "Unpacking":
+        """The part of the file under a name."""
+        return Unpacking(self._path, self.fact(name, dict), self._arrays, f"{self._prefix}{name}.")
+
+    def fact(self, name: str, kind: type) -> Any:
+        """A fact of a kind."""
+        value = self.facts.get(name)
+        if kind is float and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if not isinstance(value, kind):
+            self.fail(f"{self._prefix}{name} is missing or is no {kind.__name__}")
+        return value
+
+    def names(self, name: str) -> tuple[str, ...]:
+        """A fact that is a list of texts."""
+        value = self.fact(name, list)
+        if not all(isinstance(item, str) for item in value):
+            self.fail(f"{self._prefix}{name} is no list of names")
+        return tuple(value)
+
+    def array(self, name: str, *shape: int | None) -> Floats:
+        """An array of finite numbers of a shape; None stands for any size."""
+        array = self._arrays.get(self._prefix + name)
+        if array is None or array.dtype.kind not in "fiu":
+            self.fail(f"{self._prefix}{name} is missing or holds no numbers")
+        wrong = array.ndim != len(shape) or any(
+            want is not None and have != want for have, want in zip(array.shape, shape, strict=False)
+        )
+        if wrong or not np.isfinite(array).all():
+            self.fail(f"{self._prefix}{name} has shape {array.shape}, or numbers that are not finite")
+        return np.asarray(array, dtype=float)
+
+    def fail(self, what: str) -> NoReturn:
+        """Raise the error of a damaged file."""
+        raise LabrigError(f"{self._path}: is damaged ({what})")
+
+
+def pack_network(network: Network, arrays: Arrays, prefix: str) -> dict[str, Any]:
+    """Facts of a network; its arrays are put under the prefix."""
+    for index, (weight, bias) in enumerate(network.layers):
+        arrays[f"{prefix}weight{index}"], arrays[f"{prefix}bias{index}"] = weight, bias
+    return {
+        "layers": len(network.layers),
+        "activation": network.activation,
+        "linear_end": network.linear_end,
+    }
+
+
+def unpack_network(part: Unpacking, inputs: int, outputs: int | None) -> Network:
+    """A network with this many inputs and outputs."""
+    layers = []
+    for index in range(part.fact("layers", int)):
+        bias = part.array(f"bias{index}", None)
+        layers.append((part.array(f"weight{index}", len(bias), inputs), bias))
+        inputs = len(bias)
+    if not layers or outputs not in (None, inputs):
+        part.fail(f"a network has {inputs} outputs, not {outputs}")
+    activation = part.fact("activation", str)
+    if activation not in ("relu", "gelu"):
+        part.fail(f"there is no activation {activation!r}")
+    return Network(tuple(layers), activation, part.fact("linear_end", bool))
+
+
+def pack_kernel(kernel: Kernel, arrays: Arrays, prefix: str) -> None:
+    """Put a kernel's parameters under the prefix."""
+    for name in ("length", "bend", "share"):
+        arrays[f"{prefix}{name}"] = getattr(kernel, name)
+
+
+def unpack_kernel(part: Unpacking, chambers: int) -> Kernel:
+    """A kernel of this many chambers; its parameters are positive."""
+    values = [part.array(name, chambers) for name in ("length", "bend", "share")]
+    if any((value <= 0).any() for value in values):
+        part.fail("a kernel's parameters must be positive")
+    return Kernel(*values)
+
+
+def pack_forward(model: ForwardModel, arrays: Arrays, prefix: str = "") -> dict[str, Any]:
+    """Facts of a forward model; its arrays are put under the prefix."""
+    for name in ("low_kpa", "high_kpa", "mean_mm", "spread", "marker_uv"):
+        arrays[prefix + name] = getattr(model, name)
+    arrays[prefix + "modes_mm"] = model.modes_mm.astype(np.float32)
+    return {
+        "chamber_names": list(model.chamber_names),
+        "marker_names": list(model.marker_names),
+        "control_points": list(model.spline.count),
+        "degree": model.spline.degree,
+        "factor": model.factor,
+        "head": _pack_head(model.head, arrays, f"{prefix}head."),
+        "provenance": model.provenance,
+    }
+
+
+def _pack_head(head: Any, arrays: Arrays, prefix: str) -> dict[str, Any]:
+    if isinstance(head, GaussianHead):
+        pack_kernel(head.kernel, arrays, prefix)
+        for name in ("points", "weights", "offset", "scale"):
+            arrays[prefix + name] = getattr(head, name)
+        return {"kind": "gaussian", "noise": head.noise}
+    facts: dict[str, Any] = {"kind": "network", "scale": head.scale, "members": len(head.members)}
+    for index, member in enumerate(head.members):
+        facts[f"member{index}"] = pack_network(member, arrays, f"{prefix}member{index}.")
+    return facts
+
+
+def unpack_forward(part: Unpacking) -> ForwardModel:
+    """A forward model, every array of the size that the others ask for."""
+    chambers, markers = part.names("chamber_names"), part.names("marker_names")
+    count = part.fact("control_points", list)
+    degree = part.fact("degree", int)
+    if len(count) != 2 or not all(isinstance(n, int) and n > degree for n in count) or degree < 1:
+        part.fail(f"a spline of {count} control points of degree {degree}")
+    modes = part.array("modes_mm", None, *count, 3)
+    low, high = part.array("low_kpa", len(chambers)), part.array("high_kpa", len(chambers))
+    if not chambers or not (high > low).all():
+        part.fail("its chambers have no range")
+    return ForwardModel(
+        chamber_names=chambers,
+        low_kpa=low,
+        high_kpa=high,
+        spline=Spline((count[0], count[1]), degree),
+        mean_mm=part.array("mean_mm", *count, 3),
+        modes_mm=modes,
+        head=_unpack_head(part.inner("head"), len(chambers), len(modes)),
+        spread=part.array("spread", len(modes), None),
+        factor=part.fact("factor", float),
+        marker_names=markers,
+        marker_uv=part.array("marker_uv", len(markers), 2),
+        provenance=part.fact("provenance", dict),
+    )
+
+
+def _unpack_head(part: Unpacking, chambers: int, modes: int) -> GaussianHead | NetworkHead:
+    kind = part.fact("kind", str)
+    if kind == "gaussian":
+        points = part.array("points", None, chambers)
+        weights = part.array("weights", None, modes)
+        if len(weights) not in (len(points), len(points) * (1 + chambers)):
+            part.fail(f"{len(weights)} weights for {len(points)} points")
+        offset, scale = part.array("offset", modes), part.array("scale", modes)
+        noise = part.fact("noise", float)
+        return GaussianHead(unpack_kernel(part, chambers), noise, points, weights, offset, scale)
+    if kind != "network":
+        part.fail(f"there is no head of kind {kind!r}")
+    members = range(part.fact("members", int))
+    if not members:
+        part.fail("an ensemble without members")
+    return NetworkHead(
+        tuple(unpack_network(part.inner(f"member{index}"), chambers, modes) for index in members),
+        part.fact("scale", float),
+    )
+
+
+def pack_warped(model: WarpedModel, arrays: Arrays) -> dict[str, Any]:
+    """Facts of a warped model; its arrays are put beside them."""
+    for name in ("marker_uv", "low_kpa", "high_kpa", "field_mm", "confidence"):
+        arrays[name] = getattr(model, name)
+    head: dict[str, Any] = {"kind": model.head.kind}
+    if isinstance(model.head, FieldHead):
+        pack_kernel(model.head.kernel, arrays, "head.")
+        for name in ("points", "constant", "weights"):
+            arrays[f"head.{name}"] = getattr(model.head, name)
+    elif isinstance(model.head, FunctionHead):
+        arrays["head.scale"] = model.head.scale
+        head["network"] = pack_network(model.head.network, arrays, "head.network.")
+    elif isinstance(model.head, MarkerHead):
+        head["network"] = pack_network(model.head.network, arrays, "head.network.")
+    return {
+        "forward": pack_forward(model.forward, arrays, "forward."),
+        "head": head,
+        "c_per_mm2": model.c,
+        "noise_mm": model.noise_mm,
+        "factor": model.factor,
+        "provenance": model.provenance,
+    }
+
+
+def unpack_warped(part: Unpacking) -> WarpedModel:
+    """A warped model, every array of the size that the others ask for."""
+    forward = unpack_forward(part.inner("forward"))
+    chambers, uv = len(forward.chamber_names), part.array("marker_uv", None, 2)
+    return WarpedModel(
+        forward=forward,
+        marker_uv=uv,
+        c=part.fact("c_per_mm2", float),
+        head=_unpack_warp_head(part.inner("head"), len(uv), len(forward.modes_mm), chambers),
+        low_kpa=part.array("low_kpa", chambers),
+        high_kpa=part.array("high_kpa", chambers),
+        noise_mm=part.fact("noise_mm", float),
+        field_mm=part.array("field_mm", None, None),
+        factor=part.fact("factor", float),
+        confidence=part.array("confidence", None, None),
+        provenance=part.fact("provenance", dict),
+    )
+
+
+def _unpack_warp_head(
+    part: Unpacking, centers: int, modes: int, chambers: int
+) -> FieldHead | FunctionHead | MarkerHead:
+    kind = part.fact("kind", str)
+    if kind == "function":
+        network = unpack_network(part.inner("network"), modes, 3 * (centers + 4))
+        return FunctionHead(network, part.array("scale", centers + 4))
+    if kind == "marker":
+        return MarkerHead(unpack_network(part.inner("network"), modes, 3 * centers))
+    if kind != "field":
+        part.fail(f"there is no head of kind {kind!r}")
+    points = part.array("points", None, chambers)
+    constant = part.array("constant", centers + 4, 3)
+    return FieldHead(
+        unpack_kernel(part, chambers), points, constant, part.array("weights", len(points), centers + 4, 3)
+    )
