@@ -3,16 +3,24 @@
 from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._shell_file import shipped_shells
 from labrig.physics._shell_parameters import ShellParameter
+from labrig.physics._shell_rig import load_model_shell, rig_shell
 from labrig.physics._shell_system import History
+from labrig.physics._simulate import simulate
+from labrig.physics._simulations import Simulations, open_simulations
 from labrig.physics._surface import Surface, load_surface
 
 __all__ = [
     "History",
     "Shell",
     "ShellParameter",
+    "Simulations",
     "Solution",
     "Surface",
+    "load_model_shell",
     "load_shell",
     "load_surface",
+    "open_simulations",
+    "rig_shell",
     "shipped_shells",
+    "simulate",
 ]

@@ -19,7 +19,7 @@ class Quadrature:
 
     `control_mm` (K, 3) control points; `node` (E, N) those that an element depends on, `free` (E, N) the same
     numbered among the `n_free` that may move, or -1; `n_free_v` of them in a row.
-    `uv` (Q, 2), `area_mm2` (Q,), `basis` (Q, N, 6): value, derivatives along the two directions, and 11, 22, 12;
+    `uv` (Q, 2), `area_mm2` (Q,), `basis` (Q, 6, N): value, derivatives along the two directions, and 11, 22, 12;
     `normal` (Q, 3) outwards, `curvature` (Q, 3): 11, 22, 12. `moving` (K,) is true for free control points.
     """
 
@@ -48,7 +48,7 @@ class Quadrature:
     def at_points(self, control_mm: Array, derivative: int = 0) -> Array:
         """A field with control points (K, ...) at the quadrature points (Q, ...), or a derivative (0..5)."""
         node = np.repeat(self.node, self.points_per_element, axis=0)
-        return np.einsum("qn,qn...->q...", self.basis[:, :, derivative], control_mm[node])
+        return np.einsum("qn,qn...->q...", self.basis[:, derivative], control_mm[node])
 
 
 def make_quadrature(
@@ -86,7 +86,7 @@ def make_quadrature(
     moving[fixed_rings : n_u - fixed_rings, fixed_rings : n_v - fixed_rings] = True
     number = np.where(moving.ravel(), np.cumsum(moving.ravel()) - 1, -1)
     corners = control[np.repeat(node, per * per, axis=0)]
-    curvature = np.stack([(_sum(basis[..., k], corners) * normal).sum(-1) for k in (3, 4, 5)], axis=-1)
+    curvature = np.stack([(_sum(basis[:, k], corners) * normal).sum(-1) for k in (3, 4, 5)], axis=-1)
     return Quadrature(
         spline=spline,
         control_mm=control,
@@ -146,6 +146,6 @@ def _orthonormal(parametric: Array, corners: Array, name: str) -> tuple[Array, A
             parametric[..., 0], gradient[..., 0], gradient[..., 1],
             hessian[..., 0, 0], hessian[..., 1, 1], hessian[..., 0, 1],
         ],
-        axis=-1,
+        axis=1,
     )  # fmt: skip
     return np.ascontiguousarray(basis), normal, stretch

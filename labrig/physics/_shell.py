@@ -16,6 +16,7 @@ from labrig.physics._shell_file import ShellFile, read_shell
 from labrig.physics._shell_parameters import ShellParameter, read_parameters, with_parameters
 from labrig.physics._shell_solve import TOLERANCE, minimise, reference_force, respond
 from labrig.physics._shell_system import History, System
+from labrig.physics._threads import one_thread
 from labrig.surface import Spline
 
 Array = NDArray[np.float64]
@@ -89,6 +90,16 @@ class Shell:
         return self.quadrature.control_mm.reshape(*self.spline.count, 3)
 
     @property
+    def coordinates(self) -> int:
+        """Length D of the state of a solution."""
+        return self._system.size
+
+    @property
+    def patch_area_mm2(self) -> Array:
+        """Area at each quadrature point on which each chamber's air bears, (Q, C), mm^2."""
+        return self._system.patch * self.quadrature.area_mm2[:, None]
+
+    @property
     def history(self) -> History:
         """What the shell remembers."""
         return self._system.history
@@ -127,8 +138,9 @@ class Shell:
         system = self._system
         first = self._start(start)
         field = system.field(pressure)
-        scale = self._scale(pressure)
-        found = minimise(system, field, first, TOLERANCE * scale, scale)
+        with one_thread():
+            scale = reference_force(system, pressure, self.max_kpa)
+            found = minimise(system, field, first, TOLERANCE * scale, scale)
         residual = found.force / scale
         if not residual <= TOLERANCE:
             raise LabrigError(
@@ -175,7 +187,8 @@ class Shell:
 
     def _moved(self, solution: Solution, loads: Array) -> Array:
         system = self._system
-        moved = respond(system, solution.state, system.field(solution.pressure_kpa), loads)
+        with one_thread():
+            moved = respond(system, solution.state, system.field(solution.pressure_kpa), loads)
         out = np.zeros((self.spline.size, 3, loads.shape[1]))
         out[self.quadrature.moving] = moved.reshape(-1, system.n_layers, 3, loads.shape[1])[:, -1]
         return out.reshape(*self.spline.count, 3, -1)
@@ -214,9 +227,6 @@ class Shell:
                 f"{self._system.size}: is it of another mesh?"
             )
         return state
-
-    def _scale(self, pressure: Array) -> float:
-        return reference_force(self._system, pressure, self.max_kpa)
 
 
 def load_shell(source: str | Path | dict[str, Any]) -> Shell:

@@ -26,7 +26,7 @@ def assemble(
     rest       (K, 3)        control points of the resting surface, mm
     free       (E, N)        number of each element's control points among the free ones, or -1
     node       (E, N)        their numbers among all
-    basis      (Q, N, 6)     value, two tangents, second derivatives 11, 22, 12
+    basis      (Q, 6, N)     value, two tangents, second derivatives 11, 22, 12
     area       (Q,)          of the resting surface, mm^2; quadrature points are ordered by element
     core       (Q, 3, 3)     position and tangents of the core
     outward    (Q, 3)        its normal
@@ -41,17 +41,16 @@ def assemble(
     """
     elements, nodes = node.shape
     count = layers.shape[0]
-    size = count * 3
     point = np.zeros((count, 3, 3))
     bend = np.zeros((count, 3, 3))
     force = np.zeros((count, 3, 3))
-    stiff = np.zeros((count, 3, count, 3, 3, 3))
+    stiff = np.zeros((count, 3, 3, count, 3, 3))
     normal = np.zeros((count, 3))
     slope = np.zeros((count, 3, 2))
     moment = np.zeros((count, 3))
-    curving = np.zeros((count, nodes, 3))
+    curving = np.zeros((count, 3, nodes))
     local = np.zeros((nodes, count, 3))
-    block = np.zeros((nodes * size, nodes * size))
+    block = np.zeros((nodes, count, 3, count, 3, nodes))
     energy = 0.0
     for element in range(elements):
         for i in range(nodes):
@@ -75,8 +74,8 @@ def assemble(
                     for c in range(3):
                         x = local[i, layer, c]
                         for k in range(3):
-                            point[layer, k, c] += basis[q, i, k] * x
-                            bend[layer, k, c] += basis[q, i, 3 + k] * x
+                            point[layer, k, c] += basis[q, k, i] * x
+                            bend[layer, k, c] += basis[q, 3 + k, i] * x
             density = 0.0
             for layer in range(count):
                 density += membrane(
@@ -96,10 +95,10 @@ def assemble(
                     density += air(layer, point, core, q, pressure[q, layer], curved, force, stiff)
                 for i in range(nodes):
                     for r in range(3):
-                        curving[layer, i, r] = (
-                            basis[q, i, 3 + r]
-                            - slope[layer, r, 0] * basis[q, i, 1]
-                            - slope[layer, r, 1] * basis[q, i, 2]
+                        curving[layer, r, i] = (
+                            basis[q, 3 + r, i]
+                            - slope[layer, r, 0] * basis[q, 1, i]
+                            - slope[layer, r, 1] * basis[q, 2, i]
                         )
             energy += w * density
             for i in range(nodes):
@@ -108,15 +107,15 @@ def assemble(
                     continue
                 for layer in range(count):
                     m = (
-                        moment[layer, 0] * curving[layer, i, 0]
-                        + moment[layer, 1] * curving[layer, i, 1]
-                        + moment[layer, 2] * curving[layer, i, 2]
+                        moment[layer, 0] * curving[layer, 0, i]
+                        + moment[layer, 1] * curving[layer, 1, i]
+                        + moment[layer, 2] * curving[layer, 2, i]
                     )
                     for c in range(3):
                         gradient[(f * count + layer) * 3 + c] += w * (
-                            basis[q, i, 0] * force[layer, 0, c]
-                            + basis[q, i, 1] * force[layer, 1, c]
-                            + basis[q, i, 2] * force[layer, 2, c]
+                            basis[q, 0, i] * force[layer, 0, c]
+                            + basis[q, 1, i] * force[layer, 1, c]
+                            + basis[q, 2, i] * force[layer, 2, c]
                             + m * normal[layer, c]
                         )
             if curved:
@@ -128,57 +127,58 @@ def assemble(
 
 @jit
 def _spread(block, basis, q, w, stiff, curving, normal, layers, intact):
-    """Add one quadrature point to an element's second derivatives (lower triangle by control points).
+    """Add one quadrature point to an element's second derivatives [point, layer, xyz, layer, xyz, point].
 
+    The innermost loops run along arrays, over the second control point, so that they become vector instructions.
     Bending enters as Gauss-Newton: curvature by curvature, without the moments' own share.
     """
-    nodes, count = basis.shape[1], layers.shape[0]
-    size = count * 3
+    nodes, count = basis.shape[2], layers.shape[0]
     row = np.empty((count, 3, 3))
+    bent = np.empty(nodes)
+    c0, c1, c2 = basis[q, 0], basis[q, 1], basis[q, 2]
     for j in range(nodes):
-        b0, b1, b2 = w * basis[q, j, 0], w * basis[q, j, 1], w * basis[q, j, 2]
+        b0, b1, b2 = w * c0[j], w * c1[j], w * c2[j]
         for m in range(count):
             rigid = layers[m, 1] ** 3 * layers[m, 0] / 6.0 * intact[q, m] * w
-            k0, k1, k2 = curving[m, j, 0], curving[m, j, 1], curving[m, j, 2]
-            r0, r1, r2 = rigid * (2.0 * k0 + k1), rigid * (k0 + 2.0 * k1), rigid * 2.0 * k2
+            k0, k1, k2 = curving[m, 0], curving[m, 1], curving[m, 2]
+            r0, r1, r2 = rigid * (2.0 * k0[j] + k1[j]), rigid * (k0[j] + 2.0 * k1[j]), rigid * 2.0 * k2[j]
+            for i in range(nodes):
+                bent[i] = r0 * k0[i] + r1 * k1[i] + r2 * k2[i]
             for b in range(3):
+                h0, h1, h2 = stiff[m, 0, b], stiff[m, 1, b], stiff[m, 2, b]
                 for layer in range(count):
-                    for alpha in range(3):
+                    for beta in range(3):
                         for a in range(3):
-                            row[layer, alpha, a] = (
-                                b0 * stiff[m, 0, layer, alpha, b, a]
-                                + b1 * stiff[m, 1, layer, alpha, b, a]
-                                + b2 * stiff[m, 2, layer, alpha, b, a]
+                            row[layer, beta, a] = (
+                                b0 * h0[layer, beta, a] + b1 * h1[layer, beta, a] + b2 * h2[layer, beta, a]
                             )
-                line = j * size + m * 3 + b
-                nb = normal[m, b]
-                for i in range(j, nodes):
-                    c0, c1, c2 = basis[q, i, 0], basis[q, i, 1], basis[q, i, 2]
-                    for layer in range(count):
-                        for a in range(3):
-                            block[line, i * size + layer * 3 + a] += (
-                                c0 * row[layer, 0, a] + c1 * row[layer, 1, a] + c2 * row[layer, 2, a]
-                            )
-                    t = nb * (r0 * curving[m, i, 0] + r1 * curving[m, i, 1] + r2 * curving[m, i, 2])
+                for layer in range(count):
                     for a in range(3):
-                        block[line, i * size + m * 3 + a] += t * normal[m, a]
+                        line = block[j, m, b, layer, a]
+                        s0, s1, s2 = row[layer, 0, a], row[layer, 1, a], row[layer, 2, a]
+                        s3 = normal[m, b] * normal[m, a] if layer == m else 0.0
+                        for i in range(nodes):
+                            line[i] += s0 * c0[i] + s1 * c1[i] + s2 * c2[i] + s3 * bent[i]
 
 
 @jit
 def _scatter(block, free, element, count, band):
-    """Add an element's block to the band."""
+    """Add an element's block to the band: its lower triangle."""
     nodes = free.shape[1]
     size = count * 3
     for j in range(nodes):
         fj = free[element, j]
         if fj < 0:
             continue
-        for b in range(size):
-            column = fj * size + b
-            for i in range(j, nodes):
-                fi = free[element, i]
-                if fi < 0:
-                    continue
-                offset = fi * size - column
-                for a in range(b if i == j else 0, size):
-                    band[column, offset + a] += block[j * size + b, i * size + a]
+        for m in range(count):
+            for b in range(3):
+                column = fj * size + m * 3 + b
+                for i in range(j, nodes):
+                    fi = free[element, i]
+                    if fi < 0:
+                        continue
+                    offset = fi * size - column
+                    for layer in range(count):
+                        for a in range(3):
+                            if i > j or layer * 3 + a >= m * 3 + b:
+                                band[column, offset + layer * 3 + a] += block[j, m, b, layer, a, i]

@@ -107,7 +107,7 @@ class System:
     def mass(self) -> Array:
         """Area that each free coordinate stands for, mm^2, (D,): the metric of a shift of the second derivatives."""
         q = self.quadrature
-        share = q.area_mm2[:, None] * q.basis[:, :, 0]
+        share = q.area_mm2[:, None] * q.basis[:, 0]
         node = np.repeat(q.node, q.points_per_element, axis=0)
         area = np.bincount(node.ravel(), weights=share.ravel(), minlength=len(q.control_mm))
         return np.repeat(area[q.moving], 3 * self.n_layers).astype(float)

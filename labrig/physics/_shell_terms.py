@@ -2,7 +2,7 @@
 
 Every kernel adds its share of the energy density (kPa mm), of its derivatives `force[layer, alpha, xyz]` by the
 position and its two tangents (alpha = 0, 1, 2), and, where `curved`, of the second derivatives
-`stiff[layer, alpha, layer, beta, xyz, xyz]`. Tangents are derivatives along two orthonormal directions of the
+`stiff[layer, alpha, xyz, layer, beta, xyz]`. Tangents are derivatives along two orthonormal directions of the
 resting surface, the second to the left of the first seen from outside, so that their cross product points outwards.
 
 Arrays are passed whole and indexed, never sliced: views would cost more than the arithmetic.
@@ -38,19 +38,18 @@ def cross(a, b, out):
 def _add_skew(stiff, la, alpha, lb, beta, scale, v):
     """Add `scale` [v]x to one block of the second derivatives and its transpose to the mirrored one."""
     x, y, z = scale * v[0], scale * v[1], scale * v[2]
-    block, mirror = stiff[la, alpha, lb, beta], stiff[lb, beta, la, alpha]
-    block[0, 1] -= z
-    block[0, 2] += y
-    block[1, 0] += z
-    block[1, 2] -= x
-    block[2, 0] -= y
-    block[2, 1] += x
-    mirror[1, 0] -= z
-    mirror[2, 0] += y
-    mirror[0, 1] += z
-    mirror[2, 1] -= x
-    mirror[0, 2] -= y
-    mirror[1, 2] += x
+    stiff[la, alpha, 0, lb, beta, 1] -= z
+    stiff[la, alpha, 0, lb, beta, 2] += y
+    stiff[la, alpha, 1, lb, beta, 0] += z
+    stiff[la, alpha, 1, lb, beta, 2] -= x
+    stiff[la, alpha, 2, lb, beta, 0] -= y
+    stiff[la, alpha, 2, lb, beta, 1] += x
+    stiff[lb, beta, 1, la, alpha, 0] -= z
+    stiff[lb, beta, 2, la, alpha, 0] += y
+    stiff[lb, beta, 0, la, alpha, 1] += z
+    stiff[lb, beta, 2, la, alpha, 1] -= x
+    stiff[lb, beta, 0, la, alpha, 2] -= y
+    stiff[lb, beta, 1, la, alpha, 2] += x
 
 
 @jit
@@ -129,15 +128,15 @@ def membrane(layer, point, layers, inner, q, intact, curved, convex, force, stif
     for a in range(3):
         for b in range(3):
             p11, p12, p21, p22 = f1[a] * f1[b], f1[a] * f2[b], f2[a] * f1[b], f2[a] * f2[b]
-            stiff[layer, 1, layer, 1, a, b] += d11 * p11 + d13 * (p12 + p21) + d33 * p22
-            stiff[layer, 2, layer, 2, a, b] += d22 * p22 + d23 * (p12 + p21) + d33 * p11
+            stiff[layer, 1, a, layer, 1, b] += d11 * p11 + d13 * (p12 + p21) + d33 * p22
+            stiff[layer, 2, a, layer, 2, b] += d22 * p22 + d23 * (p12 + p21) + d33 * p11
             mixed = d12 * p12 + d13 * p11 + d23 * p22 + d33 * p21
-            stiff[layer, 1, layer, 2, a, b] += mixed
-            stiff[layer, 2, layer, 1, b, a] += mixed
-        stiff[layer, 1, layer, 1, a, a] += s11
-        stiff[layer, 2, layer, 2, a, a] += s22
-        stiff[layer, 1, layer, 2, a, a] += s12
-        stiff[layer, 2, layer, 1, a, a] += s12
+            stiff[layer, 1, a, layer, 2, b] += mixed
+            stiff[layer, 2, b, layer, 1, a] += mixed
+        stiff[layer, 1, a, layer, 1, a] += s11
+        stiff[layer, 2, a, layer, 2, a] += s22
+        stiff[layer, 1, a, layer, 2, a] += s12
+        stiff[layer, 2, a, layer, 1, a] += s12
     return energy
 
 
@@ -208,9 +207,9 @@ def foundation(point, core, outward, q, seam, springs, curved, force, stiff):
     force[0, 0, 2] += along * d2 + across * gap * n[2]
     if curved:
         for a in range(3):
-            stiff[0, 0, 0, 0, a, a] += along
+            stiff[0, 0, a, 0, 0, a] += along
             for b in range(3):
-                stiff[0, 0, 0, 0, a, b] += across * n[a] * n[b]
+                stiff[0, 0, a, 0, 0, b] += across * n[a] * n[b]
     return 0.5 * (along * square + across * gap * gap)
 
 
@@ -235,10 +234,10 @@ def interlayer(layer, point, outward, q, springs, curved, force, stiff):
         for a in range(3):
             for b in range(3):
                 s = across * n[a] * n[b] + (along if a == b else 0.0)
-                stiff[layer, 0, layer, 0, a, b] += s
-                stiff[below, 0, below, 0, a, b] += s
-                stiff[layer, 0, below, 0, a, b] -= s
-                stiff[below, 0, layer, 0, a, b] -= s
+                stiff[layer, 0, a, layer, 0, b] += s
+                stiff[below, 0, a, below, 0, b] += s
+                stiff[layer, 0, a, below, 0, b] -= s
+                stiff[below, 0, a, layer, 0, b] -= s
     return 0.5 * (along * square + across * gap * gap)
 
 

@@ -1,0 +1,72 @@
+"""Which pressures to simulate: the corners of the range, and points spread by how far chambers inflate."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from labrig._errors import LabrigError
+from labrig._executor import Executor
+from labrig.physics._shell import Shell, load_shell
+
+Array = NDArray[np.float64]
+
+_COARSE = 16
+_LEVELS = np.array([0.0, 0.08, 0.2, 0.4, 0.7, 1.0])
+_MOST_CORNERS = 0.6
+"""All corners are simulated if they are at most this part of all samples; else half as many, drawn."""
+
+
+def corners(chambers: int, count: int, seed: int) -> NDArray[np.int8]:
+    """Rows of zeros and ones, (n, C), in Gray order: all 2^C, or `count` / 2 of them if that is too many."""
+    if 2**chambers <= _MOST_CORNERS * count:
+        number = np.arange(2**chambers)
+    else:
+        drawn = np.random.default_rng(seed).choice(2 ** min(chambers, 30), max(count // 2, 1), replace=False)
+        number = np.sort(drawn)
+    gray = number ^ (number >> 1)
+    return ((gray[:, None] >> np.arange(chambers)) & 1).astype(np.int8)
+
+
+def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) -> tuple[Array, list[str]]:
+    """Pressures (N, C), kPa, and what each is: `corner` or `halton`.
+
+    A Halton sequence fills the unit cube; each coordinate is taken as the part of its full inflation that a
+    chamber should have, so that pressures lie densest where the surface moves most.
+    """
+    at_corner = corners(len(shell.max_kpa), count, seed) * shell.max_kpa
+    spread = qmc.Halton(len(shell.max_kpa), scramble=bool(seed), rng=seed).random(count - len(at_corner) + 1)[
+        1:
+    ]
+    content = shell.changed(count=(_COARSE, _COARSE)).content()
+    tasks = [(content, chamber) for chamber in range(len(shell.max_kpa))]
+    pressures = np.empty_like(spread)
+    for chamber, inflation in executor.map(inflation_curve, tasks):
+        rising = np.maximum.accumulate(inflation / inflation[-1])
+        pressures[:, chamber] = np.interp(spread[:, chamber], rising, _LEVELS) * shell.max_kpa[chamber]
+    return np.concatenate([at_corner, pressures]), ["corner"] * len(at_corner) + ["halton"] * len(spread)
+
+
+def inflation_curve(task: tuple[dict[str, Any], int]) -> Array:
+    """How far a chamber alone inflates at `_LEVELS` of its range, mm on average over its patch.
+
+    Where it has no equilibrium it is taken to inflate in proportion to the pressure.
+    """
+    content, chamber = task
+    shell = load_shell(content)
+    quadrature = shell.quadrature
+    weight = shell.patch_area_mm2[:, chamber]
+    raised, start = [], None
+    for level in _LEVELS:
+        try:
+            start = shell.solve(level * shell.max_kpa * (np.arange(len(shell.max_kpa)) == chamber), start)
+        except LabrigError:
+            break
+        moved = quadrature.at_points(start.control_mm.reshape(-1, 3) - quadrature.control_mm)
+        raised.append(float((moved * quadrature.normal).sum(1) @ weight / weight.sum()))
+    found = len(raised)
+    if found < 2:
+        return _LEVELS.copy()
+    curve = np.array(raised) - raised[0]
+    return np.concatenate([curve, curve[-1] * _LEVELS[found:] / _LEVELS[found - 1]])

@@ -1,0 +1,60 @@
+"""The shell of a rig: as the model knows it, and as the plant of the simulated rig is."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from labrig._errors import LabrigError
+from labrig.physics._shell import Shell, load_shell
+from labrig.physics._shell_file import shipped_shells
+
+
+def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
+    """The shell that `simulated.shell` of a rig's content names, with the rig's chamber names and pressures.
+
+    A path is relative to `folder`, where the rig's file lies. Raises `LabrigError` for a shell that cannot be read,
+    or whose number of chambers is not the rig's.
+    """
+    source = (rig.get("simulated") or {}).get("shell")
+    if isinstance(source, str) and source not in shipped_shells():
+        source = (folder or Path()) / source
+    if not isinstance(source, (str, Path, dict)):
+        raise LabrigError(
+            "rig: simulated.shell: the name of a shell, a file, or the content of one is needed"
+        )
+    shell = load_shell(source)
+    listed = rig.get("chambers")
+    if not listed:
+        return shell
+    if len(listed) != len(shell.chamber_names):
+        raise LabrigError(
+            f"rig: chambers: shell '{shell.name}' has {len(shell.chamber_names)}, the rig names {len(listed)}"
+        )
+    content = shell.content()
+    for chamber, wanted in zip(content["chambers"], listed, strict=True):
+        if isinstance(wanted, dict):
+            chamber["name"] = str(wanted["name"])
+            chamber["max"] = float(wanted.get("max_kpa", 60.0))
+        else:
+            chamber["name"] = str(wanted)
+    return load_shell(content)
+
+
+def load_model_shell(source: str | Path) -> Shell:
+    """The shell of a rig's file, of a shell's file, or of a shipped name.
+
+    Raises `LabrigError` as `load_shell` does, and for a rig without `simulated.shell`.
+    """
+    path = Path(source)
+    if str(source) in shipped_shells() or not path.is_file():
+        return load_shell(source)
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise LabrigError(f"{path}: is not YAML: {' '.join(str(error).split())}") from None
+    if not (isinstance(content, dict) and {"pressure", "simulated"} & set(content)):
+        return load_shell(path)
+    if not (content.get("simulated") or {}).get("shell"):
+        raise LabrigError(f"{path}: a rig without `simulated: {{shell: ...}}`: there is no shell to simulate")
+    return rig_shell(content, path.parent)

@@ -1,0 +1,247 @@
+"""Making many simulations: in rounds, each of which starts from what the rounds before it found.
+
+Rounds double in size, so that nearly all shapes start from a good guess, and what a shape starts from depends on
+the plan alone: a run gives the same bits with any number of workers, interrupted or not.
+"""
+
+import json
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig._executor import Executor
+from labrig.physics._samples import sample_pressures
+from labrig.physics._shell import Shell, Solution, load_shell
+from labrig.physics._simulations import (
+    DATA_FILE,
+    SHELL_FILE,
+    Simulations,
+    open_simulations,
+    write_arrays,
+    write_simulations,
+    write_text,
+)
+from labrig.physics._warm import LEAST, Predictor, nearest
+
+Array = NDArray[np.float64]
+
+_FIRST_ROUND, _PER_TASK, _LEARN_FROM = 32, 8, 512
+_PARTS, _PLAN = "parts", "plan.npz"
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A few shapes to solve: their numbers (n,), pressures (n, C), and what predicts where to start."""
+
+    shell: str
+    number: NDArray[np.int64]
+    pressure_kpa: Array
+    predictor: Predictor | None
+    jacobians: bool
+
+
+def simulate(
+    shell: Shell,
+    folder: str | Path,
+    count: int = 1000,
+    *,
+    jacobians: bool = False,
+    seed: int = 0,
+    workers: int = 0,
+    cluster: str | None = None,
+    resume: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Simulations:
+    """Solve a shell at the corners of its range and at spread pressures, `count` in all, into a folder.
+
+    `workers`, `cluster`: see `Executor`. `resume` goes on where a folder was left. `progress(done, count)` is called
+    as shapes come in. What does not converge is listed in the folder's failures.json. Raises `LabrigError` for a
+    folder that is in use or belongs to other simulations, and if nothing converged.
+    """
+    folder = Path(folder)
+    asked = {"count": count, "jacobians": jacobians, "seed": seed}
+    with Executor(workers, cluster) as executor:
+        pressure, kind = _plan(shell, folder, asked, resume, executor)
+        if (folder / DATA_FILE).is_file():
+            return open_simulations(folder)
+        report = progress or (lambda done, count: None)
+        found = _run(shell, folder, pressure, jacobians, executor, report)
+    return _gather(shell, folder, pressure, kind, jacobians, found)
+
+
+def _plan(
+    shell: Shell, folder: Path, asked: dict[str, Any], resume: bool, executor: Executor
+) -> tuple[Array, list[str]]:
+    """The pressures of a folder: made now, or those that it was begun with."""
+    if asked["count"] < 2:
+        raise LabrigError(f"--count {asked['count']}: at least 2 simulations are needed")
+    text = yaml.safe_dump(shell.content(), sort_keys=False, default_flow_style=None, allow_unicode=True)
+    plan = folder / _PARTS / _PLAN
+    begun = folder / SHELL_FILE
+    if begun.exists() or (folder / DATA_FILE).exists():
+        if not resume:
+            raise LabrigError(
+                f"{folder}: holds simulations already; --resume goes on, or name another folder"
+            )
+        same = begun.is_file() and begun.read_text(encoding="utf-8") == text
+        known = json.loads((folder / "plan.json").read_text(encoding="utf-8")) if same else {}
+        if known != asked:
+            raise LabrigError(
+                f"{folder}: was begun with another shell, count, seed or --jacobians; name another folder"
+            )
+        if (folder / DATA_FILE).is_file():
+            return np.empty((0, 0)), []
+        if plan.is_file():
+            with np.load(plan, allow_pickle=False) as arrays:
+                return arrays["pressure_kpa"], [str(k) for k in arrays["kind"]]
+    (folder / _PARTS).mkdir(parents=True, exist_ok=True)
+    pressure, kind = sample_pressures(shell, asked["count"], asked["seed"], executor)
+    write_text(folder / "plan.json", json.dumps(asked) + "\n")
+    write_text(begun, text)
+    write_arrays(plan, {"pressure_kpa": pressure, "kind": np.array(kind)})
+    return pressure, kind
+
+
+def _run(
+    shell: Shell,
+    folder: Path,
+    pressure: Array,
+    jacobians: bool,
+    executor: Executor,
+    progress: Callable[[int, int], None],
+) -> dict[int, Path]:
+    """Solve all that is not yet in a part; returns the part of each task by the number of its first shape."""
+    order = np.random.default_rng(0).permutation(len(pressure))
+    content = json.dumps(shell.content())
+    parts: dict[int, Path] = {}
+    places: list[Array] = []
+    states: list[NDArray[np.float32]] = []
+    done, begin = 0, 0
+    for size in _rounds(len(pressure)):
+        numbers = order[begin : begin + size]
+        begin += size
+        learned = np.concatenate(places) if places else np.empty((0, pressure.shape[1]))
+        predictor = None
+        if len(learned) >= LEAST:
+            predictor = Predictor.fit(learned[:_LEARN_FROM], np.concatenate(states)[:_LEARN_FROM])
+        cut = [numbers[k : k + _PER_TASK] for k in range(0, size, _PER_TASK)]
+        paths = [folder / _PARTS / f"part-{chunk[0]:06d}.npz" for chunk in cut]
+        todo = [k for k, path in enumerate(paths) if not path.is_file()]
+        done += sum(len(cut[k]) for k in range(len(cut)) if k not in todo)
+        progress(done, len(pressure))
+        tasks = [_Task(content, cut[k], pressure[cut[k]], predictor, jacobians) for k in todo]
+        for k, arrays in executor.map(solve_task, tasks):
+            write_arrays(paths[todo[k]], arrays)
+            done += len(tasks[k].number)
+            progress(done, len(pressure))
+        for path in paths:
+            parts[len(parts)] = path
+            with np.load(path, allow_pickle=False) as arrays:
+                good = arrays["converged"]
+                places.append(pressure[arrays["number"][good]] / shell.max_kpa)
+                states.append(arrays["state"][good])
+    return parts
+
+
+def _rounds(count: int) -> Iterator[int]:
+    """Sizes of the rounds: 32, 32, 64, 128, ..."""
+    done = 0
+    while done < count:
+        size = min(max(_FIRST_ROUND, done), count - done)
+        done += size
+        yield size
+
+
+@lru_cache(maxsize=2)
+def _shell_of(content: str) -> Shell:
+    return load_shell(json.loads(content))
+
+
+def solve_task(task: _Task) -> dict[str, Any]:
+    """Solve the shapes of a task, wherever it runs; arrays by name, `fault` holding what did not converge."""
+    shell = _shell_of(task.shell)
+    shape = (len(task.number), *shell.spline.count, 3)
+    out: dict[str, Any] = {
+        "number": task.number,
+        "control_mm": np.full(shape, np.nan),
+        "state": np.zeros((len(task.number), shell.coordinates), np.float32),
+        "residual": np.full(len(task.number), np.nan),
+        "converged": np.zeros(len(task.number), bool),
+        "cpu_s": np.zeros(len(task.number)),
+    }
+    if task.jacobians:
+        out["jacobian"] = np.full((*shape, task.pressure_kpa.shape[1]), np.nan, np.float32)
+    faults = [""] * len(task.number)
+    places: list[Array] = []
+    states: list[Array] = []
+    for k, pressure in enumerate(task.pressure_kpa):
+        begin = time.process_time()
+        place = pressure / shell.max_kpa
+        start = task.predictor(place) if task.predictor is not None else nearest(place, places, states)
+        try:
+            solution = _solved(shell, pressure, start)
+            if task.jacobians:
+                out["jacobian"][k] = shell.jacobian(solution)
+        except LabrigError as error:
+            faults[k] = str(error)
+        else:
+            out["control_mm"][k], out["state"][k] = solution.control_mm, solution.state
+            out["residual"][k], out["converged"][k] = solution.residual, True
+            places.append(place)
+            states.append(solution.state)
+        out["cpu_s"][k] = time.process_time() - begin
+    out["fault"] = np.array(faults)
+    return out
+
+
+def _solved(shell: Shell, pressure: Array, start: Array | None) -> Solution:
+    """From the guess, or else from rest."""
+    try:
+        return shell.solve(pressure, start)
+    except LabrigError:
+        if start is None:
+            raise
+        return shell.solve(pressure)
+
+
+def _gather(
+    shell: Shell, folder: Path, pressure: Array, kind: list[str], jacobians: bool, parts: dict[int, Path]
+) -> Simulations:
+    """All parts as one file; the parts are thrown away."""
+    count = len(pressure)
+    shape = (count, *shell.spline.count, 3)
+    control, residual, cpu = np.full(shape, np.nan), np.full(count, np.nan), np.zeros(count)
+    converged = np.zeros(count, bool)
+    jacobian = np.full((*shape, pressure.shape[1]), np.nan, np.float32) if jacobians else None
+    failures = []
+    for path in parts.values():
+        with np.load(path, allow_pickle=False) as arrays:
+            number = arrays["number"]
+            control[number], residual[number] = arrays["control_mm"], arrays["residual"]
+            converged[number], cpu[number] = arrays["converged"], arrays["cpu_s"]
+            if jacobian is not None:
+                jacobian[number] = arrays["jacobian"]
+            for k, fault in zip(number, arrays["fault"], strict=True):
+                if fault:
+                    failures.append(
+                        {"number": int(k), "pressure_kpa": pressure[k].tolist(), "reason": str(fault)}
+                    )
+    if not converged.any():
+        raise LabrigError(
+            f"{folder}: none of {count} simulations converged; the first: {failures[0]['reason']}"
+        )
+    simulations = Simulations(
+        pressure, control, np.array(kind), residual, converged, jacobian, cpu, shell.content()
+    )
+    write_simulations(simulations, sorted(failures, key=lambda failure: failure["number"]), folder)
+    shutil.rmtree(folder / _PARTS, ignore_errors=True)
+    return simulations

@@ -1,0 +1,96 @@
+"""Folders of simulations: many solved shapes of one shell, as arrays."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.surface import Spline
+
+Array = NDArray[np.float64]
+
+SHELL_FILE, DATA_FILE, FAILURES_FILE = "shell.yaml", "simulations.npz", "failures.json"
+
+
+@dataclass(frozen=True)
+class Simulations:
+    """N solved shapes of a shell with C chambers.
+
+    `pressure_kpa` (N, C); `control_mm` (N, n_u, n_v, 3), NaN where not `converged` (N,); `kind` (N,) `corner` or
+    `halton`; `residual` (N,); `jacobian` (N, n_u, n_v, 3, C), mm/kPa, or None; `cpu_s` (N,) processor time of each;
+    `shell` the content of its file.
+    """
+
+    pressure_kpa: Array
+    control_mm: Array
+    kind: NDArray[np.str_]
+    residual: Array
+    converged: NDArray[np.bool_]
+    jacobian: NDArray[np.float32] | None
+    cpu_s: Array
+    shell: dict[str, Any]
+
+    @property
+    def chamber_names(self) -> tuple[str, ...]:
+        """The chambers, in the order of the pressures."""
+        return tuple(chamber["name"] for chamber in self.shell["chambers"])
+
+    @property
+    def spline(self) -> Spline:
+        """The surface that the control points are of."""
+        n_u, n_v = self.shell["control_points"]
+        return Spline((n_u, n_v), self.shell["degree"])
+
+
+def open_simulations(path: str | Path) -> Simulations:
+    """The simulations of a folder that `labrig simulate` has made.
+
+    Raises `LabrigError` if it holds none, or they are not complete or not readable.
+    """
+    folder = Path(path)
+    if not (folder / DATA_FILE).is_file():
+        begun = (folder / SHELL_FILE).is_file()
+        hint = (
+            "its simulations are not complete: labrig simulate ... --resume"
+            if begun
+            else "make it: labrig simulate"
+        )
+        raise LabrigError(f"{folder}: holds no {DATA_FILE} ({hint})")
+    try:
+        with np.load(folder / DATA_FILE, allow_pickle=False) as arrays:
+            found = {name: arrays[name] for name in arrays.files}
+        shell = yaml.safe_load((folder / SHELL_FILE).read_text(encoding="utf-8"))
+        return Simulations(**{"jacobian": None, **found}, shell=shell)
+    except (OSError, ValueError, TypeError, yaml.YAMLError) as error:
+        raise LabrigError(
+            f"{folder}: cannot be read as simulations ({' '.join(str(error).split())})"
+        ) from None
+
+
+def write_simulations(simulations: Simulations, failures: list[dict[str, Any]], folder: Path) -> None:
+    """Write the data and the list of failures, whole or not at all; the shell's file is there already."""
+    arrays = {
+        name: getattr(simulations, name) for name in Simulations.__dataclass_fields__ if name != "shell"
+    }
+    write_text(folder / FAILURES_FILE, json.dumps(failures, indent=1) + "\n")
+    write_arrays(folder / DATA_FILE, {name: a for name, a in arrays.items() if a is not None})
+
+
+def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
+    """An .npz file, whole or not at all."""
+    partial = path.with_suffix(".partial.npz")
+    with partial.open("wb") as file:
+        np.savez(file, **arrays)
+    partial.replace(path)
+
+
+def write_text(path: Path, text: str) -> None:
+    """A text file, whole or not at all."""
+    partial = path.with_suffix(path.suffix + ".partial")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(path)

@@ -1,0 +1,147 @@
+"""Sets of simulations: which pressures, in which folder, with how many workers, however often interrupted."""
+
+import json
+
+import numpy as np
+import pytest
+
+from labrig._errors import LabrigError
+from labrig._executor import Executor
+from labrig.physics import load_shell, open_simulations, simulate
+from labrig.physics._samples import corners, sample_pressures
+
+
+@pytest.fixture(scope="module")
+def membrane():
+    """A quick shell of four chambers."""
+    return load_shell("membrane4").changed(count=(10, 10))
+
+
+def test_corners_come_in_gray_order():
+    """All corners, each one chamber away from the one before; a sample of them where they are too many."""
+    every = corners(9, 1000, 0)
+    assert every.shape == (512, 9)
+    assert len(np.unique(every, axis=0)) == 512
+    assert (np.abs(np.diff(every.astype(int), axis=0)).sum(1) == 1).all()
+    assert corners(9, 100, 0).shape == (50, 9)
+    assert len(np.unique(corners(12, 200, 1), axis=0)) == 100
+
+
+def test_pressures_spread_by_inflation(membrane):
+    """Half of the spread pressures inflate a chamber less than half way: low pressures, where it moves most."""
+    with Executor(1) as executor:
+        pressure, kind = sample_pressures(membrane, 400, 0, executor)
+    assert kind == ["corner"] * 16 + ["halton"] * 384
+    spread = pressure[16:] / membrane.max_kpa
+    assert ((spread >= 0) & (spread <= 1)).all()
+    assert (np.median(spread, axis=0) < 0.45).all()
+    start = membrane.solve([0, 0, 0, 0])
+    full, half = (
+        (membrane.solve([p, 0, 0, 0]).control_mm - start.control_mm)[..., 1].mean()
+        for p in (60.0, 60.0 * np.median(spread[:, 0]))
+    )
+    assert half / full == pytest.approx(0.5, abs=0.06)
+
+
+def test_a_folder_holds_what_was_asked_for(membrane, tmp_path):
+    """Pressures, shapes, Jacobians and the shell come back as they were solved."""
+    seen = []
+
+    def report(done, total):
+        seen.append((done, total))
+
+    made = simulate(
+        membrane,
+        tmp_path / "sims",
+        40,
+        jacobians=True,
+        workers=1,
+        progress=report,
+    )
+    found = open_simulations(tmp_path / "sims")
+    assert seen[0] == (0, 40)
+    assert seen[-1] == (40, 40)
+    np.testing.assert_array_equal(made.control_mm, found.control_mm)
+    assert found.converged.all()
+    assert (found.residual <= 1e-5).all()
+    assert found.chamber_names == membrane.chamber_names
+    assert found.spline == membrane.spline
+    assert list(found.kind).count("corner") == 16
+    assert load_shell(found.shell).content() == membrane.content()
+    alone = membrane.solve(found.pressure_kpa[20])
+    assert np.abs(alone.control_mm - found.control_mm[20]).max() < 2e-3
+    np.testing.assert_allclose(membrane.jacobian(alone), found.jacobian[20], atol=2e-3)
+    assert sorted(path.name for path in (tmp_path / "sims").iterdir()) == [
+        "failures.json", "plan.json", "shell.yaml", "simulations.npz",
+    ]  # fmt: skip
+    assert json.loads((tmp_path / "sims" / "failures.json").read_text()) == []
+
+
+def test_workers_and_interruptions_change_nothing(membrane, tmp_path):
+    """In processes, or stopped half way and resumed, the same bits come out."""
+    whole = simulate(membrane, tmp_path / "whole", 60, workers=1)
+    parallel = simulate(membrane, tmp_path / "parallel", 60, workers=2)
+    np.testing.assert_array_equal(whole.control_mm, parallel.control_mm)
+
+    def stop(done, total):
+        if done > 20:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(membrane, tmp_path / "stopped", 60, workers=1, progress=stop)
+    with pytest.raises(
+        LabrigError, match=r"its simulations are not complete: labrig simulate \.\.\. --resume"
+    ):
+        open_simulations(tmp_path / "stopped")
+    before = {p: p.stat().st_mtime_ns for p in (tmp_path / "stopped" / "parts").glob("part-*.npz")}
+    assert before
+    steps = []
+    resumed = simulate(
+        membrane,
+        tmp_path / "stopped",
+        60,
+        workers=1,
+        resume=True,
+        progress=lambda done, total: steps.append(done),
+    )
+    assert steps[0] >= 24
+    np.testing.assert_array_equal(whole.control_mm, resumed.control_mm)
+    again = simulate(membrane, tmp_path / "stopped", 60, workers=1, resume=True)
+    np.testing.assert_array_equal(whole.control_mm, again.control_mm)
+
+
+def test_folders_in_use_are_not_touched(membrane, tmp_path):
+    """Without --resume a folder with simulations is refused, and with it one that belongs to others."""
+    simulate(membrane, tmp_path, 20, workers=1)
+    with pytest.raises(
+        LabrigError, match=r"holds simulations already; --resume goes on, or name another folder$"
+    ):
+        simulate(membrane, tmp_path, 20, workers=1)
+    with pytest.raises(LabrigError, match="was begun with another shell, count, seed or --jacobians"):
+        simulate(membrane, tmp_path, 21, workers=1, resume=True)
+    with pytest.raises(LabrigError, match="holds no simulations"):
+        open_simulations(tmp_path / "nothing")
+
+
+def test_what_does_not_converge_is_listed(tmp_path):
+    """Shapes without an equilibrium are NaN and listed with the reason; if there is none at all, that is an error."""
+    weak = load_shell("membrane4").changed(count=(10, 10), modulus_1_kpa=2.0, stiffening_1=0.05)
+    made = simulate(weak, tmp_path / "some", 20, workers=1)
+    listed = json.loads((tmp_path / "some" / "failures.json").read_text())
+    assert 0 < len(listed) < 20
+    assert [failure["number"] for failure in listed] == list(np.flatnonzero(~made.converged))
+    assert np.isnan(made.control_mm[~made.converged]).all()
+    assert listed[0]["reason"].startswith("shell membrane4: no equilibrium at c1 ")
+
+
+def test_the_command_simulates(labrig, membrane, tmp_path):
+    """`labrig simulate` takes a shell's file, says what it made, and refuses what is there already."""
+    (tmp_path / "own.yaml").write_text(json.dumps(membrane.content()), encoding="utf-8")
+    code, out, err = labrig(
+        "simulate", tmp_path / "own.yaml", "-o", tmp_path / "sims", "--count", 18, "--workers", 1
+    )
+    assert (code, err) == (0, "")
+    assert out.endswith("18 simulations of membrane4\n")
+    code, _, err = labrig("simulate", tmp_path / "own.yaml", "-o", tmp_path / "sims", "--count", 18)
+    assert code == 2
+    assert err.endswith("holds simulations already; --resume goes on, or name another folder\n")
