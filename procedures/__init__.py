@@ -4,7 +4,8 @@ from procedures._capture import Capture
 from procedures._hold import Hold
 from procedures._idle import Idle
 from procedures._pairs import Pairs
+from procedures._programme import Programme
 from procedures._repeatability import Repeatability
 from procedures._sweep import Sweep
 
-__all__ = ["Capture", "Hold", "Idle", "Pairs", "Repeatability", "Sweep"]
+__all__ = ["Capture", "Hold", "Idle", "Pairs", "Programme", "Repeatability", "Sweep"]

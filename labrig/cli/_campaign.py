@@ -16,7 +16,10 @@ _RUN_NAME = typer.Argument(metavar="RUN", help="A run folder.")
 def run(
     context: typer.Context,
     procedure: Annotated[
-        str, typer.Argument(metavar="[PROCEDURE]", help="A procedure's name, or a file (my_procedure.py).")
+        str,
+        typer.Argument(
+            metavar="[PROCEDURE]", help="A procedure's name, or a file (my_procedure.py, next.yaml)."
+        ),
     ] = "",
     rig: Annotated[Path | None, typer.Option(help="The rig file.")] = None,
     out: Annotated[
@@ -39,19 +42,21 @@ def run(
     ] = None,
     help: Annotated[bool, typer.Option("--help", help="Show this, or a procedure's parameters.")] = False,
 ) -> None:
-    """Run a procedure on a rig: capture, hold, idle, pairs, repeatability, sweep, or one of your own.
+    """Run a procedure on a rig: capture, hold, idle, pairs, programme, repeatability, sweep, or one of your own.
 
     A procedure's parameters are options that follow its name; `labrig run PROCEDURE --help` lists them. Every limit
     is checked before anything moves, and however the run ends, the chambers are vented first. While it goes on,
     p pauses it (vented) and lets it go on, and so does SIGUSR1; Ctrl-C ends it.
     """
-    from labrig.cli._procedures import find_procedure, parameters_help
+    from labrig.cli._procedures import find_procedure, parameters_help, read_procedure
     from labrig.cli._run_steps import Request, do_dry_run, do_resume, do_run
 
     if help:
         typer.echo(context.get_help())
         if procedure:
-            typer.echo("\n" + parameters_help(find_procedure(procedure)))
+            written = procedure.endswith((".yaml", ".yml"))
+            kind = type(read_procedure(procedure, [])) if written else find_procedure(procedure)
+            typer.echo("\n" + parameters_help(kind))
         return
     request = Request(rig, out, seed, realtime, live, serve, model)
     if resume is not None:

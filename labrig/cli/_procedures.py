@@ -6,6 +6,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_origin
 
+import yaml
+
 from labrig._errors import LabrigError
 
 if TYPE_CHECKING:
@@ -31,6 +33,26 @@ def find_procedure(text: str) -> "type[Procedure]":
             )
         return known[text]
     return _from_file(Path(file), wanted)
+
+
+def read_procedure(text: str, arguments: list[str]) -> "Procedure":
+    """The procedure that `labrig run TEXT ARGUMENTS` means: by name, FILE.py, or a YAML file with its parameters.
+
+    Raises `LabrigError` for what does not exist or does not fit.
+    """
+    if not text.endswith((".yaml", ".yml")):
+        return parse_parameters(find_procedure(text), arguments)
+    path = Path(text)
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise LabrigError(f"{path}: cannot read the procedure file ({error.strerror})") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise LabrigError(f"{path}: is not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(content, dict) or not isinstance(content.get("procedure"), str):
+        raise LabrigError(f"{path}: a procedure file begins with its name, such as `procedure: programme`")
+    values = {key: value for key, value in content.items() if key != "procedure"}
+    return parse_parameters(find_procedure(content["procedure"]), arguments, values, str(path))
 
 
 def _from_file(path: Path, wanted: str) -> "type[Procedure]":
@@ -86,21 +108,28 @@ def _line_of(error: Exception, path: Path) -> int:
     return lines[-1] if lines else 0
 
 
-def parse_parameters(kind: "type[Procedure]", arguments: list[str]) -> "Procedure":
-    """The procedure with the parameters that `--name value` options give; raises `LabrigError` for a bad one."""
+def parse_parameters(
+    kind: "type[Procedure]", arguments: list[str], values: dict[str, Any] | None = None, file: str = ""
+) -> "Procedure":
+    """The procedure with the parameters that `--name value` options give; raises `LabrigError` for a bad one.
+
+    `values` are those of a `file`, which options override.
+    """
     from pydantic import ValidationError
 
     from labrig.rig import describe
 
-    values: dict[str, Any] = {}
+    given: dict[str, Any] = {}
     rest = list(arguments)
     while rest:
         name, value = _take(kind, rest)
-        values[name] = value
+        given[name] = value
     try:
-        return kind.model_validate(values)
+        return kind.model_validate({**(values or {}), **given})
     except ValidationError as error:
         name, _, what = describe(error).partition(": ")
+        if file and name.split(".")[0] not in given:
+            raise LabrigError(f"{file}: {name}: {what}") from None
         option = f"--{name.split('.')[0].replace('_', '-')}"
         raise LabrigError(f"{kind.procedure_name()}: {option}: {what}") from None
 
@@ -133,7 +162,9 @@ def parameters_help(kind: "type[Procedure]") -> str:
     rows = []
     for name, field in kind.model_fields.items():
         default = field.get_default(call_default_factory=True)
-        shown = ",".join(f"{item:g}" for item in default) if isinstance(default, tuple) else default
+        shown = default
+        if isinstance(default, tuple):
+            shown = ",".join(f"{item:g}" for item in default if isinstance(item, int | float))
         value = "required" if field.is_required() else f"[{shown}]" if shown != "" else ""
         rows.append(
             (f"--{name.replace('_', '-')}", _choices(field.annotation), value, field.description or "")

@@ -14,7 +14,7 @@ from labrig.campaign import Control, Interrupted, Observer, Procedure, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
-from labrig.cli._procedures import find_procedure, parse_parameters, source_of
+from labrig.cli._procedures import find_procedure, read_procedure, source_of
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import read_run_yaml, summarise
 from labrig.rig import RigConfig, connect, load_rig
@@ -40,7 +40,7 @@ class Request:
 
 def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
     """Print the plan; exit code 2 if it would break limits."""
-    procedure = parse_parameters(find_procedure(name), arguments)
+    procedure = read_procedure(name, arguments)
     config = load_rig(_named(request.rig))
     plan = plan_of(procedure, config, request.seed)
     print_plan(plan, config)
@@ -83,12 +83,15 @@ def _step_text(fields: dict[str, object]) -> str:
 
 def do_run(name: str, arguments: list[str], request: Request) -> None:
     """Run a procedure in a new folder."""
-    kind = find_procedure(name)
-    procedure = parse_parameters(kind, arguments)
+    procedure = read_procedure(name, arguments)
     rig_file = _named(request.rig)
     config = load_rig(rig_file)
     folder = request.out or _new_folder(procedure)
-    context = {"source": source_of(kind), "rig_file": str(rig_file.resolve()), "realtime": request.realtime}
+    context = {
+        "source": source_of(type(procedure)),
+        "rig_file": str(rig_file.resolve()),
+        "realtime": request.realtime,
+    }
     _go(procedure, config, folder, request, context)
 
 

@@ -49,6 +49,18 @@ class Experiment:
             entry: dict[str, Any] = {"pressure_kpa": named, "hold_s": round(point.hold_s, 2)}
             entry |= {"repeat": repeat} if repeat else {}
             out.append({**entry, "label": label})
+        return [*out, *self._with_a_person()]
+
+    def _with_a_person(self) -> list[dict[str, Any]]:
+        """Points that need somebody at the rig first: offered, left out of an unattended run."""
+        asked = [hand for hand in self.summary["by_hand"] if hand["points"]]
+        out = []
+        for hand in asked:
+            middle = self.limits.actuation([0.5 * (r + 1.0) for r in self.limits.rest])
+            named = {c: float(u) for c, u in zip(self.chambers, middle, strict=True)}
+            label = f"{hand['effect']}, by hand"
+            out.append({"hold_s": 4.0, "note": hand["what"], "by_hand": True, "label": label})
+            out.append({"pressure_kpa": named, "hold_s": 4.0, "by_hand": True, "label": label})
         return out
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -22,18 +23,27 @@ _MOST_PAIRS = 4
 _RANDOM_PROBES, _RANDOM_POINTS = 4, 4
 
 BY_HAND = {
-    "gravity": "turn the base (or put a known payload on it), log the angle, and run the programme again",
+    "gravity": "turn the base (or put a known payload on it) and log the angle",
     "frame": "register the measuring frame again by three fixed markers, then run one capture at rest",
     "rest_shape": "scan the vented surface once",
     "marker_slip": "look at the marker, and press it on again",
     "regulator": "read each chamber against a reference manometer over its range",
 }
-"""What no programme can do: offered, never run unattended."""
+"""What no programme can do alone: offered, never run unattended."""
+
+_THEN_MEASURED = {"gravity"}
 
 
-def by_hand(names: Sequence[str], effects: Mapping[str, Effect]) -> list[dict[str, str]]:
-    """What a person could do besides, for the effects among `names` that it would show."""
-    return [{"effect": n, "what": BY_HAND[n]} for n in names if n in BY_HAND and n in effects]
+def by_hand(names: Sequence[str], effects: Mapping[str, Effect]) -> list[dict[str, Any]]:
+    """What a person could do besides, for the effects among `names` that it would show.
+
+    `points`: whether set-points are measured after it.
+    """
+    return [
+        {"effect": n, "what": BY_HAND[n], "points": n in _THEN_MEASURED}
+        for n in names
+        if n in BY_HAND and n in effects
+    ]
 
 
 def canonical(context: Context, rest: tuple[float, ...], seed: int = 0) -> list[Probe]:

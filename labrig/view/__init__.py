@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from labrig.view._experiment import write_experiment, write_investigation
     from labrig.view._live import LiveView, live_observers
     from labrig.view._picture import write_picture
     from labrig.view._predict import live_predict
@@ -21,6 +22,8 @@ _LAZY = {
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
+    "write_experiment": "_experiment",
+    "write_investigation": "_experiment",
     "write_picture": "_picture",
     "write_recording": "_recording",
     "write_report": "_report",
@@ -35,6 +38,8 @@ __all__ = [
     "screenshot",
     "start_viewer",
     "summary_words",
+    "write_experiment",
+    "write_investigation",
     "write_picture",
     "write_recording",
     "write_report",

@@ -1,0 +1,421 @@
+"""What `labrig investigate` does: measure, diagnose, settle the doubt, improve, and confirm, in a loop."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from drivers import DeviceError
+from labrig._errors import LabrigError
+from labrig.campaign import Procedure
+from labrig.cli._investigate_runs import Bench, complete, procedure_of, started
+from labrig.rig import load_rig
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+    from labrig.model import Model
+
+STATE = "investigation.json"
+NEW_MODEL = "model.new.yaml"
+FIRST_SHARE, FEWEST, MOST = 0.4, 14, 60
+CONFIRM_SHARE, CONFIRM_FEWEST, CONFIRM_MOST = 0.12, 8, 24
+LONGEST_MIN, SHORTEST_MIN = 10.0, 0.75
+MOST_ROUNDS = 8
+UNKNOWN_ROUNDS = 2
+CONFIRMED = 0.5
+CLEAR = {"nothing_missing", "identified", "multiple"}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The options of `labrig investigate`."""
+
+    rig: Path
+    model: Path
+    budget: float
+    out: Path
+    seed: int
+    highest: float
+    realtime: bool
+
+
+@dataclass
+class Investigation:
+    """Everything that is known so far; `write` keeps it in investigation.json and the page."""
+
+    settings: Settings
+    state: str = "under way"
+    conclusion: str = "Under way."
+    units: str = ""
+    rounds: list[dict[str, Any]] = field(default_factory=list)
+    confirmation: dict[str, Any] | None = None
+    waterfall: list[Any] = field(default_factory=list)
+    model: str | None = None
+    warnings: list[str] = field(default_factory=list)
+    _opened: list[Any] = field(default_factory=list, repr=False)
+
+    @property
+    def folder(self) -> Path:
+        return self.settings.out
+
+    @property
+    def minutes(self) -> float:
+        return sum(r["minutes"] for r in self.rounds)
+
+    @property
+    def runs(self) -> list[Path]:
+        return [self.folder / r["run"] for r in self.rounds]
+
+    def opened(self) -> list[Any]:
+        """The runs so far, each read once."""
+        import labrig
+
+        for run in self.runs[len(self._opened) :]:
+            self._opened.append(labrig.open_run(run))
+        return list(self._opened)
+
+    def content(self) -> dict[str, Any]:
+        settings = {k: str(v) if isinstance(v, Path) else v for k, v in vars(self.settings).items()}
+        out = {
+            k: getattr(self, k) for k in ("state", "conclusion", "units", "minutes", "rounds", "confirmation")
+        }
+        more = {k: getattr(self, k) for k in ("waterfall", "model", "warnings")}
+        return {**out, "budget_min": self.settings.budget, **more, "settings": settings}
+
+    def write(self) -> None:
+        from labrig.diagnosis import write_json
+        from labrig.view import write_investigation
+
+        write_json(self.content(), self.folder / STATE)
+        write_investigation(self.content(), self.folder)
+
+    def end(self, state: str, conclusion: str) -> None:
+        self.state, self.conclusion = state, conclusion
+        self.write()
+
+
+def do_investigate(settings: Settings, resume: bool) -> None:
+    """The whole investigation, with what it does printed."""
+    from labrig.model import Model
+
+    investigation = _begun(settings, resume)
+    settings = investigation.settings
+    model, config = Model.load(settings.model), load_rig(settings.rig)
+    bench = Bench(config, settings.rig, settings.realtime)
+    console = Console(highlight=False)
+    try:
+        with bench.opened():
+            _loop(investigation, bench, model, console)
+    except (KeyboardInterrupt, LabrigError, DeviceError) as error:
+        if not any(settings.out.iterdir()):
+            raise  # nothing was measured
+        what = str(error) or "interrupted"
+        investigation.end("interrupted", f"Interrupted: {what}.")
+        where = f"{len(investigation.rounds)} rounds are in {settings.out}; go on with: {_command(settings)}"
+        if not isinstance(error, KeyboardInterrupt):
+            raise type(error)(f"{what}; {where}") from error
+        typer.echo(f"labrig: {what}; {where}", err=True)
+        raise typer.Exit(130) from None
+    _closing(console, investigation)
+
+
+def _command(settings: Settings) -> str:
+    """How to go on."""
+    named = f"--rig {settings.rig} --model {settings.model} --budget {settings.budget:g} --out {settings.out}"
+    return f"labrig investigate {named} --seed {settings.seed} --resume"
+
+
+def _begun(settings: Settings, resume: bool) -> Investigation:
+    path = settings.out / STATE
+    if not resume:
+        if settings.out.exists() and any(settings.out.iterdir()):
+            raise LabrigError(f"{settings.out} is not empty; choose another --out, or go on with --resume")
+        settings.out.mkdir(parents=True, exist_ok=True)
+        return Investigation(settings)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, json.JSONDecodeError):
+        raise LabrigError(f"{settings.out} has no investigation to go on with") from None
+    if content["state"] not in {"under way", "interrupted", "out of budget"}:
+        raise LabrigError(f"{settings.out} is finished ({content['state']}): there is nothing to go on with")
+    known = {k: content[k] for k in ("rounds", "units", "confirmation", "waterfall", "model", "warnings")}
+    return Investigation(settings, **known)
+
+
+def _loop(investigation: Investigation, bench: Bench, model: "Model", console: Console) -> None:
+    budget = investigation.settings.budget
+    confirming = _confirming(investigation, bench)
+    reserve = bench.minutes(confirming)
+    if not investigation.rounds:
+        first = _first(investigation, bench, reserve)
+        _round(investigation, bench, model, console, "capture", first)
+    result = _diagnosis(investigation, model)
+    while True:
+        verdict, left = result.summary["verdict"], budget - investigation.minutes
+        if len(investigation.rounds) >= MOST_ROUNDS:
+            return investigation.end("open", f"Not settled after {MOST_ROUNDS} rounds: {_open(result)}.")
+        programme = _experiment(investigation, bench, model, result, left - reserve, console)
+        if programme is not None:
+            result = _round(investigation, bench, model, console, "experiment", programme)
+            continue
+        if verdict not in CLEAR:
+            short = left - reserve < SHORTEST_MIN
+            return investigation.end(
+                "out of budget" if short else "open",
+                f"{'Out of budget' if short else 'Not settled'}: {_open(result)}.",
+            )
+        if not result.summary["effects"]:
+            return investigation.end(
+                "settled", "Nothing is missing: the model is as good as the measurements."
+            )
+        if left < reserve * 0.999:
+            return _improved(investigation, model, result, confirmed=None)
+        confirmed, again = _confirmed(investigation, bench, model, result, confirming, console)
+        if confirmed or again.summary["effects"] == result.summary["effects"]:
+            return _improved(investigation, model, again, confirmed)
+        result = again
+
+
+def _first(investigation: Investigation, bench: Bench, reserve: float) -> Procedure:
+    """The first campaign, sized to the budget."""
+    from procedures import Capture
+
+    settings = investigation.settings
+    few = Capture.model_validate({"captures": FEWEST, "highest": settings.highest})
+    one = bench.minutes(few, settings.seed) / FEWEST
+    captures = int(min(MOST, FIRST_SHARE * (settings.budget - reserve) / one))
+    if captures < FEWEST:
+        least = (FEWEST * one) / FIRST_SHARE + reserve
+        raise LabrigError(
+            f"--budget {settings.budget:g} min is too little to begin with; give it {least:.0f} or more"
+        )
+    return Capture.model_validate({"captures": captures, "highest": settings.highest})
+
+
+def _confirming(investigation: Investigation, bench: Bench) -> Procedure:
+    """A fresh programme: other set-points, another order, longer holds."""
+    from procedures import Capture
+
+    settings = investigation.settings
+
+    def of(captures: int) -> Capture:
+        fresh = {
+            "pattern": "random",
+            "repeated": 1,
+            "repeats": 2,
+            "settle_s": 5.0,
+            "highest": settings.highest,
+        }
+        return Capture.model_validate({"captures": captures, **fresh})
+
+    one = bench.minutes(of(CONFIRM_FEWEST)) / CONFIRM_FEWEST
+    return of(int(max(CONFIRM_FEWEST, min(CONFIRM_MOST, CONFIRM_SHARE * settings.budget / one))))
+
+
+def _experiment(
+    investigation: Investigation,
+    bench: Bench,
+    model: "Model",
+    result: "Result",
+    left_min: float,
+    console: Console,
+) -> Procedure | None:
+    """The programme that would settle what is open; None where nothing is, or nothing would, or time is short."""
+    from labrig.cli._next_steps import checked_plan, limits_of, print_experiment
+    from labrig.diagnosis import propose_experiment, write_json
+    from labrig.view import write_experiment
+    from procedures import Programme
+
+    summary = result.summary
+    before = [r for r in investigation.rounds if r["programme"] == "experiment"]
+    if summary["verdict"] in {"nothing_missing", "multiple"} or left_min < SHORTEST_MIN:
+        return None
+    if summary["verdict"] == "identified" and any(r["verdict"] == "identified" for r in before):
+        return None  # one look at a near rival is enough
+    if summary["verdict"] in {"unknown", "underpowered"} and len(before) >= UNKNOWN_ROUNDS:
+        return None
+    try:
+        experiment = propose_experiment(
+            investigation.opened(),
+            model,
+            summary=summary,
+            limits=limits_of(bench.config),
+            minutes=min(LONGEST_MIN, left_min - 0.1),
+        )
+    except LabrigError as error:
+        if summary["verdict"] != "identified":
+            investigation.warnings.append(str(error))
+        return None
+    plan = checked_plan(experiment, bench.config)
+    folder = investigation.folder / f"next-{len(investigation.rounds)}"
+    folder.mkdir(exist_ok=True)
+    report = {**experiment.summary, "minutes": plan.duration_s / 60, "rig": bench.config.name}
+    write_json(report, folder / "next.json")
+    write_experiment(report, experiment.programme(), folder)
+    print_experiment(report)
+    return Programme.model_validate({"points": experiment.programme()})
+
+
+def _round(
+    investigation: Investigation,
+    bench: Bench,
+    model: "Model",
+    console: Console,
+    what: str,
+    procedure: Procedure,
+) -> "Result":
+    """Measure one programme, diagnose with all runs, and note it down."""
+    number = len(investigation.rounds) + 1
+    name = f"run-{number}"
+    folder = investigation.folder / name
+    seed = investigation.settings.seed + number
+    if started(folder):  # cut short the last time: the same programme goes on
+        procedure, seed = procedure_of(folder)
+    minutes = bench.minutes(procedure, seed)
+    console.print(f"round {number}: {what}, {minutes:.1f} min on the rig")
+    if not complete(folder):
+        bench.measure(procedure, folder, seed)
+    entry = {
+        "round": number,
+        "programme": what,
+        "run": name,
+        "minutes": minutes,
+        "captures": _captures(folder),
+    }
+    investigation.rounds.append(
+        {
+            **entry,
+            "verdict": "",
+            "effects": [],
+            "rivals": [],
+            "probability": None,
+            "error": {"model": None, "floor": None},
+        }
+    )
+    result = _diagnosis(investigation, model)
+    console.print(f"  {result.summary['verdict']}: {_names(result)}")
+    return result
+
+
+def _captures(folder: Path) -> int:
+    from labrig.log import summarise
+
+    return summarise(folder).captures
+
+
+def _diagnosis(investigation: Investigation, model: "Model") -> "Result":
+    """Diagnose all runs, write the report of the last round, and note the verdict down."""
+    from labrig.diagnosis import diagnose
+    from labrig.view import write_report
+
+    result = diagnose(investigation.opened(), model)
+    last = investigation.rounds[-1]
+    folder = investigation.folder / f"diagnosis-{last['round']}"
+    folder.mkdir(exist_ok=True)
+    result.write(folder / "diagnosis.json")
+    write_report(result, folder)
+    kept = {k: result.summary[k] for k in ("verdict", "effects", "rivals", "probability", "error")}
+    last |= {**kept, "report": f"{folder.name}/report.html"}
+    investigation.units = result.summary["units"]
+    investigation.waterfall = list(result.waterfall)
+    investigation.write()
+    return result
+
+
+def _confirmed(
+    investigation: Investigation,
+    bench: Bench,
+    model: "Model",
+    result: "Result",
+    procedure: Procedure,
+    console: Console,
+) -> "tuple[bool, Result]":
+    """Fit what was found to the runs so far, measure a fresh programme, and see whether the error falls there."""
+    from labrig.diagnosis import compare, improve
+
+    effects = result.summary["effects"]
+    better = improve(investigation.opened(), model, effects, force=True).improved
+    assert better is not None
+    again = _round(investigation, bench, model, console, "confirmation", procedure)
+    fresh = investigation.opened()[-1]
+    before, after = compare(fresh, model).summary["error"], compare(fresh, better).summary["error"]
+    floor = max(float(after["floor"]), 1e-12)
+    drop = (before["model"] - after["model"]) / max(before["model"] - floor, 1e-12)
+    investigation.confirmation = {
+        "effects": effects,
+        "before": float(before["model"]),
+        "after": float(after["model"]),
+        "floor": floor,
+        "drop": float(drop),
+        "run": investigation.rounds[-1]["run"],
+    }
+    return bool(drop >= CONFIRMED), again
+
+
+def _improved(investigation: Investigation, model: "Model", result: "Result", confirmed: bool | None) -> None:
+    """Write the model with what was found, fitted to all runs."""
+    from labrig.diagnosis import improve
+
+    effects = [str(n) for n in result.summary["effects"]]
+    if not effects:
+        return investigation.end("open", f"With the fresh captures the verdict is open: {_open(result)}.")
+    better = improve(investigation.opened(), model, effects, force=True)
+    assert better.improved is not None
+    path = investigation.folder / NEW_MODEL
+    better.improved.save(path)
+    investigation.model = str(path)
+    investigation.waterfall = list(better.waterfall)
+    names, units = " and ".join(n.replace("_", " ") for n in effects), investigation.units
+    found = investigation.confirmation or {}
+    if confirmed:
+        fell = f"from {found['before']:.3g} to {found['after']:.3g} {units} on captures recorded after the verdict"
+        return investigation.end("settled", f"{names.capitalize()}: with it the error falls {fell}.")
+    if confirmed is None:
+        short = f"{names.capitalize()}, not confirmed on fresh captures: out of budget."
+        return investigation.end("out of budget", short)
+    fell = f"from {found['before']:.3g} only to {found['after']:.3g} {units}"
+    return investigation.end(
+        "open", f"{names.capitalize()} is the best name, but on fresh captures the error falls {fell}."
+    )
+
+
+def _open(result: "Result") -> str:
+    summary = result.summary
+    return f"the verdict is {summary['verdict']} ({_names(result)})"
+
+
+def _names(result: "Result") -> str:
+    summary = result.summary
+    names = ", ".join(summary["effects"]) or str(summary.get("carried_by") or "no effect")
+    return names + (f", or {', '.join(summary['rivals'])}" if summary["rivals"] else "")
+
+
+def _closing(console: Console, investigation: Investigation) -> None:
+    """The table of rounds, and where things are."""
+    units = investigation.units
+    table = Table("round", "programme", "captures", "min", "verdict", "effects", f"error, {units}", "floor")
+    for each in investigation.rounds:
+        names = ", ".join(each["effects"]) + (f" (or {', '.join(each['rivals'])})" if each["rivals"] else "")
+        error = each["error"]
+        table.add_row(
+            str(each["round"]),
+            each["programme"],
+            str(each["captures"]),
+            f"{each['minutes']:.1f}",
+            each["verdict"],
+            names,
+            f"{error['model']:.3g}",
+            f"{error['floor']:.3g}",
+        )
+    console.print(table)
+    console.print(f"{investigation.state}: {investigation.conclusion}", soft_wrap=True)
+    console.print(f"{investigation.minutes:.1f} of {investigation.settings.budget:g} min used")
+    for warning in investigation.warnings:
+        console.print(f"note: {warning}", soft_wrap=True)
+    if investigation.model:
+        console.print(f"new model: {investigation.model}", soft_wrap=True)
+    console.print(f"report: {investigation.folder / 'report.html'}", soft_wrap=True)

@@ -1,0 +1,202 @@
+"""The reports of `labrig next` and `labrig investigate`: HTML pages of the same kind as a diagnosis."""
+
+import os
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from labrig.view._page import Page, bar, table
+from labrig.view._style import AFTER, BEFORE
+from labrig.view._waterfall import waterfall_svg
+from labrig.view._words import number, percent, word
+
+REPORT_NAME = "report.html"
+_COLOURS = ("#1f6f8b", "#c0563a", "#7a5ba6", "#4f8a4b", "#d8a23a", "#8d97a3", "#5c123c", "#2f8f83", "#b05fa0")
+_VERDICTS = {
+    "nothing_missing": "nothing is missing",
+    "identified": "identified",
+    "multiple": "several effects",
+    "confounded": "confounded",
+    "unknown": "unknown effect",
+    "underpowered": "too few data",
+}
+
+
+def write_experiment(report: dict[str, Any], programme: Sequence[dict[str, Any]], folder: Path) -> Path:
+    """Write the page of a proposed experiment (`next.json` and its points) into `folder`; returns its path."""
+    separates = " from ".join(word(str(n)) for n in report["separates"]) or "what is open"
+    page = Page("labrig: the next experiment")
+    _over(page, "next experiment", AFTER, [f"rig {report.get('rig', '')}", f"{report['captures']} captures"])
+    page.add(f"<h1>{report['minutes']:.1f} minutes to tell {escape(separates)}.</h1>")
+    page.add(f'<p class="lead">Why this one: {escape(str(report["why"]))}.</p>')
+    _warnings(page, report["warnings"])
+    page.section("What is measured", "Pressure of each chamber over the time of the programme.")
+    page.add(page.plot(_pressures(programme)))
+    _probes(page, report)
+    _expected(page, report)
+    if report["by_hand"]:
+        page.section("By hand", "What no programme can do alone; nothing of it is run unattended.")
+        hands = [[escape(word(str(h["effect"]))), escape(str(h["what"]))] for h in report["by_hand"]]
+        page.add(table(["effect", "what to do"], hands))
+    return _write(page, folder)
+
+
+def write_investigation(report: dict[str, Any], folder: Path) -> Path:
+    """Write the page of an investigation (investigation.json) into `folder`; returns its path."""
+    page = Page("labrig: an investigation")
+    used = f"{report['minutes']:.1f} of {report['budget_min']:g} min on the rig"
+    _over(page, str(report["state"]), AFTER if report["state"] == "settled" else BEFORE, [used])
+    page.add(f"<h1>{escape(str(report['conclusion']))}</h1>")
+    _warnings(page, report["warnings"])
+    page.section("Round by round", "Every round's report is behind its name.")
+    page.add(
+        table(
+            ["round", "programme", "captures", "min", "verdict", "effects", "sure", "error", "floor"],
+            [_round(each) for each in report["rounds"]],
+            ["", "", "number", "number", "", "", "number", "number", "number"],
+        )
+    )
+    units = str(report.get("units") or "")
+    if report.get("waterfall"):
+        page.section("From the model to the noise", "Held-out error of all captures, with what was added.")
+        page.add(waterfall_svg([(str(n), float(v)) for n, v in report["waterfall"]], units))
+    if report.get("confirmation"):
+        _confirmation(page, report["confirmation"], units)
+    return _write(page, folder)
+
+
+def _round(each: dict[str, Any]) -> list[str]:
+    name = escape(str(each["round"]))
+    link = f'<a href="{escape(str(each["report"]))}">{name}</a>' if each.get("report") else name
+    effects = ", ".join(word(str(n)) for n in each["effects"])
+    rivals = ", ".join(word(str(n)) for n in each["rivals"])
+    return [
+        link,
+        escape(str(each["programme"])),
+        str(each["captures"]),
+        f"{each['minutes']:.1f}",
+        escape(_VERDICTS.get(str(each["verdict"]), str(each["verdict"]))),
+        escape(effects + (f" (or {rivals})" if rivals else "")),
+        percent(each["probability"]),
+        number(each["error"]["model"]),
+        number(each["error"]["floor"]),
+    ]
+
+
+def _confirmation(page: Page, found: dict[str, Any], units: str) -> None:
+    page.section("On captures recorded after the verdict", "Another programme, to which nothing was fitted.")
+    rows = [
+        ["the model as it was", number(found["before"])],
+        ["with what was added", number(found["after"])],
+        ["repeats differ by", number(found["floor"])],
+    ]
+    page.add(table(["", f"error, {escape(units)}"], rows, ["", "number"]))
+
+
+def _over(page: Page, badge: str, colour: str, about: list[str]) -> None:
+    shown = escape(" · ".join(["labrig", *(a for a in about if a.strip() != "rig")]))
+    page.add(
+        f'<div class="over"><span class="badge" style="background:{colour}">{escape(badge)}</span>'
+        f"<span>{shown}</span></div>"
+    )
+
+
+def _warnings(page: Page, warnings: Sequence[str]) -> None:
+    if warnings:
+        lines = "".join(f"<p>{escape(str(line))}</p>" for line in warnings)
+        page.add(f'<div class="warnings"><h3>Keep in mind</h3>{lines}</div>')
+
+
+def _probes(page: Page, report: dict[str, Any]) -> None:
+    key = "floors" if report["expected"] else "nats"
+    about = (
+        "Difference: what is left of one explanation when the other is fitted to the probe too, in noise floors."
+        if report["expected"]
+        else "Information about what is not explained yet, nats."
+    )
+    page.section("The probes", about)
+    top = max((p[key] for p in report["probes"]), default=1.0) or 1.0
+    rows = [
+        [
+            escape(str(p["probe"])),
+            escape(str(p["shows"])),
+            escape(str(p["separates"])),
+            str(p["times"]),
+            f"{bar(p[key] / top, 90)} {number(p[key])}",
+            f"{p['minutes']:.1f}",
+        ]
+        for p in report["probes"]
+    ]
+    header = [
+        "probe",
+        "shows",
+        "separates",
+        "times",
+        "difference" if key == "floors" else "information",
+        "min",
+    ]
+    page.add(table(header, rows, ["", "", "", "number", "bars", "number"]))
+
+
+def _expected(page: Page, report: dict[str, Any]) -> None:
+    if not report["expected"]:
+        return
+    units = escape(str(report["units"]))
+    page.section(
+        "What it is expected to say",
+        "By what each would be off if another is true, fitted again to everything.",
+    )
+    rows = [
+        [
+            escape(str(e["true"])),
+            escape(str(e["other"])),
+            number(e["apart"]),
+            number(e["floors"]),
+            "yes" if e["settles"] else "perhaps",
+        ]
+        for e in report["expected"]
+    ]
+    header = ["if it is", "this would be off by", units, "floors", "settles it"]
+    page.add(table(header, rows, ["", "", "number", "number", ""]))
+
+
+def _pressures(programme: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Steps of every chamber's pressure over time, as a figure."""
+    done = [p for p in programme if not p.get("by_hand")]
+    chambers = sorted({c for p in done for c in p["pressure_kpa"]}, key=lambda c: (len(c), c))
+    ends = [0.0]
+    for point in done:
+        ends.append(ends[-1] + point["hold_s"] / 60)
+    data = [
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "name": chamber,
+            "x": [round(e, 4) for e in ends],
+            "y": [*(p["pressure_kpa"].get(chamber, 0.0) for p in done), 0.0],
+            "line": {"shape": "hv", "color": _COLOURS[i % len(_COLOURS)], "width": 1.5},
+        }
+        for i, chamber in enumerate(chambers)
+    ]
+    layout = {
+        "height": 300,
+        "margin": {"l": 50, "r": 10, "t": 10, "b": 40},
+        "xaxis": {"title": {"text": "time, min"}},
+        "yaxis": {"title": {"text": "pressure, kPa"}},
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+    }
+    return {"data": data, "layout": layout}
+
+
+def _write(page: Page, folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / REPORT_NAME
+    temporary = folder / f".{REPORT_NAME}.{os.getpid()}"
+    try:
+        temporary.write_text(page.html(), encoding="utf-8")
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path
