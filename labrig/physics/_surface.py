@@ -6,6 +6,7 @@ normals by the weighted sum of the deflections, and tangentially by the second-o
 is pulled up a slope, -b h grad(h).
 """
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -67,6 +68,14 @@ class Surface:
         self._markers = _Points.at(geometry, self.marker_uv[:, 0], self.marker_uv[:, 1])
         self._gain = np.array([patch.gain_mm_per_kpa for patch in geometry.patches])
         self._limit = np.array([patch.limit_mm for patch in geometry.patches])
+
+    def at(self, uv: ArrayLike) -> "Surface":
+        """The same surface, predicting the points at `uv` (P, 2) in place of its markers; they have no names."""
+        other = copy(self)
+        other.marker_uv = np.asarray(uv, dtype=float).reshape(-1, 2)
+        other.marker_names = ()
+        other._markers = _Points.at(self.geometry, other.marker_uv[:, 0], other.marker_uv[:, 1])
+        return other
 
     @property
     def rest_mm(self) -> Array:

@@ -21,16 +21,6 @@ def angle_deg(rotation: Floats) -> float:
     return float(np.rad2deg(np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0))))
 
 
-def best_motion(source: Floats, target: Floats, weight: Floats | None = None) -> tuple[Floats, Floats]:
-    """Rotation and translation that bring `source` (P, 3) closest to `target` (P, 3) in least squares (Kabsch)."""
-    w = np.ones(len(source)) if weight is None else weight
-    w = w / w.sum()
-    a, b = w @ source, w @ target
-    U, _, Vt = np.linalg.svd((target - b).T @ ((source - a) * w[:, None]))
-    rotation = U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt)) or 1.0]) @ Vt
-    return rotation, b - rotation @ a
-
-
 def upright_frames(points: Floats) -> Floats:
     """Principal axes of points as the columns of a rotation, the longest first, (3, 3)."""
     axes = np.linalg.eigh(np.cov((points - points.mean(axis=0)).T))[1][:, ::-1]

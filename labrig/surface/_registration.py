@@ -10,16 +10,17 @@ from labrig._errors import LabrigError
 from labrig.surface._distance import distances
 from labrig.surface._mesh import Mesh
 from labrig.surface._nearest import Nearest
-from labrig.surface._pose import best_motion, cube_rotations, rotation_of, spread_rotations, upright_frames
+from labrig.surface._pose import angle_deg, cube_rotations, rotation_of, spread_rotations, upright_frames
 
 Floats = NDArray[np.float64]
 
-COARSE = 250
-"""Points on which starts are tried."""
+COARSE = 200
+"""Points on which starts are tried, against twice as many of the target."""
 FINE = 6000
 _SPREAD = 240
 _KEPT = 8
-_GOOD_SHARE = 0.75
+_GOOD_SCORE = 0.04
+_SAME_DEG = 12.0
 _TUKEY = 4.685
 
 
@@ -39,6 +40,14 @@ class Target:
     def middle_mm(self) -> Floats:
         """The mean of its vertices, (3,)."""
         return self.mesh.vertices_mm.mean(axis=0)
+
+    @cached_property
+    def few(self) -> tuple[Floats, Floats]:
+        """Some of its points and their normals, (3, N) each, for rough searches."""
+        count = len(self.mesh.vertices_mm)
+        chosen = np.random.default_rng(0).permutation(count)[: 2 * COARSE]
+        points, normals = self.mesh.vertices_mm[chosen], self.mesh.normals[chosen]
+        return np.ascontiguousarray(points.T), np.ascontiguousarray(normals.T)
 
 
 @dataclass(frozen=True)
@@ -80,74 +89,48 @@ def thinned(mesh: Mesh, count: int) -> NDArray[np.int64]:
     return inner[np.sort(first)]
 
 
-def global_start(
-    points: Floats, normals: Floats | None, target: Target, oriented: bool = True
-) -> tuple[Floats, Floats, float]:
-    """Rotation and translation that bring some points (P, 3) of one surface near to another, from nowhere.
+def global_starts(
+    points: Floats, normals: Floats, target: Target, oriented: bool = True
+) -> list[tuple[Floats, Floats, float]]:
+    """Motions (rotation, translation, score) that bring points (P, 3) near to a surface, from nowhere; best first.
 
     The principal axes of both, in every order and sign, are tried first; where none of them fits, rotations spread
-    over all there are. `normals` (P, 3) of the points tell inside from outside where both surfaces have them
-    (`oriented`). Returns the share of points within 3 % of the target's size, too.
+    over all there are. `normals` (P, 3) tell inside from outside where both surfaces have them (`oriented`). The
+    score is the mean distance as a share of the target's size, with normals that disagree counted in.
     """
     frame = upright_frames(target.mesh.vertices_mm) @ cube_rotations() @ upright_frames(points).T
-    near = np.concatenate([np.eye(3)[None], frame])
-    best = _try_starts(points, normals, target, near, oriented)
-    if best[2] < _GOOD_SHARE:
-        other = _try_starts(points, normals, target, spread_rotations(_SPREAD), oriented)
-        best = max(best, other, key=lambda found: found[2])
-    return best
+    found = _improved(points, normals, target, frame, oriented)
+    if found[0][2] > _GOOD_SCORE:
+        found += _improved(points, normals, target, spread_rotations(_SPREAD), oriented)
+        found.sort(key=lambda motion: motion[2])
+    different: list[tuple[Floats, Floats, float]] = []
+    for motion in found:
+        if all(angle_deg(motion[0] @ other[0].T) > _SAME_DEG for other in different):
+            different.append(motion)
+    return different
 
 
-def _try_starts(
-    points: Floats, normals: Floats | None, target: Target, rotations: Floats, oriented: bool
-) -> tuple[Floats, Floats, float]:
+def _improved(
+    points: Floats, normals: Floats, target: Target, rotations: Floats, oriented: bool
+) -> list[tuple[Floats, Floats, float]]:
+    from labrig.surface._coarse import try_starts
+
+    cloud, cloud_normals = target.few
     shifts = target.middle_mm - rotations @ points.mean(axis=0)
-    scores = [_score(points, normals, target, R, t, oriented) for R, t in zip(rotations, shifts, strict=True)]
-    best: tuple[Floats, Floats, float] | None = None
-    lowest = np.inf
-    for k in np.argsort(scores)[:_KEPT]:
-        R, t = rotations[k], shifts[k]
-        for _ in range(3):  # point to point reaches further than point to plane
-            R, t = _step_to_points(points, target, R, t)
-        for _ in range(6):
-            R, t = _step_to_planes(points, target, R, t, 0.1 * target.size_mm)
-        score = _score(points, normals, target, R, t, oriented)
-        if score < lowest:
-            square = target.nearest.one(points @ R.T + t)[1]
-            share = float((square < (0.03 * target.size_mm) ** 2).mean())
-            best, lowest = (R, t, share if score < 0.05 else 0.5 * share), score
-    assert best is not None
-    return best
+    R, t, cost = try_starts(
+        np.ascontiguousarray(points), np.ascontiguousarray(normals), rotations, shifts, cloud, cloud_normals,
+        target.size_mm, oriented, _KEPT,
+    )  # fmt: skip
+    return [(R[k], t[k], float(cost[k])) for k in range(len(cost))]
 
 
-def _score(
-    points: Floats, normals: Floats | None, target: Target, R: Floats, t: Floats, oriented: bool
-) -> float:
-    """How badly a motion fits: capped distances as a share of the size, and normals that disagree."""
-    index, square = target.nearest.one(points @ R.T + t)
-    cost = np.minimum(np.sqrt(square) / target.size_mm, 0.15)
-    if normals is not None:
-        agreement = np.einsum("pi,pi->p", normals @ R.T, target.mesh.normals[index])
-        cost = cost + 0.05 * (1.0 - (agreement if oriented else np.abs(agreement)))
-    return float(np.sort(cost)[: max(1, int(0.9 * len(cost)))].mean())
+def start_score(points: Floats, normals: Floats, target: Target, oriented: bool = True) -> float:
+    """The score, as of `global_starts`, of the points as they lie."""
+    from labrig.surface._coarse import rough_icp
 
-
-def _step_to_points(points: Floats, target: Target, R: Floats, t: Floats) -> tuple[Floats, Floats]:
-    index, square = target.nearest.one(points @ R.T + t)
-    return best_motion(
-        points, target.mesh.vertices_mm[index], 1.0 / (1.0 + square / (0.05 * target.size_mm) ** 2)
-    )
-
-
-def _step_to_planes(
-    points: Floats, target: Target, R: Floats, t: Floats, reach_mm: float
-) -> tuple[Floats, Floats]:
-    moved = points @ R.T + t
-    index, square = target.nearest.one(moved)
-    weight = (~target.mesh.border[index]) / (1.0 + square / reach_mm**2)
-    normal = target.mesh.normals[index]
-    R, t, _ = _solve_plane(moved, target.mesh.vertices_mm[index], normal, weight, R, t)
-    return R, t
+    cloud, cloud_normals = target.few
+    where = np.ascontiguousarray(points), np.ascontiguousarray(normals), np.eye(3), np.zeros(3)
+    return float(rough_icp(*where, cloud, cloud_normals, target.size_mm, oriented, 0, 0)[2])
 
 
 def _solve_plane(
@@ -183,7 +166,7 @@ def register(
     if start is None:
         coarse = np.linspace(0, len(points) - 1, min(COARSE, len(points))).astype(int)
         oriented = not (source.is_cloud or goal.mesh.is_cloud)
-        R, t, _ = global_start(points[coarse], normals[coarse], goal, oriented)
+        R, t, _ = global_starts(points[coarse], normals[coarse], goal, oriented)[0]
     else:
         R, t = np.asarray(start[0], float), np.asarray(start[1], float)
     reach_mm, done = 0.1 * goal.size_mm, 0

@@ -1,0 +1,8 @@
+"""Inverse kinematics: which pressures make a surface take a given shape, and where it cannot."""
+
+from labrig.ik._descent import Pose
+from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
+from labrig.ik._result import Gap, IkResult
+from labrig.ik._solve import Solver, solve
+
+__all__ = ["Evaluator", "Gap", "IkResult", "Pose", "ShapeModel", "Solver", "evaluator", "solve"]

@@ -1,0 +1,167 @@
+"""One search from one start: pressures and pose together, by damped Gauss-Newton on point-to-plane distances."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.ik._evaluate import Evaluator
+from labrig.surface import Target
+from labrig.surface._pose import rotation_of
+
+Floats = NDArray[np.float64]
+History = tuple[tuple[float, float], ...]
+"""(time since the search began, s; mean distance, mm) at the start and after every step."""
+
+NOWHERE = "the target lies nowhere opposite the surface: is it the right one, and its unit right?"
+
+_FIRST_DAMPING = 1e-3
+_LEAST_DAMPING = 1e-7
+_TRIES = 4
+_STILL = 1e-3
+"""A step that promises, or gives, less than this share of the cost is the last."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Target to rig: x -> rotation @ x + translation_mm."""
+
+    rotation: Floats
+    translation_mm: Floats
+
+    @classmethod
+    def identity(cls) -> "Pose":
+        """The target lies where the rig's frame has it."""
+        return cls(np.eye(3), np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Rough:
+    """How a search begins: up to `steps` in which sliding along the surface costs too, by the weight `sliding`.
+
+    It goes on with these as long as each takes more than `enough` of the cost away.
+    """
+
+    steps: int
+    sliding: float
+    enough: float
+
+
+NEARBY = Rough(3, 0.05, 0.5)
+FAR_AWAY = Rough(10, 0.5, 0.1)
+
+
+@dataclass
+class State:
+    """Where a search is: pressures (C,), the pose, and the pairs that they give; see `_kernels.pairs`."""
+
+    pressure: Floats
+    rotation: Floats
+    translation: Floats
+    points: Floats
+    slope: NDArray
+    offset: Floats
+    plane: Floats
+    normal: Floats
+    usable: Floats
+    cost: float = np.inf
+
+    def scale_mm(self) -> float:
+        """Width of the robust cost: what is several times farther off than most counts for little."""
+        far = np.abs(self.plane[self.usable > 0])
+        return max(1.0, 6.0 * float(np.median(far))) if len(far) else 1.0
+
+    def mean_mm(self) -> float:
+        """Mean distance of the samples that have the target opposite."""
+        return float((np.abs(self.plane) * self.usable).sum() / max(self.usable.sum(), 1.0))
+
+    def misfit(self, size_mm: float) -> float:
+        """Mean distance of all samples, whatever they have opposite, as a share of the size; far is far."""
+        square = (self.offset**2).sum(axis=1)
+        return float(np.minimum(np.sqrt(square) / size_mm, 0.08).mean())
+
+
+class Descent:
+    """Searches with one evaluator, within limits (C,), kPa; `middle_mm` (3,) is what poses turn about."""
+
+    def __init__(self, evaluate: Evaluator, low: Floats, high: Floats, middle_mm: Floats) -> None:
+        self.evaluate, self.low, self.high, self.middle = evaluate, low, high, middle_mm
+
+    def look(self, goal: Target, pressure: Floats, rotation: Floats, translation: Floats) -> State:
+        """The pairs at some pressures and pose."""
+        from labrig.ik import _kernels
+
+        points, slope = self.evaluate(pressure)
+        points = np.asarray(points, np.float64)
+        index, _ = goal.nearest.one((points - translation) @ rotation)
+        count, mesh = len(points), goal.mesh
+        offset, normal = np.empty((count, 3)), np.empty((count, 3))
+        plane, usable = np.empty(count), np.empty(count)
+        _kernels.pairs(
+            points, rotation, translation, index, mesh.vertices_mm, mesh.normals, mesh.border,
+            offset, plane, normal, usable,
+        )  # fmt: skip
+        return State(pressure, rotation, translation, points, slope, offset, plane, normal, usable)
+
+    def equations(self, state: State, scale_mm: float, sliding: float = 0.0) -> tuple[Floats, Floats]:
+        """Normal matrix and gradient by pressures, rotation and translation, (C + 6,)."""
+        from labrig.ik import _kernels
+
+        return _kernels.normal_equations(
+            state.points, state.slope, state.offset, state.plane, state.normal, state.usable,
+            scale_mm, sliding, self.middle,
+        )  # fmt: skip
+
+    def run(
+        self, goal: Target, pressure: Floats, pose: Pose, iterations: int, rough: Rough = NEARBY
+    ) -> tuple[State, History]:
+        """Go down from a start until no step gives anything; raises `LabrigError` where nothing is opposite."""
+        began = time.perf_counter()
+        state = self.look(goal, pressure, pose.rotation, pose.translation_mm)
+        if state.usable.sum() < 0.02 * len(state.usable):
+            raise LabrigError(NOWHERE)
+        damping, left = _FIRST_DAMPING, rough.steps
+        history = [(time.perf_counter() - began, state.mean_mm())]
+        for _ in range(iterations):
+            following, damping = self._step(goal, state, damping, rough.sliding if left > 0 else 0.0)
+            gain = 0.0 if following is None else 1.0 - following.cost / state.cost
+            if following is not None:
+                state, damping = following, max(damping / 5.0, _LEAST_DAMPING)
+                history.append((time.perf_counter() - began, state.mean_mm()))
+            if gain < _STILL and left == 0:
+                break
+            left = max(0, left - 1) if gain > rough.enough else 0
+        state.cost = self._cost(state, state.scale_mm(), 0.0)
+        return state, tuple(history)
+
+    def _cost(self, state: State, scale_mm: float, sliding: float) -> float:
+        from labrig.ik import _kernels
+
+        return float(_kernels.cost_of(state.offset, state.plane, state.usable, scale_mm, sliding))
+
+    def _step(self, goal: Target, state: State, damping: float, sliding: float) -> tuple[State | None, float]:
+        """The next state, None if no step is better; and the damping that it took."""
+        from labrig.ik import _kernels
+
+        scale = state.scale_mm()
+        state.cost = self._cost(state, scale, sliding)
+        H, g = self.equations(state, scale, sliding)
+        for _ in range(2 if sliding > 0 else _TRIES):
+            step = _kernels.bounded_step(H, g, damping, state.pressure, self.low, self.high)
+            promised = -(2.0 * g @ step + step @ H @ step) / (state.usable.sum() * state.cost + 1e-300)
+            if promised < _STILL:
+                break
+            turn = rotation_of(step[-6:-3])
+            moved = self.look(
+                goal,
+                np.clip(state.pressure + step[:-6], self.low, self.high),
+                turn @ state.rotation,
+                turn @ (state.translation - self.middle) + self.middle + step[-3:],
+            )
+            moved.cost = self._cost(moved, scale, sliding)
+            if moved.cost < state.cost:
+                return moved, damping
+            damping *= 10.0
+        return None, damping

@@ -1,0 +1,187 @@
+"""The loops of inverse kinematics, compiled; imported when first used."""
+
+import numpy as np
+from numba import njit
+
+REACH = 0.4
+"""How far a pressure may go in one step, as a share of its range."""
+
+
+@njit(cache=True, fastmath=True)
+def gather(net, first, weight, value, slope):
+    """Points and derivatives from a control net that holds both.
+
+    net (n, 3, 1 + C): control points, then their derivatives; for each of P points `first` (P, S) the rows of the net
+    that bear on it and `weight` (P, S). Fills value (P, 3) and slope (P, 3, C).
+    """
+    width = net.shape[2]
+    total = np.empty((3, width), net.dtype)
+    for p in range(len(first)):
+        total[:] = 0.0
+        for s in range(first.shape[1]):
+            w = weight[p, s]
+            row = net[first[p, s]]
+            for d in range(3):
+                for k in range(width):
+                    total[d, k] += w * row[d, k]
+        for d in range(3):
+            value[p, d] = total[d, 0]
+            for k in range(width - 1):
+                slope[p, d, k] = total[d, k + 1]
+
+
+@njit(cache=True, fastmath=True)
+def warp_slopes(value, slope, gradient, table, affine_slope, moved_slope):
+    """Derivatives after a warp whose coefficients and centers move with the actuation.
+
+    For P points and C chambers: value (P, 3) about the warp's middle; slope (P, 3, C); gradient (P, 3, 3) of the warp;
+    table (P, 12, C): what changes by itself (3, C), then what changes with the point (component, coordinate, C);
+    affine_slope (4, 3, C). Fills moved_slope (P, 3, C).
+    """
+    C = slope.shape[2]
+    for p in range(len(value)):
+        x, y, z = value[p, 0], value[p, 1], value[p, 2]
+        for d in range(3):
+            g0, g1, g2 = gradient[p, d, 0], gradient[p, d, 1], gradient[p, d, 2]
+            for k in range(C):
+                moved_slope[p, d, k] = (
+                    g0 * slope[p, 0, k]
+                    + g1 * slope[p, 1, k]
+                    + g2 * slope[p, 2, k]
+                    + affine_slope[0, d, k]
+                    + affine_slope[1, d, k] * x
+                    + affine_slope[2, d, k] * y
+                    + affine_slope[3, d, k] * z
+                    + table[p, d, k]
+                    + table[p, 3 + 3 * d, k] * x
+                    + table[p, 4 + 3 * d, k] * y
+                    + table[p, 5 + 3 * d, k] * z
+                )
+
+
+@njit(cache=True)
+def pairs(points, rotation, translation, index, vertices, normals, border, offset, plane, normal, usable):
+    """Offsets of points from their nearest target vertices, in the rig's frame.
+
+    Target to rig: x -> rotation x + translation. Fills offset (P, 3), plane (P,) = normal . offset, normal (P, 3) and
+    usable (P,): 0 where the nearest vertex is on the border.
+    """
+    for p in range(len(points)):
+        i = index[p]
+        for d in range(3):
+            foot = translation[d]
+            turned = 0.0
+            for e in range(3):
+                foot += rotation[d, e] * vertices[i, e]
+                turned += rotation[d, e] * normals[i, e]
+            offset[p, d] = points[p, d] - foot
+            normal[p, d] = turned
+        plane[p] = normal[p, 0] * offset[p, 0] + normal[p, 1] * offset[p, 1] + normal[p, 2] * offset[p, 2]
+        usable[p] = 0.0 if border[i] else 1.0
+
+
+@njit(cache=True)
+def cost_of(offset, plane, usable, scale, sliding):
+    """Mean robust cost per usable pair, mm^2 (Geman-McClure of width `scale`), tangential part times `sliding`."""
+    total, count = 0.0, 0.0
+    for p in range(len(plane)):
+        if usable[p] > 0:
+            square = offset[p, 0] ** 2 + offset[p, 1] ** 2 + offset[p, 2] ** 2
+            error = plane[p] ** 2 + sliding * square
+            total += usable[p] * error / (1.0 + error / scale**2)
+            count += usable[p]
+    return total / count if count > 0 else np.inf
+
+
+@njit(cache=True, fastmath=True)
+def normal_equations(points, slope, offset, plane, normal, usable, scale, sliding, middle):
+    """Normal matrix (C + 6, C + 6) and gradient of the robust cost by pressures, rotation, translation.
+
+    The rotation is about `middle`; the motion is the target's: a foot f moves by w x (f - middle) + t.
+    """
+    C = slope.shape[2]
+    n = C + 6
+    H = np.zeros((n, n))
+    g = np.zeros(n)
+    row = np.empty(n)
+    for p in range(len(plane)):
+        if usable[p] <= 0:
+            continue
+        square = offset[p, 0] ** 2 + offset[p, 1] ** 2 + offset[p, 2] ** 2
+        error = plane[p] ** 2 + sliding * square
+        weight = usable[p] / (1.0 + error / scale**2) ** 2
+        f0 = points[p, 0] - offset[p, 0] - middle[0]
+        f1 = points[p, 1] - offset[p, 1] - middle[1]
+        f2 = points[p, 2] - offset[p, 2] - middle[2]
+        for kind in range(4 if sliding > 0 else 1):
+            if kind == 0:
+                a0, a1, a2, r, w = normal[p, 0], normal[p, 1], normal[p, 2], plane[p], weight
+            else:
+                a0, a1, a2 = 1.0 * (kind == 1), 1.0 * (kind == 2), 1.0 * (kind == 3)
+                r, w = offset[p, kind - 1], weight * sliding
+            for k in range(C):
+                row[k] = a0 * slope[p, 0, k] + a1 * slope[p, 1, k] + a2 * slope[p, 2, k]
+            row[C] = -(f1 * a2 - f2 * a1)
+            row[C + 1] = -(f2 * a0 - f0 * a2)
+            row[C + 2] = -(f0 * a1 - f1 * a0)
+            row[C + 3], row[C + 4], row[C + 5] = -a0, -a1, -a2
+            for i in range(n):
+                x = w * row[i]
+                g[i] += x * r
+                for j in range(i + 1):
+                    H[i, j] += x * row[j]
+    for i in range(n):
+        for j in range(i):
+            H[j, i] = H[i, j]
+    return H, g
+
+
+@njit(cache=True)
+def bounded_step(H, g, damping, value, low, high):
+    """The damped Newton step that keeps the first len(value) variables within [low, high] (active set).
+
+    Chambers are damped alike, relative to their ranges, so that one that hardly moves anything does not run away; the
+    step goes no farther than `REACH` of a range.
+    """
+    n, C = len(g), len(value)
+    A = H.copy()
+    span = high - low
+    most = 0.0
+    for i in range(C):
+        most = max(most, H[i, i] * span[i] ** 2)
+    for i in range(C):
+        A[i, i] += damping * most / max(span[i], 1e-9) ** 2 + 1e-12
+    for i in range(C, n):
+        A[i, i] += damping * H[i, i] + 1e-12
+    low, high = np.maximum(low, value - REACH * span), np.minimum(high, value + REACH * span)
+    free = np.ones(n, np.bool_)
+    step = np.zeros(n)
+    for i in range(C):
+        if (value[i] <= low[i] and g[i] > 0) or (value[i] >= high[i] and g[i] < 0):
+            free[i] = False
+    for _ in range(C + 1):
+        index = np.flatnonzero(free)
+        m = len(index)
+        S = np.empty((m, m))
+        b = np.empty(m)
+        for i in range(m):
+            b[i] = -g[index[i]]
+            for j in range(n):
+                if not free[j]:
+                    b[i] -= A[index[i], j] * step[j]
+            for j in range(m):
+                S[i, j] = A[index[i], index[j]]
+        x = np.linalg.solve(S, b)
+        again = False
+        for i in range(m):
+            k = index[i]
+            step[k] = x[i]
+        for i in range(C):
+            if free[i]:
+                if value[i] + step[i] > high[i]:
+                    step[i], free[i], again = high[i] - value[i], False, True
+                elif value[i] + step[i] < low[i]:
+                    step[i], free[i], again = low[i] - value[i], False, True
+        if not again:
+            break
+    return step

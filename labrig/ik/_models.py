@@ -1,0 +1,75 @@
+"""Simulators as shape models, and what a model file on the command line stands for."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from labrig.physics import Shell, Surface
+
+Floats = NDArray[np.float64]
+
+
+class ShellModel:
+    """A shell simulator as a shape model: every evaluation is an equilibrium, begun at the last one's."""
+
+    def __init__(self, shell: "Shell") -> None:
+        self.shell = shell
+        self.chamber_names = shell.chamber_names
+        self.low_kpa = np.zeros(len(shell.max_kpa))
+        self.high_kpa = shell.max_kpa
+        self._last = None
+
+    def points_and_jacobian(self, pressure_kpa: Floats, uv: Floats) -> tuple[Floats, Floats]:
+        """Points (P, 3) and derivatives (P, 3, C) of one equilibrium."""
+        solution = self._solve(pressure_kpa)
+        basis = self.shell.spline.basis(uv)
+        moved = basis @ self.shell.jacobian(solution).reshape(self.shell.spline.size, -1)
+        points = basis @ solution.control_mm.reshape(-1, 3)
+        return points, moved.reshape(len(points), 3, -1)
+
+    def points(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
+        """Points (F, P, 3), mm."""
+        solved = [self._solve(p).control_mm for p in np.atleast_2d(np.asarray(pressure_kpa, float))]
+        return self.shell.spline.evaluate(np.array(solved), uv)
+
+    def jacobian(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
+        """Their derivatives (F, P, 3, C), mm/kPa."""
+        rows = np.atleast_2d(np.asarray(pressure_kpa, float))
+        return np.array([self.points_and_jacobian(p, np.asarray(uv, float))[1] for p in rows])
+
+    def _solve(self, pressure_kpa: Floats):
+        from labrig._errors import LabrigError
+
+        try:
+            self._last = self.shell.solve(pressure_kpa, self._last)
+        except LabrigError:
+            self._last = self.shell.solve(pressure_kpa)  # the last equilibrium was too far away
+        return self._last
+
+
+class SurfaceModel:
+    """A quick surface of a simulated rig as a shape model."""
+
+    def __init__(self, surface: "Surface", high_kpa: ArrayLike = 60.0) -> None:
+        self.surface = surface
+        self.chamber_names = surface.chamber_names
+        self.low_kpa = np.zeros(len(surface.chamber_names))
+        self.high_kpa = np.broadcast_to(np.asarray(high_kpa, float), self.low_kpa.shape).copy()
+        self._kept: tuple[Floats, Surface] | None = None
+
+    def points(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
+        """Points (F, P, 3), mm."""
+        return self._at(uv).predict(pressure_kpa)
+
+    def jacobian(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
+        """Their derivatives (F, P, 3, C), mm/kPa."""
+        return self._at(uv).jacobian(pressure_kpa)
+
+    def _at(self, uv: ArrayLike) -> "Surface":
+        """The surface with its markers at `uv`: its predictions are those of the points there."""
+        places = np.asarray(uv, float)
+        if self._kept is None or not np.array_equal(self._kept[0], places):
+            self._kept = (places, self.surface.at(places))
+        return self._kept[1]

@@ -1,0 +1,118 @@
+"""What inverse kinematics finds: pressures, the pose of the target, and what remains between the two surfaces."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A part of the surface that stays away from the target.
+
+    `depth_mm`: the farthest signed distance, positive where the surface stands out of the target; `middle_mm` (3,) in
+    the target's own frame; `uv` the place on the model's surface; `area_share` of the surface; `chamber` the one that
+    moves this part most, and whether it is at a `limit` ("", "lowest" or "highest") that keeps it from going on.
+    """
+
+    depth_mm: float
+    middle_mm: tuple[float, float, float]
+    uv: tuple[float, float]
+    area_share: float
+    chamber: str
+    limit: str
+
+    @property
+    def words(self) -> str:
+        """The gap in words."""
+        side = "stands out of" if self.depth_mm > 0 else "stays inside"
+        x, y, z = self.middle_mm
+        why = f"; {self.chamber} is at its {self.limit} pressure" if self.limit else ""
+        return (
+            f"{side} the target by up to {abs(self.depth_mm):.1f} mm around ({x:.0f}, {y:.0f}, {z:.0f}){why}"
+        )
+
+
+@dataclass(frozen=True)
+class IkResult:
+    """The best actuation for a target.
+
+    pressure_kpa (C,); target to rig: x -> rotation @ x + translation_mm; `mean_mm`, `p95_mm`, `max_mm` of the absolute
+    distance between the model's surface and the target, over the samples that have the target opposite (`share` of
+    all); `signed_mm` (P,) distances at `uv` (P, 2), positive where the surface stands out, NaN where nothing is
+    opposite; `sd_kpa` (C,) how far each pressure could move if what remains were chance; `iterations` over all
+    `starts`; `time_s` of the search, `prepare_s` of the target.
+    """
+
+    chamber_names: tuple[str, ...]
+    pressure_kpa: Floats
+    rotation: Floats
+    translation_mm: Floats
+    mean_mm: float
+    p95_mm: float
+    max_mm: float
+    share: float
+    signed_mm: Floats
+    uv: Floats
+    sd_kpa: Floats
+    limited: tuple[str, ...]
+    iterations: int
+    starts: int
+    time_s: float
+    prepare_s: float
+    history: tuple[tuple[float, float], ...] = ()
+    gaps: tuple[Gap, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+    def to_rig(self, points_mm: Floats) -> Floats:
+        """Points (..., 3) of the target in the rig's frame."""
+        return points_mm @ self.rotation.T + self.translation_mm
+
+    def to_target(self, points_mm: Floats) -> Floats:
+        """Points (..., 3) of the rig in the target's frame."""
+        return (points_mm - self.translation_mm) @ self.rotation
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain values, without the distances point by point."""
+        return {
+            "pressure_kpa": dict(
+                zip(self.chamber_names, np.round(self.pressure_kpa, 4).tolist(), strict=True)
+            ),
+            "sd_kpa": dict(zip(self.chamber_names, _rounded(self.sd_kpa), strict=True)),
+            "at_limit": list(self.limited),
+            "rotation": np.round(self.rotation, 9).tolist(),
+            "translation_mm": np.round(self.translation_mm, 4).tolist(),
+            "distance_mm": {
+                "mean": _number(self.mean_mm),
+                "p95": _number(self.p95_mm),
+                "max": _number(self.max_mm),
+            },
+            "share": round(self.share, 4),
+            "iterations": self.iterations,
+            "starts": self.starts,
+            "time_ms": round(1e3 * self.time_s, 2),
+            "prepare_ms": round(1e3 * self.prepare_s, 2),
+            "gaps": [
+                {
+                    "depth_mm": _number(gap.depth_mm),
+                    "middle_mm": [_number(x) for x in gap.middle_mm],
+                    "uv": [_number(x) for x in gap.uv],
+                    "area_share": round(gap.area_share, 4),
+                    "chamber": gap.chamber,
+                    "limit": gap.limit,
+                }
+                for gap in self.gaps
+            ],
+            "notes": list(self.notes),
+        }
+
+
+def _number(value: float) -> float | None:
+    return round(float(value), 4) if np.isfinite(value) else None
+
+
+def _rounded(values: Floats) -> list[float | None]:
+    return [_number(value) for value in values]

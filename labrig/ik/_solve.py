@@ -1,0 +1,172 @@
+"""Inverse kinematics of one model: starts where they are needed, the search, and what it says of the result."""
+
+import time
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from labrig._errors import LabrigError
+from labrig.ik._descent import FAR_AWAY, NOWHERE, Descent, History, Pose, State
+from labrig.ik._evaluate import ShapeModel, evaluator
+from labrig.ik._gaps import find_gaps
+from labrig.ik._poses import lies_near, likeliest, spread_actuations
+from labrig.ik._result import IkResult
+from labrig.surface import Mesh, Target, grid
+
+Floats = NDArray[np.float64]
+
+SAMPLES = 27
+"""The search looks at SAMPLES x SAMPLES points of the surface."""
+ITERATIONS = 40
+_MARGIN = 0.01
+_FITS, _FITS_ANEW = 0.02, 0.004
+"""Misfits, shares of the target's size, above which other poses are tried: its own pose's, a likely one's."""
+_OTHER_SHARES = (0.15, 0.85)
+_FAR = 0.02
+_FREE = 0.35
+
+
+class Solver:
+    """Inverse kinematics of one model; keeps what does not depend on the target.
+
+    `low_kpa`, `high_kpa` (C,) narrow the model's own limits to the rig's; `samples` x `samples` points of the surface
+    are compared with the target. Raises `LabrigError` where the limits have nothing in common.
+    """
+
+    def __init__(
+        self,
+        model: ShapeModel,
+        low_kpa: ArrayLike | None = None,
+        high_kpa: ArrayLike | None = None,
+        samples: int = SAMPLES,
+    ) -> None:
+        self.model = model
+        self.low = np.maximum(model.low_kpa, -np.inf if low_kpa is None else np.asarray(low_kpa, float))
+        self.high = np.minimum(model.high_kpa, np.inf if high_kpa is None else np.asarray(high_kpa, float))
+        if (self.low > self.high).any():
+            worst = model.chamber_names[int(np.argmax(self.low - self.high))]
+            raise LabrigError(f"chamber {worst}: the rig's limits and the model's have nothing in common")
+        uv, self.triangles = grid(samples, samples)
+        self.uv = _MARGIN + (1.0 - 2.0 * _MARGIN) * uv
+        self.evaluate = evaluator(model, self.uv)
+        self.half_kpa = 0.5 * (self.low + self.high)
+        self.half_shape = self._shape(self.half_kpa)
+        self.descent = Descent(self.evaluate, self.low, self.high, self.half_shape.vertices_mm.mean(axis=0))
+
+    def solve(
+        self,
+        target: Mesh | Target,
+        pose: Pose | None = None,
+        start_kpa: ArrayLike | None = None,
+        iterations: int = ITERATIONS,
+    ) -> IkResult:
+        """The best pressures within the limits, and the pose.
+
+        `pose` is where to begin (left out: where the target lies, or from a global search where that is nowhere
+        near); `start_kpa` (C,) the pressures to begin with (left out: half of each range). Raises `LabrigError` when
+        the target has nothing in common with the surface.
+        """
+        began = time.perf_counter()
+        goal = target if isinstance(target, Target) else Target(target)
+        _ = goal.mesh.normals, goal.mesh.border
+        prepared = time.perf_counter()
+        first = self.half_kpa if start_kpa is None else np.asarray(start_kpa, float)
+        best, history, starts = self._from_poses(goal, np.clip(first, self.low, self.high), pose, iterations)
+        if start_kpa is None and self._stuck(best, goal):
+            for share in _OTHER_SHARES:
+                second = self.low + share * (self.high - self.low)
+                again, more = self.descent.run(
+                    goal, second, Pose(best.rotation, best.translation), iterations
+                )
+                starts, history = starts + 1, history + more
+                best = min(best, again, key=lambda state: state.cost)
+        return self._result(goal, best, history, starts, time.perf_counter() - prepared, prepared - began)
+
+    def _shape(self, pressure: Floats) -> Mesh:
+        return Mesh(np.asarray(self.evaluate(pressure)[0], float), self.triangles)
+
+    def _from_poses(
+        self, goal: Target, first: Floats, pose: Pose | None, iterations: int
+    ) -> tuple[State, History, int]:
+        """The best of the searches from where the target lies, or from the likeliest poses if it lies far away."""
+        found: list[State] = []
+        history: History = ()
+        if pose is not None or lies_near(self.half_shape, goal):
+            state, history = self.descent.run(goal, first, pose or Pose.identity(), iterations)
+            if pose is not None or state.misfit(goal.size_mm) < _FITS:
+                return state, history, 1
+            found.append(state)
+        starts = len(found)
+        for more_shapes in (False, True):
+            tried = spread_actuations(self.low, self.high) if more_shapes else first[None]
+            for _, R, t, pressure in likeliest([(p, self._shape(p)) for p in tried], goal):
+                try:
+                    state, steps = self.descent.run(goal, pressure, Pose(R.T, -R.T @ t), iterations, FAR_AWAY)
+                except LabrigError:
+                    continue
+                found.append(state)
+                starts, history = starts + 1, history + steps
+                if state.misfit(goal.size_mm) < _FITS_ANEW:
+                    return state, history, starts
+        if not found:
+            raise LabrigError(NOWHERE)
+        return min(found, key=lambda state: state.misfit(goal.size_mm)), history, starts
+
+    def _stuck(self, state: State, goal: Target) -> bool:
+        """Whether another start could help: much of the target is far off although most chambers are free."""
+        far = np.abs(state.plane[state.usable > 0])
+        free = (state.pressure > self.low) & (state.pressure < self.high)
+        return bool(far.mean() > _FAR * goal.size_mm and free.mean() > _FREE)
+
+    def _result(
+        self, goal: Target, state: State, history: History, starts: int, time_s: float, prepare_s: float
+    ) -> IkResult:
+        names = self.model.chamber_names
+        usable = state.usable > 0
+        signed = np.where(usable, state.plane, np.nan)
+        absolute = np.abs(state.plane[usable])
+        H, _ = self.descent.equations(state, state.scale_mm())
+        slack = 1e-6 * (self.high - self.low)
+        limits = (state.pressure >= self.high - slack).astype(int) - (state.pressure <= self.low + slack)
+        influence = np.abs(np.einsum("pi,pik->pk", state.normal, state.slope))
+        placed = (state.points - state.translation) @ state.rotation
+        return IkResult(
+            chamber_names=names,
+            pressure_kpa=state.pressure,
+            rotation=state.rotation,
+            translation_mm=state.translation,
+            mean_mm=float(absolute.mean()),
+            p95_mm=float(np.quantile(absolute, 0.95)),
+            max_mm=float(absolute.max()),
+            share=float(usable.mean()),
+            signed_mm=signed,
+            uv=self.uv,
+            sd_kpa=_deviations(H, float((absolute**2).mean()), len(names)),
+            limited=tuple(name for name, side in zip(names, limits, strict=True) if side),
+            iterations=len(history) - starts,
+            starts=starts,
+            time_s=time_s,
+            prepare_s=prepare_s,
+            history=history,
+            gaps=find_gaps(signed, self.uv, placed, influence, names, limits),
+        )
+
+
+def _deviations(H: Floats, variance: float, chambers: int) -> Floats:
+    """Standard deviations of the pressures, kPa, if distances of neighbouring samples were independent."""
+    try:
+        covariance = np.linalg.inv(H + 1e-12 * np.trace(H) * np.eye(len(H)))
+    except np.linalg.LinAlgError:
+        return np.full(chambers, np.nan)
+    return np.sqrt(np.maximum(np.diag(covariance)[:chambers], 0.0) * variance)
+
+
+def solve(
+    target: Mesh | Target,
+    model: ShapeModel,
+    low_kpa: ArrayLike | None = None,
+    high_kpa: ArrayLike | None = None,
+    pose: Pose | None = None,
+) -> IkResult:
+    """`Solver(model, low_kpa, high_kpa).solve(target, pose)`: for one target."""
+    return Solver(model, low_kpa, high_kpa).solve(target, pose)

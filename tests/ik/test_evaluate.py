@@ -1,0 +1,53 @@
+"""Compiled evaluation gives what the model itself gives, and its derivatives are true."""
+
+import numpy as np
+import pytest
+
+from labrig.ik import evaluator
+from labrig.ik._evaluate import Plain, Reduced, Warped
+
+PRESSURE = np.array([12.0, 45.0, 30.0, 5.0])
+
+
+def differences(model, uv, step=0.02):
+    def at(pressure):
+        return model.points(pressure[None], uv)[0]
+
+    return np.stack(
+        [(at(PRESSURE + step * e) - at(PRESSURE - step * e)) / (2 * step) for e in np.eye(4)], axis=-1
+    )
+
+
+@pytest.mark.parametrize("name", ["net", "warped"])
+def test_compiled_equals_the_model(request, name):
+    """Points agree to 1e-3 mm with the model's own, derivatives with central differences to 1e-4 of the largest."""
+    model = request.getfixturevalue(name)
+    uv = np.random.default_rng(0).uniform(0, 1, (300, 2))
+    points, slope = evaluator(model, uv)(PRESSURE)
+    expected = differences(model, uv)
+    assert np.abs(points - model.points(PRESSURE[None], uv)[0]).max() < 1e-3
+    assert np.abs(slope - expected).max() < 1e-4 * np.abs(expected).max()
+
+
+def test_chunks_do_not_show(warped):
+    """More points than fit into one chunk are evaluated like few."""
+    uv = np.random.default_rng(1).uniform(0, 1, (2500, 2))
+    every, some = evaluator(warped, uv), evaluator(warped, uv[2000:2010])
+    for whole, part in zip(every(PRESSURE), some(PRESSURE), strict=True):
+        assert np.abs(whole[2000:2010] - part).max() < 1e-3
+
+
+def test_choice(net, warped, mannequin):
+    """What can be compiled is; anything else is asked itself."""
+    uv = np.array([[0.5, 0.5]])
+    kinds = [type(evaluator(model, uv)) for model in (net, warped, mannequin)]
+    assert kinds == [Reduced, Warped, Plain]
+
+
+def test_quick_surface_derivatives(mannequin):
+    """The quick surface as a model: its derivatives are its differences."""
+    uv, p = np.random.default_rng(2).uniform(0, 1, (50, 2)), np.full((1, 9), 20.0)
+    slope = mannequin.jacobian(p, uv)[0]
+    for c, e in enumerate(np.eye(9)):
+        change = (mannequin.points(p + 0.01 * e, uv) - mannequin.points(p - 0.01 * e, uv))[0] / 0.02
+        np.testing.assert_allclose(slope[:, :, c], change, atol=1e-6)

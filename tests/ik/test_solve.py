@@ -1,0 +1,118 @@
+"""Inverse kinematics: known actuations are found again, from any pose and in part, and what cannot be is said."""
+
+import numpy as np
+import pytest
+
+from labrig import LabrigError
+from labrig.ik import Pose, Solver
+from labrig.surface import Mesh, clean, distances, grid
+from labrig.surface._pose import angle_deg, rotation_of, spread_rotations
+
+TRUTH = np.array([20.0, 35.0, 10.0, 40.0, 25.0, 50.0, 15.0, 30.0, 45.0])
+
+
+def test_a_known_shape_is_found_again(solver, mannequin, make_target):
+    """From half pressure and a pose some centimetres off: pressures to 0.5 kPa, surface to the scan's noise."""
+    rotation, shift = rotation_of(np.array([0.06, -0.04, 0.05])), np.array([9.0, -12.0, 6.0])
+    found = solver.solve(make_target(mannequin, TRUTH, rotation, shift))
+    np.testing.assert_allclose(found.pressure_kpa, TRUTH, atol=0.5)
+    assert angle_deg(found.rotation @ rotation.T) < 0.1
+    assert found.mean_mm < 0.12
+    assert found.starts == 1
+    assert found.iterations <= 12
+    assert not found.gaps
+
+
+def test_a_compiled_model_with_a_warp(warped, make_target):
+    """The warp's derivatives lead to the right actuation."""
+    truth = np.array([10.0, 50.0, 35.0, 20.0])
+    found = Solver(warped).solve(
+        make_target(warped, truth, rotation_of(np.array([0.05, 0.0, 0.03])), np.ones(3))
+    )
+    np.testing.assert_allclose(found.pressure_kpa, truth, atol=1.5)
+    assert found.mean_mm < 0.12
+
+
+def test_any_pose(solver, mannequin, make_target):
+    """However the target lies, it is found."""
+    for number, rotation in enumerate(spread_rotations(5)):
+        found = solver.solve(
+            make_target(mannequin, TRUTH, rotation, np.array([400.0, -300.0, 90.0 * number]))
+        )
+        assert found.mean_mm < 0.15
+        np.testing.assert_allclose(found.pressure_kpa, TRUTH, atol=1.0)
+
+
+def test_partial_target_with_a_hole_and_a_foreign_body(solver, mannequin, make_target):
+    """Two thirds of the surface with a hole and a hand-sized blob still give the pressures of the chambers in it."""
+    whole = make_target(mannequin, TRUTH)
+    x, y, z = whole.vertices_mm.T
+    kept = (z < 300) & (np.hypot(x - 40, z - 150) > 20)
+    blob = 40.0 * np.exp(-((x + 70) ** 2 + (z - 60) ** 2) / 500.0)
+    points = np.stack([x, y + blob, z], axis=1)
+    target = clean(points, whole.triangles[kept[whole.triangles].all(axis=1)])
+    found = solver.solve(target, Pose.identity())
+    np.testing.assert_allclose(found.pressure_kpa[3:], TRUTH[3:], atol=2.5)
+    assert found.share < 0.9
+    clear = np.abs(blob[kept]) < 0.5
+    back = distances(
+        found.to_rig(points[kept][clear]), Mesh(make_target(mannequin, TRUTH).vertices_mm, whole.triangles)
+    )
+    assert np.abs(back.within).mean() < 0.3
+
+
+def test_a_cloud(solver, mannequin, make_target):
+    """Points without triangles will do."""
+    target = make_target(mannequin, TRUTH)
+    found = solver.solve(Mesh(target.vertices_mm, np.zeros((0, 3), np.int64)))
+    np.testing.assert_allclose(found.pressure_kpa, TRUTH, atol=1.0)
+
+
+def test_limits_hold(mannequin, make_target):
+    """Within narrower limits of a rig the best is at the limit, and the gap says which chamber stands against it."""
+    high = np.full(9, 60.0)
+    high[5] = 25.0
+    found = Solver(mannequin, high_kpa=high).solve(make_target(mannequin, TRUTH))
+    assert found.pressure_kpa[5] == pytest.approx(25.0)
+    assert (found.pressure_kpa <= high + 1e-9).all()
+    assert "c6" in found.limited
+    assert found.gaps[0].depth_mm < -2.0
+    assert found.gaps[0].chamber == "c6"
+    assert found.gaps[0].limit == "highest"
+    assert found.gaps[0].words.endswith("; c6 is at its highest pressure")
+
+
+def test_unreachable_target_says_how_much_and_where(solver, mannequin, make_target):
+    """A bump that no chamber can make is a gap of about its height at its place."""
+    target = make_target(mannequin, TRUTH)
+    x, _, z = target.vertices_mm.T
+    bump = 15.0 * np.exp(-((x - 30) ** 2 + (z - 250) ** 2) / 400.0)
+    found = solver.solve(
+        Mesh(target.vertices_mm + bump[:, None] * [0, 1, 0], target.triangles), Pose.identity()
+    )
+    gap = found.gaps[0]
+    assert -15.0 < gap.depth_mm < -6.0
+    assert np.hypot(gap.middle_mm[0] - 30, gap.middle_mm[2] - 250) < 25
+
+
+def test_what_is_not_there_is_an_error(solver, mannequin, make_target):
+    """A target held far away from the surface, and limits that contradict, are errors in one line."""
+    target = make_target(mannequin, TRUTH)
+    uv, triangles = grid(5, 5)
+    flake = Mesh(np.stack([uv[:, 0], np.zeros(25), uv[:, 1]], axis=1), triangles)
+    with pytest.raises(LabrigError) as error:
+        solver.solve(flake, Pose(np.eye(3), np.array([3000.0, 0.0, 0.0])))
+    expected = "the target lies nowhere opposite the surface: is it the right one, and its unit right?"
+    assert str(error.value) == expected
+    with pytest.raises(LabrigError) as error:
+        Solver(mannequin, low_kpa=np.full(9, 70.0)).solve(target)
+    assert str(error.value) == "chamber c1: the rig's limits and the model's have nothing in common"
+
+
+def test_plain_values(solver, mannequin, make_target):
+    """A result becomes JSON without NaN."""
+    import json
+
+    values = solver.solve(make_target(mannequin, TRUTH)).to_dict()
+    assert list(values["pressure_kpa"]) == [f"c{c + 1}" for c in range(9)]
+    assert json.loads(json.dumps(values, allow_nan=False)) == values
