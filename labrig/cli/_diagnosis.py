@@ -35,11 +35,13 @@ def diagnose(
     """Find the physical effect that the model lacks, or say that none is missing or can be told."""
     from labrig import LabrigError
     from labrig.diagnosis import diagnose as diagnose_runs
-    from labrig.diagnosis import write_json
+    from labrig.diagnosis import plan_next, write_json
 
     if tolerance is not None and not tolerance > 0:
         raise LabrigError(f"--tolerance {tolerance:g}: must be larger than 0")
-    result = diagnose_runs(_open(runs), _load(model), tolerance=tolerance)
+    opened, questioned = _open(runs), _load(model)
+    result = diagnose_runs(opened, questioned, tolerance=tolerance)
+    plan_next(opened, questioned, result.summary)
     _table(result.summary, "diagnosis")
     _finish(result, out, "diagnosis", write_json)
     if result.improved is not None:

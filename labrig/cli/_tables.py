@@ -53,6 +53,10 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
         for p in places:
             table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p['share']:.0%}")
         console.print(table)
+    planned = summary.get("next_experiment") or {}
+    if planned.get("programme"):
+        names = "; ".join(dict.fromkeys(p["probe"] for p in planned["programme"]))
+        console.print(f"next: {names} ({planned['minutes']:.1f} min); labrig next writes it", highlight=False)
     for warning in summary.get("warnings", []):
         console.print(f"note: {warning}", highlight=False)
 

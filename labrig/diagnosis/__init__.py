@@ -1,7 +1,7 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
 from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
-from labrig.diagnosis._experiment import Experiment, Limits, propose_experiment
+from labrig.diagnosis._experiment import Experiment, Limits, plan_next, propose_experiment
 from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._result import Result, Signature, write_json
 
@@ -13,6 +13,7 @@ __all__ = [
     "compare",
     "diagnose",
     "improve",
+    "plan_next",
     "prepare",
     "propose_experiment",
     "rows_from",

@@ -14,7 +14,7 @@ from labrig.diagnosis._experiment_rivals import open_rivals
 from labrig.diagnosis._experiment_score import Judge, Problem, Sums
 from labrig.diagnosis._experiment_search import Choice, points_of, search_programme
 from labrig.diagnosis._experiment_unknown import search_unknown
-from labrig.effects import Context, Effect
+from labrig.effects import Effect
 from labrig.model import Model
 
 if TYPE_CHECKING:
@@ -115,6 +115,21 @@ def propose_experiment(
         return _named(problem, choice, found, effects, minutes)
     choice, gains = search_unknown(problem, seeds, 60 * minutes, found.get("carried_by"))
     return _unnamed(problem, choice, gains, found, effects)
+
+
+def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: dict[str, Any]) -> None:
+    """Put the short form of the proposed experiment into the `next_experiment` of an open diagnosis."""
+    open_ = summary.get("next_experiment")
+    if not open_:
+        return
+    try:
+        found = propose_experiment(runs, model, summary=summary).summary
+    except LabrigError as error:
+        open_["why"] = str(error)
+        return
+    kept = ("probe", "separates", "times", "minutes")
+    open_["programme"] = [{k: probe[k] for k in kept} for probe in found["probes"]]
+    open_ |= {k: found[k] for k in ("minutes", "captures", "why")}
 
 
 def _nothing_tells(
@@ -268,4 +283,4 @@ def _sum(parts: Sequence[Sums]) -> Sums:
     return out
 
 
-__all__ = ["Context", "Experiment", "Limits", "propose_experiment"]
+__all__ = ["Experiment", "Limits", "plan_next", "propose_experiment"]

@@ -246,9 +246,21 @@ def _rivals(summary: dict[str, Any]) -> str:
     return ""
 
 
+def _programme(planned: dict[str, Any]) -> str:
+    """A proposed programme in two sentences."""
+    names = list(dict.fromkeys(str(p["probe"]).replace(": ", ", ") for p in planned["programme"]))
+    separates = [str(name) for name in planned.get("separates", [])]
+    what = f"tell {listed(separates)} apart" if len(separates) > 1 else "learn more"
+    minutes, captures = f"{planned['minutes']:.1f} min", counted(int(planned["captures"]), "capture")
+    probes = "; ".join(names)
+    return f"A programme of {minutes} and {captures} would {what}: {probes}. `labrig next` writes it for your rig."
+
+
 def next_experiment(summary: dict[str, Any]) -> str:
     """What to measure next, in a sentence; what follows from the verdict where no experiment was designed."""
     planned = summary.get("next_experiment") or {}
+    if planned.get("programme"):
+        return _programme(planned)
     probes = list(dict.fromkeys(str(probe).rstrip(".") for probe in planned.get("probes", [])))
     if probes:
         separated = [str(name) for name in planned.get("separates", [])]
