@@ -37,6 +37,10 @@ class Evaluator(Protocol):
         """Points (P, 3), mm, and derivatives (P, 3, C), mm/kPa, at pressures (C,)."""
         ...
 
+    def points(self, pressure_kpa: Floats) -> NDArray[Any]:
+        """Points (P, 3), mm, alone."""
+        ...
+
 
 def evaluator(model: ShapeModel, uv: ArrayLike) -> Evaluator:
     """The fastest way that there is to evaluate a model at `uv` (P, 2)."""
@@ -63,6 +67,9 @@ class Plain:
         one = pressure_kpa[None]
         return self._model.points(one, self._uv)[0], self._model.jacobian(one, self._uv)[0]
 
+    def points(self, pressure_kpa: Floats) -> NDArray[Any]:
+        return self._model.points(pressure_kpa[None], self._uv)[0]
+
 
 class Reduced:
     """A control net in a reduced basis: one small product for the net and its derivatives, then what is local.
@@ -75,7 +82,6 @@ class Reduced:
 
         self._gather = _kernels.gather
         self._latent = model.latent
-        self.chambers = len(model.low_kpa)
         spline = model.spline
         modes = np.asarray(model.modes_mm, float)
         count = len(modes)
@@ -94,13 +100,17 @@ class Reduced:
     def __call__(self, pressure_kpa: Floats) -> tuple[Floats, NDArray[Any]]:
         return self.at(*self._latent(pressure_kpa))
 
+    def points(self, pressure_kpa: Floats) -> NDArray[Any]:
+        latent, by_pressure = self._latent(pressure_kpa)
+        return self.at(latent, by_pressure[:, :0])[0]
+
     def at(self, latent: Floats, by_pressure: Floats) -> tuple[NDArray[Any], NDArray[Any]]:
         """Points and derivatives for given coordinates (K,) and their derivatives (K, C)."""
         both = np.concatenate([np.asarray(latent)[:, None], by_pressure], axis=1).astype(np.float32)
         net = self._modes @ both
         net[:, 0] += self._mean
         value = np.empty((len(self._rows), 3), np.float32)
-        slope = np.empty((len(self._rows), 3, self.chambers), np.float32)
+        slope = np.empty((len(self._rows), 3, by_pressure.shape[1]), np.float32)
         self._gather(net.reshape(self._size, 3, -1), self._rows, self._weight, value, slope)
         return value, slope
 
@@ -129,6 +139,18 @@ class Warped:
             value, slope, q, dq, np.asarray(coefficients, float), np.asarray(by_pressure, float)
         )
 
+    def points(self, pressure_kpa: Floats) -> NDArray[Any]:
+        latent, by_pressure = self._latent(pressure_kpa)
+        value, _ = self._surface.at(latent, by_pressure[:, :0])
+        q, _ = self._centers.at(latent, by_pressure[:, :0])
+        coefficients, _ = self._state(pressure_kpa)
+        q32, beta = q.astype(np.float32), np.asarray(coefficients[4:], np.float32)
+        middle = q32.mean(axis=0)
+        x, y = value - middle, q32 - middle
+        square = (x * x).sum(axis=1)[:, None] - 2.0 * x @ y.T + (y * y).sum(axis=1)
+        affine = np.asarray(coefficients[:4], np.float32)
+        return affine[0] + value @ affine[1:] + np.exp(-np.float32(self._c) * square) @ beta
+
     def _warped(
         self,
         value: NDArray[Any],
@@ -139,7 +161,7 @@ class Warped:
         by_pressure: Floats,
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         """Everything about the middle of the centers, where squares of coordinates lose least in 32 bits."""
-        N, C, c = len(q), self._surface.chambers, self._c
+        N, C, c = len(q), slope.shape[2], self._c
         middle = q.mean(axis=0)
         q = q - middle
         A, beta = coefficients[1:4], coefficients[4:]
