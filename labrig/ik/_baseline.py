@@ -91,7 +91,9 @@ class GradientDescent:
             if (before - cost) / before < tolerance:
                 break
         took = time.perf_counter() - prepared
-        return BaselineResult(self.low + x * span, R, t, len(history) - 1, took, prepared - began, tuple(history))
+        return BaselineResult(
+            self.low + x * span, R, t, len(history) - 1, took, prepared - began, tuple(history)
+        )
 
     def gradient(
         self, pressure_kpa: Floats, goal: Target, feet: NDArray[np.int64], R: Floats, t: Floats, count: Floats

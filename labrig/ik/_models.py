@@ -17,6 +17,7 @@ class ShellModel:
     def __init__(self, shell: "Shell") -> None:
         self.shell = shell
         self.chamber_names = shell.chamber_names
+        self.marker_names, self.marker_uv = shell.marker_names, shell.marker_uv
         self.low_kpa = np.zeros(len(shell.max_kpa))
         self.high_kpa = shell.max_kpa
         self._last = None
@@ -55,6 +56,7 @@ class SurfaceModel:
     def __init__(self, surface: "Surface", high_kpa: ArrayLike = 60.0) -> None:
         self.surface = surface
         self.chamber_names = surface.chamber_names
+        self.marker_names, self.marker_uv = surface.marker_names, surface.marker_uv
         self.low_kpa = np.zeros(len(surface.chamber_names))
         self.high_kpa = np.broadcast_to(np.asarray(high_kpa, float), self.low_kpa.shape).copy()
         self._kept: tuple[Floats, Surface] | None = None
