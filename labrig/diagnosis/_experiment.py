@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MINUTES = 10.0
-_TOO_LITTLE = 0.02
-_SEEN = 0.3
+_TOO_LITTLE = 0.25
+"""The share of its goal that some pair must reach, or nothing tells them apart."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ HIGHEST = 0.9
 """Of a chamber's range: what is off may overshoot, and a rig vents above its limit."""
 
 _SHORT_S, _REST_S = 4.0, 4.0
-_HOLDS_S = (10.0, 60.0, 300.0)
+_HOLDS_S = (30.0, 100.0, 300.0)
 _WAITS_S = (60.0, 180.0)
 _LEVELS = (0.4, HIGHEST)
 _STEPS = (0.15, 0.3, 0.45, 0.6, 0.75, HIGHEST)

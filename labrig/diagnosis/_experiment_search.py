@@ -1,6 +1,6 @@
 """The search for a programme: canonical probes first, then changes of those that were chosen."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,11 @@ from labrig.diagnosis._experiment_probes import moves
 from labrig.diagnosis._experiment_score import Judge, Problem, Sums
 from labrig.effects._rows import Floats
 
-FEWEST, MOST_VISITS = 3, 4
+MOST_VISITS, MOST_ALIKE = 2, 4
+"""How often one probe is done, and how often it and those made from it by small changes: many different looks
+are safer than one look many times, since nature keeps to no formula."""
+
+A_VISIT = 0.12
 STARTS_S = (0.0, 120.0, 360.0)
 _CHANGES = 2
 _BETTER = 1.02
@@ -55,60 +59,78 @@ def _from(problem: Problem, probes: Sequence[Probe], budget_s: float) -> Choice 
         return None
     seconds = np.array([p.seconds(problem.limits) for p in probes])
     goals = np.array([judge.goal(m) for m, _ in judge.pairs])
-
-    def worth(planned: Sums) -> float:
-        return float(np.log1p(judge.apart(planned) / goals).sum())
-
-    def done(planned: Sums) -> bool:
-        return bool((judge.apart(planned) >= goals).all())
-
-    sums = [layout.programmes for layout in layouts]
-    times, total = greedy(sums, starts, seconds, budget_s, worth, done)
-    chosen = [i for i, n in enumerate(times) if n]
-    if total is None:
+    chosen = _Greedy(
+        judge, goals, [layout.programmes for layout in layouts], seconds, [p.name for p in probes]
+    )
+    times = chosen.fill(budget_s)
+    own = [i for i, n in enumerate(times) if n]
+    if not own:
         return None
-    return Choice(tuple(probes[i] for i in chosen), tuple(times[i] for i in chosen), worth(total))
+    return Choice(tuple(probes[i] for i in own), tuple(times[i] for i in own), chosen.worth)
 
 
-def greedy(
-    sums: Sequence[Sequence[Sums]],
-    starts_s: Sequence[float],
-    seconds: Floats,
-    budget_s: float,
-    worth: Callable[[Sums], float],
-    done: Callable[[Sums], bool],
-) -> tuple[list[int], Sums | None]:
-    """How often to do each probe: add what is worth most per minute until all is told apart or the time is used.
+class _Greedy:
+    """Adds the probe that is worth most per minute, until all is told apart or the time is used.
 
-    `sums[k]` are those of the probes when the session is `starts_s[k]` old. Each is done at most `MOST_VISITS`
-    times, and there are at least `FEWEST` visits where the time allows: one look is no proof.
+    What a programme is worth grows with the share of its goal that each pair reaches, ever more slowly. One
+    visit counts for a part of the goal at most, for one look is no proof, and no capture should decide alone.
+    `sums[k]` are those of the probes when the session is `STARTS_S[k]` old.
     """
-    times = [0] * len(seconds)
-    total: Sums | None = None
-    now, used, phase = 0.0, 0.0, -1
-    ahead = np.full(len(seconds), np.inf)
-    while True:
-        before, phase = phase, int(np.searchsorted(starts_s, used, side="right")) - 1
-        if phase != before:
-            ahead[:] = np.inf
-        gains = np.full(len(seconds), -np.inf)
-        # what a probe adds only falls as others are added, so that old values are bounds (Minoux 1978)
-        for i in np.argsort(-ahead):
-            if used + seconds[i] > budget_s or times[i] >= MOST_VISITS:
-                continue
-            if ahead[i] <= gains.max():
-                break
-            own = sums[phase][i]
-            gains[i] = ahead[i] = (worth(own if total is None else total + own) - now) / seconds[i]
-        best = int(np.argmax(gains))
-        if not gains[best] > 1e-9:
-            return times, total
-        times[best] += 1
-        used += seconds[best]
-        total = sums[phase][best] if total is None else total + sums[phase][best]
-        now = worth(total)
-        if done(total) and sum(times) >= FEWEST:
-            return times, total
+
+    def __init__(
+        self, judge: Judge, goals: Floats, sums: list[list[Sums]], seconds: Floats, names: Sequence[str]
+    ) -> None:
+        self.judge, self.goals, self.sums, self.seconds, self.names = judge, goals, sums, seconds, names
+        self.total: Sums | None = None
+        self.seen = np.zeros_like(goals)
+        self.worth = 0.0
+        self._alone: dict[tuple[int, int], Floats] = {}
+
+    def alone(self, phase: int, i: int) -> Floats:
+        """What one visit of a probe tells of each pair, at most `A_VISIT` of the goal."""
+        if (phase, i) not in self._alone:
+            self._alone[phase, i] = np.minimum(self.judge.apart(self.sums[phase][i]), A_VISIT * self.goals)
+        return self._alone[phase, i]
+
+    def with_one(self, phase: int, i: int) -> tuple[Sums, Floats, Floats]:
+        """Sums, what was seen, and the share of each goal, with one more visit of a probe."""
+        seen = self.seen + self.alone(phase, i)
+        if self.total is None:
+            return self.sums[phase][i], seen, seen / self.goals
+        total = self.total + self.sums[phase][i]
+        return total, seen, np.minimum(self.judge.apart(total), seen) / self.goals
+
+    def _allowed(self, times: Sequence[int], i: int) -> bool:
+        alike = sum(n for n, name in zip(times, self.names, strict=True) if name == self.names[i])
+        return times[i] < MOST_VISITS and alike < MOST_ALIKE
+
+    def fill(self, budget_s: float) -> list[int]:
+        """How often to do each probe."""
+        times = [0] * len(self.seconds)
+        used, phase = 0.0, -1
+        ahead = np.full(len(self.seconds), np.inf)
+        while True:
+            before, phase = phase, int(np.searchsorted(STARTS_S[: len(self.sums)], used, side="right")) - 1
+            if phase != before:
+                ahead[:] = np.inf
+            gains = np.full(len(self.seconds), -np.inf)
+            # what a probe adds mostly falls as others are added, so that old values are bounds (Minoux 1978)
+            for i in np.argsort(-ahead):
+                if used + self.seconds[i] > budget_s or not self._allowed(times, int(i)):
+                    continue
+                if ahead[i] <= gains.max():
+                    break
+                share = self.with_one(phase, int(i))[2]
+                gains[i] = ahead[i] = (float(np.log1p(share).sum()) - self.worth) / self.seconds[i]
+            best = int(np.argmax(gains))
+            if not gains[best] > 1e-9:
+                return times
+            self.total, self.seen, share = self.with_one(phase, best)
+            self.worth = float(np.log1p(share).sum())
+            times[best] += 1
+            used += self.seconds[best]
+            if (share >= 1.0 - 1e-9).all():
+                return times
 
 
 def in_rounds(choice: Choice) -> list[int]:
