@@ -7,6 +7,7 @@ from labrig.bench._files import write_campaign, write_model
 from labrig.bench._judge import brier, calibration_error, is_right, wilson
 from labrig.bench._report import lines, tables, write_report, write_results
 from labrig.bench._run import plan, read_records, run_blind, run_one
+from labrig.bench._settle import run_settle, settle, settle_records, settle_rows, write_settle
 from labrig.bench._speed import speed_table, time_diagnosis, write_speed
 from labrig.bench._summary import summarise
 
@@ -23,6 +24,10 @@ __all__ = [
     "read_records",
     "run_blind",
     "run_one",
+    "run_settle",
+    "settle",
+    "settle_records",
+    "settle_rows",
     "speed_table",
     "summarise",
     "tables",
@@ -32,5 +37,6 @@ __all__ = [
     "write_model",
     "write_report",
     "write_results",
+    "write_settle",
     "write_speed",
 ]

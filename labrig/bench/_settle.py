@@ -1,5 +1,6 @@
 """How many captures it takes to settle a confounded pair: chosen, at random, and spread out evenly."""
 
+import json
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ from labrig.bench._draw import MAX_KPA, Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._judge import is_right
 from labrig.bench._programmes import Plan
+from labrig.bench._report import markdown, write_section
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +27,8 @@ STRATEGIES: tuple[Strategy, ...] = ("chosen", "random", "even")
 MOST = 60
 BATCH = 6
 HIGHEST = 0.9
+RECORDS = "settle.jsonl"
+_HEADING = "## Next experiment"
 _SHORTEST_S, _LONGEST_S = 3.5, 60.0
 
 
@@ -133,3 +137,83 @@ def _model(campaign: Campaign, folder: Path) -> "Model":
     from labrig.model import Model
 
     return Model.load(write_model(campaign, folder))
+
+
+def run_settle(folder: Path, first_seed: int, count: int, most: int = MOST) -> Iterator[dict[str, Any]]:
+    """Every strategy on `count` confounded campaigns; each record is written as it is done, and skipped if it is
+    there already. A campaign that is answered otherwise than `confounded` is left out."""
+    from labrig.diagnosis._result import plain
+
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / RECORDS
+    done = {(r["seed"], r["strategy"]) for r in settle_records(folder)}
+    with path.open("a", encoding="utf-8") as file:
+        for seed, campaign in confounded_campaigns(first_seed, count):
+            for strategy in STRATEGIES:
+                if (seed, strategy) in done:
+                    continue
+                truth = {k: campaign.truth[k] for k in ("effects", "design", "captures")}
+                record = {"seed": seed, "truth": truth, **settle(campaign, strategy, seed, most)}
+                file.write(json.dumps(plain(record)) + "\n")
+                file.flush()
+                yield record
+
+
+def settle_records(folder: Path) -> list[dict[str, Any]]:
+    """The records that are done; a last line that was cut is left out."""
+    path = folder / RECORDS
+    out = []
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        try:
+            out.append(json.loads(line))
+        except json.JSONDecodeError:
+            continue
+    return out
+
+
+def settle_rows(records: list[dict[str, Any]], most: int = MOST) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the table: how many were settled, and captures and minutes that it took."""
+    head = [
+        "set-points",
+        "campaigns",
+        "settled",
+        "named wrongly",
+        "captures, median",
+        "mean",
+        "min, median",
+        "mean",
+    ]
+    rows = []
+    for strategy in STRATEGIES:
+        own = [r for r in records if r["strategy"] == strategy]
+        if not own:
+            continue
+        settled = [r for r in own if r["settled"]]
+        captures = [r["captures"] if r["settled"] else most for r in own]
+        minutes = [r["minutes"] for r in settled]
+        wrong = sum(not r["settled"] and r["verdict"] in {"identified", "multiple"} for r in own)
+        rows.append(
+            [
+                strategy,
+                str(len(own)),
+                f"{len(settled)}",
+                f"{wrong}",
+                f"{np.median(captures):.0f}",
+                f"{np.mean(captures):.1f}",
+                f"{np.median(minutes):.1f}" if minutes else "",
+                f"{np.mean(minutes):.1f}" if minutes else "",
+            ]
+        )
+    return head, rows
+
+
+def write_settle(records: list[dict[str, Any]], path: Path, how: str, most: int = MOST) -> None:
+    """Put the table into a Markdown file under "Next experiment"; the rest of the file stays as it is."""
+    head, rows = settle_rows(records, most)
+    about = (
+        f"Captures and minutes after which the verdict on a confounded campaign names what is hidden and nothing "
+        f"else, {BATCH} captures at a time, {most} at most (those not settled count as {most} captures; minutes are of "
+        "those that were). Chosen: what `labrig next` proposes. Random and even: set-points at random, and Halton "
+        "points, in holds of 3.5 to 60 s."
+    )
+    write_section(path, _HEADING, [how, "", about, "", *markdown(head, rows)])

@@ -84,6 +84,38 @@ def blind(
         write_results(summary, results, f"`labrig bench blind --classes {','.join(names)} --seed {seed}`")
 
 
+@bench.command("settle")
+def settle(
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
+    count: Annotated[int, typer.Option("--n", min=1, help="Confounded campaigns.")] = 20,
+    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    most: Annotated[int, typer.Option(min=6, help="Captures after which it is given up.")] = 60,
+    results: Annotated[
+        Path | None, typer.Option(help="Markdown file whose section 'Next experiment' is to be written.")
+    ] = None,
+) -> None:
+    """Settle confounded campaigns by proposed experiments, and by set-points at random and evenly spread."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from labrig.bench import run_settle, settle_records, settle_rows, write_settle
+
+    console = Console(highlight=False)
+    for record in run_settle(out, seed, count, most):
+        end = f"{record['captures']} captures" if record["settled"] else f"not settled ({record['verdict']})"
+        console.print(
+            f"{record['seed']:4d}  {record['truth']['effects'][0]:12s} {record['strategy']:8s} {end}"
+        )
+    records = settle_records(out)
+    head, rows = settle_rows(records, most)
+    table = Table(*head)
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
+    if results is not None:
+        write_settle(records, results, f"`labrig bench settle --n {count} --seed {seed} --most {most}`", most)
+
+
 @bench.command("speed")
 def speed(
     captures: Annotated[str, typer.Option(help="Sizes of campaigns, with commas.")] = "100,300,1000",
