@@ -157,7 +157,14 @@ def positions(
     """What is seen, mm, (F, M, 3), of a body with deflections (F, C) at times (F,) on a base tilted by (F,)
     degrees.
     """
-    seen = body.shape_mm(deflection_mm)
+    return seen_positions(body.shape_mm(deflection_mm), hidden, time_s, tilt_deg, deflection_mm)
+
+
+def seen_positions(
+    shape_mm: Array, hidden: Sequence[Hidden], time_s: Array, tilt_deg: Array, deflection_mm: Array
+) -> Array:
+    """What is seen, mm, (F, M, 3), of true shapes (F, M, 3) with deflections (F, C) at times (F,)."""
+    seen = shape_mm
     for effect in hidden:
         seen = effect.see(time_s, tilt_deg, deflection_mm, seen)
     return seen

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drivers._protocols import Channel, DeviceError
+from drivers.simulated._attention import Attention, is_exact
 from drivers.simulated._calibration import calibrate, reference_programme
-from drivers.simulated._engine import Engine, positions
+from drivers.simulated._engine import Engine, seen_positions
 from drivers.simulated._observer import Observer
 from drivers.simulated._sealed import checked, reveal
-from drivers.simulated.hidden import EFFECTS, Hidden, Setting
-from labrig.physics import Surface, load_surface
+from drivers.simulated.hidden import EFFECTS, Body, Hidden, Setting
+from labrig.physics import load_body, reduced_surface
 
 Array = NDArray[np.float64]
 
@@ -57,6 +58,16 @@ class Plant(Protocol):
         ...
 
 
+class PlantBody(Body, Protocol):
+    """A body with markers that has a surface to scan."""
+
+    marker_names: tuple[str, ...]
+
+    @property
+    def triangles(self) -> NDArray[np.int64]: ...
+    def mesh_at(self, deflection_mm: Array) -> Array: ...
+
+
 class SimulatedPlant:
     """A surface, its air supply, its cameras and what is hidden in them; may be used from several threads.
 
@@ -66,7 +77,7 @@ class SimulatedPlant:
 
     def __init__(
         self,
-        surface: Surface,
+        surface: PlantBody,
         channels: tuple[Channel, ...],
         observer: Observer,
         hidden: list[Hidden] | None = None,
@@ -79,6 +90,7 @@ class SimulatedPlant:
         self._hidden = list(hidden or [])
         self._engine = Engine(surface, self._hidden)
         self._observer = observer
+        self._attention = Attention(surface) if is_exact(surface) else None  # type: ignore[arg-type]
         self._lock = threading.Lock()
         self._start_s: float | None = None
         self._target = np.zeros(len(channels))
@@ -98,6 +110,8 @@ class SimulatedPlant:
             self._target = target.copy()
             self._engine.command(now_s, target)
             self._observer.next_hold(now_s)
+            if self._attention is not None:
+                self._attention.command(now_s, target)
 
     def pressure_kpa(self, time_s: float) -> Array:
         """True chamber pressures, kPa, (C,)."""
@@ -132,7 +146,10 @@ class SimulatedPlant:
 
     def _seen(self, time_s: Array) -> Array:
         _, deflection = self._engine.state(time_s)
-        return positions(self._surface, self._hidden, time_s, np.zeros(time_s.size), deflection)
+        shape = self._surface.shape_mm(deflection)
+        if self._attention is not None:
+            shape = shape + self._attention.correction_mm(time_s, deflection)
+        return seen_positions(shape, self._hidden, time_s, np.zeros(time_s.size), deflection)
 
     def _since_start(self, time_s: Array) -> Array:
         time_s = np.asarray(time_s, dtype=float)
@@ -141,7 +158,7 @@ class SimulatedPlant:
         return np.maximum(time_s - self._start_s, 0.0)
 
 
-def make_hidden(hidden: dict[str, Any], surface: Surface, max_kpa: Array, floor_mm: float) -> list[Hidden]:
+def make_hidden(hidden: dict[str, Any], surface: Body, max_kpa: Array, floor_mm: float) -> list[Hidden]:
     """The effects of a `hidden` setting, each brought to its amplitude over the reference campaign."""
     setting = checked(hidden)
     programme = reference_programme(max_kpa, setting["duration_s"])
@@ -162,11 +179,12 @@ def make_hidden(hidden: dict[str, Any], surface: Surface, max_kpa: Array, floor_
 def build_plant(rig: dict, folder: Path) -> SimulatedPlant:
     """The plant of a simulated rig, from the content of its rig.yaml and the folder it lies in.
 
-    Reads `simulated:` surface, seed (0), noise_mm (0.1), repeatability_mm (as noise_mm), occlusion (0.03),
-    and hidden: a sealed file's name (relative to `folder`), the setting itself, or nothing.
+    Reads `simulated:` surface, or shell and plant (see `labrig.physics.plant_shell`); seed (0), noise_mm (0.1),
+    repeatability_mm (as noise_mm), occlusion (0.03), and hidden: a sealed file's name (relative to `folder`), the
+    setting itself, or nothing.
     """
     settings = rig.get("simulated") or {}
-    surface = load_surface(rig)
+    surface = load_body(rig, Path(folder)) if settings.get("shell") else reduced_surface(rig)
     listed = rig.get("chambers") or [{"name": name} for name in surface.chamber_names]
     channels = tuple(
         Channel(

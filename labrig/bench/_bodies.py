@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
-from labrig.physics import Surface, load_surface
+from labrig.physics import Surface, reduced_surface
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ def make_body(recipe: dict[str, Any]) -> BenchBody:
     if recipe["kind"] == "cylinder":
         return CylinderBody(recipe["chambers"], recipe["linear"])
     if recipe["kind"] == "surface":
-        surface = load_surface({"simulated": {"surface": recipe["surface"]}})
+        surface = reduced_surface({"simulated": {"surface": recipe["surface"]}})
         return SurfaceBody(surface, recipe["active"], recipe["linear"])
     raise LabrigError(f"bench: there is no body '{recipe['kind']}' (surface or cylinder)")
 

@@ -118,7 +118,7 @@ class SimulatorModel:
             ) from error
         except yaml.YAMLError as error:
             raise LabrigError(f"{path}: is not YAML") from error
-        self._surface = load_surface(rig)
+        self._surface = load_surface(rig, path.parent)
         names = list(self._surface.marker_names)
         unknown = [m for m in rows.markers if m not in names]
         if unknown or (rows.marker < 0).any() or (rows.axis < 0).any():

@@ -3,23 +3,30 @@
 from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._shell_file import shipped_shells
 from labrig.physics._shell_parameters import ShellParameter
+from labrig.physics._shell_plant import ShellBody, load_body, plant_shell
 from labrig.physics._shell_rig import load_model_shell, rig_shell
+from labrig.physics._shell_surface import ShellSurface, load_surface
 from labrig.physics._shell_system import History
 from labrig.physics._simulate import simulate
 from labrig.physics._simulations import Simulations, open_simulations
-from labrig.physics._surface import Surface, load_surface
+from labrig.physics._surface import Surface, reduced_surface
 
 __all__ = [
     "History",
     "Shell",
+    "ShellBody",
     "ShellParameter",
+    "ShellSurface",
     "Simulations",
     "Solution",
     "Surface",
+    "load_body",
     "load_model_shell",
     "load_shell",
     "load_surface",
     "open_simulations",
+    "plant_shell",
+    "reduced_surface",
     "rig_shell",
     "shipped_shells",
     "simulate",

@@ -13,7 +13,7 @@ from labrig.physics._shell import Shell, load_shell
 Array = NDArray[np.float64]
 
 _COARSE = 16
-_LEVELS = np.array([0.0, 0.08, 0.2, 0.4, 0.7, 1.0])
+LEVELS = np.array([0.0, 0.08, 0.2, 0.4, 0.7, 1.0])
 _MOST_CORNERS = 0.6
 """All corners are simulated if they are at most this part of all samples; else half as many, drawn."""
 
@@ -44,12 +44,12 @@ def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) ->
     pressures = np.empty_like(spread)
     for chamber, inflation in executor.map(inflation_curve, tasks):
         rising = np.maximum.accumulate(inflation / inflation[-1])
-        pressures[:, chamber] = np.interp(spread[:, chamber], rising, _LEVELS) * shell.max_kpa[chamber]
+        pressures[:, chamber] = np.interp(spread[:, chamber], rising, LEVELS) * shell.max_kpa[chamber]
     return np.concatenate([at_corner, pressures]), ["corner"] * len(at_corner) + ["halton"] * len(spread)
 
 
 def inflation_curve(task: tuple[dict[str, Any], int]) -> Array:
-    """How far a chamber alone inflates at `_LEVELS` of its range, mm on average over its patch.
+    """How far a chamber alone inflates at `LEVELS` of its range, mm on average over its patch.
 
     Where it has no equilibrium it is taken to inflate in proportion to the pressure.
     """
@@ -58,7 +58,7 @@ def inflation_curve(task: tuple[dict[str, Any], int]) -> Array:
     quadrature = shell.quadrature
     weight = shell.patch_area_mm2[:, chamber]
     raised, start = [], None
-    for level in _LEVELS:
+    for level in LEVELS:
         try:
             start = shell.solve(level * shell.max_kpa * (np.arange(len(shell.max_kpa)) == chamber), start)
         except LabrigError:
@@ -67,6 +67,6 @@ def inflation_curve(task: tuple[dict[str, Any], int]) -> Array:
         raised.append(float((moved * quadrature.normal).sum(1) @ weight / weight.sum()))
     found = len(raised)
     if found < 2:
-        return _LEVELS.copy()
+        return LEVELS.copy()
     curve = np.array(raised) - raised[0]
-    return np.concatenate([curve, curve[-1] * _LEVELS[found:] / _LEVELS[found - 1]])
+    return np.concatenate([curve, curve[-1] * LEVELS[found:] / LEVELS[found - 1]])

@@ -4,6 +4,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 import yaml
@@ -66,7 +67,7 @@ def open_simulations(path: str | Path) -> Simulations:
             found = {name: arrays[name] for name in arrays.files}
         shell = yaml.safe_load((folder / SHELL_FILE).read_text(encoding="utf-8"))
         return Simulations(**{"jacobian": None, **found}, shell=shell)
-    except (OSError, ValueError, TypeError, yaml.YAMLError) as error:
+    except (OSError, EOFError, ValueError, TypeError, BadZipFile, yaml.YAMLError) as error:
         raise LabrigError(
             f"{folder}: cannot be read as simulations ({' '.join(str(error).split())})"
         ) from None

@@ -157,9 +157,13 @@ class Surface:
         )
         return _Points.at(self.geometry, u.ravel(), v.ravel())
 
-    @cached_property
+    @property
     def triangles(self) -> NDArray[np.int64]:
         """Triangles of the mesh, (T, 3) vertex indices, wound so that normals point outwards."""
+        return self._triangles
+
+    @cached_property
+    def _triangles(self) -> NDArray[np.int64]:
         corner = np.arange(self._MESH_ACROSS * self._MESH_UP).reshape(self._MESH_UP, self._MESH_ACROSS)
         a, b, c, d = (x.ravel() for x in (corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]))
         return np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int64)
@@ -174,8 +178,8 @@ class Surface:
         return pressure
 
 
-def load_surface(rig: dict) -> Surface:
-    """The base simulator of a rig, from the content of its rig.yaml.
+def reduced_surface(rig: dict) -> Surface:
+    """The reduced model of a rig, from the content of its rig.yaml.
 
     The surface is named by `simulated: {surface: ...}` (mannequin, the default, or membrane). Chambers take
     the rig's names in order; `markers`, where given, selects and orders the surface's own m01, m02, ...

@@ -82,6 +82,8 @@ class RigConfig(_Section):
         simulated = any(device is not None and device.kind == "simulated" for device in self.devices.values())
         if simulated and self.simulated is None:
             raise ValueError("a device is simulated, so a section `simulated` is needed (surface, seed, ...)")
+        if self.simulated is not None:
+            _check_simulated(self.simulated, self.chambers, self.folder)
         return self
 
     @property
@@ -97,6 +99,25 @@ class RigConfig(_Section):
     def to_dict(self) -> dict[str, Any]:
         """The content of rig.yaml with every default written out."""
         return self.model_dump(mode="json", exclude={"folder"}, exclude_none=True)
+
+
+def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, ...], folder: Path) -> None:
+    """Raise `ValueError` for a shell or a plant that cannot be made."""
+    if "shell" not in simulated:
+        if "plant" in simulated:
+            raise ValueError(
+                "simulated.plant says how a shell differs from its model: simulated.shell is needed"
+            )
+        return
+    if "surface" in simulated:
+        raise ValueError("simulated: either a surface (the reduced model) or a shell, not both")
+    from labrig.physics import plant_shell
+
+    content = {"simulated": simulated, "chambers": [chamber.model_dump() for chamber in chambers]}
+    try:
+        plant_shell(content, folder)
+    except LabrigError as error:
+        raise ValueError(str(error).removeprefix("rig: ")) from None
 
 
 def load_rig(path: str | Path) -> RigConfig:

@@ -1,0 +1,189 @@
+"""A shell as the base simulator of a rig: marker positions, meshes and Jacobians for pressures."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from labrig._errors import LabrigError
+from labrig.physics._shell import Shell, Solution
+from labrig.physics._shell_rig import rig_shell
+from labrig.physics._surface import Surface, reduced_surface
+from labrig.physics._warm import LEAST, Predictor, nearest
+from labrig.surface import grid
+
+Array = NDArray[np.float64]
+
+MESH = (61, 81)
+_STEP = 0.9
+"""Distance of the nodes at which shapes are solved, kPa; between them they are linear. Not a round number: the
+borders between nodes should not lie where set-points do."""
+_KEPT = 256
+
+
+class ShellSurface:
+    """A rig's shell behind the same interface as `Surface`: pressures in, markers and a mesh out; no memory, no noise.
+
+    Shapes are solved at the nodes of a lattice of pressures 0.9 kPa apart, once each, and linear around them: that
+    is within a few hundredths of a millimetre of a solve, and derivatives by differences are those of the node.
+    Negative pressures are vented ones: air cannot pull a sheet through its core.
+    """
+
+    def __init__(self, shell: Shell, marker_names: Sequence[str] = ()) -> None:
+        self.shell = shell
+        self.chamber_names = shell.chamber_names
+        known = list(shell.marker_names)
+        self.marker_names = tuple(marker_names) or shell.marker_names
+        for marker in self.marker_names:
+            if marker not in known:
+                raise LabrigError(
+                    f"rig: markers: shell '{shell.name}' has no marker '{marker}' (it has {known[0]}..{known[-1]})"
+                )
+        self.marker_uv: Array = shell.marker_uv[[known.index(marker) for marker in self.marker_names]]
+        self._basis = shell.spline.basis(self.marker_uv)
+        self._nodes: dict[tuple[int, ...], tuple[Array, Array]] = {}
+        self._solved: dict[tuple[int, ...], Solution] = {}
+        self._places: list[Array] = []
+        self._states: list[Array] = []
+        self._predictor: Predictor | None = None
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The values of the shell's physical parameters."""
+        return MappingProxyType({name: parameter.value for name, parameter in self.shell.parameters.items()})
+
+    @cached_property
+    def rest_mm(self) -> Array:
+        """Marker positions with every chamber vented, mm, (M, 3)."""
+        return self.predict(np.zeros((1, len(self.chamber_names))))[0]
+
+    @cached_property
+    def normal(self) -> Array:
+        """Outward unit normals at the markers at rest, (M, 3)."""
+        control = self.shell.control_rest_mm
+        by_u, by_v = (self.shell.spline.evaluate(control, self.marker_uv, *d) for d in ((1, 0), (0, 1)))
+        normal = np.cross(by_v, by_u)
+        return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+    def predict(self, pressure_kpa: ArrayLike) -> Array:
+        """Marker positions, mm, (F, M, 3), for pressures (F, C), kPa; NaN in, NaN out.
+
+        Raises `LabrigError` where there is no equilibrium.
+        """
+        pressure = self._checked(pressure_kpa)
+        out = np.full((len(pressure), len(self.marker_names), 3), np.nan)
+        for node, rows in self._by_node(pressure):
+            at, jacobian = self._node(node)
+            out[rows] = at + np.einsum("fc,mdc->fmd", pressure[rows] - self._pressure(node), jacobian)
+        return out
+
+    def jacobian(self, pressure_kpa: ArrayLike) -> Array:
+        """d position / d pressure, mm/kPa, (F, M, 3, C), at pressures (F, C); implicit."""
+        pressure = self._checked(pressure_kpa)
+        out = np.full((len(pressure), len(self.marker_names), 3, len(self.chamber_names)), np.nan)
+        for node, rows in self._by_node(pressure):
+            out[rows] = self._node(node)[1]
+        return out
+
+    def parameter_jacobian(self, pressure_kpa: ArrayLike, names: Sequence[str]) -> Array:
+        """d position / d parameter, mm per unit of each, (F, M, 3, P), at pressures (F, C); implicit."""
+        pressure = self._checked(pressure_kpa)
+        out = np.full((len(pressure), len(self.marker_names), 3, len(names)), np.nan)
+        for node, rows in self._by_node(pressure):
+            solution = self._solution(node)
+            out[rows] = self._at_markers(self.shell.parameter_jacobian(solution, names))
+        return out
+
+    def mesh(self, pressure_kpa: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+        """The whole surface at one set of pressures (C,), solved there: vertices mm (V, 3), triangles (T, 3), wound
+        outwards.
+        """
+        solution = self.solve(self._checked(pressure_kpa)[0])
+        uv, triangles = grid(*MESH)
+        return self.shell.spline.evaluate(solution.control_mm, uv), triangles
+
+    def solve(self, pressure_kpa: Array) -> Solution:
+        """The equilibrium at pressures (C,), from the best start there is; negative pressures are vented."""
+        pressure = np.maximum(pressure_kpa, 0.0)
+        place = pressure / self.shell.max_kpa
+        start = self._predictor(place) if self._predictor else nearest(place, self._places, self._states)
+        try:
+            solution = self.shell.solve(pressure, start)
+        except LabrigError:
+            if start is None:
+                raise
+            solution = self.shell.solve(pressure)
+        if len(self._places) < _KEPT:
+            self._places.append(place)
+            self._states.append(solution.state)
+            count = len(self._places)
+            if count >= LEAST and (count & (count - 1) == 0 or count % 32 == 0 or count == LEAST):
+                self._predictor = Predictor.fit(
+                    np.array(self._places), np.array(self._states, dtype=np.float32)
+                )
+        return solution
+
+    def _by_node(self, pressure: Array) -> list[tuple[tuple[int, ...], NDArray[np.int64]]]:
+        """The nodes nearest to pressures (F, C), each with the rows that it serves; rows with NaN have none."""
+        np.maximum(pressure, 0.0, out=pressure)
+        whole = np.flatnonzero(np.isfinite(pressure).all(axis=1))
+        if not len(whole):
+            return []
+        index = np.rint(pressure[whole] / _STEP).astype(int)
+        nodes, inverse = np.unique(index, axis=0, return_inverse=True)
+        order = np.argsort(inverse.reshape(-1), kind="stable")
+        rows = np.split(whole[order], np.flatnonzero(np.diff(inverse.reshape(-1)[order])) + 1)
+        return (
+            [(tuple(int(i) for i in node), some) for node, some in zip(nodes, rows, strict=True)]
+            if len(nodes)
+            else []
+        )
+
+    def _pressure(self, node: tuple[int, ...]) -> Array:
+        return _STEP * np.array(node, dtype=float)
+
+    def _node(self, node: tuple[int, ...]) -> tuple[Array, Array]:
+        """Marker positions (M, 3) and their slopes (M, 3, C) at a node."""
+        if node not in self._nodes:
+            self._nodes[node] = self.markers_of(self._solution(node))
+        return self._nodes[node]
+
+    def markers_of(self, solution: Solution) -> tuple[Array, Array]:
+        """Marker positions (M, 3), mm, and their slopes by pressure (M, 3, C), mm/kPa, of a solution."""
+        at = self._basis @ solution.control_mm.reshape(-1, 3)
+        return at, self._at_markers(self.shell.jacobian(solution))
+
+    def _solution(self, node: tuple[int, ...]) -> Solution:
+        if node not in self._solved:
+            if len(self._solved) >= _KEPT:
+                self._solved.pop(next(iter(self._solved)))
+            self._solved[node] = self.solve(self._pressure(node))
+        return self._solved[node]
+
+    def _at_markers(self, by: Array) -> Array:
+        """Derivatives of control points (n_u, n_v, 3, n) as those of the markers, (M, 3, n)."""
+        return (self._basis @ by.reshape(self.shell.spline.size, -1)).reshape(len(self.marker_names), 3, -1)
+
+    def _checked(self, pressure_kpa: ArrayLike) -> Array:
+        pressure = np.atleast_2d(np.array(pressure_kpa, dtype=float))
+        if pressure.ndim != 2 or pressure.shape[1] != len(self.chamber_names):
+            raise LabrigError(
+                f"shell {self.shell.name}: pressures of shape {np.shape(pressure_kpa)} given, "
+                f"(captures, {len(self.chamber_names)}) needed"
+            )
+        return pressure
+
+
+def load_surface(rig: dict[str, Any], folder: Path | None = None) -> Surface | ShellSurface:
+    """The base simulator of a rig, from the content of its rig.yaml, which lies in `folder`.
+
+    With `simulated: {shell: ...}` that is the shell as the model knows it (see `rig_shell`), else the reduced model
+    that `simulated: {surface: ...}` names (see `reduced_surface`). Raises `LabrigError` as they do.
+    """
+    if (rig.get("simulated") or {}).get("shell"):
+        return ShellSurface(rig_shell(rig, folder), [str(marker) for marker in rig.get("markers") or []])
+    return reduced_surface(rig)
