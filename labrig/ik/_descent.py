@@ -20,6 +20,8 @@ NOWHERE = "the target lies nowhere opposite the surface: is it the right one, an
 _FIRST_DAMPING = 1e-3
 _LEAST_DAMPING = 1e-7
 _TRIES = 4
+_FAR = 0.08
+"""Share of the target's size from which on a distance does not count for more."""
 _STILL = 1e-3
 """A step that promises, or gives, less than this share of the cost is the last."""
 
@@ -77,10 +79,29 @@ class State:
         """Mean distance of the samples that have the target opposite."""
         return float((np.abs(self.plane) * self.usable).sum() / max(self.usable.sum(), 1.0))
 
-    def misfit(self, size_mm: float) -> float:
-        """Mean distance of all samples, whatever they have opposite, as a share of the size; far is far."""
+    def misfit(self, goal: Target, triangles: NDArray[np.int64]) -> float:
+        """How badly the surfaces fit, as a share of the target's size; far is far, whatever lies opposite.
+
+        The mean distance of all samples from the target, or of the target's points from the surface: the smaller one,
+        for either may be a part of the other.
+        """
         square = (self.offset**2).sum(axis=1)
-        return float(np.minimum(np.sqrt(square) / size_mm, 0.08).mean())
+        from_surface = float(np.minimum(np.sqrt(square) / goal.size_mm, _FAR).mean())
+        return min(from_surface, self._from_target(goal, triangles))
+
+    def _from_target(self, goal: Target, triangles: NDArray[np.int64]) -> float:
+        from labrig.surface._coarse import match
+        from labrig.surface._kernels import vertex_normals
+
+        few = np.ascontiguousarray(goal.few[0].T)
+        moved, index, square = np.empty_like(few), np.empty(len(few), np.int64), np.empty(len(few))
+        match(few, self.rotation, self.translation, np.ascontiguousarray(self.points.T), moved, index, square)
+        normal = vertex_normals(self.points, triangles)[index]
+        height = np.abs(np.einsum("pi,pi->p", moved - self.points[index], normal))
+        aside = np.sqrt(np.maximum(square - height**2, 0.0))
+        spacing = np.sqrt(np.median(square)) + 0.03 * goal.size_mm
+        distance = np.where(aside < spacing, height, np.sqrt(square))
+        return float(np.minimum(distance / goal.size_mm, _FAR).mean())
 
 
 class Descent:

@@ -1,5 +1,6 @@
 """A model's surface at chosen (u, v), with its derivatives by the pressures: compiled where the model allows it."""
 
+from collections.abc import Callable
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -54,6 +55,16 @@ def evaluator(model: ShapeModel, uv: ArrayLike) -> Evaluator:
     return Plain(model, uv)
 
 
+def _latent(model: Any) -> tuple[Callable[[Floats], tuple[Floats, Floats]], int]:
+    """How a reduced model gets its coordinates, and how many of its modes they are."""
+    if getattr(getattr(model, "head", None), "kind", "") == "gaussian":
+        from labrig.ik._gaussian import CompiledGaussian
+
+        compiled = CompiledGaussian(model)
+        return compiled, compiled.modes
+    return model.latent, len(model.modes_mm)
+
+
 class Plain:
     """Whatever the model itself gives."""
 
@@ -81,10 +92,9 @@ class Reduced:
         from labrig.ik import _kernels
 
         self._gather = _kernels.gather
-        self._latent = model.latent
+        self.latent, count = _latent(model)
         spline = model.spline
-        modes = np.asarray(model.modes_mm, float)
-        count = len(modes)
+        modes = np.asarray(model.modes_mm, float)[:count]
         self._modes = np.ascontiguousarray(modes.reshape(count, -1).T, np.float32)
         self._mean = np.asarray(model.mean_mm, float).reshape(-1).astype(np.float32)
         first_u, along_u = spline.local(0, uv[:, 0])
@@ -98,10 +108,10 @@ class Reduced:
         self._size = spline.size
 
     def __call__(self, pressure_kpa: Floats) -> tuple[Floats, NDArray[Any]]:
-        return self.at(*self._latent(pressure_kpa))
+        return self.at(*self.latent(pressure_kpa))
 
     def points(self, pressure_kpa: Floats) -> NDArray[Any]:
-        latent, by_pressure = self._latent(pressure_kpa)
+        latent, by_pressure = self.latent(pressure_kpa)
         return self.at(latent, by_pressure[:, :0])[0]
 
     def at(self, latent: Floats, by_pressure: Floats) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -126,7 +136,7 @@ class Warped:
         self._warp_slopes = _kernels.warp_slopes
         self._surface = Reduced(model.forward, uv)
         self._centers = Reduced(model.forward, np.asarray(model.marker_uv, float))
-        self._latent = model.forward.latent
+        self._latent = self._surface.latent
         self._state = model.warp_state
         self._c = float(model.c)
 

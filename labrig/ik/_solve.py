@@ -19,7 +19,7 @@ SAMPLES = 27
 """The search looks at SAMPLES x SAMPLES points of the surface."""
 ITERATIONS = 40
 _MARGIN = 0.01
-_FITS, _FITS_ANEW = 0.02, 0.004
+_FITS, _FITS_ANEW = 0.02, 0.008
 """Misfits, shares of the target's size, above which other poses are tried: its own pose's, a likely one's."""
 _OTHER_SHARES = (0.15, 0.85)
 _FAR = 0.02
@@ -89,13 +89,14 @@ class Solver:
         self, goal: Target, first: Floats, pose: Pose | None, iterations: int
     ) -> tuple[State, History, int]:
         """The best of the searches from where the target lies, or from the likeliest poses if it lies far away."""
-        found: list[State] = []
+        found: list[tuple[float, State]] = []
         history: History = ()
         if pose is not None or lies_near(self.half_shape, goal):
             state, history = self.descent.run(goal, first, pose or Pose.identity(), iterations)
-            if pose is not None or state.misfit(goal.size_mm) < _FITS:
+            misfit = 0.0 if pose is not None else state.misfit(goal, self.triangles)
+            if misfit < _FITS:
                 return state, history, 1
-            found.append(state)
+            found.append((misfit, state))
         starts = len(found)
         for more_shapes in (False, True):
             tried = spread_actuations(self.low, self.high) if more_shapes else first[None]
@@ -104,13 +105,13 @@ class Solver:
                     state, steps = self.descent.run(goal, pressure, Pose(R.T, -R.T @ t), iterations, FAR_AWAY)
                 except LabrigError:
                     continue
-                found.append(state)
+                found.append((state.misfit(goal, self.triangles), state))
                 starts, history = starts + 1, history + steps
-                if state.misfit(goal.size_mm) < _FITS_ANEW:
+                if found[-1][0] < _FITS_ANEW:
                     return state, history, starts
         if not found:
             raise LabrigError(NOWHERE)
-        return min(found, key=lambda state: state.misfit(goal.size_mm)), history, starts
+        return min(found, key=lambda entry: entry[0])[1], history, starts
 
     def _stuck(self, state: State, goal: Target) -> bool:
         """Whether another start could help: much of the target is far off although most chambers are free."""

@@ -25,8 +25,11 @@ def match(points, R, t, cloud, moved, index, square):
 
 
 @njit(cache=True)
-def score(R, normals, cloud_normals, index, square, size, oriented):
-    """How badly a motion fits: capped distances as a share of the size, and normals that disagree."""
+def score(R, normals, cloud_normals, index, square, size, oriented, share):
+    """How badly a motion fits: capped distances as a share of the size, and normals that disagree.
+
+    The mean over the best `share` of the points.
+    """
     cost = np.empty(len(index))
     for p in range(len(index)):
         agreement = 0.0
@@ -36,7 +39,7 @@ def score(R, normals, cloud_normals, index, square, size, oriented):
         agreement = agreement if oriented else abs(agreement)
         cost[p] = min(np.sqrt(square[p]) / size, 0.15) + 0.05 * (1.0 - agreement)
     cost.sort()
-    return cost[: max(1, int(0.9 * len(cost)))].mean()
+    return cost[: max(1, int(share * len(cost)))].mean()
 
 
 @njit(cache=True)
@@ -107,7 +110,7 @@ def _to_planes(R, t, moved, index, square, cloud, cloud_normals, size):
 
 
 @njit(cache=True)
-def rough_icp(points, normals, R, t, cloud, cloud_normals, size, oriented, to_points, to_planes):
+def rough_icp(points, normals, R, t, cloud, cloud_normals, size, oriented, to_points, to_planes, share):
     """Some steps to points, then to planes; returns rotation, translation and score (0 steps: the start's)."""
     count = len(points)
     moved, index, square = np.empty((count, 3)), np.empty(count, np.int64), np.empty(count)
@@ -118,7 +121,7 @@ def rough_icp(points, normals, R, t, cloud, cloud_normals, size, oriented, to_po
     for _ in range(to_planes):
         R, t = _to_planes(R, t, moved, index, square, cloud, cloud_normals, size)
         match(points, R, t, cloud, moved, index, square)
-    return R, t, score(R, normals, cloud_normals, index, square, size, oriented)
+    return R, t, score(R, normals, cloud_normals, index, square, size, oriented, share)
 
 
 @njit(cache=True)
@@ -127,14 +130,14 @@ def try_starts(points, normals, rotations, shifts, cloud, cloud_normals, size, o
     first = np.empty(len(rotations))
     for k in range(len(rotations)):
         _, _, first[k] = rough_icp(
-            points, normals, rotations[k], shifts[k], cloud, cloud_normals, size, oriented, 0, 0
+            points, normals, rotations[k], shifts[k], cloud, cloud_normals, size, oriented, 0, 0, 0.9
         )
     chosen = np.argsort(first)[:kept]
     R, t, cost = np.empty((len(chosen), 3, 3)), np.empty((len(chosen), 3)), np.empty(len(chosen))
     for i in range(len(chosen)):
         k = chosen[i]
         R[i], t[i], cost[i] = rough_icp(
-            points, normals, rotations[k], shifts[k], cloud, cloud_normals, size, oriented, 3, 6
+            points, normals, rotations[k], shifts[k], cloud, cloud_normals, size, oriented, 3, 6, 0.9
         )
     order = np.argsort(cost)
     return R[order], t[order], cost[order]

@@ -125,12 +125,12 @@ def _improved(
 
 
 def start_score(points: Floats, normals: Floats, target: Target, oriented: bool = True) -> float:
-    """The score, as of `global_starts`, of the points as they lie."""
+    """The score, as of `global_starts`, of the better half of the points as they lie."""
     from labrig.surface._coarse import rough_icp
 
     cloud, cloud_normals = target.few
     where = np.ascontiguousarray(points), np.ascontiguousarray(normals), np.eye(3), np.zeros(3)
-    return float(rough_icp(*where, cloud, cloud_normals, target.size_mm, oriented, 0, 0)[2])
+    return float(rough_icp(*where, cloud, cloud_normals, target.size_mm, oriented, 0, 0, 0.5)[2])
 
 
 def _solve_plane(

@@ -51,3 +51,33 @@ def test_quick_surface_derivatives(mannequin):
     for c, e in enumerate(np.eye(9)):
         change = (mannequin.points(p + 0.01 * e, uv) - mannequin.points(p - 0.01 * e, uv))[0] / 0.02
         np.testing.assert_allclose(slope[:, :, c], change, atol=1e-6)
+
+
+@pytest.mark.parametrize("with_slopes", [False, True])
+def test_a_gaussian_forward_model(net, with_slopes):
+    """The compiled Gaussian process gives the model's points and derivatives, up to the modes that do not matter."""
+    from labrig.surrogate import ForwardModel
+    from labrig.surrogate._gaussian import fit_gaussian
+
+    rng = np.random.default_rng(3)
+    x = rng.uniform(0, 1, (60, 4))
+    both = [net.latent(60.0 * row) for row in x]
+    values, slopes = np.array([z for z, _ in both]), 60.0 * np.array([dz for _, dz in both])
+    head, _ = fit_gaussian(x, values, slopes if with_slopes else None, iterations=5)
+    model = ForwardModel(
+        chamber_names=net.chamber_names,
+        low_kpa=net.low_kpa,
+        high_kpa=net.high_kpa,
+        spline=net.spline,
+        mean_mm=net.mean_mm,
+        modes_mm=net.modes_mm,
+        head=head,
+        spread=np.zeros((6, 1)),
+        factor=1.0,
+    )
+    uv = rng.uniform(0, 1, (200, 2))
+    points, slope = evaluator(model, uv)(PRESSURE)
+    assert np.abs(points - model.points(PRESSURE[None], uv)[0]).max() < 0.1
+    exact = model.jacobian(PRESSURE[None], uv)[0]
+    assert np.abs(slope - exact).max() < 0.01 * np.abs(exact).max()
+    assert np.abs(points - net.points(PRESSURE[None], uv)[0]).max() < 1.0
