@@ -1,5 +1,6 @@
 """What `labrig investigate` does: measure, diagnose, settle the doubt, improve, and confirm, in a loop."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,7 @@ CONFIRM_SHARE, CONFIRM_FEWEST, CONFIRM_MOST = 0.12, 8, 24
 LONGEST_MIN, SHORTEST_MIN = 10.0, 0.75
 MOST_ROUNDS = 8
 UNKNOWN_ROUNDS = 2
-CONFIRMED = 0.5
+CONFIRMED, MOST_CONFIRMATIONS = 0.8, 2
 CLEAR = {"nothing_missing", "identified", "multiple"}
 
 
@@ -81,9 +82,14 @@ def _loop(investigation: Investigation, bench: Bench, model: "Model", console: C
         if left < reserve * 0.999:
             return _improved(investigation, model, result, confirmed=None)
         confirmed, again = _confirmed(investigation, bench, model, result, confirming, console)
-        if confirmed or again.summary["effects"] == result.summary["effects"]:
+        same = again.summary["effects"] == result.summary["effects"]
+        looked = sum(r["programme"] == "confirmation" for r in investigation.rounds)
+        over = looked >= MOST_CONFIRMATIONS or budget - investigation.minutes < reserve
+        if confirmed or (same and over):
             return _improved(investigation, model, again, confirmed)
-        result = again
+        result = (
+            again  # the name does not hold, or its values do not: they are fitted to these captures too now
+        )
 
 
 def _first(investigation: Investigation, bench: Bench, reserve: float) -> Procedure:
@@ -97,7 +103,7 @@ def _first(investigation: Investigation, bench: Bench, reserve: float) -> Proced
     if captures < FEWEST:
         least = (FEWEST * one) / FIRST_SHARE + reserve
         raise LabrigError(
-            f"--budget {settings.budget:g} min is too little to begin with; give it {least:.0f} or more"
+            f"--budget {settings.budget:g} min is too little to begin with; give it {math.ceil(least)} or more"
         )
     return Capture.model_validate({"captures": captures, "highest": settings.highest})
 

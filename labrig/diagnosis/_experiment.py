@@ -173,17 +173,19 @@ def _named(
         for (m, n), a, g in zip(judge.pairs, apart, goals, strict=True)
     ]
     probes = []
-    for i, (probe, times) in enumerate(zip(choice.probes, choice.times, strict=True)):
-        own = [layout.points[0][k] for k in range(len(points)) if owner[k] == i]
+    for name in dict.fromkeys(p.name for p in choice.probes):
+        alike = [i for i, p in enumerate(choice.probes) if p.name == name]
+        own = [layout.points[0][k] for k in range(len(points)) if owner[k] in alike]
         alone = judge.apart(_sum(own))
         best = judge.pairs[int(np.argmax(alone))]
+        seconds = sum(choice.times[i] * choice.probes[i].seconds(problem.limits) for i in alike)
         probes.append(
             {
-                "probe": probe.name,
+                "probe": name,
                 "separates": f"{titles[best[0]]} from {titles[best[1]]}",
-                "shows": probe.separates,
-                "times": times,
-                "minutes": times * probe.seconds(problem.limits) / 60,
+                "shows": choice.probes[alike[0]].separates,
+                "times": sum(choice.times[i] for i in alike),
+                "minutes": seconds / 60,
                 "floors": float(np.sqrt(alone.mean() / (len(own) * problem.streams.residual.shape[1]))),
                 "log10_bayes": float(cautious * alone.mean()),
             }
