@@ -10,7 +10,7 @@ from labrig._errors import LabrigError
 
 Floats = NDArray[Any]
 
-_JITTER = 1e-10
+SLACK = 1e-10
 """Added to the diagonal of the bells' matrix: wide bells at near centers are all but dependent."""
 
 
@@ -40,8 +40,10 @@ class Warp:
         return cls(centers, identity_coefficients(len(centers)), float(c_per_mm2))
 
     @classmethod
-    def through(cls, centers_mm: ArrayLike, targets_mm: ArrayLike, c_per_mm2: float) -> "Warp":
-        """The warp that takes every center (N, 3) to its target (N, 3).
+    def through(
+        cls, centers_mm: ArrayLike, targets_mm: ArrayLike, c_per_mm2: float, slack: float = SLACK
+    ) -> "Warp":
+        """The warp that takes every center (N, 3) to its target (N, 3), or near to it with more `slack`.
 
         The linear system of interpolation by radial functions: the beta_i sum to zero, and so do their moments
         about the centers, so that what is affine is left to A.
@@ -51,7 +53,7 @@ class Warp:
         if len(centers) < 4 or targets.shape != centers.shape or not np.isfinite(targets).all():
             raise LabrigError("warp: four or more centers, each with a finite target, are needed")
         rows = np.concatenate([targets - centers, np.zeros((4, 3))])
-        solved = np.linalg.solve(interpolation_matrix(centers, c_per_mm2), rows)
+        solved = np.linalg.solve(interpolation_matrix(centers, c_per_mm2, slack), rows)
         return cls(centers, solved + identity_coefficients(len(centers)), float(c_per_mm2))
 
     def apply(self, points_mm: ArrayLike) -> Floats:
@@ -102,12 +104,12 @@ def design(points_mm: ArrayLike, centers_mm: ArrayLike, c_per_mm2: float) -> Flo
     return np.concatenate([np.ones((len(points), 1)), points, bells(points, centers_mm, c_per_mm2)], axis=1)
 
 
-def interpolation_matrix(centers_mm: Floats, c_per_mm2: float) -> Floats:
+def interpolation_matrix(centers_mm: Floats, c_per_mm2: float, slack: float = SLACK) -> Floats:
     """The symmetric system (N + 4, N + 4) behind `Warp.through`; unknowns in the order of the coefficients."""
     N = len(centers_mm)
     matrix = np.zeros((N + 4, N + 4))
     matrix[:N] = design(centers_mm, centers_mm, c_per_mm2)
-    matrix[:N, 4:] += _JITTER * np.eye(N)
+    matrix[:N, 4:] += slack * np.eye(N)
     matrix[N:, 4:] = matrix[:N, :4].T
     return matrix
 

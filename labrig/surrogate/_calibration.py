@@ -11,7 +11,7 @@ from labrig.surrogate._kernel import Floats
 _GRID = 34
 _PARTS = 60
 """Directions of the latent errors that are kept; they hold nearly all of them."""
-_NORMAL_95 = 1.96
+NORMAL_95 = 1.96
 
 
 def calibrated(model: ForwardModel, missed: Floats, doubt: Floats) -> ForwardModel:
@@ -32,4 +32,4 @@ def calibrated(model: ForwardModel, missed: Floats, doubt: Floats) -> ForwardMod
     pattern = model.pattern_mm(uv)
     moved = pattern > 1e-9  # a clamped border has no error at all
     ratio = distance[:, moved] / (doubt[:, None] * pattern[moved])
-    return replace(model, factor=float(np.quantile(ratio, 0.95)) / _NORMAL_95 if ratio.size else 1.0)
+    return replace(model, factor=float(np.quantile(ratio, 0.95)) / NORMAL_95 if ratio.size else 1.0)

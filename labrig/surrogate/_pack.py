@@ -7,6 +7,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.surface import Spline
+from labrig.surrogate._corrected import CorrectedHead
 from labrig.surrogate._file import Arrays
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._gaussian import GaussianHead
@@ -121,6 +122,11 @@ def _pack_head(head: Any, arrays: Arrays, prefix: str) -> dict[str, Any]:
         for name in ("points", "weights", "offset", "scale"):
             arrays[prefix + name] = getattr(head, name)
         return {"kind": "gaussian", "noise": head.noise}
+    if isinstance(head, CorrectedHead):
+        pack_kernel(head.kernel, arrays, prefix)
+        for name in ("gain", "points", "constant", "weights"):
+            arrays[prefix + name] = getattr(head, name)
+        return {"kind": "corrected", "base": _pack_head(head.base, arrays, f"{prefix}base.")}
     facts: dict[str, Any] = {"kind": "network", "scale": head.scale, "members": len(head.members)}
     for index, member in enumerate(head.members):
         facts[f"member{index}"] = pack_network(member, arrays, f"{prefix}member{index}.")
@@ -154,8 +160,15 @@ def unpack_forward(part: Unpacking) -> ForwardModel:
     )
 
 
-def _unpack_head(part: Unpacking, chambers: int, modes: int) -> GaussianHead | NetworkHead:
+def _unpack_head(
+    part: Unpacking, chambers: int, modes: int, deep: bool = False
+) -> GaussianHead | NetworkHead | CorrectedHead:
     kind = part.fact("kind", str)
+    if kind == "corrected" and not deep:
+        base = _unpack_head(part.inner("base"), chambers, modes, deep=True)
+        points, gain = part.array("points", None, chambers), part.array("gain", chambers)
+        constant, weights = part.array("constant", modes), part.array("weights", len(points), modes)
+        return CorrectedHead(base, gain, unpack_kernel(part, chambers), points, constant, weights)
     if kind == "gaussian":
         points = part.array("points", None, chambers)
         weights = part.array("weights", None, modes)
@@ -177,7 +190,7 @@ def _unpack_head(part: Unpacking, chambers: int, modes: int) -> GaussianHead | N
 
 def pack_warped(model: WarpedModel, arrays: Arrays) -> dict[str, Any]:
     """Facts of a warped model; its arrays are put beside them."""
-    for name in ("marker_uv", "low_kpa", "high_kpa", "field_mm", "confidence"):
+    for name in ("marker_uv", "field_mm", "confidence", "rotation", "translation_mm"):
         arrays[name] = getattr(model, name)
     head: dict[str, Any] = {"kind": model.head.kind}
     if isinstance(model.head, FieldHead):
@@ -188,6 +201,7 @@ def pack_warped(model: WarpedModel, arrays: Arrays) -> dict[str, Any]:
         arrays["head.scale"] = model.head.scale
         head["network"] = pack_network(model.head.network, arrays, "head.network.")
     elif isinstance(model.head, MarkerHead):
+        head["slack"] = model.head.slack
         head["network"] = pack_network(model.head.network, arrays, "head.network.")
     return {
         "forward": pack_forward(model.forward, arrays, "forward."),
@@ -208,12 +222,12 @@ def unpack_warped(part: Unpacking) -> WarpedModel:
         marker_uv=uv,
         c=part.fact("c_per_mm2", float),
         head=_unpack_warp_head(part.inner("head"), len(uv), len(forward.modes_mm), chambers),
-        low_kpa=part.array("low_kpa", chambers),
-        high_kpa=part.array("high_kpa", chambers),
         noise_mm=part.fact("noise_mm", float),
         field_mm=part.array("field_mm", None, None),
         factor=part.fact("factor", float),
         confidence=part.array("confidence", None, None),
+        rotation=part.array("rotation", 3, 3),
+        translation_mm=part.array("translation_mm", 3),
         provenance=part.fact("provenance", dict),
     )
 
@@ -226,7 +240,8 @@ def _unpack_warp_head(
         network = unpack_network(part.inner("network"), modes, 3 * (centers + 4))
         return FunctionHead(network, part.array("scale", centers + 4))
     if kind == "marker":
-        return MarkerHead(unpack_network(part.inner("network"), modes, 3 * centers))
+        network = unpack_network(part.inner("network"), modes, 3 * centers)
+        return MarkerHead(network, part.fact("slack", float))
     if kind != "field":
         part.fail(f"there is no head of kind {kind!r}")
     points = part.array("points", None, chambers)

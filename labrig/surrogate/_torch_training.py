@@ -61,7 +61,7 @@ def train_network(
 ) -> Network:
     """Train a network from inputs (n, C) to targets (n, D), with slopes (n, D, C) if there are any."""
     with one_thread(seed) as torch:
-        net = _sequential(torch, x.shape[1], targets.shape[1], recipe)
+        net = sequential(torch, x.shape[1], targets.shape[1], recipe)
         data = [torch.tensor(np.asarray(v), dtype=torch.float32) for v in (x, targets)]
         by_x = None if slopes is None else torch.tensor(slopes.transpose(0, 2, 1), dtype=torch.float32)
         count, batches = len(x), math.ceil(len(x) / recipe.batch)
@@ -93,7 +93,8 @@ def train_network(
         return plain(net, recipe.activation)
 
 
-def _sequential(torch: Any, inputs: int, outputs: int, recipe: Recipe) -> Any:
+def sequential(torch: Any, inputs: int, outputs: int, recipe: Recipe) -> Any:
+    """The network of a recipe, its weights drawn anew."""
     layers, width = [], inputs
     for hidden in recipe.hidden:
         layers.append(torch.nn.Linear(width, hidden))

@@ -2,13 +2,13 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from labrig.surface import grid
-from labrig.surrogate._calibration import calibrated
+from labrig.surrogate._calibration import NORMAL_95, calibrated
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._gaussian import fit_gaussian
 from labrig.surrogate._kernel import Floats
@@ -31,14 +31,37 @@ TEST_GRID = 134
 """Samples of the surface in each direction at which errors are measured: 17,956 in all."""
 
 
+_LEVELS = np.linspace(0.0, 1.0, 101)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Errors on shapes that were not learned from.
+
+    `summary`: mean, p95, p99, max and the worst shape's mean, mm; the share within the 95 % interval; the rank
+    correlation of a shape's error with its doubt. `by_place` (n_u, n_v) and `by_shape` (n,) are mean errors, mm;
+    `ratio` (101,) percentiles of the error over the standard deviation.
+    """
+
+    summary: dict[str, float]
+    by_place: Floats
+    by_shape: Floats
+    ratio: Floats
+
+
 @dataclass(frozen=True)
 class Trained:
-    """A forward model, and how it did: errors in mm over all samples of the test shapes, times in s."""
+    """A forward model, how it did, and what processor time it took, s."""
 
     model: ForwardModel
     fit_s: float
     calibration_s: float
-    errors: dict[str, float] = field(default_factory=dict)
+    measured: Measured
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """The summary of its errors."""
+        return self.measured.summary
 
 
 def train_forward(
@@ -68,7 +91,7 @@ def train_forward(
     else:
         model = calibrated(model, *left_out())
     done = time.process_time()
-    errors = measure_errors(model, data.take(test), samples)
+    measured = measure_errors(model, data.take(test), samples)
     settings = {"method": method, "share": share, "seed": seed, "slopes": data.slopes is not None}
     if method != "gaussian":
         chosen = recipe or (PAPER if method == "paper" else OURS)
@@ -77,21 +100,21 @@ def train_forward(
     facts = provenance("forward", settings) | {
         "source": data.source,
         "split": {"learn": learn.tolist(), "test": test.tolist()},
-        "test": errors,
+        "test": measured.summary,
     }
-    return Trained(replace(model, provenance=facts), fitted - started, done - fitted, errors)
+    return Trained(replace(model, provenance=facts), fitted - started, done - fitted, measured)
 
 
-def measure_errors(model: ForwardModel, data: TrainingSet, samples: int = TEST_GRID) -> dict[str, float]:
-    """Distances between predicted and simulated surface: mean, p95, p99, max, worst shape's mean, mm; coverage."""
+def measure_errors(model: ForwardModel, data: TrainingSet, samples: int = TEST_GRID) -> Measured:
+    """Distances between predicted and simulated surface, and how often the intervals hold them."""
     uv, _ = grid(samples, samples)
     basis = data.spline.basis(uv)
     missed = (model.control(data.pressure_kpa) - data.control_mm).reshape(len(data), -1, 3)
     error = np.stack([np.linalg.norm(basis @ one, axis=1) for one in missed])
-    inside = error <= 1.96 * model.sd_mm(data.pressure_kpa, uv)
+    ratio = error / model.sd_mm(data.pressure_kpa, uv)
     by_shape = error.mean(axis=1)
     ranked = _rank_correlation(model.head.doubt(data.fraction), by_shape)
-    return {
+    summary = {
         "shapes": float(len(data)),
         "samples": float(len(uv)),
         "mean_mm": float(error.mean()),
@@ -99,8 +122,11 @@ def measure_errors(model: ForwardModel, data: TrainingSet, samples: int = TEST_G
         "p99_mm": float(np.quantile(error, 0.99)),
         "max_mm": float(error.max()),
         "worst_shape_mm": float(by_shape.max()),
-        "coverage_95": float(inside.mean()),
+        "coverage_95": float((ratio <= NORMAL_95).mean()),
     } | ({} if ranked is None else {"doubt_rank": ranked})
+    return Measured(
+        summary, error.mean(axis=0).reshape(samples, samples).T, by_shape, np.quantile(ratio, _LEVELS)
+    )
 
 
 def _rank_correlation(a: Floats, b: Floats) -> float | None:

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from labrig.surface._warp import bells, identity_coefficients, interpolation_matrix
+from labrig.surface._warp import SLACK, bells, identity_coefficients, interpolation_matrix
 from labrig.surrogate._kernel import Floats, Kernel
 from labrig.surrogate._network import Network
 
@@ -54,17 +54,21 @@ class FunctionHead:
 
 @dataclass(frozen=True)
 class MarkerHead:
-    """N_mk of the source paper: a network from the virtual markers to the real ones, through which a warp is laid."""
+    """N_mk of the source paper: a network from the virtual markers to the real ones, through which a warp is laid.
+
+    `slack` is added to the diagonal of the bells' matrix in the linear system; hardly any is interpolation.
+    """
 
     kind = "marker"
 
     network: Network
+    slack: float = SLACK
 
     def coefficients(self, state: State) -> tuple[Floats, Floats]:
         """Coefficients (N + 4, 3) and their change (N + 4, 3, C): those of a linear system that moves too."""
         N, C = len(state.centers_mm), len(state.x)
         value, change = self.network.slopes(state.z[None], state.z_change[None])
-        matrix = interpolation_matrix(state.centers_mm, state.c_per_mm2)
+        matrix = interpolation_matrix(state.centers_mm, state.c_per_mm2, self.slack)
         solved = np.linalg.solve(matrix, np.concatenate([value.reshape(N, 3), np.zeros((4, 3))]))
         q, dq = state.centers_mm, state.centers_change
         weight = bells(q, q, state.c_per_mm2)

@@ -28,31 +28,41 @@ class WarpHead(Protocol):
 
 @dataclass(frozen=True)
 class WarpedModel:
-    """p* = Phi_a(B(u, v, N_fk(a))): the forward model's surface after a warp.
+    """p* = R Phi_a(B(u, v, N_fk(a))) + t: the forward model's surface after a warp, in the rig's frame.
 
-    `forward` may take pressures for more or less than its own range says (a chamber that is stiffer than simulated);
-    `low_kpa`, `high_kpa` (C,) are the limits that hold. Centers of the bells are the forward model's points at
-    `marker_uv` (N, 2), which move with the shape; `c` is their width, mm^-2. Deviations: `noise_mm` everywhere,
-    `field_mm` (n_u, n_v) on a regular grid of the surface per unit of the head's doubt, and the forward model's
-    own, all times `factor`. `confidence` (n_u, n_v), 0 to 1, says where scans stand behind the model; ones without.
+    Centers of the bells are the forward model's points at `marker_uv` (N, 2), which move with the shape; `c` is their
+    width, mm^-2; `rotation` (3, 3) and `translation_mm` (3,) take the simulator's frame to the rig's. Deviations:
+    `noise_mm` everywhere, `field_mm` (n_u, n_v) on a regular grid of the surface per unit of the head's doubt, and the
+    forward model's own, all times `factor`. `confidence` (n_u, n_v), 0 to 1, says where scans stand behind the model;
+    ones without scans.
     """
 
     forward: ForwardModel
     marker_uv: Floats
     c: float
     head: WarpHead
-    low_kpa: Floats
-    high_kpa: Floats
-    noise_mm: float
-    field_mm: Floats
-    factor: float
-    confidence: Floats
+    noise_mm: float = 0.0
+    field_mm: Floats = field(default_factory=lambda: np.zeros((1, 1)))
+    factor: float = 1.0
+    confidence: Floats = field(default_factory=lambda: np.ones((1, 1)))
+    rotation: Floats = field(default_factory=lambda: np.eye(3))
+    translation_mm: Floats = field(default_factory=lambda: np.zeros(3))
     provenance: dict[str, Any] = field(default_factory=dict)
 
     @property
     def chamber_names(self) -> tuple[str, ...]:
         """The chambers, in order."""
         return self.forward.chamber_names
+
+    @property
+    def low_kpa(self) -> Floats:
+        """The lowest pressures, (C,)."""
+        return self.forward.low_kpa
+
+    @property
+    def high_kpa(self) -> Floats:
+        """The highest pressures, (C,)."""
+        return self.forward.high_kpa
 
     @property
     def marker_names(self) -> tuple[str, ...]:
@@ -72,7 +82,7 @@ class WarpedModel:
         """Surface points (F, P, 3), mm, at pressures (F, C) and (u, v) (P, 2)."""
         pressure = np.atleast_2d(np.asarray(pressure_kpa, dtype=float))
         simulated = self.forward.points(pressure, uv)
-        return np.stack([self._warp(one).apply(p) for one, p in zip(pressure, simulated, strict=True)])
+        return np.stack([self.warp(one).apply(p) for one, p in zip(pressure, simulated, strict=True)])
 
     def jacobian(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """d points / d pressure (F, P, 3, C), mm/kPa."""
@@ -82,7 +92,7 @@ class WarpedModel:
         span = self._span
         for f, one in enumerate(pressure):
             state = self._state(one)
-            coefficients, change = self.head.coefficients(state)
+            coefficients, change = self._coefficients(state)
             warp = Warp(state.centers_mm, coefficients, self.c)
             p = simulated[f]
             by_x = warp.by_centers(p, state.centers_change)
@@ -103,18 +113,21 @@ class WarpedModel:
         return on_grid(self.confidence, uv)
 
     def warp(self, pressure_kpa: ArrayLike) -> Warp:
-        """The warp at one set of pressures (C,), kPa."""
-        return self._warp(np.asarray(pressure_kpa, dtype=float))
+        """The warp at one set of pressures (C,), kPa, the change of frame included."""
+        state = self._state(np.asarray(pressure_kpa, dtype=float))
+        return Warp(state.centers_mm, self._coefficients(state)[0], self.c)
 
     def warp_state(self, pressure_kpa: ArrayLike) -> tuple[Floats, Floats]:
         """The warp's coefficients (N + 4, 3) at pressures (C,), and their derivative (N + 4, 3, C) by kPa."""
-        state = self._state(np.asarray(pressure_kpa, dtype=float))
-        coefficients, change = self.head.coefficients(state)
+        coefficients, change = self._coefficients(self._state(np.asarray(pressure_kpa, dtype=float)))
         return coefficients, change / self._span
 
-    def _warp(self, pressure: Floats) -> Warp:
-        state = self._state(pressure)
-        return Warp(state.centers_mm, self.head.coefficients(state)[0], self.c)
+    def _coefficients(self, state: State) -> tuple[Floats, Floats]:
+        """The head's coefficients and their change by fractions, turned into the rig's frame."""
+        coefficients, change = self.head.coefficients(state)
+        turned = coefficients @ self.rotation.T
+        turned[0] += self.translation_mm
+        return turned, np.einsum("ij,njc->nic", self.rotation, change)
 
     def _state(self, pressure: Floats) -> State:
         z, by_kpa = self.forward.latent(pressure)

@@ -7,7 +7,13 @@ from labrig.surface import Spline, grid
 from labrig.surrogate import TrainingSet
 
 
-def shapes(pressure_kpa, spline):
+@pytest.fixture(scope="session")
+def shapes():
+    """What makes shapes of pressures."""
+    return _shapes
+
+
+def _shapes(pressure_kpa, spline):
     """Control points (N, nu, nv, 3) of a sheet that three chambers bulge, and their slopes (N, nu, nv, 3, 3)."""
     u, v = np.meshgrid(spline.greville[0], spline.greville[1], indexing="ij")
     fade = np.sin(np.pi * u) * np.sin(np.pi * v)
@@ -30,7 +36,7 @@ def shapes(pressure_kpa, spline):
 
 
 @pytest.fixture(scope="session")
-def data():
+def data(shapes):
     """A hundred shapes of an 8 x 7 sheet under three chambers, with nine markers."""
     spline = Spline((8, 7), 2)
     pressure = np.random.default_rng(0).random((100, 3)) * 60.0

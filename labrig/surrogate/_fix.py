@@ -1,0 +1,246 @@
+"""labrig's own way from simulation to reality: the field between them, from markers, from scans, or from both."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.surface import grid
+from labrig.surface._warp import identity_coefficients
+from labrig.surrogate._captures import Frames, Shot
+from labrig.surrogate._corrected import CorrectedHead
+from labrig.surrogate._field import Posterior, Seen, infer, left_out
+from labrig.surrogate._field_settings import Places, Settings, Spatial, fit_settings
+from labrig.surrogate._forward import ForwardModel
+from labrig.surrogate._kernel import Floats
+from labrig.surrogate._scans import Matched, confidence_map, match
+from labrig.surrogate._warp_heads import FieldHead
+from labrig.surrogate._warped import WarpedModel
+from labrig.surrogate._warped import on_grid as interpolated
+
+_GAIN_SD = 0.1
+"""How far a chamber's pressure may count for more or less than simulated, before anything was seen."""
+_RELINEARISED = 2
+_MATCHINGS = 5
+_AGAIN = 2
+"""The matching after which settings are fitted again, where there are scans alone."""
+PLACES_ACROSS = 13
+"""Places of the surface, in each direction, at which scans are looked at."""
+SCAN_PRECISION = 0.1
+"""Of one such place, relative to a marker: a scanner is less exact, and its neighbours say nearly the same."""
+_DRAWS = 400
+_NORMAL_95 = 1.96
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A model fixed on the rig, and how it did on frames that it did not see: distances, mm, `left_out` (n,)."""
+
+    model: WarpedModel
+    left_out_mm: Floats
+    facts: dict[str, Any]
+
+
+def fix(forward: ForwardModel, frames: Frames | None, shots: list[Shot]) -> Fixed:
+    """Learn the field from the markers of `frames`, from scans, or from both, in the simulator's frame."""
+    marker_uv = forward.markers(frames.marker_names) if frames is not None else np.zeros((0, 2))
+    scan_uv = _scan_places() if shots else np.zeros((0, 2))
+    uv = np.concatenate([marker_uv, scan_uv])
+    pressure, of_frame, of_shot = _set_points(frames, shots)
+    places = _places(forward, uv, np.repeat([1.0, SCAN_PRECISION], [len(marker_uv), len(scan_uv)]))
+    gain = np.ones(len(forward.chamber_names))
+    settings, matched, posterior, covariance = None, None, None, np.zeros((0, 0))
+    seen = None
+    for step in range(_MATCHINGS if shots else _RELINEARISED):
+        simulated = forward.points(pressure * gain, uv)
+        by_gain = forward.jacobian(pressure * gain, uv) * pressure[:, None, None, :]
+        from_gain = by_gain @ (gain - 1.0)
+        value = np.full(simulated.shape, np.nan)
+        known = np.zeros((*simulated.shape, 3))
+        if frames is not None:
+            _put_markers(frames, of_frame, simulated, value, known)
+        if shots:
+            moved = simulated if posterior is None else simulated + posterior.expected - from_gain
+            matched = match(shots, moved[of_shot][:, len(marker_uv) :])
+            _put_scans(matched, of_shot, len(marker_uv), simulated, value, known)
+        seen = Seen(
+            forward.fraction(pressure),
+            value + from_gain,  # directions count from a gain of one
+            known,
+            np.moveaxis(by_gain, -1, 0),
+            np.full(len(gain), _GAIN_SD),
+        )
+        if settings is None or (frames is None and step == _AGAIN):
+            settings = _settings(seen, places, len(marker_uv), of_frame, of_shot, settings)
+            covariance = places.covariance(settings)
+        start = None if posterior is None else posterior.weights
+        posterior = infer(seen, covariance, places.precision, settings, start)
+        gain = 1.0 + posterior.theta
+    assert posterior is not None
+    assert seen is not None
+    errors, doubt = left_out(seen, covariance, places.precision, posterior)
+    return _fixed(forward, places, uv, pressure, posterior, seen, errors, doubt, len(marker_uv), matched)
+
+
+def _settings(
+    seen: Seen,
+    places: Places,
+    markers: int,
+    of_frame: NDArray[np.int64],
+    of_shot: NDArray[np.int64],
+    start: Settings | None,
+) -> Settings:
+    """Settings from the markers; without any, from what the scans say along the mean normal of each place."""
+    rows = of_frame if markers else of_shot
+    own = slice(0, markers) if markers else slice(markers, None)
+    value, directions = seen.value_mm[rows][:, own], seen.directions[:, rows][:, :, own]
+    count = value.shape[1]
+    part = Places(
+        places.modes[: 3 * count] if markers else places.modes[3 * markers :],
+        places.size,
+        places.middle_mm[own],
+        places.precision[own],
+    )
+    if markers:
+        project = np.eye(3 * count)
+        seen_here = np.where(
+            np.trace(seen.known[rows][:, own], axis1=2, axis2=3)[..., None] > 2, value, np.nan
+        )
+        flat = seen_here.reshape(len(rows), -1)
+    else:
+        along = np.linalg.eigh(seen.known[rows][:, own].mean(axis=0))[1][:, :, -1]
+        project = np.zeros((count, 3 * count))
+        project[np.arange(count)[:, None], 3 * np.arange(count)[:, None] + np.arange(3)] = along
+        known = np.einsum("jqab,jqb->jqa", seen.known[rows][:, own], np.nan_to_num(value))
+        flat = np.einsum("jqa,qa->jq", known, along)
+        flat[np.trace(seen.known[rows][:, own], axis1=2, axis2=3) < 0.5] = np.nan
+    root = np.repeat(np.sqrt(part.precision), 3 if markers else 1)
+    flat_directions = directions.reshape(len(directions), len(rows), -1) @ project.T
+
+    def spatial(tried: Settings) -> Spatial:
+        covariance = part.covariance(tried)
+        return Spatial(covariance if markers else project @ covariance @ project.T, root)
+
+    iterations = 15 if markers else 6
+    return fit_settings(
+        seen.x[rows], flat * root, flat_directions * root, seen.direction_sd, spatial, start, iterations
+    )
+
+
+def _set_points(
+    frames: Frames | None, shots: list[Shot]
+) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
+    """All set-points (J, C), a scan sharing one with the frame at the same pressures; rows of frames and scans."""
+    rows: list[Floats] = [] if frames is None else list(frames.pressure_kpa)
+    of_shot = []
+    for shot in shots:
+        same = [j for j, row in enumerate(rows) if np.abs(row - shot.pressure_kpa).max() < 1e-6]
+        of_shot.append(same[0] if same else len(rows))
+        if not same:
+            rows.append(shot.pressure_kpa)
+    count = 0 if frames is None else len(frames)
+    return np.array(rows), np.arange(count), np.array(of_shot, dtype=np.int64)
+
+
+def _scan_places() -> Floats:
+    """Places evenly over the surface, none on its border."""
+    line = (np.arange(PLACES_ACROSS) + 0.5) / PLACES_ACROSS
+    return np.stack(np.meshgrid(line, line, indexing="xy"), axis=-1).reshape(-1, 2)
+
+
+def _places(forward: ForwardModel, uv: Floats, precision: Floats) -> Places:
+    rng = np.random.default_rng(0)
+    z = forward.head.latent(rng.random((_DRAWS, len(forward.chamber_names))))
+    basis = forward.basis(uv)
+    modes = np.stack([(basis @ m.reshape(-1, 3)).ravel() for m in forward.modes_mm], axis=1)
+    mean = (basis @ forward.mean_mm.reshape(-1, 3)).ravel()
+    middle = (mean + modes @ z.mean(axis=0)).reshape(-1, 3)
+    return Places(modes, z.var(axis=0), middle, precision)
+
+
+def _put_markers(
+    frames: Frames, rows: NDArray[np.int64], simulated: Floats, value: Floats, known: Floats
+) -> None:
+    count = len(frames.marker_names)
+    value[rows, :count] = frames.position_mm - simulated[rows, :count]
+    known[rows, :count] = frames.captured[:, :, None, None] * np.eye(3)
+
+
+def _put_scans(
+    matched: Matched, rows: NDArray[np.int64], first: int, simulated: Floats, value: Floats, known: Floats
+) -> None:
+    for shot, row in enumerate(rows):
+        normal = matched.normal[shot]
+        value[row, first:] = matched.foot_mm[shot] - simulated[row, first:]
+        known[row, first:] = (normal[:, :, None] * normal[:, None, :]) * matched.found[shot][:, None, None]
+
+
+def _fixed(
+    forward: ForwardModel,
+    places: Places,
+    uv: Floats,
+    pressure: Floats,
+    posterior: Posterior,
+    seen: Seen,
+    errors: Floats,
+    doubt: Floats,
+    markers: int,
+    matched: Matched | None,
+) -> Fixed:
+    settings, x, gain = posterior.settings, seen.x, 1.0 + posterior.theta
+    kernel = settings.kernel(x.shape[1])
+    still, moving = settings["still"] ** 2, settings["moving"] ** 2
+    flat = posterior.weights.reshape(len(x), -1)
+    latent = flat @ places.modes * places.latent_prior(settings["shape_power"])
+    head = CorrectedHead(forward.head, gain, kernel, x, still * latent.sum(axis=0), moving * latent)
+    own = _coefficients(places, posterior.weights, settings)
+    identity = identity_coefficients(len(uv))
+    field_head = FieldHead(kernel, x, identity + still * own.sum(axis=0), moving * own)
+    distance = np.linalg.norm(errors, axis=-1)
+    used = np.trace(seen.known, axis1=2, axis2=3) > 0.5
+    model = WarpedModel(
+        replace(forward, head=head), uv, settings["c"], field_head, noise_mm=settings["noise_mm"]
+    )
+    model = _with_deviations(model, forward, places, uv, pressure, settings, doubt, distance, used)
+    if matched is not None:
+        model = replace(model, confidence=confidence_map(matched, distance[:, markers:], used[:, markers:]))
+    facts = {"gain": gain.tolist(), "settings": settings.facts(), "set_points": len(x)}
+    counted = used[:, :markers] if markers else used
+    return Fixed(model, distance[:, : counted.shape[1]][counted], facts)
+
+
+def _coefficients(places: Places, weights: Floats, settings: Any) -> Floats:
+    """Coefficients (J, Q + 4, 3) of the smooth part of the field that each frame's weights (J, Q, 3) stand for."""
+    centred = places.middle_mm.mean(axis=0)
+    extent = max(float(np.linalg.norm(places.middle_mm - centred, axis=1).max()), 1e-9)
+    linear = settings["affine"] ** 2 * np.einsum("qk,jqd->jkd", places.affine(), weights)
+    turn = linear[:, 1:] / extent
+    still = linear[:, :1] - np.einsum("k,jkd->jd", centred, turn)[:, None]
+    return np.concatenate([still, turn, settings["bells"] ** 2 * weights], axis=1)
+
+
+def _with_deviations(
+    model: WarpedModel,
+    forward: ForwardModel,
+    places: Places,
+    uv: Floats,
+    pressure: Floats,
+    settings: Settings,
+    doubt: Floats,
+    distance: Floats,
+    used: NDArray[np.bool_],
+) -> WarpedModel:
+    """The model with deviations that hold 95 % of what was left out."""
+    across = 25
+    on_grid, _ = grid(across, across)
+    basis = forward.basis(on_grid)
+    prior = places.latent_prior(settings["shape_power"])
+    modes = np.stack([(basis @ m.reshape(-1, 3)).ravel() for m in forward.modes_mm], axis=1)
+    variance = (modes**2 @ prior).reshape(-1, 3).sum(axis=1) + 3 * settings["bells"] ** 2
+    field_mm = settings["moving"] * np.sqrt(variance).reshape(across, across).T
+    model = replace(model, field_mm=field_mm)
+    learned = doubt[:, None] * interpolated(field_mm, uv)
+    expected = np.sqrt(model.noise_mm**2 + learned**2 + forward.sd_mm(pressure, uv) ** 2)
+    ratio = (distance / expected)[used]
+    return replace(model, factor=float(np.quantile(ratio, 0.95)) / _NORMAL_95 if ratio.size else 1.0)

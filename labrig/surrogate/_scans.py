@@ -1,0 +1,66 @@
+"""Scans without correspondences: the nearest points of a surface that moves, and how far they can be believed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.surface import distances
+from labrig.surrogate._captures import Shot
+from labrig.surrogate._kernel import Floats
+
+_FAR_SHARE = 4.0
+"""Matches further off than this many times the scan's typical distance are not believed."""
+_LEAST_REACH_MM = 2.0
+_STEEP = 0.5
+"""Cosine between the scan's normal and the way to it, below which a match is to something else."""
+_AGREED_MM = 0.5
+"""A scan that disagrees with the others by this much is worth half."""
+
+
+@dataclass(frozen=True)
+class Matched:
+    """For S scans and Q places: `foot_mm`, `normal` (S, Q, 3), and whether there is one, `found` (S, Q)."""
+
+    foot_mm: Floats
+    normal: Floats
+    found: NDArray[np.bool_]
+
+
+def match(shots: list[Shot], points_mm: Floats) -> Matched:
+    """The nearest points of each scan to points (S, Q, 3), without those at its border or too far off."""
+    feet, normals, found = [], [], []
+    for shot, points in zip(shots, points_mm, strict=True):
+        near = distances(points, shot.mesh)
+        off = points - near.feet_mm
+        length = np.linalg.norm(off, axis=1)
+        normal = _normals(shot, near.feet_mm)
+        reach = max(_FAR_SHARE * float(np.median(np.abs(near.signed_mm))), _LEAST_REACH_MM)
+        square = length < 0.3  # on the surface, where the way to it has no direction
+        square |= np.abs((off * normal).sum(axis=1)) > _STEEP * length
+        feet.append(near.feet_mm)
+        normals.append(normal)
+        found.append(~near.beyond & (length < reach) & square)
+    return Matched(np.array(feet), np.array(normals), np.array(found))
+
+
+def _normals(shot: Shot, feet: Floats) -> Floats:
+    """The scan's normals at points on it: the mean of the nearest vertices', which noise moves less."""
+    from labrig.surface import Nearest
+
+    near = Nearest(shot.mesh.vertices_mm).several(feet, 8)
+    normal = shot.mesh.normals[near].mean(axis=1)
+    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+
+
+def confidence_map(matched: Matched, distance: Floats, used: NDArray[np.bool_]) -> Floats:
+    """How far scans stand behind each place, (n, n), u first: the share of scans that show it, times their agreement.
+
+    `distance` (J, Q): by how much each scan's place is missed by what the others say; `used` (J, Q) where it is known.
+    """
+    seen = matched.found.mean(axis=0)
+    count = np.maximum(used.sum(axis=0), 1)
+    square = (np.where(used, distance, 0.0) ** 2).sum(axis=0) / count
+    agreement = 1.0 / (1.0 + square / _AGREED_MM**2)
+    side = round(len(seen) ** 0.5)
+    return (seen * agreement).reshape(side, side).T

@@ -1,0 +1,120 @@
+"""Training of the fix from simulation to reality, by labrig's own ways and those of the source paper."""
+
+import time
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.surrogate._captures import Frames, Shot
+from labrig.surrogate._fix import fix
+from labrig.surrogate._forward import ForwardModel
+from labrig.surrogate._kernel import Floats
+from labrig.surrogate._provenance import provenance
+from labrig.surrogate._warped import WarpedModel
+
+WarpMethod = Literal["ours", "scans", "both", "function", "marker"]
+METHODS: tuple[WarpMethod, ...] = ("ours", "scans", "both", "function", "marker")
+
+_FOLDS = 4
+_TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
+"""The rig's frame is taken for another one than the simulator's beyond these."""
+
+
+@dataclass(frozen=True)
+class TrainedWarp:
+    """A fixed model; distances, mm, at what was left out of it in turn: as simulated, and as fixed; time, s."""
+
+    model: WarpedModel
+    simulated_mm: Floats
+    fixed_mm: Floats
+    fit_s: float
+    facts: dict[str, Any]
+
+
+def train_warp(
+    forward: ForwardModel,
+    frames: Frames | None = None,
+    shots: list[Shot] | None = None,
+    method: WarpMethod = "ours",
+    seed: int = 0,
+    calibrate: bool = True,
+) -> TrainedWarp:
+    """Learn how the rig differs from the forward model.
+
+    `ours` uses the markers of `frames`, `scans` scans alone, `both` both; `function` and `marker` are the source
+    paper's networks N_rbf and N_mk, whose errors are measured by leaving out a quarter of the frames at a time where
+    `calibrate`. Raises `LabrigError` when there is nothing of what the method needs.
+    """
+    shots = shots or []
+    if method in ("ours", "both", "function", "marker") and frames is None:
+        raise LabrigError(f"sim2real: the method {method} needs markers; the run has none")
+    if method in ("scans", "both") and not shots:
+        raise LabrigError(f"sim2real: the method {method} needs scans; the run has none")
+    started = time.process_time()
+    rotation, translation = _pose(forward, frames)
+    if frames is not None:
+        frames = replace(frames, position_mm=(frames.position_mm - translation) @ rotation)
+    shots = [replace(s, mesh=s.mesh.moved(rotation.T, -rotation.T @ translation)) for s in shots]
+    if method in ("function", "marker"):
+        assert frames is not None
+        model, left_out, facts = _paper(forward, frames, method, seed, calibrate)
+    else:
+        fixed = fix(forward, None if method == "scans" else frames, [] if method == "ours" else shots)
+        model, left_out, facts = fixed.model, fixed.left_out_mm, fixed.facts
+    simulated = np.zeros(0)
+    if frames is not None:
+        off = frames.position_mm - forward.points(frames.pressure_kpa, forward.markers(frames.marker_names))
+        simulated = np.linalg.norm(off[frames.captured], axis=1)
+    about = {
+        "frames": 0 if frames is None else len(frames),
+        "complete_frames": 0 if frames is None else int(frames.complete.sum()),
+        "captured_points": 0 if frames is None else int(frames.captured.sum()),
+        "scans": len(shots) if method in ("scans", "both") else 0,
+    }
+    facts = provenance("sim2real", {"method": method, "seed": seed}) | facts | about
+    model = replace(model, rotation=rotation, translation_mm=translation, provenance=facts)
+    return TrainedWarp(model, simulated, left_out, time.process_time() - started, facts)
+
+
+def _paper(
+    forward: ForwardModel, frames: Frames, method: str, seed: int, calibrate: bool
+) -> tuple[WarpedModel, Floats, dict[str, Any]]:
+    from labrig.surrogate._paper_warp import PAPER_C, train_function, train_marker
+
+    train = train_function if method == "function" else train_marker
+    uv = forward.markers(frames.marker_names)
+    model = WarpedModel(forward, uv, PAPER_C, train(forward, frames, seed))
+    fold = np.random.default_rng(seed).permutation(len(frames)) % _FOLDS
+    errors: list[Floats] = []
+    for k in range(_FOLDS if calibrate else 0):
+        try:
+            part = WarpedModel(forward, uv, PAPER_C, train(forward, frames.take(fold != k), seed))
+        except LabrigError:
+            continue  # too few complete frames are left
+        beside = frames.take(fold == k)
+        off = part.points(beside.pressure_kpa, uv) - beside.position_mm
+        errors.append(np.linalg.norm(off[beside.captured], axis=1))
+    left_out = np.concatenate(errors) if errors else np.zeros(0)
+    deviation = float(np.quantile(left_out, 0.95)) / 1.96 if left_out.size else 1.0
+    return replace(model, noise_mm=deviation), left_out, {"c_per_mm2": PAPER_C}
+
+
+def _pose(forward: ForwardModel, frames: Frames | None) -> tuple[Floats, Floats]:
+    """The motion from the simulator's frame to the rig's: none unless the markers say that the frames differ."""
+    still = np.eye(3), np.zeros(3)
+    if frames is None:
+        return still
+    seen = frames.captured
+    there = frames.position_mm[seen]
+    here = forward.points(frames.pressure_kpa, forward.markers(frames.marker_names))[seen]
+    a, b = here - here.mean(axis=0), there - there.mean(axis=0)
+    left, _, right = np.linalg.svd(b.T @ a)
+    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    rotation = left @ flip @ right
+    angle = np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0))
+    shift = np.linalg.norm(there.mean(axis=0) - here.mean(axis=0))
+    if angle < _TURNED_RAD and shift < _SHIFTED_MM:
+        return still
+    return rotation, there.mean(axis=0) - rotation @ here.mean(axis=0)

@@ -1,0 +1,187 @@
+"""From simulation to reality: what each method makes of markers, incomplete frames and scans of a small rig."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from labrig import LabrigError
+from labrig.surface import Mesh, grid
+from labrig.surrogate import Frames, Shot, load_model, save_model, train_forward, train_warp
+
+NAMES = tuple(f"m{i + 1:02d}" for i in range(9))
+UV, TRIANGLES = grid(21, 21)
+
+
+@pytest.fixture(scope="module")
+def reality(shapes):
+    """Control points of a rig whose chambers push otherwise than simulated, and which leans a little."""
+    return partial(_reality, shapes)
+
+
+def _reality(shapes, pressure_kpa, spline):
+    control, _ = shapes(pressure_kpa * np.array([0.9, 1.1, 0.95]), spline)
+    control[..., 1] += 0.3 * np.sin(np.pi * control[..., 0] / 200.0) * np.sin(np.pi * control[..., 2] / 200.0)
+    return control
+
+
+@pytest.fixture(scope="module")
+def forward(data):
+    """A forward model of the simulated sheet."""
+    return train_forward(data, samples=6).model
+
+
+@pytest.fixture(scope="module")
+def frames(data, reality):
+    """Sixteen frames of nine markers, 0.02 mm of noise, a third of them incomplete."""
+    rng = np.random.default_rng(5)
+    pressure = rng.random((16, 3)) * 60.0
+    position = data.spline.evaluate(reality(pressure, data.spline), data.marker_uv)
+    position += 0.02 * rng.normal(size=position.shape)
+    for frame in range(0, 16, 3):
+        position[frame, rng.integers(9)] = np.nan
+    return Frames(NAMES, pressure, position)
+
+
+@pytest.fixture(scope="module")
+def shots(data, reality):
+    """Six scans, each with a hole, none of which says which point is which."""
+    rng = np.random.default_rng(6)
+    made = []
+    for number, pressure in enumerate(rng.random((6, 3)) * 60.0):
+        points = data.spline.evaluate(reality(pressure[None], data.spline)[0], grid(41, 41)[0])
+        uv, triangles = grid(41, 41)
+        hole = np.linalg.norm(uv - rng.random(2), axis=1) < 0.12
+        mesh = Mesh(points + 0.03 * rng.normal(size=points.shape), triangles[~hole[triangles].any(axis=1)])
+        made.append(Shot(f"scan{number}", pressure, mesh))
+    return made
+
+
+@pytest.fixture(scope="module")
+def error(data, reality):
+    """Distances from reality at pressures that nothing was learned from."""
+    pressure = np.random.default_rng(7).random((20, 3)) * 60.0
+    real = data.spline.evaluate(reality(pressure, data.spline), UV)
+    return lambda model: np.linalg.norm(model.points(pressure, UV) - real, axis=-1)
+
+
+def test_ours_from_markers(forward, frames, error):
+    """Markers, complete or not, take most of the error off the whole surface."""
+    fixed = train_warp(forward, frames).model
+    assert error(fixed).mean() < 0.25 * error(forward).mean()
+
+
+def test_ours_from_scans(forward, shots, error):
+    """Scans without correspondences and without any marker take most of the error off as well."""
+    trained = train_warp(forward, None, shots, method="scans")
+    assert error(trained.model).mean() < 0.5 * error(forward).mean()
+    assert 0.0 <= trained.model.confidence.min() < trained.model.confidence.max() <= 1.0
+
+
+def test_both(forward, frames, shots, error):
+    """Markers and scans together are used together."""
+    few = frames.take(slice(0, 4))
+    both = train_warp(forward, few, shots, method="both")
+    assert both.facts["scans"] == 6
+    assert error(both.model).mean() < 0.3 * error(forward).mean()
+
+
+def test_confidence_falls_where_scans_have_holes(forward, shots):
+    """Where half of the scans show nothing, the confidence is at most a half."""
+    cut = []
+    for number, shot in enumerate(shots):
+        keep = (
+            shot.mesh.vertices_mm[:, 0] < 100.0 if number % 2 else np.ones(len(shot.mesh.vertices_mm), bool)
+        )
+        triangles = shot.mesh.triangles[keep[shot.mesh.triangles].all(axis=1)]
+        cut.append(Shot(shot.name, shot.pressure_kpa, Mesh(shot.mesh.vertices_mm, triangles)))
+    model = train_warp(forward, None, cut, method="scans").model
+    there = model.confidence_at(np.array([[0.8, 0.5]]))[0]
+    here = model.confidence_at(np.array([[0.25, 0.5]]))[0]
+    assert there < 0.55
+    assert here > there
+
+
+def test_deviations_are_honest(forward, frames, error):
+    """About 95 % of the real surface lies within 1.96 standard deviations."""
+    fixed = train_warp(forward, frames).model
+    pressure = np.random.default_rng(7).random((20, 3)) * 60.0
+    inside = error(fixed) <= 1.96 * fixed.sd_mm(pressure, UV)
+    assert 0.85 < inside.mean() <= 1.0
+
+
+@pytest.mark.parametrize("method", ["ours", "function", "marker"])
+def test_jacobian(method, forward, frames):
+    """The derivative by the pressures is that of central differences, through network, warp and linear system."""
+    model = train_warp(forward, frames, method=method, calibrate=False).model
+    a = np.array([[14.0, 33.0, 48.0]])
+    uv = UV[::50]
+    J = model.jacobian(a, uv)
+    for c in range(3):
+        step = 1e-4 * np.eye(3)[c]
+        numeric = (model.points(a + step, uv) - model.points(a - step, uv)) / 2e-4
+        assert np.allclose(J[..., c], numeric, atol=5e-5)
+
+
+@pytest.mark.parametrize("method", ["ours", "function", "marker"])
+def test_warp_state(method, forward, frames):
+    """A warp by itself gives the model's points, and its derivative is that of central differences."""
+    model = train_warp(forward, frames, method=method, calibrate=False).model
+    a = np.array([14.0, 33.0, 48.0])
+    assert np.allclose(model.warp(a).apply(model.forward.points(a, UV)[0]), model.points(a, UV)[0], atol=1e-9)
+    change = model.warp_state(a)[1]
+    step = 1e-4 * np.eye(3)[1]
+    numeric = (model.warp_state(a + step)[0] - model.warp_state(a - step)[0]) / 2e-4
+    assert np.allclose(change[..., 1], numeric, rtol=1e-3, atol=1e-4 * np.abs(numeric).max())
+
+
+@pytest.mark.parametrize("method", ["ours", "function", "marker"])
+def test_round_trip(method, forward, frames, tmp_path):
+    """A fixed model that was saved predicts the same bits when it is loaded."""
+    model = train_warp(forward, frames, method=method, calibrate=False).model
+    save_model(model, tmp_path / "fixed.pt")
+    loaded = load_model(tmp_path / "fixed.pt")
+    a = np.array([[14.0, 33.0, 48.0]])
+    for name in ("points", "jacobian", "sd_mm"):
+        assert np.array_equal(getattr(loaded, name)(a, UV), getattr(model, name)(a, UV))
+    assert loaded.provenance == model.provenance
+
+
+def test_rig_in_another_frame(forward, frames, data, reality):
+    """A rig whose coordinates are turned and shifted is learned in its own coordinates."""
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    moved = Frames(NAMES, frames.pressure_kpa, frames.position_mm @ turn.T + np.array([500.0, 0.0, 20.0]))
+    fixed = train_warp(forward, moved).model
+    pressure = np.random.default_rng(7).random((5, 3)) * 60.0
+    real = data.spline.evaluate(reality(pressure, data.spline), UV) @ turn.T + np.array([500.0, 0.0, 20.0])
+    assert np.linalg.norm(fixed.points(pressure, UV) - real, axis=-1).mean() < 0.6
+    step = 1e-4 * np.eye(3)[0]
+    numeric = (fixed.points(pressure + step, UV) - fixed.points(pressure - step, UV)) / 2e-4
+    assert np.allclose(fixed.jacobian(pressure, UV)[..., 0], numeric, atol=5e-5)
+
+
+def test_function_learns_from_incomplete_frames(forward, frames):
+    """N_rbf uses frames with missing markers: without them it is another one; N_mk can't."""
+    whole = frames.take(frames.complete)
+    with_all = train_warp(forward, frames, method="function", calibrate=False).model
+    with_whole = train_warp(forward, whole, method="function", calibrate=False).model
+    assert not np.allclose(with_all.points([30.0] * 3, UV), with_whole.points([30.0] * 3, UV))
+    markers = [train_warp(forward, f, method="marker", calibrate=False).model for f in (frames, whole)]
+    assert np.array_equal(markers[0].points([30.0] * 3, UV), markers[1].points([30.0] * 3, UV))
+
+
+def test_what_is_missing_is_said(forward, frames, shots):
+    """Methods without the data that they need say so."""
+    with pytest.raises(LabrigError) as caught:
+        train_warp(forward, None, shots)
+    assert str(caught.value) == "sim2real: the method ours needs markers; the run has none"
+    with pytest.raises(LabrigError) as caught:
+        train_warp(forward, frames, method="scans")
+    assert str(caught.value) == "sim2real: the method scans needs scans; the run has none"
+    incomplete = frames.take(~frames.complete)
+    with pytest.raises(LabrigError) as caught:
+        train_warp(forward, incomplete, method="marker")
+    assert str(caught.value) == (
+        "sim2real: the method marker needs 2 frames with every marker, the run has 0; "
+        "other methods use incomplete frames too"
+    )
