@@ -18,9 +18,20 @@ _CHUNK = 1024
 class ShapeModel(Protocol):
     """What inverse kinematics needs of a model: a surface by pressures, and its derivatives; limits in kPa, (C,)."""
 
-    chamber_names: tuple[str, ...]
-    low_kpa: Floats
-    high_kpa: Floats
+    @property
+    def chamber_names(self) -> tuple[str, ...]:
+        """The chambers, in order."""
+        ...
+
+    @property
+    def low_kpa(self) -> Floats:
+        """The lowest pressures (C,)."""
+        ...
+
+    @property
+    def high_kpa(self) -> Floats:
+        """The highest pressures (C,)."""
+        ...
 
     def points(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """Points (F, P, 3), mm, for pressures (F, C) at (u, v) of shape (P, 2)."""

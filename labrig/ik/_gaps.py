@@ -38,7 +38,7 @@ def find_gaps(
                 continue
             worst = int(own[np.argmax(np.abs(far[own]))])
             x, y, z = (float(value) for value in points_mm[worst])
-            push = influence[own].mean(axis=0)
+            push = influence[worst]
             blocked = limits == (-1 if sign > 0 else 1)  # to go in, pressures fall; to come out, they rise
             strong = push > 0.3 * push.max()
             chosen = (

@@ -20,7 +20,7 @@ _LEVELS = (0.25, 0.5, 0.75, 1.0)
 
 
 @dataclass(frozen=True)
-class Path:
+class Approach:
     """Set-points one after the other, from vented: setpoints_kpa (S, C) and how long each is held, s, (S,)."""
 
     name: str
@@ -61,7 +61,7 @@ class Remembering:
     shape: Any
     _alone: Any = field(default=None, repr=False)
 
-    def after(self, path: Path) -> tuple[Floats, Floats]:
+    def after(self, path: Approach) -> tuple[Floats, Floats]:
         """At the end of a path: the pressures that an unremembering surface would need for the same shape, (C,), kPa,
 
         and how far the markers are displaced beside that, (M, 3), mm.
@@ -109,7 +109,7 @@ class Remembering:
             base_kind=base.kind,
         )
 
-    def _rows(self, path: Path) -> "Rows":
+    def _rows(self, path: Approach) -> "Rows":
         """Row 0: the end of the path. The others show the effects the whole range, in a session of their own."""
         from labrig.effects import Rows
 

@@ -1,12 +1,13 @@
 """How to get there: the path of set-points after which a surface that remembers has the shape that is wanted."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig.ik._descent import Pose
-from labrig.ik._memory import Displaced, Path, Remembering
+from labrig.ik._memory import Approach, Displaced, Remembering
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver
 from labrig.surface import Mesh, Target
@@ -30,18 +31,24 @@ class Plan:
     and `error_mm`, the root-mean-square distance of the markers from where they are wanted.
     """
 
-    path: Path
+    path: Approach
     effective_kpa: Floats
     displaced_mm: Floats
     error_mm: float
 
+    def shape_of(self, memory: Remembering) -> Any:
+        """The surface as the model expects it after the path, to be asked at `effective_kpa`."""
+        if np.abs(self.displaced_mm).max() == 0.0:
+            return memory.shape
+        return Displaced(memory.shape, self.displaced_mm)
 
-def paths_to(setpoint: Floats, low: Floats, high: Floats, overshoot: float, dwell_s: float) -> Path:
+
+def paths_to(setpoint: Floats, low: Floats, high: Floats, overshoot: float, dwell_s: float) -> Approach:
     """From vented to a set-point: straight, or by way of one that lies above it by a share of the range."""
     if overshoot == 0.0:
-        return Path("straight", setpoint[None], (dwell_s,))
+        return Approach("straight", setpoint[None], (dwell_s,))
     above = np.minimum(setpoint + overshoot * (high - low), high)
-    return Path(f"from {100 * overshoot:.0f} % above", np.stack([above, setpoint]), (SETTLE_S, dwell_s))
+    return Approach(f"from {100 * overshoot:.0f} % above", np.stack([above, setpoint]), (SETTLE_S, dwell_s))
 
 
 def plan_path(

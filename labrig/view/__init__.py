@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from labrig.view._experiment import write_experiment, write_investigation
+    from labrig.view._ik_report import write_ik_report
     from labrig.view._live import LiveView, live_observers
     from labrig.view._picture import write_picture
     from labrig.view._predict import live_predict
@@ -23,6 +24,7 @@ _LAZY = {
     "start_viewer": "_viewer",
     "summary_words": "_words",
     "write_experiment": "_experiment",
+    "write_ik_report": "_ik_report",
     "write_investigation": "_experiment",
     "write_picture": "_picture",
     "write_recording": "_recording",
@@ -39,6 +41,7 @@ __all__ = [
     "start_viewer",
     "summary_words",
     "write_experiment",
+    "write_ik_report",
     "write_investigation",
     "write_picture",
     "write_recording",

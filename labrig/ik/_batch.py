@@ -1,0 +1,106 @@
+"""Many targets: each read, solved and measured by itself, here, in processes or on a cluster."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig._executor import Executor
+from labrig.ik._load import load_shape_model
+from labrig.ik._memory import Approach
+from labrig.ik._path import solve_with_path
+from labrig.ik._result import IkResult
+from labrig.ik._solve import Solver
+from labrig.surface import Target, distances, grid, read_mesh
+
+Floats = NDArray[np.float64]
+
+MEASURED = 61
+"""Results are measured on MEASURED x MEASURED points of the surface, exactly, to the target's triangles."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One target, by file."""
+
+    target: str
+    model: str
+    unit: str | None = None
+    low_kpa: tuple[float, ...] | None = None
+    high_kpa: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Solved:
+    """One target's result: the search's, the surface (P, 3) in the target's frame, signed distances (P,) at a grid of
+
+    (u, v), NaN where nothing is opposite; their summary; the path, if the model remembers. `error` instead of all
+    that, where there is none.
+    """
+
+    job: Job
+    result: IkResult | None = None
+    surface_mm: Floats | None = None
+    triangles: NDArray[np.int64] | None = None
+    signed_mm: Floats | None = None
+    summary: dict[str, float] | None = None
+    path: Approach | None = None
+    error: str = ""
+
+
+def solve_job(job: Job) -> Solved:
+    """Read, solve and measure one target; what is wrong with it becomes the result's `error`."""
+    try:
+        return _solve_job(job)
+    except LabrigError as error:
+        return Solved(job, error=str(error))
+
+
+def _solve_job(job: Job) -> Solved:
+    goal = Target(read_mesh(job.target, job.unit))
+    solver, memory = _solver(job.model, job.low_kpa, job.high_kpa)
+    if memory is None:
+        result, path = solver.solve(goal), None
+        shape, pressure = solver.model, result.pressure_kpa
+    else:
+        result, plan = solve_with_path(goal, memory, job.low_kpa, job.high_kpa)
+        path, shape, pressure = plan.path, plan.shape_of(memory), plan.effective_kpa
+    uv, triangles = grid(MEASURED, MEASURED)
+    surface = result.to_target(np.asarray(shape.points(pressure[None], uv), float)[0])
+    found = distances(surface, goal.mesh, goal.nearest)
+    signed = np.where(found.beyond, np.nan, found.signed_mm)
+    return Solved(job, result, surface, triangles, signed, found.summary(), path)
+
+
+@lru_cache(maxsize=2)
+def _solver(model: str, low: tuple[float, ...] | None, high: tuple[float, ...] | None):
+    shape, memory = load_shape_model(model)
+    return Solver(shape, low, high), memory
+
+
+def solve_files(
+    targets: Sequence[str | Path],
+    model: str | Path,
+    unit: str | None = None,
+    limits_kpa: tuple[Floats, Floats] | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Solved]:
+    """Inverse kinematics of every file, in order; `progress` is told how many are done.
+
+    Raises `LabrigError` for a model that cannot be used; what is wrong with a target stands in its own result.
+    """
+    load_shape_model(model)
+    low, high = (tuple(x.tolist()) for x in limits_kpa) if limits_kpa is not None else (None, None)
+    jobs = [Job(str(target), str(model), unit, low, high) for target in targets]
+    done: list[Solved | None] = [None] * len(jobs)
+    with executor or Executor(1) as work:
+        for count, (number, solved) in enumerate(work.map(solve_job, jobs), 1):
+            done[number] = solved
+            if progress is not None:
+                progress(count)
+    return [solved for solved in done if solved is not None]

@@ -1,0 +1,62 @@
+"""What `--model` stands for: a learned model, or a model file with its base and its effects."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from labrig._errors import LabrigError
+from labrig.ik._evaluate import ShapeModel
+from labrig.ik._memory import Remembering
+from labrig.ik._models import ShellModel, SurfaceModel
+
+
+def load_shape_model(path: str | Path) -> tuple[ShapeModel, Remembering | None]:
+    """The model's surface, and the same with what it remembers where a model file names effects.
+
+    `path`: what `labrig train` wrote (forward.pt, sim2real.pt), or a model.yaml whose base is a simulator or one of
+    these. Raises `LabrigError` for anything else.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        from labrig.surrogate import load_model
+
+        return load_model(path), None
+    from labrig.model import Model
+
+    model = Model.load(path)
+    shape = _base_shape(model.file.base, model.folder, path)
+    return shape, Remembering(model, shape) if model.file.effects else None
+
+
+def _base_shape(base: Any, folder: Path, path: Path) -> ShapeModel:
+    if base.kind == "simulator":
+        return rig_shape(folder / base.rig)
+    if base.kind == "surrogate":
+        from labrig.surrogate import load_model
+
+        return load_model(folder / base.file)
+    raise LabrigError(
+        f"{path}: a base of kind {base.kind} predicts markers, no surface: use a simulator or a surrogate"
+    )
+
+
+def rig_shape(path: Path) -> ShapeModel:
+    """The simulator of a rig.yaml, with the rig's chambers and limits."""
+    try:
+        rig = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise LabrigError(f"cannot read the rig {path}: {error.strerror or error}") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise LabrigError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
+    if (rig.get("simulated") or {}).get("shell"):
+        from labrig.physics import rig_shell
+
+        return ShellModel(rig_shell(rig, path.parent))
+    from labrig.physics import Surface, load_surface
+
+    limits = [float(c.get("max_kpa", 60.0)) for c in rig.get("chambers") or [] if isinstance(c, dict)]
+    surface = load_surface(rig)
+    assert isinstance(surface, Surface)  # a shell was dealt with above
+    return SurfaceModel(surface, np.array(limits) if limits else 60.0)
