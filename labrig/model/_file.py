@@ -37,7 +37,14 @@ class SimulatorBase(_Strict):
     rig: str
 
 
-Base = Annotated[PythonBase | StaticBase | SimulatorBase, Field(discriminator="kind")]
+class SurrogateBase(_Strict):
+    """A model that `labrig train` wrote: a forward model, or one that was fixed on a rig."""
+
+    kind: Literal["surrogate"]
+    file: str
+
+
+Base = Annotated[PythonBase | StaticBase | SimulatorBase | SurrogateBase, Field(discriminator="kind")]
 
 
 class Value(_Strict):
@@ -82,10 +89,6 @@ def read_model_file(path: Path) -> ModelFile:
         ) from error
     if not isinstance(content, dict) or "base" not in content:
         raise LabrigError(f"{path}: a model needs 'base:', for example  base: {{kind: static, degree: 1}}")
-    if isinstance(content["base"], dict) and content["base"].get("kind") == "surrogate":
-        raise LabrigError(
-            f"{path}: base kind 'surrogate' is not in this version; use simulator, static or python"
-        )
     try:
         return ModelFile.model_validate(content)
     except ValidationError as error:

@@ -64,14 +64,11 @@ def test_the_smallest_model(path: Path) -> None:
         ("", "a model needs 'base:', for example  base: {kind: static, degree: 1}"),
         ("- creep\n", "a model needs 'base:', for example  base: {kind: static, degree: 1}"),
         ("effects: []\n", "a model needs 'base:', for example  base: {kind: static, degree: 1}"),
-        (
-            "base: {kind: surrogate, file: forward.pt}\n",
-            "base kind 'surrogate' is not in this version; use simulator, static or python",
-        ),
+        ("base: {kind: surrogate}\n", "base.surrogate.file: Field required"),
         (
             "base: {kind: magic}\n",
             "base: Input tag 'magic' found using 'kind' does not match any of the expected tags: "
-            "'python', 'static', 'simulator'",
+            "'python', 'static', 'simulator', 'surrogate'",
         ),
         ("base: {degree: 1}\n", "base: Unable to extract tag using discriminator 'kind'"),
         ("base: {kind: static, degree: 4}\n", "base.static.degree: Input should be less than or equal to 3"),
