@@ -14,7 +14,8 @@ import yaml
 from labrig._errors import LabrigError
 from labrig.effects import Rows
 from labrig.effects._rows import Floats
-from labrig.model._file import ModelFile, PythonBase, SimulatorBase, StaticBase
+from labrig.model._file import ModelFile, PythonBase, SimulatorBase, StaticBase, SurrogateBase
+from labrig.model._surrogate import SurrogateModel
 
 _GRID = 33
 _FLATTEST = 0.15
@@ -145,6 +146,8 @@ def build_base(model: ModelFile, folder: Path, rows: Rows) -> BaseModel:
         return PythonModel(spec, folder, rows)
     if isinstance(spec, StaticBase):
         return StaticModel(spec, rows)
+    if isinstance(spec, SurrogateBase):
+        return SurrogateModel(folder / spec.file, rows)
     return SimulatorModel(spec, folder, rows)
 
 
@@ -155,6 +158,8 @@ def jacobian(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> F
     """
     unique, inverse = np.unique(actuation, axis=0, return_inverse=True)
     inverse = inverse.reshape(-1)
+    if isinstance(base, SurrogateModel):
+        return base.slope(unique)[inverse]
     steps = _STEP * (high - low)
     C = len(steps)
     moved = np.concatenate([unique + sign * np.diag(steps)[c] for c in range(C) for sign in (1.0, -1.0)])
