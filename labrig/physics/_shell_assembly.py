@@ -4,6 +4,8 @@ import numpy as np
 
 from labrig.physics._shell_terms import (
     IMPOSSIBLE,
+    MODULUS,
+    THICKNESS,
     air,
     bending,
     foundation,
@@ -48,34 +50,29 @@ def assemble(
     normal = np.zeros((count, 3))
     slope = np.zeros((count, 3, 2))
     moment = np.zeros((count, 3))
+    local = np.zeros((count, 3, nodes))
+    pull = np.zeros((count, 3, nodes))
     curving = np.zeros((count, 3, nodes))
-    local = np.zeros((nodes, count, 3))
-    block = np.zeros((nodes, count, 3, count, 3, nodes))
+    block = np.zeros((count * 3, count * 3, nodes, nodes))
+    side = np.zeros((3, nodes))
     energy = 0.0
     for element in range(elements):
         for i in range(nodes):
             f = free[element, i]
             for layer in range(count):
                 for c in range(3):
-                    local[i, layer, c] = rest[node[element, i], c]
+                    local[layer, c, i] = rest[node[element, i], c]
                     if f >= 0:
-                        local[i, layer, c] += moved[(f * count + layer) * 3 + c]
+                        local[layer, c, i] += moved[(f * count + layer) * 3 + c]
+        pull[:] = 0.0
         if curved:
             block[:] = 0.0
         for q in range(element * points_per_element, (element + 1) * points_per_element):
             w = area[q]
-            point[:] = 0.0
-            bend[:] = 0.0
             force[:] = 0.0
             if curved:
                 stiff[:] = 0.0
-            for i in range(nodes):
-                for layer in range(count):
-                    for c in range(3):
-                        x = local[i, layer, c]
-                        for k in range(3):
-                            point[layer, k, c] += basis[q, k, i] * x
-                            bend[layer, k, c] += basis[q, 3 + k, i] * x
+            _locate(basis, q, local, point, bend)
             density = 0.0
             for layer in range(count):
                 density += membrane(
@@ -93,72 +90,95 @@ def assemble(
                     density += interlayer(layer, point, outward, q, springs, curved, force, stiff)
                 if pressure[q, layer] > 0.0:
                     density += air(layer, point, core, q, pressure[q, layer], curved, force, stiff)
-                for i in range(nodes):
-                    for r in range(3):
-                        curving[layer, r, i] = (
-                            basis[q, 3 + r, i]
-                            - slope[layer, r, 0] * basis[q, 1, i]
-                            - slope[layer, r, 1] * basis[q, 2, i]
-                        )
             energy += w * density
-            for i in range(nodes):
-                f = free[element, i]
-                if f < 0:
-                    continue
-                for layer in range(count):
-                    m = (
-                        moment[layer, 0] * curving[layer, 0, i]
-                        + moment[layer, 1] * curving[layer, 1, i]
-                        + moment[layer, 2] * curving[layer, 2, i]
-                    )
-                    for c in range(3):
-                        gradient[(f * count + layer) * 3 + c] += w * (
-                            basis[q, 0, i] * force[layer, 0, c]
-                            + basis[q, 1, i] * force[layer, 1, c]
-                            + basis[q, 2, i] * force[layer, 2, c]
-                            + m * normal[layer, c]
-                        )
+            _pull(basis, q, w, force, slope, moment, normal, curving, pull)
             if curved:
-                _spread(block, basis, q, w, stiff, curving, normal, layers, intact)
+                _spread(block, basis, q, w, stiff, curving, normal, layers, intact, side)
+        for i in range(nodes):
+            f = free[element, i]
+            if f >= 0:
+                for layer in range(count):
+                    for c in range(3):
+                        gradient[(f * count + layer) * 3 + c] += pull[layer, c, i]
         if curved:
             _scatter(block, free, element, count, band)
     return energy
 
 
 @jit
-def _spread(block, basis, q, w, stiff, curving, normal, layers, intact):
-    """Add one quadrature point to an element's second derivatives [point, layer, xyz, layer, xyz, point].
+def _locate(basis, q, local, point, bend):
+    """Position, tangents and second derivatives of every layer at a quadrature point."""
+    for layer in range(local.shape[0]):
+        for c in range(3):
+            for k in range(3):
+                at, by = 0.0, 0.0
+                for i in range(basis.shape[2]):
+                    at += basis[q, k, i] * local[layer, c, i]
+                    by += basis[q, 3 + k, i] * local[layer, c, i]
+                point[layer, k, c] = at
+                bend[layer, k, c] = by
 
-    The innermost loops run along arrays, over the second control point, so that they become vector instructions.
+
+@jit
+def _pull(basis, q, w, force, slope, moment, normal, curving, pull):
+    """Add one quadrature point to the forces on an element's control points; leaves how each of them curves it."""
+    for layer in range(pull.shape[0]):
+        m0, m1, m2 = w * moment[layer, 0], w * moment[layer, 1], w * moment[layer, 2]
+        for i in range(basis.shape[2]):
+            b0, b1, b2 = w * basis[q, 0, i], w * basis[q, 1, i], w * basis[q, 2, i]
+            for r in range(3):
+                curving[layer, r, i] = (
+                    basis[q, 3 + r, i]
+                    - slope[layer, r, 0] * basis[q, 1, i]
+                    - slope[layer, r, 1] * basis[q, 2, i]
+                )
+            bent = m0 * curving[layer, 0, i] + m1 * curving[layer, 1, i] + m2 * curving[layer, 2, i]
+            for c in range(3):
+                pull[layer, c, i] += (
+                    b0 * force[layer, 0, c]
+                    + b1 * force[layer, 1, c]
+                    + b2 * force[layer, 2, c]
+                    + bent * normal[layer, c]
+                )
+
+
+@jit
+def _spread(block, basis, q, w, stiff, curving, normal, layers, intact, side):
+    """Add one quadrature point to an element's second derivatives: `block[s, t, j, i]` for s <= t, where s and t are
+    layer and axis of the control points j and i; the rest is its mirror image. `side` (3, N) is room to work in.
+
     Bending enters as Gauss-Newton: curvature by curvature, without the moments' own share.
     """
     nodes, count = basis.shape[2], layers.shape[0]
-    row = np.empty((count, 3, 3))
-    bent = np.empty(nodes)
-    c0, c1, c2 = basis[q, 0], basis[q, 1], basis[q, 2]
-    for j in range(nodes):
-        b0, b1, b2 = w * c0[j], w * c1[j], w * c2[j]
-        for m in range(count):
-            rigid = layers[m, 1] ** 3 * layers[m, 0] / 6.0 * intact[q, m] * w
-            k0, k1, k2 = curving[m, 0], curving[m, 1], curving[m, 2]
-            r0, r1, r2 = rigid * (2.0 * k0[j] + k1[j]), rigid * (k0[j] + 2.0 * k1[j]), rigid * 2.0 * k2[j]
-            for i in range(nodes):
-                bent[i] = r0 * k0[i] + r1 * k1[i] + r2 * k2[i]
-            for b in range(3):
-                h0, h1, h2 = stiff[m, 0, b], stiff[m, 1, b], stiff[m, 2, b]
-                for layer in range(count):
-                    for beta in range(3):
-                        for a in range(3):
-                            row[layer, beta, a] = (
-                                b0 * h0[layer, beta, a] + b1 * h1[layer, beta, a] + b2 * h2[layer, beta, a]
-                            )
-                for layer in range(count):
-                    for a in range(3):
-                        line = block[j, m, b, layer, a]
-                        s0, s1, s2 = row[layer, 0, a], row[layer, 1, a], row[layer, 2, a]
-                        s3 = normal[m, b] * normal[m, a] if layer == m else 0.0
+    for m in range(count):
+        for b in range(3):
+            for layer in range(m, count):
+                for a in range(b if layer == m else 0, 3):
+                    for alpha in range(3):
+                        h0 = w * stiff[m, alpha, b, layer, 0, a]
+                        h1 = w * stiff[m, alpha, b, layer, 1, a]
+                        h2 = w * stiff[m, alpha, b, layer, 2, a]
                         for i in range(nodes):
-                            line[i] += s0 * c0[i] + s1 * c1[i] + s2 * c2[i] + s3 * bent[i]
+                            side[alpha, i] = h0 * basis[q, 0, i] + h1 * basis[q, 1, i] + h2 * basis[q, 2, i]
+                    s, t = m * 3 + b, layer * 3 + a
+                    for j in range(nodes):
+                        c0, c1, c2 = basis[q, 0, j], basis[q, 1, j], basis[q, 2, j]
+                        for i in range(nodes):
+                            block[s, t, j, i] += c0 * side[0, i] + c1 * side[1, i] + c2 * side[2, i]
+        rigid = w * layers[m, MODULUS] * layers[m, THICKNESS] ** 3 / 6.0 * intact[q, m]
+        for i in range(nodes):
+            k0, k1 = curving[m, 0, i], curving[m, 1, i]
+            side[0, i] = rigid * (2.0 * k0 + k1)
+            side[1, i] = rigid * (k0 + 2.0 * k1)
+            side[2, i] = rigid * 2.0 * curving[m, 2, i]
+        for b in range(3):
+            for a in range(b, 3):
+                n = normal[m, b] * normal[m, a]
+                s, t = m * 3 + b, m * 3 + a
+                for j in range(nodes):
+                    c0, c1, c2 = n * curving[m, 0, j], n * curving[m, 1, j], n * curving[m, 2, j]
+                    for i in range(nodes):
+                        block[s, t, j, i] += c0 * side[0, i] + c1 * side[1, i] + c2 * side[2, i]
 
 
 @jit
@@ -170,15 +190,12 @@ def _scatter(block, free, element, count, band):
         fj = free[element, j]
         if fj < 0:
             continue
-        for m in range(count):
-            for b in range(3):
-                column = fj * size + m * 3 + b
-                for i in range(j, nodes):
-                    fi = free[element, i]
-                    if fi < 0:
-                        continue
-                    offset = fi * size - column
-                    for layer in range(count):
-                        for a in range(3):
-                            if i > j or layer * 3 + a >= m * 3 + b:
-                                band[column, offset + layer * 3 + a] += block[j, m, b, layer, a, i]
+        for i in range(j, nodes):
+            fi = free[element, i]
+            if fi < 0:
+                continue
+            for s in range(size):
+                offset = (fi - fj) * size - s
+                for t in range(s if i == j else 0, size):
+                    value = block[s, t, j, i] if s <= t else block[t, s, i, j]
+                    band[fj * size + s, offset + t] += value

@@ -84,7 +84,7 @@ class ShellFile(Section):
 
     name: str = Field(min_length=1)
     control_points: tuple[int, int] = (30, 30)
-    degree: int = Field(default=2, ge=2, le=4)
+    degree: int = Field(default=2, ge=2, le=3)
     border: Literal["hinged", "clamped"] = "hinged"
     core: Core
     core_offset: Millimetres = 0.0

@@ -113,6 +113,13 @@ class System:
         return np.repeat(area[q.moving], 3 * self.n_layers).astype(float)
 
     @cached_property
+    def push_at_rest(self) -> Array:
+        """Force of each chamber's air on the resting shape, per kPa, (D, C)."""
+        still, chambers = np.zeros(self.size), len(self.file.chambers)
+        none = self.energy(still, self.field(np.zeros(chambers)))[1]
+        return np.stack([self.energy(still, self.field(unit))[1] - none for unit in np.eye(chambers)], axis=1)
+
+    @cached_property
     def rounding(self) -> float:
         """What an energy may be off by rounding, kPa mm^3: strains are differences of numbers around one."""
         stiffness = float((self._layers[:, 0] * self._layers[:, 1]).sum())

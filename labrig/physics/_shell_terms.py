@@ -5,13 +5,13 @@ position and its two tangents (alpha = 0, 1, 2), and, where `curved`, of the sec
 `stiff[layer, alpha, xyz, layer, beta, xyz]`. Tangents are derivatives along two orthonormal directions of the
 resting surface, the second to the left of the first seen from outside, so that their cross product points outwards.
 
-Arrays are passed whole and indexed, never sliced: views would cost more than the arithmetic.
+Arrays are passed whole and indexed, never sliced, and vectors are tuples: views and small arrays would cost more than
+the arithmetic.
 """
 
 import math
 
 import numba
-import numpy as np
 
 _OPTIONS = {"fastmath": True, "cache": True, "nogil": True, "error_model": "numpy"}
 jit = numba.njit(**_OPTIONS)
@@ -27,11 +27,33 @@ IMPOSSIBLE = 1e30
 
 
 @jit
-def cross(a, b, out):
-    """The cross product of two vectors."""
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
+def _row(a, i, j):
+    """The vector a[i, j, :]."""
+    return a[i, j, 0], a[i, j, 1], a[i, j, 2]
+
+
+@jit
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@jit
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@jit
+def _mix(p, a, q, b):
+    """p a + q b."""
+    return p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]
+
+
+@jit
+def _push(force, layer, alpha, scale, v):
+    """Add `scale` v to a force."""
+    force[layer, alpha, 0] += scale * v[0]
+    force[layer, alpha, 1] += scale * v[1]
+    force[layer, alpha, 2] += scale * v[2]
 
 
 @jit
@@ -60,14 +82,12 @@ def membrane(layer, point, layers, inner, q, intact, curved, convex, force, stif
     the deformation: `inner[q, layer]` (3, 3) takes (C11, C22, C12) as measured to the elastic one, which is how
     pre-stretch and internal strains enter. `convex` clips compressive stress out of the geometric stiffness.
     """
-    f1, f2 = point[layer, 1], point[layer, 2]
-    m11 = f1[0] * f1[0] + f1[1] * f1[1] + f1[2] * f1[2]
-    m22 = f2[0] * f2[0] + f2[1] * f2[1] + f2[2] * f2[2]
-    m12 = f1[0] * f2[0] + f1[1] * f2[1] + f1[2] * f2[2]
-    t = inner[q, layer]
-    a11 = t[0, 0] * m11 + t[0, 1] * m22 + t[0, 2] * m12
-    a22 = t[1, 0] * m11 + t[1, 1] * m22 + t[1, 2] * m12
-    a12 = t[2, 0] * m11 + t[2, 1] * m22 + t[2, 2] * m12
+    f1, f2 = _row(point, layer, 1), _row(point, layer, 2)
+    metric = _dot(f1, f1), _dot(f2, f2), _dot(f1, f2)
+    t1 = inner[q, layer, 0, 0], inner[q, layer, 0, 1], inner[q, layer, 0, 2]
+    t2 = inner[q, layer, 1, 0], inner[q, layer, 1, 1], inner[q, layer, 1, 2]
+    t3 = inner[q, layer, 2, 0], inner[q, layer, 2, 1], inner[q, layer, 2, 2]
+    a11, a22, a12 = _dot(t1, metric), _dot(t2, metric), _dot(t3, metric)
     area = a11 * a22 - a12 * a12
     if area < 1e-6:
         return IMPOSSIBLE
@@ -83,12 +103,11 @@ def membrane(layer, point, layers, inner, q, intact, curved, convex, force, stif
     # Voigt derivatives by (a11, a22, a12); i.. is the inverse metric
     i11, i22, i12 = a22 * r, a11 * r, -a12 * r
     e1, e2, e3 = 0.5 * scale * (1.0 - r * i11), 0.5 * scale * (1.0 - r * i22), -scale * r * i12
-    s11 = 2.0 * (t[0, 0] * e1 + t[1, 0] * e2 + t[2, 0] * e3)
-    s22 = 2.0 * (t[0, 1] * e1 + t[1, 1] * e2 + t[2, 1] * e3)
-    s12 = t[0, 2] * e1 + t[1, 2] * e2 + t[2, 2] * e3
-    for c in range(3):
-        force[layer, 1, c] += s11 * f1[c] + s12 * f2[c]
-        force[layer, 2, c] += s12 * f1[c] + s22 * f2[c]
+    s11 = 2.0 * (t1[0] * e1 + t2[0] * e2 + t3[0] * e3)
+    s22 = 2.0 * (t1[1] * e1 + t2[1] * e2 + t3[1] * e3)
+    s12 = t1[2] * e1 + t2[2] * e2 + t3[2] * e3
+    _push(force, layer, 1, 1.0, _mix(s11, f1, s12, f2))
+    _push(force, layer, 2, 1.0, _mix(s12, f1, s22, f2))
     if not curved:
         return energy
     g = scale * r
@@ -106,17 +125,15 @@ def membrane(layer, point, layers, inner, q, intact, curved, convex, force, stif
     c23 += n * e2 * e3
     c33 += n * e3 * e3
     # d2W by the measured metric: transpose(t) c t, in the convention of the strain (dC11/2, dC22/2, dC12)
-    u = np.empty((3, 3))
-    for j in range(3):
-        u[0, j] = c11 * t[0, j] + c12 * t[1, j] + c13 * t[2, j]
-        u[1, j] = c12 * t[0, j] + c22 * t[1, j] + c23 * t[2, j]
-        u[2, j] = c13 * t[0, j] + c23 * t[1, j] + c33 * t[2, j]
-    d = np.empty((3, 3))
-    for i in range(3):
-        for j in range(3):
-            d[i, j] = t[0, i] * u[0, j] + t[1, i] * u[1, j] + t[2, i] * u[2, j]
-    d11, d22, d12 = 4.0 * d[0, 0], 4.0 * d[1, 1], 4.0 * d[0, 1]
-    d13, d23, d33 = 2.0 * d[0, 2], 2.0 * d[1, 2], d[2, 2]
+    u1 = _mix(1.0, _mix(c11, t1, c12, t2), c13, t3)
+    u2 = _mix(1.0, _mix(c12, t1, c22, t2), c23, t3)
+    u3 = _mix(1.0, _mix(c13, t1, c23, t2), c33, t3)
+    d11 = 4.0 * (t1[0] * u1[0] + t2[0] * u2[0] + t3[0] * u3[0])
+    d22 = 4.0 * (t1[1] * u1[1] + t2[1] * u2[1] + t3[1] * u3[1])
+    d12 = 4.0 * (t1[0] * u1[1] + t2[0] * u2[1] + t3[0] * u3[1])
+    d13 = 2.0 * (t1[0] * u1[2] + t2[0] * u2[2] + t3[0] * u3[2])
+    d23 = 2.0 * (t1[1] * u1[2] + t2[1] * u2[2] + t3[1] * u3[2])
+    d33 = t1[2] * u1[2] + t2[2] * u2[2] + t3[2] * u3[2]
     if convex:
         mean = 0.5 * (s11 + s22)
         spread = math.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
@@ -148,23 +165,20 @@ def bending(layer, point, bend, layers, rest_curvature, q, intact, normal, slope
     displacement into changes of curvature, and the moments `moment[layer]` (3,): bending acts on second
     derivatives, so the assembly spreads it. `bend[layer, r]` are the second derivatives 11, 22, 12.
     """
-    f1, f2, n = point[layer, 1], point[layer, 2], normal[layer]
-    cross(f1, f2, n)
-    length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
-    for c in range(3):
-        n[c] /= length
-    m11 = f1[0] * f1[0] + f1[1] * f1[1] + f1[2] * f1[2]
-    m22 = f2[0] * f2[0] + f2[1] * f2[1] + f2[2] * f2[2]
-    m12 = f1[0] * f2[0] + f1[1] * f2[1] + f1[2] * f2[2]
+    f1, f2 = _row(point, layer, 1), _row(point, layer, 2)
+    m11, m22, m12 = _dot(f1, f1), _dot(f2, f2), _dot(f1, f2)
     r = 1.0 / (m11 * m22 - m12 * m12)
-    k = np.empty(3)
+    across = _cross(f1, f2)
+    length = math.sqrt(_dot(across, across))
+    n = across[0] / length, across[1] / length, across[2] / length
+    normal[layer, 0], normal[layer, 1], normal[layer, 2] = n
     for row in range(3):
-        w = bend[layer, row]
-        k[row] = w[0] * n[0] + w[1] * n[1] + w[2] * n[2] - rest_curvature[q, row]
-        along1 = w[0] * f1[0] + w[1] * f1[1] + w[2] * f1[2]
-        along2 = w[0] * f2[0] + w[1] * f2[1] + w[2] * f2[2]
+        w = _row(bend, layer, row)
+        moment[layer, row] = _dot(w, n) - rest_curvature[q, row]
+        along1, along2 = _dot(w, f1), _dot(w, f2)
         slope[layer, row, 0] = r * (m22 * along1 - m12 * along2)
         slope[layer, row, 1] = r * (m11 * along2 - m12 * along1)
+    k = moment[layer, 0], moment[layer, 1], moment[layer, 2]
     rigid = layers[layer, MODULUS] * layers[layer, THICKNESS] ** 3 / 6.0 * intact
     trace = k[0] + k[1]
     moment[layer, 0] = rigid * (trace + k[0])
@@ -190,21 +204,13 @@ def foundation(point, core, outward, q, seam, springs, curved, force, stiff):
 
     Half of `seam` |d|^2, of adhesion |d - (d.n) n|^2 and, where it sinks in, of contact (d.n)^2.
     """
-    gap = 0.0
-    d0, d1, d2 = (
-        point[0, 0, 0] - core[q, 0, 0],
-        point[0, 0, 1] - core[q, 0, 1],
-        point[0, 0, 2] - core[q, 0, 2],
-    )
-    n = outward[q]
-    gap = d0 * n[0] + d1 * n[1] + d2 * n[2]
-    square = d0 * d0 + d1 * d1 + d2 * d2
+    d = _mix(1.0, _row(point, 0, 0), -1.0, _row(core, q, 0))
+    n = outward[q, 0], outward[q, 1], outward[q, 2]
+    gap, square = _dot(d, n), _dot(d, d)
     adhesion = springs[ADHESION]
     across = (springs[CONTACT] if gap < 0.0 else 0.0) - adhesion
     along = seam + adhesion
-    force[0, 0, 0] += along * d0 + across * gap * n[0]
-    force[0, 0, 1] += along * d1 + across * gap * n[1]
-    force[0, 0, 2] += along * d2 + across * gap * n[2]
+    _push(force, 0, 0, 1.0, _mix(along, d, across * gap, n))
     if curved:
         for a in range(3):
             stiff[0, 0, a, 0, 0, a] += along
@@ -216,20 +222,15 @@ def foundation(point, core, outward, q, seam, springs, curved, force, stiff):
 @jit
 def interlayer(layer, point, outward, q, springs, curved, force, stiff):
     """Layer layer + 1 on the layer below it: adhesion along the surface and one-sided contact."""
-    n = outward[q]
     below = layer - 1
-    gap = 0.0
-    square = 0.0
-    for c in range(3):
-        d = point[layer, 0, c] - point[below, 0, c]
-        gap += d * n[c]
-        square += d * d
+    n = outward[q, 0], outward[q, 1], outward[q, 2]
+    d = _mix(1.0, _row(point, layer, 0), -1.0, _row(point, below, 0))
+    gap, square = _dot(d, n), _dot(d, d)
     along = springs[ADHESION]
     across = (springs[CONTACT] if gap < 0.0 else 0.0) - along
-    for c in range(3):
-        f = along * (point[layer, 0, c] - point[below, 0, c]) + across * gap * n[c]
-        force[layer, 0, c] += f
-        force[below, 0, c] -= f
+    f = _mix(along, d, across * gap, n)
+    _push(force, layer, 0, 1.0, f)
+    _push(force, below, 0, -1.0, f)
     if curved:
         for a in range(3):
             for b in range(3):
@@ -249,53 +250,32 @@ def air(layer, point, core, q, pressure, curved, force, stiff):
     tangents of the lower face, v those of the upper one and d leads from one to the other. A follower load, whose
     second derivatives are nevertheless symmetric.
     """
-    d, u1, u2, n, swap = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    for c in range(3):
-        low = core[q, 0, c] if layer == 0 else point[layer - 1, 0, c]
-        u1[c] = core[q, 1, c] if layer == 0 else point[layer - 1, 1, c]
-        u2[c] = core[q, 2, c] if layer == 0 else point[layer - 1, 2, c]
-        d[c] = point[layer, 0, c] - low
-    v1, v2 = point[layer, 1], point[layer, 2]
-    cross(u1, u2, n)
-    cross(v1, v2, swap)
-    for c in range(3):
-        n[c] = (n[c] + swap[c]) / 3.0
-    cross(u1, v2, swap)
-    for c in range(3):
-        n[c] += swap[c] / 6.0
-    cross(v1, u2, swap)
-    for c in range(3):
-        n[c] += swap[c] / 6.0
-    volume = d[0] * n[0] + d[1] * n[1] + d[2] * n[2]
-    a, b = np.empty(3), np.empty(3)  # d n / d v1 = -[a]x, d n / d v2 = [b]x
-    for c in range(3):
-        a[c] = v2[c] / 3.0 + u2[c] / 6.0
-        b[c] = v1[c] / 3.0 + u1[c] / 6.0
-        force[layer, 0, c] -= pressure * n[c]
-    cross(a, d, swap)
-    for c in range(3):
-        force[layer, 1, c] -= pressure * swap[c]
-    cross(d, b, swap)
-    for c in range(3):
-        force[layer, 2, c] -= pressure * swap[c]
+    if layer == 0:
+        low, u1, u2 = _row(core, q, 0), _row(core, q, 1), _row(core, q, 2)
+    else:
+        low, u1, u2 = _row(point, layer - 1, 0), _row(point, layer - 1, 1), _row(point, layer - 1, 2)
+    d = _mix(1.0, _row(point, layer, 0), -1.0, low)
+    v1, v2 = _row(point, layer, 1), _row(point, layer, 2)
+    even = _mix(1.0, _cross(u1, u2), 1.0, _cross(v1, v2))
+    mixed = _mix(1.0, _cross(u1, v2), 1.0, _cross(v1, u2))
+    n = _mix(1.0 / 3.0, even, 1.0 / 6.0, mixed)
+    a = _mix(1.0 / 3.0, v2, 1.0 / 6.0, u2)  # d n / d v1 = -[a]x
+    b = _mix(1.0 / 3.0, v1, 1.0 / 6.0, u1)  # d n / d v2 = [b]x
+    _push(force, layer, 0, -pressure, n)
+    _push(force, layer, 1, -pressure, _cross(a, d))
+    _push(force, layer, 2, -pressure, _cross(d, b))
     if curved:
         _add_skew(stiff, layer, 0, layer, 1, pressure, a)
         _add_skew(stiff, layer, 0, layer, 2, -pressure, b)
         _add_skew(stiff, layer, 1, layer, 2, pressure / 3.0, d)
     if layer == 0:
-        return -pressure * volume
+        return -pressure * _dot(d, n)
     k = layer - 1
-    e, f = np.empty(3), np.empty(3)  # the same by u1 and u2
-    for c in range(3):
-        e[c] = u2[c] / 3.0 + v2[c] / 6.0
-        f[c] = u1[c] / 3.0 + v1[c] / 6.0
-        force[k, 0, c] += pressure * n[c]
-    cross(e, d, swap)
-    for c in range(3):
-        force[k, 1, c] -= pressure * swap[c]
-    cross(d, f, swap)
-    for c in range(3):
-        force[k, 2, c] -= pressure * swap[c]
+    e = _mix(1.0 / 3.0, u2, 1.0 / 6.0, v2)  # the same by u1 and u2
+    f = _mix(1.0 / 3.0, u1, 1.0 / 6.0, v1)
+    _push(force, k, 0, pressure, n)
+    _push(force, k, 1, -pressure, _cross(e, d))
+    _push(force, k, 2, -pressure, _cross(d, f))
     if curved:
         _add_skew(stiff, layer, 0, k, 1, pressure, e)
         _add_skew(stiff, layer, 0, k, 2, -pressure, f)
@@ -306,4 +286,4 @@ def air(layer, point, core, q, pressure, curved, force, stiff):
         _add_skew(stiff, k, 1, k, 2, pressure / 3.0, d)
         _add_skew(stiff, k, 1, layer, 2, pressure / 6.0, d)
         _add_skew(stiff, layer, 1, k, 2, pressure / 6.0, d)
-    return -pressure * volume
+    return -pressure * _dot(d, n)

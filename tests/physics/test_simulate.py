@@ -1,6 +1,8 @@
 """Sets of simulations: which pressures, in which folder, with how many workers, however often interrupted."""
 
 import json
+import os
+import signal
 
 import numpy as np
 import pytest
@@ -108,6 +110,28 @@ def test_workers_and_interruptions_change_nothing(membrane, tmp_path):
     np.testing.assert_array_equal(whole.control_mm, resumed.control_mm)
     again = simulate(membrane, tmp_path / "stopped", 60, workers=1, resume=True)
     np.testing.assert_array_equal(whole.control_mm, again.control_mm)
+
+
+def test_a_cluster_whose_worker_is_killed_changes_nothing(membrane, tmp_path):
+    """On two Dask workers, one of which is killed at work, the same bits come out as in this process."""
+    distributed = pytest.importorskip("distributed")
+    whole = simulate(membrane, tmp_path / "whole", 60, workers=1)
+    kill = signal.SIGTERM if os.name == "nt" else signal.SIGKILL
+    killed = []
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+    ) as cluster:
+
+        def murder(done, total):
+            if done > 0 and not killed:
+                killed.append(cluster.workers[0].pid)
+                os.kill(killed[0], kill)
+
+        found = simulate(
+            membrane, tmp_path / "cluster", 60, cluster=cluster.scheduler_address, progress=murder
+        )
+    assert killed
+    np.testing.assert_array_equal(whole.control_mm, found.control_mm)
 
 
 def test_folders_in_use_are_not_touched(membrane, tmp_path):
