@@ -28,7 +28,7 @@ values may be other ones under another programme."""
 FORM = 0.03
 """Share of what is measured that no formula is trusted to predict more finely."""
 
-GOAL = 0.06
+GOAL = 0.04
 LEAST = 60.0
 """How far behind a rival is out: a share of what the explanation explains of the run, and at least so many
 noise squares."""

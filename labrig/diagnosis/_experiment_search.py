@@ -15,6 +15,9 @@ MOST_VISITS, MOST_ALIKE = 2, 4
 are safer than one look many times, since nature keeps to no formula."""
 
 A_VISIT = 0.12
+LEAST_RATE = 0.3
+"""What a further visit must be worth per minute, beside what all visits so far are worth per minute."""
+
 STARTS_S = (0.0, 120.0, 360.0)
 _CHANGES = 2
 _BETTER = 1.02
@@ -63,7 +66,7 @@ def _from(problem: Problem, probes: Sequence[Probe], budget_s: float) -> Choice 
         judge, goals, [layout.programmes for layout in layouts], seconds, [p.name for p in probes]
     )
     times = chosen.fill(budget_s)
-    own = [i for i, n in enumerate(times) if n]
+    own = chosen.order
     if not own:
         return None
     return Choice(tuple(probes[i] for i in own), tuple(times[i] for i in own), chosen.worth)
@@ -84,6 +87,7 @@ class _Greedy:
         self.total: Sums | None = None
         self.seen = np.zeros_like(goals)
         self.worth = 0.0
+        self.order: list[int] = []
         self._alone: dict[tuple[int, int], Floats] = {}
 
     def alone(self, phase: int, i: int) -> Floats:
@@ -123,10 +127,12 @@ class _Greedy:
                 share = self.with_one(phase, int(i))[2]
                 gains[i] = ahead[i] = (float(np.log1p(share).sum()) - self.worth) / self.seconds[i]
             best = int(np.argmax(gains))
-            if not gains[best] > 1e-9:
+            if not gains[best] > max(1e-9, LEAST_RATE * self.worth / max(used, 1.0)):
                 return times
             self.total, self.seen, share = self.with_one(phase, best)
             self.worth = float(np.log1p(share).sum())
+            if best not in self.order:
+                self.order.append(best)
             times[best] += 1
             used += self.seconds[best]
             if (share >= 1.0 - 1e-9).all():
