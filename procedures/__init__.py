@@ -7,5 +7,6 @@ from procedures._pairs import Pairs
 from procedures._programme import Programme
 from procedures._repeatability import Repeatability
 from procedures._sweep import Sweep
+from procedures._validate import Validate
 
-__all__ = ["Capture", "Hold", "Idle", "Pairs", "Programme", "Repeatability", "Sweep"]
+__all__ = ["Capture", "Hold", "Idle", "Pairs", "Programme", "Repeatability", "Sweep", "Validate"]

@@ -166,17 +166,19 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str,
         vertices=len(vertices),
         triangles=len(scan.triangles),
         registration_error_mm=math.nan if scan.registration_error_mm is None else scan.registration_error_mm,
+        folder=session.folder,
     )
+    facts = {name: value for name, value in vars(result).items() if name != "folder"}
     if session.log is not None:
         with session.signals.shield():
             session.log.write(
                 Topic.SCAN,
                 scan.time_s,
-                **vars(result),
+                **facts,
                 min_mm=vertices.min(axis=0).tolist() if len(vertices) else [],
                 max_mm=vertices.max(axis=0).tolist() if len(vertices) else [],
             )
-    return result, {**vars(result), "files": list(result.files)}
+    return result, {**facts, "files": list(result.files)}
 
 
 def _while_polling(session: Session, call: Callable[[], Any], limit_s: float) -> Any:

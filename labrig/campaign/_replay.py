@@ -35,7 +35,7 @@ def read_completed(folder: Path) -> list[Completed]:
     found: dict[int, Completed] = {}
     for loaded in sessions(segments):
         series = run_series(loaded)
-        for completed in _done(loaded, series):
+        for completed in _done(loaded, series, folder):
             found.setdefault(completed.index, completed)
     steps = []
     while len(steps) in found:
@@ -43,7 +43,7 @@ def read_completed(folder: Path) -> list[Completed]:
     return steps
 
 
-def _done(loaded: LoadedSegment, series: RunSeries) -> list[Completed]:
+def _done(loaded: LoadedSegment, series: RunSeries, folder: Path) -> list[Completed]:
     from logs_schema.step_pb2 import Step as StepMessage
 
     completed = []
@@ -53,12 +53,12 @@ def _done(loaded: LoadedSegment, series: RunSeries) -> list[Completed]:
             continue
         step = step_from_dict(json.loads(message.step_json))
         values = json.loads(message.result_json) if message.result_json else {}
-        result = _result(step, values, series, message.index)
+        result = _result(step, values, series, message.index, folder)
         completed.append(Completed(message.index, step, result, message.started_s, message.ended_s, True))
     return completed
 
 
-def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int) -> Result:
+def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int, folder: Path) -> Result:
     if isinstance(step, Actuate):
         return Actuated(values["time_s"], tuple(step.pressure_kpa))
     if isinstance(step, Settle):
@@ -66,7 +66,7 @@ def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int) -
     if isinstance(step, Record):
         return _recording(values, series, index)
     if isinstance(step, Scan):
-        return Scanned(**{**values, "files": tuple(values["files"])})
+        return Scanned(**{**values, "files": tuple(values["files"]), "folder": folder})
     if isinstance(step, Vent):
         return Vented(tuple(values["pressure_kpa"]), values["took_s"])
     return None

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -148,13 +149,22 @@ def _mean(values: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Scanned:
-    """A scan: its files as the scanner left them, their common hash, its size, and the registration error."""
+    """A scan: its files as the scanner left them, their common hash, its size, and the registration error.
+
+    `files` are relative to `folder`, the run's, which is None in a dry run: there is no scan then.
+    """
 
     files: tuple[str, ...]
     sha256: str
     vertices: int
     triangles: int
     registration_error_mm: float = math.nan
+    folder: Path | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def mesh_file(self) -> Path | None:
+        """The file with the surface; None in a dry run."""
+        return self.folder / self.files[0] if self.folder is not None and self.files else None
 
 
 @dataclass(frozen=True)

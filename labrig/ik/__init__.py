@@ -7,28 +7,37 @@ from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
 from labrig.ik._load import load_shape_model
 from labrig.ik._memory import Approach, Remembering
 from labrig.ik._models import ShellModel, SurfaceModel
+from labrig.ik._outcome import Attempt, Outcome, outcomes
 from labrig.ik._path import Plan, plan_path, solve_with_path
+from labrig.ik._refine import Refinement
 from labrig.ik._result import Gap, IkResult
 from labrig.ik._solve import Solver, solve
+from labrig.ik._trial import Trial, make_trials
 
 __all__ = [
     "Approach",
+    "Attempt",
     "BaselineResult",
     "Evaluator",
     "Gap",
     "GradientDescent",
     "IkResult",
     "Job",
+    "Outcome",
     "Plan",
     "Pose",
+    "Refinement",
     "Remembering",
     "ShapeModel",
     "ShellModel",
     "Solved",
     "Solver",
     "SurfaceModel",
+    "Trial",
     "evaluator",
     "load_shape_model",
+    "make_trials",
+    "outcomes",
     "plan_path",
     "solve",
     "solve_files",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig._executor import Executor
 from labrig.ik._load import load_shape_model
-from labrig.ik._memory import Approach
+from labrig.ik._memory import Approach, Remembering
 from labrig.ik._path import solve_with_path
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver
@@ -25,13 +25,14 @@ MEASURED = 61
 
 @dataclass(frozen=True)
 class Job:
-    """One target, by file."""
+    """One target, by file; `without` leaves the model's "warp" or its "effects" out."""
 
     target: str
     model: str
     unit: str | None = None
     low_kpa: tuple[float, ...] | None = None
     high_kpa: tuple[float, ...] | None = None
+    without: str = ""
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def solve_job(job: Job) -> Solved:
 
 def _solve_job(job: Job) -> Solved:
     goal = Target(read_mesh(job.target, job.unit))
-    solver, memory = _solver(job.model, job.low_kpa, job.high_kpa)
+    solver, memory = solver_of(job)
     if memory is None:
         result, path = solver.solve(goal), None
         shape, pressure = solver.model, result.pressure_kpa
@@ -76,9 +77,25 @@ def _solve_job(job: Job) -> Solved:
     return Solved(job, result, surface, triangles, signed, found.summary(), path)
 
 
-@lru_cache(maxsize=2)
-def _solver(model: str, low: tuple[float, ...] | None, high: tuple[float, ...] | None):
+def solver_of(job: Job) -> tuple[Solver, Remembering | None]:
+    """The search that a job asks for; the last few are kept. Raises `LabrigError` for a model without that form."""
+    return _solver(job.model, job.low_kpa, job.high_kpa, job.without)
+
+
+@lru_cache(maxsize=4)
+def _solver(
+    model: str, low: tuple[float, ...] | None, high: tuple[float, ...] | None, without: str
+) -> tuple[Solver, Remembering | None]:
     shape, memory = load_shape_model(model)
+    if without == "effects":
+        if memory is None:
+            raise LabrigError(f"{model}: has no effects that could be left out")
+        memory = None
+    if without == "warp":
+        if not hasattr(shape, "forward"):
+            raise LabrigError(f"{model}: has no warp that could be left out")
+        shape = shape.forward  # type: ignore[attr-defined]
+        memory = Remembering(memory.model, shape) if memory is not None else None
     return Solver(shape, low, high), memory
 
 

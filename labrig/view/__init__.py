@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
+    from labrig.view._validation_report import write_validation
     from labrig.view._viewer import Viewer, screenshot, start_viewer
     from labrig.view._words import Lines, summary_words
 
@@ -29,6 +30,7 @@ _LAZY = {
     "write_picture": "_picture",
     "write_recording": "_recording",
     "write_report": "_report",
+    "write_validation": "_validation_report",
 }
 
 __all__ = [
@@ -46,6 +48,7 @@ __all__ = [
     "write_picture",
     "write_recording",
     "write_report",
+    "write_validation",
 ]
 
 

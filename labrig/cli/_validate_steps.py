@@ -1,0 +1,113 @@
+"""What `labrig validate` does: run the procedure, or go on with it, then compare and report."""
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from labrig._errors import LabrigError
+from labrig.cli._run_steps import Request, do_resume, do_run
+from labrig.ik import outcomes
+from labrig.log import read_run_yaml, summarise
+from labrig.view import write_validation
+
+_FORMS = ("warp", "effects")
+
+
+@dataclass(frozen=True)
+class ValidateRequest:
+    """The options of `labrig validate`."""
+
+    targets: tuple[Path, ...]
+    rig: Path | None
+    model: Path | None
+    out: Path | None
+    without: tuple[str, ...]
+    refine: int
+    unit: str
+    seed: int
+    realtime: bool
+
+
+def do_validate(request: ValidateRequest) -> None:
+    """Run the procedure in a new folder, then report there."""
+    if not request.targets or request.model is None or request.rig is None:
+        raise LabrigError(
+            "name the targets, the rig with --rig and the model with --model (or a run with --resume)"
+        )
+    for form in request.without:
+        if form not in _FORMS:
+            raise LabrigError(f"--without {form}: there are {' and '.join(_FORMS)}")
+    for path in (*request.targets, request.model):
+        if "," in str(path):
+            raise LabrigError(f"{path}: a name without a comma is needed")
+        if not path.is_file():
+            raise LabrigError(f"{path} does not exist")
+    folder = request.out or _new_folder()
+    arguments = [
+        "--targets", ",".join(str(path.resolve()) for path in request.targets),
+        "--model", str(request.model.resolve()),
+        "--refine", str(request.refine),
+    ]  # fmt: skip
+    if request.without:
+        arguments += ["--without", ",".join(request.without)]
+    if request.unit:
+        arguments += ["--unit", request.unit]
+    do_run("validate", arguments, Request(request.rig, folder, request.seed, request.realtime, False, False))
+    report(folder)
+
+
+def do_report(run: Path, rig: Path | None) -> None:
+    """Go on with a run that was not finished; report in either case."""
+    if read_run_yaml(run).get("procedure") != "validate":
+        raise LabrigError(f"{run} is no run of validate")
+    if summarise(run).state != "completed":
+        do_resume(run, Request(rig, run, 0, False, False, False))
+    report(run)
+
+
+def report(run: Path) -> None:
+    """Compare, print, and write validation.json and report.html into the run's folder."""
+    found = outcomes(run)
+    summaries = [outcome.summary() for outcome in found]
+    _print(summaries)
+    path = run / "validation.json"
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    partial.write_text(json.dumps({"realisations": summaries}, indent=1) + "\n", encoding="utf-8")
+    partial.replace(path)
+    typer.echo(f"report: {write_validation(found, run, run)}")
+
+
+def _print(summaries: Sequence[dict[str, Any]]) -> None:
+    table = Table("target", "model", title="mean distance, mm")
+    for column in ("predicted", "realised", "realised - predicted", "markers", "refined (scans)"):
+        table.add_column(column, justify="right")
+    for one in summaries:
+        refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
+        table.add_row(
+            one["target"],
+            one["model"],
+            *(
+                "-" if one[key] is None else f"{one[key]['mean']:.3f}"
+                for key in (
+                    "predicted_mm",
+                    "realised_mm",
+                    "realised_against_predicted_mm",
+                    "markers_against_predicted_mm",
+                )
+            ),
+            f"{min(refined):.3f} ({len(refined)})" if refined else "-",
+        )
+    Console().print(table)
+
+
+def _new_folder() -> Path:
+    from datetime import datetime
+
+    return Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-validate"

@@ -1,0 +1,167 @@
+"""What a validation run showed: every scan and recording beside what was asked for and what the model expected."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.ik._batch import solver_of
+from labrig.ik._trial import Trial, make_trials
+from labrig.surface import Registration, read_mesh
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One realisation: set-points (C,), kPa; heights (V,), mm, of the scanned surface over the target's vertices (None
+
+    without a scan) and how the scan was registered; marker errors (M,), mm, in the rig's frame (NaN: not seen).
+    """
+
+    pressure_kpa: Floats
+    height_mm: Floats | None
+    registration: Registration | None
+    marker_error_mm: Floats
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One target with one form of the model: what the model expected, and what came of it, attempt by attempt."""
+
+    trial: Trial
+    predicted_mm: Floats
+    attempts: tuple[Attempt, ...]
+
+    @property
+    def best(self) -> Attempt:
+        """The attempt whose scan is closest to the target."""
+        return min(self.attempts, key=lambda one: mean_of(one.height_mm))
+
+    def summary(self) -> dict[str, Any]:
+        """Plain values: predicted against asked for, realised against asked for, realised against predicted, mm."""
+        first = self.attempts[0]
+        realised = first.height_mm
+        between = None if realised is None else realised - self.predicted_mm
+        return {
+            "target": self.trial.name,
+            "model": self.trial.form,
+            "path": self.trial.approach.name,
+            "pressure_kpa": np.round(first.pressure_kpa, 3).tolist(),
+            "predicted_mm": figures(self.predicted_mm),
+            "realised_mm": figures(realised),
+            "realised_against_predicted_mm": figures(between),
+            "markers_against_predicted_mm": figures(first.marker_error_mm),
+            "registration": None if first.registration is None else _registration(first.registration),
+            "refined": [
+                {
+                    "pressure_kpa": np.round(one.pressure_kpa, 3).tolist(),
+                    "realised_mm": figures(one.height_mm),
+                }
+                for one in self.attempts[1:]
+            ],
+            "scans": len(self.attempts),
+        }
+
+
+def mean_of(height_mm: Floats | None) -> float:
+    """Mean absolute height, mm; infinite without a scan."""
+    return np.inf if height_mm is None else float(np.nanmean(np.abs(height_mm)))
+
+
+def figures(height_mm: Floats | None) -> dict[str, float] | None:
+    """Mean, 95 % and maximum of the absolute values, and the signed mean; None if nothing is known."""
+    if height_mm is None or not np.isfinite(height_mm).any():
+        return None
+    known = height_mm[np.isfinite(height_mm)]
+    absolute = np.abs(known)
+    values = {
+        "mean": absolute.mean(),
+        "p95": np.quantile(absolute, 0.95),
+        "max": absolute.max(),
+        "signed": known.mean(),
+    }
+    return {name: round(float(value), 4) for name, value in values.items()}
+
+
+def _registration(found: Registration) -> dict[str, float]:
+    return {
+        "rms_mm": round(found.rms_mm, 4),
+        "share": round(found.share, 4),
+        "sd_mm": round(found.sd_mm, 4),
+        "iterations": found.iterations,
+    }
+
+
+def outcomes(run: str | Path) -> list[Outcome]:
+    """Read a run of the procedure validate and compare; what was not realised yet is left out.
+
+    Raises `LabrigError` for another kind of run, or one whose targets or model are gone.
+    """
+    from labrig.campaign import Actuate, Record, Scan, read_completed
+    from labrig.log import read_run_yaml
+
+    run = Path(run)
+    facts = read_run_yaml(run)
+    if facts.get("procedure") != "validate":
+        raise LabrigError(f"{run} is no run of validate: {facts.get('procedure') or 'it has no run.yaml'}")
+    given = facts["parameters"]
+    rig = facts["rig"]
+    low, high = (np.array([float(c[key]) for c in rig["chambers"]]) for key in ("min_kpa", "max_kpa"))
+    chambers = tuple(str(c["name"]) for c in rig["chambers"])
+    trials = make_trials(
+        given["targets"], given["model"], given["unit"], given["without"], chambers, low, high
+    )
+    setpoints: dict[str, Floats] = {}
+    markers: dict[str, Floats] = {}
+    scans: dict[str, Path] = {}
+    for done in read_completed(run):
+        label = getattr(done.step, "label", "")
+        if isinstance(done.step, Actuate):
+            setpoints[label] = np.array(done.step.pressure_kpa)
+        elif isinstance(done.step, Record):
+            markers[label] = done.result.mean_mm  # type: ignore[union-attr]
+        elif isinstance(done.step, Scan):
+            scans[label] = done.result.mesh_file  # type: ignore[union-attr, assignment]
+    found = []
+    for trial in trials:
+        expected = _expected_markers(trial, tuple(rig["markers"]))
+        attempts = []
+        while (label := f"{trial.number}/{len(attempts)}") in markers:
+            height, registration = None, None
+            if label in scans:
+                surface, registration = trial.placed(read_mesh(scans[label], "mm"))
+                height = trial.heights(surface)
+            error = np.linalg.norm(markers[label] - expected, axis=1)
+            known = error if not attempts else np.full(len(error), np.nan)
+            attempts.append(Attempt(setpoints[label], height, registration, known))
+        if attempts:
+            found.append(Outcome(trial, trial.heights(trial.predicted), tuple(attempts)))
+    if not found:
+        raise LabrigError(f"{run}: no target was realised yet")
+    return found
+
+
+def _expected_markers(trial: Trial, names: tuple[str, ...]) -> Floats:
+    """Where the model has the rig's markers at the trial's actuation, (M, 3), mm; NaN for those it does not know."""
+    solver, memory = solver_of(trial.solved.job)
+    shape: Any = solver.model
+    places = dict(zip(getattr(shape, "marker_names", ()), _marker_uv(shape), strict=False))
+    known = [name in places for name in names]
+    expected = np.full((len(names), 3), np.nan)
+    if any(known):
+        assert trial.solved.result is not None
+        pressure = trial.approach.setpoints_kpa[-1]
+        if memory is not None:
+            pressure, _ = memory.after(trial.approach)
+        uv = np.array([places[name] for name in names if name in places])
+        expected[known] = np.asarray(shape.points(pressure[None], uv))[0]
+    return expected
+
+
+def _marker_uv(shape: Any) -> Floats:
+    """(u, v) of the model's markers; a warped model's are those of its forward model."""
+    return np.asarray(getattr(getattr(shape, "forward", shape), "marker_uv", np.zeros((0, 2))))

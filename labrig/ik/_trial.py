@@ -1,0 +1,114 @@
+"""What is going to be realised: each target with each form of the model, as pressures, path and predicted surface."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of
+from labrig.ik._memory import Approach
+from labrig.ik._refine import Refinement
+from labrig.surface import Mesh, Target, distances, grid, read_mesh, register
+
+Floats = NDArray[np.float64]
+
+SETTLE_S = 3.0
+_WORDS = {"": "the whole model", "warp": "without the warp", "effects": "without the effects"}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One target realised by one form of the model; `number` counts from 0, `solved` is what is asked of the rig."""
+
+    number: int
+    solved: Solved
+    target: Target
+
+    @property
+    def name(self) -> str:
+        """The target's name."""
+        return Path(self.solved.job.target).name
+
+    @property
+    def form(self) -> str:
+        """Which form of the model, in words."""
+        return _WORDS[self.solved.job.without]
+
+    @property
+    def approach(self) -> Approach:
+        """The set-points, rounded as they are commanded; straight from vented unless the model remembers."""
+        result = self.solved.result
+        assert result is not None
+        path = self.solved.path or Approach("straight", result.pressure_kpa[None], (SETTLE_S,))
+        return Approach(path.name, np.round(path.setpoints_kpa, 3), path.holds_s)
+
+    @cached_property
+    def predicted(self) -> Mesh:
+        """The surface that the model expects, in the target's frame."""
+        assert self.solved.surface_mm is not None
+        assert self.solved.triangles is not None
+        return Mesh(self.solved.surface_mm, self.solved.triangles)
+
+    def heights(self, surface: Mesh) -> Floats:
+        """How far a surface stands out of the target at each of the target's vertices, mm, (V,); NaN: not opposite."""
+        found = distances(self.target.mesh.vertices_mm, surface)
+        return np.where(found.beyond | self.target.mesh.border, np.nan, -found.signed_mm)
+
+    def placed(self, scan: Mesh) -> tuple[Mesh, Any]:
+        """A scan in the target's frame, and its registration.
+
+        A global start finds the predicted surface, which the scan looks like all over; ICP then ends on the target.
+        """
+        rough = register(scan, self.predicted)
+        fine = register(scan, self.target, (rough.rotation, rough.translation_mm))
+        return scan.moved(fine.rotation, fine.translation_mm), fine
+
+    def refinement(self, low: Floats, high: Floats) -> Refinement:
+        """Broyden's method for this target, with the model's derivatives at the predicted surface."""
+        result, job = self.solved.result, self.solved.job
+        assert result is not None
+        solver, _ = solver_of(job)
+        uv, _ = grid(MEASURED, MEASURED)
+        index, _ = Target(self.predicted).nearest.one(self.target.mesh.vertices_mm)
+        slope = np.asarray(solver.model.jacobian(result.pressure_kpa[None], uv[index]), float)[0]
+        normal = self.target.mesh.normals
+        turned = np.einsum("vd,ed->ve", normal, result.rotation)  # the normals in the rig's frame
+        middle = self.target.mesh.vertices_mm.mean(axis=0)
+        motions = np.concatenate([np.cross(self.target.mesh.vertices_mm - middle, normal), normal], axis=1)
+        return Refinement(np.einsum("ve,vec->vc", turned, slope), motions, low, high)
+
+
+def make_trials(
+    targets: Sequence[str],
+    model: str,
+    unit: str | None,
+    without: Sequence[str],
+    chambers: tuple[str, ...],
+    low_kpa: Floats,
+    high_kpa: Floats,
+) -> list[Trial]:
+    """Every target with the whole model and without what is named in `without` (warp, effects), in order.
+
+    Raises `LabrigError` for a model of another rig, a form that it does not have, or a target of no use.
+    """
+    trials: list[Trial] = []
+    low, high = tuple(low_kpa.tolist()), tuple(high_kpa.tolist())
+    for target in targets:
+        for left_out in ("", *without):
+            job = Job(str(target), str(model), unit or None, low, high, left_out)
+            solver, _ = solver_of(job)
+            if tuple(solver.model.chamber_names) != chambers:
+                raise LabrigError(
+                    f"{model}: its chambers ({', '.join(solver.model.chamber_names)}) are not the rig's "
+                    f"({', '.join(chambers)})"
+                )
+            solved = solve_job(job)
+            if solved.error:
+                raise LabrigError(solved.error)
+            trials.append(Trial(len(trials), solved, Target(read_mesh(target, unit or None))))
+    return trials
