@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
@@ -32,13 +31,11 @@ def corners(chambers: int, count: int, seed: int) -> NDArray[np.int8]:
 def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) -> tuple[Array, list[str]]:
     """Pressures (N, C), kPa, and what each is: `corner` or `halton`.
 
-    A Halton sequence fills the unit cube; each coordinate is taken as the part of its full inflation that a
-    chamber should have, so that pressures lie densest where the surface moves most.
+    A Halton sequence (another stretch of it for another seed) fills the unit cube; each coordinate is taken as the
+    part of its full inflation that a chamber should have, so that pressures lie densest where the surface moves most.
     """
     at_corner = corners(len(shell.max_kpa), count, seed) * shell.max_kpa
-    spread = qmc.Halton(len(shell.max_kpa), scramble=bool(seed), rng=seed).random(count - len(at_corner) + 1)[
-        1:
-    ]
+    spread = _halton(count - len(at_corner), len(shell.max_kpa), seed)
     content = shell.changed(count=(_COARSE, _COARSE)).content()
     tasks = [(content, chamber) for chamber in range(len(shell.max_kpa))]
     pressures = np.empty_like(spread)
@@ -46,6 +43,15 @@ def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) ->
         rising = np.maximum.accumulate(inflation / inflation[-1])
         pressures[:, chamber] = np.interp(spread[:, chamber], rising, LEVELS) * shell.max_kpa[chamber]
     return np.concatenate([at_corner, pressures]), ["corner"] * len(at_corner) + ["halton"] * len(spread)
+
+
+def _halton(count: int, dimensions: int, seed: int) -> Array:
+    """`count` points of the sequence (the first one of all, the origin, left out), (count, dimensions)."""
+    from scipy.stats import qmc
+
+    sequence = qmc.Halton(dimensions, scramble=False)
+    sequence.fast_forward(1 + seed * count)
+    return sequence.random(count)
 
 
 def inflation_curve(task: tuple[dict[str, Any], int]) -> Array:

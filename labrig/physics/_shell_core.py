@@ -16,7 +16,7 @@ Millimetres = Annotated[float, Unit("mm")]
 class Section(BaseModel):
     """A part of a shell file: nothing unknown in it, nothing changed later."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Ring(Section):

@@ -183,6 +183,7 @@ def test_starts_of_another_mesh_are_refused(small):
             {"core": {"control_points": "none.npz"}},
             "core.control_points: none.npz holds no array 'control_points'",
         ),
+        ({"adhesion": float("nan")}, "adhesion: Input should be a finite number"),
         ({"seam": "soft"}, "seam: 'soft' is not a number with a unit, such as '1 kPa/mm'"),
     ],
 )

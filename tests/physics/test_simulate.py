@@ -37,6 +37,10 @@ def test_pressures_spread_by_inflation(membrane):
     spread = pressure[16:] / membrane.max_kpa
     assert ((spread >= 0) & (spread <= 1)).all()
     assert (np.median(spread, axis=0) < 0.45).all()
+    with Executor(1) as executor:
+        other, _ = sample_pressures(membrane, 400, 1, executor)
+    np.testing.assert_array_equal(other[:16], pressure[:16])
+    assert np.abs(other[16:] - pressure[16:]).max(axis=1).min() > 0
     start = membrane.solve([0, 0, 0, 0])
     full, half = (
         (membrane.solve([p, 0, 0, 0]).control_mm - start.control_mm)[..., 1].mean()
