@@ -102,7 +102,7 @@ def _print(summaries: Sequence[dict[str, Any]]) -> None:
                     "markers_against_predicted_mm",
                 )
             ),
-            f"{min(refined):.3f} ({len(refined)})" if refined else "-",
+            f"{min([*refined, one['realised_mm']['mean']]):.3f} ({len(refined)})" if refined else "-",
         )
     Console().print(table)
 

@@ -24,7 +24,8 @@ class Refinement:
     """
 
     def __init__(self, slope: Floats, motions: Floats, low: Floats, high: Floats) -> None:
-        basis = np.linalg.qr(np.nan_to_num(motions))[0]
+        U, size, _ = np.linalg.svd(np.nan_to_num(motions), full_matrices=False)
+        basis = U[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-12)]
         known = np.nan_to_num(slope)
         self._slope = known - basis @ (basis.T @ known)
         self._low, self._high = low, high

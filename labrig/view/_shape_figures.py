@@ -63,7 +63,7 @@ def signed_map(
             "yaxis": axis,
             "zaxis": axis,
             "aspectmode": "data",
-            "camera": {"eye": {"x": 0.55, "y": 1.75, "z": 0.25}, "up": {"x": 0, "y": 0, "z": 1}},
+            "camera": {"eye": {"x": 0.6, "y": 2.0, "z": 0.3}, "up": {"x": 0, "y": 0, "z": 1}},
             "dragmode": "orbit",
         },
     )

@@ -78,7 +78,8 @@ def _table(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
     rows = []
     for one in summaries:
         refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
-        refining = f"{number(min(refined))} after {counted(len(refined), 'scan')} more" if refined else "–"
+        best = min([*refined, one["realised_mm"]["mean"]]) if refined else 0.0
+        refining = f"{number(best)} with {counted(len(refined), 'scan')} more" if refined else "–"
         rows.append(
             [
                 escape(one["target"]),
@@ -140,13 +141,20 @@ def _outcome(page: Page, outcome: "Outcome", summary: dict[str, Any]) -> None:
         shown.append((f"refined, {len(outcome.attempts) - 1} scans more", outcome.best.height_mm))
     known = np.concatenate([np.abs(height[np.isfinite(height)]) for _, height in shown])
     top = max(_LEAST_MM, float(np.quantile(known, 0.98))) if len(known) else 1.0
+    maps = [(name, height, top) for name, height in shown]
+    if realised is not None:
+        between = realised - outcome.predicted_mm
+        spread = np.abs(between[np.isfinite(between)])
+        own = max(_LEAST_MM, float(np.quantile(spread, 0.98))) if len(spread) else 1.0
+        maps.append(("realised – predicted", between, own))
     if not mesh.is_cloud:
-        maps = "".join(
+        drawn = "".join(
             f'<div class="plot"><h3>{escape(name)}</h3>'
-            f"{page.plot(signed_map(mesh.vertices_mm, mesh.triangles, height, top, number_ == len(shown) - 1))}</div>"
-            for number_, (name, height) in enumerate(shown)
+            f"{page.plot(signed_map(mesh.vertices_mm, mesh.triangles, height, limit))}</div>"
+            for name, height, limit in maps
         )
-        page.add(f'<div class="plots">{maps}</div>')
+        columns = 3 if len(maps) == 3 else 2
+        page.add(f'<div class="plots" style="grid-template-columns:repeat({columns},1fr)">{drawn}</div>')
     page.add(page.plot(histogram(shown, 1.3 * top)))
 
 

@@ -1,0 +1,193 @@
+"""The closed loop on a simulated rig: realised, scanned, compared, refined, resumed."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from drivers import Scan, SimulatedClock
+from labrig import LabrigError
+from labrig.campaign import dry_run, read_completed, resume, run
+from labrig.campaign._scans import keep_scan
+from labrig.ik import Refinement, outcomes
+from labrig.rig import connect, load_rig
+from labrig.surface import grid
+from procedures import Validate
+
+PLAY = {
+    "name": "hysteresis",
+    "form": "play",
+    "parameters": {"weight": {"value": 0.3}, "width": {"value": 0.1}},
+}
+TRUTH = np.array([20.0, 35.0, 10.0, 40.0, 25.0, 50.0, 15.0, 30.0, 45.0])
+
+
+def write_target(folder, name, points, triangles):
+    """A PLY in mm."""
+    made = folder / keep_scan(Scan(0.0, points, triangles, (), ""), folder)[0]
+    return str(made.rename(folder / name))
+
+
+@pytest.fixture
+def lab(tmp_path, mannequin):
+    """A rig with a scanner whose plant is the model's, a model file, and a target that it can be."""
+    rig = {
+        "name": "r",
+        "chambers": [{"name": f"c{c + 1}", "min_kpa": 0, "max_kpa": 60, "slew_kpa_s": 400} for c in range(9)],
+        "markers": [f"m{m + 1:02d}" for m in range(34)],
+        "pressure": {"kind": "simulated"},
+        "mocap": {"kind": "simulated"},
+        "scanner": {"kind": "simulated"},
+        "simulated": {"surface": "mannequin", "noise_mm": 0.05, "occlusion": 0.0, "repeatability_mm": 0.0},
+    }
+    (tmp_path / "rig.yaml").write_text(yaml.safe_dump(rig))
+    (tmp_path / "model.yaml").write_text(yaml.safe_dump({"base": {"kind": "simulator", "rig": "rig.yaml"}}))
+    uv, triangles = grid(31, 41)
+    write_target(tmp_path, "a.ply", mannequin.points(TRUTH[None], uv)[0], triangles)
+    return tmp_path
+
+
+def procedure(lab, **fields):
+    given = {"targets": (str(lab / "a.ply"),), "model": str(lab / "model.yaml"), "record_s": 0.2}
+    return Validate(**{**given, **fields})
+
+
+def go(lab, chosen, name="run"):
+    clock = SimulatedClock(0.0)
+    with connect(load_rig(lab / "rig.yaml"), clock) as rig:
+        return run(chosen, rig, lab / name, clock)
+
+
+def test_the_loop_closes(lab):
+    """A shape that the rig can take is realised to the noise of its scan, and the model is right about it."""
+    (found,) = outcomes(go(lab, procedure(lab)))
+    summary = found.summary()
+    assert summary["target"] == "a.ply"
+    assert summary["predicted_mm"]["mean"] < 0.1
+    assert summary["realised_mm"]["mean"] < 0.1
+    assert summary["realised_against_predicted_mm"]["p95"] < 0.3
+    assert summary["markers_against_predicted_mm"]["mean"] < 0.2
+    assert summary["registration"]["sd_mm"] < 0.1
+    np.testing.assert_allclose(found.attempts[0].pressure_kpa, TRUTH, atol=0.5)
+
+
+def test_with_and_without_effects(lab):
+    """A model that wrongly believes in hysteresis does worse with its effect than without."""
+    (lab / "model.yaml").write_text(
+        yaml.safe_dump({"base": {"kind": "simulator", "rig": "rig.yaml"}, "effects": [PLAY]})
+    )
+    whole, without = (one.summary() for one in outcomes(go(lab, procedure(lab, without=("effects",)))))
+    assert [whole["model"], without["model"]] == ["the whole model", "without the effects"]
+    assert (
+        whole["realised_against_predicted_mm"]["mean"] > 3 * without["realised_against_predicted_mm"]["mean"]
+    )
+
+
+def test_refining_on_the_rig_makes_up_for_the_model(lab):
+    """With a model that is wrong, three scans more take most of the error away; their number is said."""
+    (lab / "model.yaml").write_text(
+        yaml.safe_dump({"base": {"kind": "simulator", "rig": "rig.yaml"}, "effects": [PLAY]})
+    )
+    (found,) = outcomes(go(lab, procedure(lab, refine=3)))
+    summary = found.summary()
+    refined = [one["realised_mm"]["mean"] for one in summary["refined"]]
+    assert summary["scans"] == 1 + len(refined) <= 4
+    assert min(refined) < 0.4 * summary["realised_mm"]["mean"]
+
+
+def test_it_resumes_like_any_other(lab):
+    """A run that lost its end goes on after its last step and shows the same."""
+    chosen = procedure(lab, refine=1)
+    folder = go(lab, chosen)
+    whole = [done.step for done in read_completed(folder)]
+    log = sorted(folder.glob("log.*.mcap"))[-1]
+    data = log.read_bytes()
+    log.write_bytes(data[: int(0.6 * len(data))])
+    lost = len(whole) - len(read_completed(folder))
+    assert lost > 0
+    clock = SimulatedClock(10_000.0)
+    with connect(load_rig(lab / "rig.yaml"), clock) as rig:
+        resume(chosen, rig, folder, clock)
+    assert [step.kind for step in whole][: len(whole) - lost] == [
+        done.step.kind for done in read_completed(folder)
+    ][: len(whole) - lost]
+    assert outcomes(folder)[0].summary()["realised_mm"]["mean"] < 0.1
+
+
+def test_a_dry_run_needs_no_scan(lab):
+    """The plan is known beforehand, up to what depends on scans."""
+    plan = dry_run(procedure(lab, refine=2), load_rig(lab / "rig.yaml"))
+    kinds = [step.kind for step in plan.steps]
+    assert kinds == ["note", "vent", "actuate", "settle", "record", "scan"]
+    assert plan.stopped is None
+    assert not plan.broken
+
+
+def test_errors_for_people(lab):
+    """What does not fit is said in one line before anything moves."""
+    config = load_rig(lab / "rig.yaml")
+    for fields, expected in (
+        ({"without": ("warp",)}, f"{lab / 'model.yaml'}: has no warp that could be left out"),
+        ({"without": ("effects",)}, f"{lab / 'model.yaml'}: has no effects that could be left out"),
+        ({"targets": (str(lab / "b.ply"),)}, f"cannot read {lab / 'b.ply'}: No such file or directory"),
+    ):
+        with pytest.raises(LabrigError) as error:
+            dry_run(procedure(lab, **fields), config)
+        assert str(error.value) == expected
+    with pytest.raises(LabrigError) as error:
+        dry_run(procedure(lab, refine=1), config.model_copy(update={"scanner": None}))
+    assert str(error.value) == "rig r has no scanner, and refining needs one"
+    with pytest.raises(LabrigError) as error:
+        outcomes(Path(lab))
+    assert str(error.value) == f"{lab} is no run of validate: it has no run.yaml"
+
+
+def test_report(lab):
+    """The report holds every figure and map; its JSON is plain."""
+    from labrig.cli._validate_steps import report
+
+    folder = go(lab, procedure(lab))
+    report(folder)
+    content = json.loads((folder / "validation.json").read_text())
+    assert content["realisations"][0]["target"] == "a.ply"
+    html = (folder / "report.html").read_text()
+    assert "<h3>predicted</h3>" in html
+    assert "<h3>realised – predicted</h3>" in html
+    assert '"type":"mesh3d"' in html
+
+
+def test_broyden_finds_what_the_model_has_wrong():
+    """On a linear rig whose derivatives are 30 % off in places, the heights fall by each step."""
+    rng = np.random.default_rng(0)
+    truth = rng.normal(0, 0.2, (300, 4))
+    believed = truth * rng.uniform(0.7, 1.3, (1, 4)) + rng.normal(0, 0.02, (300, 4))
+    goal = np.array([20.0, 40.0, 30.0, 10.0])
+    search = Refinement(believed, np.zeros((300, 6)), np.zeros(4), np.full(4, 60.0))
+    pressure, misfits = goal + np.array([6.0, -8.0, 5.0, 9.0]), []
+    for _ in range(5):
+        height = truth @ (pressure - goal)
+        misfits.append(np.abs(height).mean())
+        pressure = search.propose(pressure, np.where(np.arange(300) % 10 == 0, np.nan, height))
+    assert misfits[-1] < 0.02 * misfits[0]
+    assert search.best is not None
+    assert search.best[0] == pytest.approx(min(misfits), rel=0.2)
+
+
+def test_limits_hold_while_refining():
+    """No proposal leaves the limits, nor goes farther than a quarter of the range."""
+    search = Refinement(np.eye(4), np.zeros((4, 6)), np.zeros(4), np.full(4, 60.0))
+    following = search.propose(np.full(4, 55.0), np.full(4, -100.0))
+    assert (following <= 60.0).all()
+    following = search.propose(np.full(4, 30.0), np.full(4, 5.0))
+    assert (np.abs(following - 30.0) <= 15.0 + 1e-9).all()
+
+
+def test_replaced_fields_are_refused(lab):
+    """A run of validate cannot be resumed with other targets."""
+    folder = go(lab, procedure(lab))
+    clock = SimulatedClock(10_000.0)
+    with connect(load_rig(lab / "rig.yaml"), clock) as rig, pytest.raises(LabrigError, match="parameters"):
+        resume(procedure(lab, refine=2), replace(rig), folder, clock)
