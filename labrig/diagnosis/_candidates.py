@@ -71,8 +71,8 @@ def explore(
 ) -> tuple[dict[str, list[Candidate]], Floats]:
     """Score every form of every effect alone.
 
-    Returns the best few plausible forms of each effect, best first, and the largest relative gain that the
-    whole search would have found in each draw of the null, (B,).
+    Returns the best few plausible forms of each effect and its narrowest, best first, and the largest relative
+    gain that the whole search would have found in each draw of the null, (B,).
     """
     found: dict[str, list[Candidate]] = {}
     largest = np.zeros(len(signs))
@@ -87,10 +87,10 @@ def explore(
             if not plausible(effect, variant, columns, scored):
                 continue
             kept.append(Candidate(effect, variant, columns, scored))
-            kept.sort(key=lambda c: -c.score.gain)
-            del kept[KEPT_FORMS:]
+        kept.sort(key=lambda c: -c.score.gain)
         if kept:
-            found[name] = kept
+            narrowest = min(kept, key=lambda c: c.freedom)
+            found[name] = [c for i, c in enumerate(kept) if i < KEPT_FORMS or c is narrowest]
     return found, largest
 
 

@@ -33,9 +33,8 @@ class Columns:
     def fold_sums(self, fold: int) -> tuple[Floats, Floats]:
         """As `sums`, the base's own parameters fitted without the block `fold`."""
         s = self.streams
-        train = s.group != fold
-        residual = s.partial(s.residual, train)
-        return self._sums(s.partial(self.X, train), s.partial(self.E, train), residual, s.project(residual))
+        residual, projected = s.fold_residuals[fold]
+        return self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected)
 
     def _sums(self, X: Floats, E: Floats, residual: Floats, g: Floats) -> tuple[Floats, Floats]:
         s = self.streams
@@ -102,13 +101,12 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
     used = np.flatnonzero(np.abs(X).sum(axis=(0, 2)) > 0) if parts else np.zeros(0, dtype=np.int64)
     E = np.concatenate(fields, axis=2) if fields else np.zeros((S, K, 0))
     X = X[:, used]
-    if streams.declared is not None and not streams.constant_modes and X.shape[2]:
+    if streams.declared is not None and X.shape[2] and not streams.constant_modes[used].all():
         moved = np.einsum("suq,suk->skq", X, streams.modes[:, used][streams.source], optimize=True)
         E = np.concatenate([moved, E], axis=2)
         X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)
     if streams.declared is not None:
-        everything = np.ones(S, dtype=bool)
-        return Columns(streams, streams.partial(X, everything), used, streams.partial(E, everything))
+        return Columns(streams, streams.partial(X), used, streams.partial(E))
     return Columns(streams, X, used, E)
 
 

@@ -10,11 +10,12 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._gate import Gate
+from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._search import search
-from labrig.diagnosis._streams import Streams, build_streams, clean
+from labrig.diagnosis._streams import Streams, build_streams
 from labrig.diagnosis._verdict import Verdict, decide
 from labrig.diagnosis._where import where
 from labrig.effects import Context, Effect, Rows, join_rows, rows_of

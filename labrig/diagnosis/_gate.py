@@ -17,6 +17,8 @@ LOCAL_Z = 2.0
 LOCAL_OF_FLOOR = 0.55
 SMALLEST_OF_FLOOR = 0.33
 SMALLEST_SHARE = 0.1
+SMALLEST_OF_REST = 0.6
+SMALLEST_SHARE_OF_REST = 0.04
 RULES_SHARE = 0.5
 
 
@@ -53,12 +55,21 @@ def p_of_search(found: Mapping[str, list[Candidate]], ground: Ground) -> float:
 
 
 def earns(ground: Ground, before: Fit | None, after: Fit) -> bool:
-    """Better than its standard error, and large enough beside what is explained already."""
+    """Better than its standard error, and large enough beside what is explained already.
+
+    A second effect may be small beside the first, which took some of it along, when it explains most of what
+    is left.
+    """
     more = after.score.gains - (before.score.gains if before else 0.0)
     if more.sum() <= 0 or not clear(more, ground.streams.base_squares):
         return False
-    least = ground.gate.smallest(0.0 if before is None else SMALLEST_SHARE)
-    return fall(ground.streams, before, after) >= least
+    gate, fell = ground.gate, fall(ground.streams, before, after)
+    if before is None:
+        return fell >= gate.smallest(0.0)
+    if fell >= gate.smallest(SMALLEST_SHARE):
+        return True
+    left = square_of(ground.streams, ground.streams.residual - before.heldout) - gate.floor_square
+    return fell >= max(gate.smallest(SMALLEST_SHARE_OF_REST), SMALLEST_OF_REST * left)
 
 
 def fall(streams: Streams, before: Fit | None, after: Fit) -> float:

@@ -10,11 +10,12 @@ from labrig.diagnosis._candidates import Candidate, Fit, clear, fit, plausible, 
 from labrig.diagnosis._columns import columns_of
 from labrig.diagnosis._diagnose import drop_of, prepare, rows_from
 from labrig.diagnosis._gate import Gate, rules_the_hold
+from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._parameters import entry_of, refined
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._score import score
-from labrig.diagnosis._streams import Streams, clean
+from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._where import where
 from labrig.effects import Context, Effect, get
 from labrig.model import Model

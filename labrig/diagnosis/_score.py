@@ -65,26 +65,26 @@ def null_gains(columns: Columns, signs: Floats, ridge: float, base: Floats) -> F
     total = G.sum(axis=0)
     out = np.zeros(len(signs))
     signed = signs @ c
+    inverse = _inverse(total - G, ridge)
     for f in range(len(G)):
-        beta = (signed - signs[:, [f]] * c[f]) @ _inverse(total - G[f], ridge)
-        gain = 2 * signs[:, f] * (beta @ c[f]) - np.einsum("bq,qr,br->b", beta, G[f], beta, optimize=True)
+        beta = (signed - signs[:, [f]] * c[f]) @ inverse[f]
+        gain = 2 * signs[:, f] * (beta @ c[f]) - ((beta @ G[f]) * beta).sum(axis=1)
         out += gain / max(float(base[f]), 1e-300)
     return out
 
 
 def _leave_out(G: Floats, c: Floats, ridge: float) -> tuple[Floats, Floats]:
     total, target = G.sum(axis=0), c.sum(axis=0)
-    beta = np.stack([_inverse(total - G[f], ridge) @ (target - c[f]) for f in range(len(G))])
+    beta = (_inverse(total - G, ridge) @ (target - c)[..., None])[..., 0]
     return _gains(G, c, beta), beta
 
 
 def _leave_out_each(folds: list[tuple[Floats, Floats]], ridge: float) -> tuple[Floats, Floats]:
-    gains, betas = [], []
-    for f, (G, c) in enumerate(folds):
-        beta = _inverse(G.sum(axis=0) - G[f], ridge) @ (c.sum(axis=0) - c[f])
-        gains.append(2 * c[f] @ beta - beta @ G[f] @ beta)
-        betas.append(beta)
-    return np.array(gains), np.stack(betas)
+    seen = np.stack([G.sum(axis=0) - G[f] for f, (G, _) in enumerate(folds)])
+    target = np.stack([c.sum(axis=0) - c[f] for f, (_, c) in enumerate(folds)])
+    beta = (_inverse(seen, ridge) @ target[..., None])[..., 0]
+    own = np.stack([G[f] for f, (G, _) in enumerate(folds)])
+    return _gains(own, np.stack([c[f] for f, (_, c) in enumerate(folds)]), beta), beta
 
 
 def _gains(G: Floats, c: Floats, beta: Floats) -> Floats:
@@ -92,9 +92,14 @@ def _gains(G: Floats, c: Floats, beta: Floats) -> Floats:
 
 
 def _inverse(G: Floats, ridge: float) -> Floats:
-    """Inverse of a Gram matrix with a ridge in units of its own diagonal; columns of zeros stay out."""
-    d = np.sqrt(np.maximum(np.diag(G), 0.0))
-    live = d > 1e-9 * max(float(d.max(initial=0.0)), 1e-300)
+    """Inverses of Gram matrices (..., Q, Q) with a ridge in units of their own diagonals; columns of zeros
+    stay out.
+    """
+    d = np.sqrt(np.maximum(np.diagonal(G, axis1=-2, axis2=-1), 0.0))
+    live = d > 1e-9 * np.maximum(d.max(axis=-1, initial=0.0, keepdims=True), 1e-300)
     scale = np.where(live, 1 / np.where(live, d, 1.0), 0.0)
-    scaled = G * scale[:, None] * scale + np.diag(np.where(live, ridge, 1.0))
-    return np.asarray(np.linalg.inv(scaled) * scale[:, None] * scale, dtype=float)
+    both = scale[..., :, None] * scale[..., None, :]
+    scaled = G * both
+    own = np.arange(G.shape[-1])
+    scaled[..., own, own] += np.where(live, ridge, 1.0)
+    return np.asarray(np.linalg.inv(scaled) * both, dtype=float)

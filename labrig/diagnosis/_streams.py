@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.diagnosis._floor import Floor, capture_means
+from labrig.diagnosis._outliers import FORM
 from labrig.diagnosis._spectrum import bulk_edge, fill
 from labrig.effects import Context
 from labrig.effects._fields import frame_modes
@@ -22,12 +23,10 @@ from labrig.effects._rows import Floats, Ints
 MAX_PATTERNS = 8
 MAX_GROUPS = 12
 _SESSIONS_AS_GROUPS = 6
+_FEWEST_BLOCKS = 3
+_FEW_BLOCKS = 2
+_LONG_HOLD = 0.4
 _FEW_CAPTURES = 3
-_FAR = 8.0
-_MOST_FAR = 0.2
-_SMOOTH_RANK = 10
-_STAYS = 4
-_FORM = 0.03
 _ROWS_THAT_COUNT = 12
 _CAPTURES_PER_TERM = 7
 _CAPTURES_PER_LINE = 3
@@ -95,7 +94,7 @@ class Streams:
             return np.zeros_like(self.residual)
         out = np.zeros_like(self.residual)
         for g, own in enumerate(self.blocks):
-            out[own] = (self.residual - self.partial(self.residual, self.group != g))[own]
+            out[own] = (self.residual - self.fold_residuals[g][0])[own]
         return out
 
     @property
@@ -152,26 +151,44 @@ class Streams:
         return replace(self, declared=both, as_features=True)
 
     @cached_property
-    def constant_modes(self) -> bool:
-        """Whether the modes are the same in every capture, so that a feature can be projected on its own."""
-        return self.as_features or bool(
-            np.allclose(self.modes, self.modes[:1], rtol=1e-6, atol=1e-9 * np.abs(self.modes).max())
-        )
+    def constant_modes(self) -> NDArray[np.bool_]:
+        """Which modes are the same in every capture (m,), so that features on them can be projected alone."""
+        if self.as_features:
+            return np.ones(self.modes.shape[1], dtype=bool)
+        size = np.abs(self.modes).max(axis=(0, 2))
+        return np.abs(self.modes - self.modes[:1]).max(axis=(0, 2)) <= 1e-6 * size
 
-    def partial(self, target: Floats, train: NDArray[np.bool_]) -> Floats:
-        """What the base's own parameters, fitted to the rows `train`, leave of `target` (S, ...)."""
+    def partial(self, target: Floats, without: int | None = None) -> Floats:
+        """What the base's own parameters, fitted to all blocks or `without` one, leave of `target` (S, ...)."""
         if self.declared is None or target.size == 0:
             return target
-        w = np.sqrt(self.weight.max(axis=1))
-        fit = train & (w > 0)
         flat = target.reshape(len(target), -1)
-        A, b = self.declared[fit] * w[fit, None], flat[fit] * w[fit, None]
-        if self.as_features:
-            ridge = _STATIC_RIDGE * np.diag(np.square(A).sum(axis=0))
-            beta = np.linalg.solve(A.T @ A + ridge + 1e-12 * np.eye(A.shape[1]), A.T @ b)
-        else:
-            beta = np.linalg.lstsq(A, b, rcond=1e-9)[0]
-        return (flat - self.declared @ beta).reshape(target.shape)
+        return (flat - self.declared @ (self._fitting(without) @ flat)).reshape(target.shape)
+
+    def _fitting(self, without: int | None) -> Floats:
+        """The matrix (D, S) that fits the base's own parameters to a target; worked out once for each block."""
+        if without not in self._fittings:
+            assert self.declared is not None
+            train = np.ones(len(self.group), dtype=bool) if without is None else self.group != without
+            w = np.sqrt(self.weight.max(axis=1)) * train
+            A = self.declared * w[:, None]
+            if self.as_features:
+                ridge = _STATIC_RIDGE * np.diag(np.square(A).sum(axis=0))
+                solved = np.linalg.solve(A.T @ A + ridge + 1e-12 * np.eye(A.shape[1]), A.T)
+            else:
+                solved = np.linalg.pinv(A, rcond=1e-9)
+            self._fittings[without] = solved * w
+        return self._fittings[without]
+
+    @cached_property
+    def _fittings(self) -> dict[int | None, Floats]:
+        return {}
+
+    @cached_property
+    def fold_residuals(self) -> list[tuple[Floats, Floats]]:
+        """For each block, the residual when the base's own parameters are fitted without it, and its products."""
+        left = [self.partial(self.residual, g) for g in range(self.n_groups)]
+        return [(residual, self.project(residual)) for residual in left]
 
     def project(self, residual: Floats) -> Floats:
         """Products of modes and residuals of each stream row, (S, m), for residuals (S, K)."""
@@ -180,84 +197,6 @@ class Streams:
     def square(self, residual: Floats) -> Floats:
         """Weighted square of residuals, (S,)."""
         return (self.weight * residual**2).sum(axis=1)
-
-
-def clean(residual: Floats, capture: Ints) -> tuple[Floats, int]:
-    """Drop entries that lie far from what their neighbours in time and space say; returns how many.
-
-    Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has
-    low rank, a mistaken marker has not); with few, against the running median along the campaign. Captures
-    and rows are looked at in turn, since a mistake may last for a whole hold or for one frame.
-    """
-    if len(np.unique(capture)) < 6 and len(residual) < 20:
-        return residual, 0
-    seen = np.isfinite(residual).any(axis=0)
-    if not seen.all():
-        rows = residual.copy()
-        rows[:, seen], dropped = clean(residual[:, seen], capture)
-        return rows, dropped
-    captures, index = np.unique(capture, return_inverse=True)
-    rows = np.where(_passing(_far(residual), index), np.nan, residual)
-    means, _ = capture_means(rows, capture)
-    if len(captures) >= 6:
-        rows = np.where(_passing(_far(means), np.arange(len(captures)))[index], np.nan, rows)
-    return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
-
-
-def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
-    """Only what passes: an entry that stays far for several captures on end has moved, and is no mistake."""
-    n = int(index.max()) + 1
-    touched = np.zeros((n, far.shape[1]), dtype=bool)
-    np.logical_or.at(touched, index, far)
-    if n < _STAYS:
-        return far
-    whole = np.logical_and.reduce([touched[shift : n - _STAYS + 1 + shift] for shift in range(_STAYS)])
-    stays = np.zeros_like(touched)
-    for shift in range(_STAYS):
-        stays[shift : shift + len(whole)] |= whole
-    return far & ~stays[index]
-
-
-def _far(values: Floats) -> NDArray[np.bool_]:
-    """Which entries are far from what the others say, (n, K)."""
-    if values.shape[1] >= 8 and len(values) >= 12:
-        off = np.abs(values - _smooth(values))
-    else:
-        off = np.abs(values - _running_median(fill(values)))
-    middle = np.nanmedian(values, axis=0)
-    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
-    bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), _FORM * spread)
-    structure = bad.mean(axis=1) > _MOST_FAR
-    return bad & ~structure[:, None] if values.shape[1] >= 8 else bad
-
-
-def _smooth(values: Floats) -> Floats:
-    """A low-rank fit that outlying entries cannot pull: directions from clipped values, Huber weights by row."""
-    middle = np.nanmedian(values, axis=0)
-    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
-    limit = 4 * np.maximum(spread, np.median(spread))
-    clipped = fill(np.clip(values, middle - limit, middle + limit))
-    _, _, Vt = np.linalg.svd(clipped, full_matrices=False)
-    V = Vt[: min(_SMOOTH_RANK, min(values.shape) // 3)]
-    known = np.where(np.isfinite(values), values, 0.0)
-    w = np.isfinite(values).astype(float)
-    expected = clipped @ V.T @ V
-    for _ in range(6):
-        off = np.abs(known - expected)
-        scale = 1.4826 * np.median(off[w > 0])
-        weight = np.where(w > 0, np.minimum(1.0, 2 * scale / np.maximum(off, 1e-12)), 0.0)
-        H = np.einsum("rk,nk,qk->nrq", V, weight, V, optimize=True) + 1e-9 * np.eye(len(V))
-        z = np.linalg.solve(H, ((weight * known) @ V.T)[:, :, None])[:, :, 0]
-        expected = z @ V
-    return expected
-
-
-def _running_median(values: Floats, half: int = 3) -> Floats:
-    """Median of the neighbours along the campaign, with the spread of the values added as slack."""
-    padded = np.pad(values, ((half, half), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
-    low, high = np.quantile(windows, [0.15, 0.85], axis=-1)
-    return np.clip(values, low - (high - low), high + (high - low))
 
 
 def build_streams(context: Context, floor: Floor, residual: Floats, declared: Floats | None) -> Streams:
@@ -323,7 +262,7 @@ def build_streams(context: Context, floor: Floor, residual: Floats, declared: Fl
 def _blurred(noise: Floats, residual: Floats) -> Floats:
     """Noise with a share of the residual's own size: no formula is exact, so none is judged more finely."""
     size = np.sqrt(np.nanmean(np.where(np.isfinite(residual), residual, np.nan) ** 2))
-    return np.sqrt(noise**2 + (_FORM * size) ** 2)
+    return np.sqrt(noise**2 + (FORM * size) ** 2)
 
 
 def _per_capture(values: Floats, index: Ints) -> Floats:
@@ -334,7 +273,11 @@ def _per_capture(values: Floats, index: Ints) -> Floats:
 
 
 def _groups(context: Context, index: Ints, use_means: bool) -> Ints:
-    """Which block each row is left out with: sessions where there are enough, else stretches of captures."""
+    """Which block each row is left out with: sessions where there are enough, else stretches of them.
+
+    Beside a much longer session a short one has blocks of its own, three or more, so that what a follow-up
+    run says is heard. A stretch is one of captures, or of rows where a single hold is most of it all.
+    """
     rows = context.rows
     if not use_means:
         place = np.arange(len(index)) - np.searchsorted(index, index)
@@ -343,10 +286,33 @@ def _groups(context: Context, index: Ints, use_means: bool) -> Ints:
     n = int(index.max()) + 1
     sessions = np.unique(rows.session)
     if len(sessions) >= min(_SESSIONS_AS_GROUPS, n):
-        order = {s: i for i, s in enumerate(sessions)}
-        each = np.array([order[s] for s in rows.session])
-        return (each * min(len(sessions), MAX_GROUPS)) // len(sessions)
-    return (index * min(n, MAX_GROUPS)) // n
+        return (np.searchsorted(sessions, rows.session) * min(len(sessions), MAX_GROUPS)) // len(sessions)
+    group = np.zeros(len(index), dtype=np.int64)
+    first = 0
+    members = [np.flatnonzero(rows.session == s) for s in sessions]
+    sizes = [len(np.unique(index[m])) for m in members]
+    if min(sizes) * MAX_GROUPS >= _FEW_BLOCKS * n:
+        members, sizes = [np.arange(len(index))], [n]
+    for own, blocks in zip(members, _share_out(sizes), strict=True):
+        captures, place = np.unique(index[own], return_inverse=True)
+        longest = np.bincount(place).max() / len(own)
+        if len(captures) < blocks or longest > _LONG_HOLD:
+            place, length = np.arange(len(own)), len(own)
+        else:
+            length = len(captures)
+        group[own] = first + (place * min(blocks, length)) // length
+        first += min(blocks, length)
+    return group
+
+
+def _share_out(captures: list[int]) -> list[int]:
+    """How many of the blocks each session gets, by its captures, no fewer than three."""
+    total = sum(captures)
+    least = min(_FEWEST_BLOCKS, MAX_GROUPS // len(captures))
+    out = [max(least, round(MAX_GROUPS * c / total)) for c in captures]
+    while sum(out) > MAX_GROUPS:
+        out[int(np.argmax(out))] -= 1
+    return out
 
 
 def _patterns(stacked: Floats, weight: Floats) -> Floats:

@@ -20,11 +20,16 @@ ALIKE_SHARE = 0.02
 ALIKE_COSINE = 0.95
 IMITATES_WIDTH = 1.5
 EQUAL_SHARE = 0.005
-CEILING_SE = 2.5
+EQUAL_Z = 3.0
+SAME_SHARE = 0.001
+CEILING_SE = 1.6
 LEARNT_Z = 4.0
 UNKNOWN_OF_FLOOR = 0.35
-UNKNOWN_SHARE = 0.15
-UNKNOWN_SHARE_STATIC = 0.35
+UNKNOWN_OF_FLOOR_MOVING = 0.12
+UNKNOWN_SHARE = 0.1
+UNKNOWN_OF_FLOOR_CLEAR = 0.25
+UNKNOWN_SHARE_STATIC = 0.025
+UNKNOWN_Z_STATIC = 6.0
 UNKNOWN_SHARE_FORM = 0.8
 
 
@@ -49,7 +54,7 @@ class Rival:
         same_shape = abs(self.cosine) > ALIKE_COSINE
         if self.imitates:
             return False
-        if self.share < EQUAL_SHARE and same_shape:
+        if same_shape and (self.share < SAME_SHARE or (self.share < EQUAL_SHARE and self.z < EQUAL_Z)):
             return True
         return self.z < 1.0 and self.share < (3 * ALIKE_SHARE if same_shape else ALIKE_SHARE)
 
@@ -95,16 +100,22 @@ def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> li
         for name, forms in found.items():
             if name in taken:
                 continue
-            best = max((fit([*rest, c]) for c in forms), key=lambda f: f.score.gain)
-            behind = chosen.score.gains - best.score.gains
-            n = len(behind)
-            se = float(np.sqrt(n) * behind.std(ddof=1)) if n > 1 else np.inf
-            cosine = similarity(part, best.parts[-1])
-            z = behind.sum() / se if se > 0 else np.inf
-            share = behind.sum() / worth if worth > 0 else 1.0
-            wider = best.parts[-1].freedom / part.freedom
-            out.append(Rival(name, part.effect.name, float(z), float(share), cosine, wider))
+            fits = sorted((fit([*rest, c]) for c in forms), key=lambda f: -f.score.gain)
+            each = [_compare(name, chosen, part, worth, option) for option in fits]
+            out.append(next((r for r in each if r.alike), each[0]))
     return out
+
+
+def _compare(name: str, chosen: Fit, part: Candidate, worth: float, option: Fit) -> Rival:
+    """The last part of `option` against `part` of `chosen`, in whose place it stands."""
+    behind = chosen.score.gains - option.score.gains
+    n = len(behind)
+    se = float(np.sqrt(n) * behind.std(ddof=1)) if n > 1 else np.inf
+    z = behind.sum() / se if se > 0 else np.inf
+    share = behind.sum() / worth if worth > 0 else 1.0
+    wider = option.parts[-1].freedom / part.freedom
+    cosine = similarity(part, option.parts[-1])
+    return Rival(name, part.effect.name, float(z), float(share), cosine, wider)
 
 
 def decide(
@@ -125,14 +136,10 @@ def decide(
     left = square_of(streams, streams.residual - chosen.heldout)
     explained = gate.base_square - left
     beyond, share, learner = _predictable(streams, chosen, after, explained)
-    most = UNKNOWN_SHARE
-    if _static_only(after, learner):
-        moving = any(p.effect.beyond_static != "no" for p in chosen.parts)
-        most = UNKNOWN_SHARE_FORM if moving else UNKNOWN_SHARE_STATIC
     warnings: list[str] = []
-    if learner is not None and beyond > UNKNOWN_OF_FLOOR * gate.floor_square:
-        if share > most:
-            z = learner.gain / max(_se(learner.gains), 1e-300)
+    if learner is not None:
+        z = learner.gain / max(_se(learner.gains), 1e-300)
+        if _is_unknown(chosen, beyond / gate.floor_square, share, z, _static_only(after, learner)):
             return Verdict(
                 "unknown",
                 (),
@@ -141,10 +148,11 @@ def decide(
                 learner.covariates,
                 compared=tuple(compared),
             )
-        warnings.append(
-            f"beside {' and '.join(chosen.names)}, a smooth function of {learner.covariates} would explain "
-            f"{np.sqrt(beyond):.3g} more: the base or the effect may be wrong in form"
-        )
+        if beyond > UNKNOWN_OF_FLOOR * gate.floor_square:
+            warnings.append(
+                f"beside {' and '.join(chosen.names)}, a smooth function of {learner.covariates} would explain "
+                f"{np.sqrt(beyond):.3g} more: the base or the effect may be wrong in form"
+            )
     alike = [r for r in compared if r.alike]
     if alike:
         names = tuple(dict.fromkeys(r.effect for r in sorted(alike, key=lambda r: r.z)))
@@ -157,6 +165,21 @@ def decide(
     probability = float(np.clip(norm.cdf(closest) * (1 - p_value), 0.34, 0.99))
     name: Name = "identified" if len(chosen.parts) == 1 else "multiple"
     return Verdict(name, chosen.names, probability, (), warnings=tuple(warnings), compared=tuple(compared))
+
+
+def _is_unknown(chosen: Fit, beyond: float, share: float, z: float, static_only: bool) -> bool:
+    """Whether what a learner still predicts is too much for a misfit of form.
+
+    `beyond` is its mean square in those of the floor, `share` its part of all that is explainable. What moves
+    must be explained by a name that is right, to a tenth. What is static beside a name that moves may be the
+    base's own error of form; beside names that are static themselves, it says that they are wrong.
+    """
+    if not static_only:
+        return beyond > UNKNOWN_OF_FLOOR_MOVING and share > UNKNOWN_SHARE
+    if any(p.effect.beyond_static != "no" for p in chosen.parts):
+        return beyond > UNKNOWN_OF_FLOOR and share > UNKNOWN_SHARE_FORM
+    clear = beyond > UNKNOWN_OF_FLOOR_CLEAR or z > UNKNOWN_Z_STATIC
+    return clear and beyond > UNKNOWN_OF_FLOOR_MOVING and share > UNKNOWN_SHARE_STATIC
 
 
 def _without_effect(streams: Streams, before: Mapping[str, Ceiling], p_value: float, gate: Gate) -> Verdict:

@@ -20,7 +20,8 @@ class Context:
     prediction with every chamber vented; `jacobian` (F, K, C), its change per unit of actuation;
     `deflection` (F, C) how far each chamber alone would move the observables (root mean square of its
     displacement), as a share of what it does at full range; `event_deflection` (E, C) the same at each
-    event; `deflection_slope` (F, C) its derivative by the fraction of the range, 1 for a linear base.
+    event; `deflection_slope` (F, C) its derivative by the fraction of the range, 1 for a linear base; `inside`,
+    for a simulator, the derivative (F, K) by each of its physical parameters.
     """
 
     rows: Rows
@@ -31,6 +32,7 @@ class Context:
     event_deflection: Floats
     deflection_slope: Floats
     base_kind: str = "python"
+    inside: dict[str, Floats] = field(default_factory=dict, repr=False)
     pinned: dict[str, float] = field(default_factory=dict)
     _memo: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
@@ -52,6 +54,7 @@ class Context:
             jacobian=self.jacobian[keep],
             deflection=self.deflection[keep],
             deflection_slope=self.deflection_slope[keep],
+            inside={name: change[keep] for name, change in self.inside.items()},
             _memo={"motion": motion},
         )
 

@@ -18,7 +18,32 @@ def frame_modes(context: Context) -> Floats:
     rows = context.rows
     F, K = context.base.shape
     modes = np.zeros((F, K, 6))
-    where = np.zeros((F, len(rows.markers), 3))
+    where = _places(context)
+    for k in range(K):
+        m, a = int(rows.marker[k]), int(rows.axis[k])
+        if a < 0 or m < 0:
+            continue
+        modes[:, k, a] = 1.0
+        b, c = (a + 1) % 3, (a + 2) % 3
+        modes[:, k, 3 + b] = where[:, m, c]
+        modes[:, k, 3 + c] = -where[:, m, b]
+    return modes
+
+
+def scale_mode(context: Context) -> Floats:
+    """How each observable changes when the measuring frame's scale is off, by the markers' centre, (F, K)."""
+    rows = context.rows
+    where = _places(context)
+    mode = np.zeros_like(context.base)
+    for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
+        mode[:, k] = where[:, rows.marker[k], rows.axis[k]]
+    return mode
+
+
+def _places(context: Context) -> Floats:
+    """Predicted positions of the markers about their common centre, mm, (F, M, 3)."""
+    rows = context.rows
+    where = np.zeros((len(context.base), len(rows.markers), 3))
     for m in range(len(rows.markers)):
         for a in range(3):
             own = np.flatnonzero((rows.marker == m) & (rows.axis == a))
@@ -31,17 +56,7 @@ def frame_modes(context: Context) -> Floats:
                 where[:, m, a] = rows.rest_mm[m, a] + context.displacement[:, own[0]]
             elif len(own):
                 where[:, m, a] = context.base[:, own[0]]
-    if len(rows.markers):
-        where -= where.mean(axis=(0, 1))
-    for k in range(K):
-        m, a = int(rows.marker[k]), int(rows.axis[k])
-        if a < 0 or m < 0:
-            continue
-        modes[:, k, a] = 1.0
-        b, c = (a + 1) % 3, (a + 2) % 3
-        modes[:, k, 3 + b] = where[:, m, c]
-        modes[:, k, 3 + c] = -where[:, m, b]
-    return modes
+    return where - where.mean(axis=(0, 1)) if len(rows.markers) else where
 
 
 def term_width(term: Term, n_observables: int) -> int:

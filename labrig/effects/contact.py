@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
 
@@ -19,6 +20,9 @@ class Contact(Effect):
     parameters = (
         Parameter("stopped", "1", 0.0, 1.5, "chamber", "share of the motion beyond the limit that is lost"),
         Parameter(
+            "stiffness", "kPa/mm", -100.0, 1000.0, meaning="surplus of the simulator's contact stiffness"
+        ),
+        Parameter(
             "limit", "1", 0.0, 1.0, meaning="where the limit lies, fraction of the range (or of the travel)"
         ),
     )
@@ -31,6 +35,7 @@ class Contact(Effect):
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.moves:
             return
+        yield from inside(context, stiffness="contact_")
         x, chambers = context.rows.fraction, context.rows.chambers
         for limit in context.grid("limit", (0.4, 0.5, 0.6, 0.7, 0.8, 0.9)):
             beyond = -np.maximum(x - limit, 0.0) * context.span

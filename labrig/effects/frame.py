@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._fields import scale_mode
 from labrig.effects._rows import Floats
 
 
@@ -13,12 +14,13 @@ class Frame(Effect):
     name = "frame"
     meaning = (
         "The measuring frame is shifted and turned against the model's (a moved camera, a bad\n"
-        "registration): one rigid motion of all markers, in every capture."
+        "registration, a bad wand): one rigid motion, and one scale, of all markers, in every capture."
     )
     acts_on = "observation"
     parameters = (
         Parameter("shift", "mm", meaning="translation along x, y, z"),
         Parameter("turn", "rad", -0.5, 0.5, meaning="rotation about x, y, z through the markers' centre"),
+        Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
     )
     reference = "K. S. Arun, T. S. Huang, S. D. Blostein, IEEE Trans. PAMI 9 (1987) 698-700"
     signature = "the same rigid motion of all markers in every capture, at every pressure and time"
@@ -26,7 +28,11 @@ class Frame(Effect):
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if (context.rows.axis >= 0).sum() >= 3:
-            yield Variant("rigid", (Term("shift", "frame", np.ones(len(context.base))),))
+            rigid = Term("shift", "frame", np.ones(len(context.base)))
+            yield Variant("rigid", (rigid,))
+            yield Variant(
+                "rigid, and of another scale", (rigid, Term.field("scale", scale_mode(context)[..., None]))
+            )
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))

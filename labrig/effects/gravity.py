@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._inside import inside
 
 _PAYLOAD = {"kg", "g", "gram", "kilogram", "N", "newton", "mN"}
 _ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
@@ -20,6 +21,7 @@ class Gravity(Effect):
     acts_on = "mechanics"
     parameters = (
         Parameter("sag", "observable", meaning="sag at the largest payload or tilt, for each observable"),
+        Parameter("acceleration", "m/s^2", -40.0, 40.0, meaning="surplus of the simulator's gravity"),
         Parameter("weight", "1", meaning="sag of a point for each unit of its compliance, along one axis"),
     )
     reference = "S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, 2nd ed. 1959"
@@ -47,6 +49,7 @@ class Gravity(Effect):
             return
         if context.rows.rest_mm is None or not context.moves:
             return
+        yield from inside(context, acceleration="gravity_")
         compliance = np.abs(context.jacobian).sum(axis=2)
         for m in np.unique(context.rows.marker[context.rows.marker >= 0]):
             own = context.rows.marker == m

@@ -3,10 +3,14 @@
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
+
+_ALONG = 5
+"""Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
 
 
 class MarkerSlip(Effect):
@@ -60,14 +64,15 @@ class MarkerSlip(Effect):
             seen = np.isfinite(e).all(axis=1)
             if seen.sum() < 8:
                 continue
-            e, at = e[seen] - e[seen].mean(axis=0), captures[seen]
+            at, noise = captures[seen], np.median(np.sum(np.diff(e[seen], axis=0) ** 2, axis=1)) + 1e-12
+            e = median_filter(e[seen], size=(_ALONG, 1), mode="mirror")
+            e = e - e.mean(axis=0)
             n = np.arange(1, len(e))
             gain = (np.cumsum(e, axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
             gain[:3] = gain[-3:] = 0.0
-            gain /= np.median(np.sum(np.diff(e, axis=0) ** 2, axis=1)) + 1e-12
             i = int(np.argmax(gain))
-            if gain[i] > best:
-                best, where = float(gain[i]), (int(m), int(at[i + 1]))
+            if gain[i] / noise > best:
+                best, where = float(gain[i] / noise), (int(m), int(at[i + 1]))
         return where
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:

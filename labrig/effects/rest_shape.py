@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
 
@@ -16,12 +17,16 @@ class RestShape(Effect):
         "constant amount that no rigid motion removes."
     )
     acts_on = "mechanics"
-    parameters = (Parameter("offset", "observable", meaning="constant error, for each observable"),)
+    parameters = (
+        Parameter("offset", "observable", meaning="constant error, for each observable"),
+        Parameter("core", "mm", -10.0, 10.0, meaning="surplus of the simulator's core, along its normals"),
+    )
     reference = "Y. Tian et al., RSS 2024, arXiv 2405.08935 (rest shape as source of the sim-to-real gap)"
     signature = "the same error in every capture, at every pressure and time, different from point to point"
     experiment = "one scan of the vented surface"
 
     def variants(self, context: Context) -> Iterator[Variant]:
+        yield from inside(context, core="core_offset")
         yield Variant("offset", (Term.pattern("offset", np.ones(len(context.base))),))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._inside import inside
 
 
 class Stiffening(Effect):
@@ -22,6 +23,7 @@ class Stiffening(Effect):
         Parameter("cubic", "1", -6.0, 6.0, "chamber", "the same, growing with the square of the pressure"),
         Parameter("load", "1", -3.0, 3.0, meaning="change of all compliances at full load of all chambers"),
         Parameter("pattern", "observable", meaning="change at full pressure, for each observable"),
+        Parameter("strain", "1", -2.0, 4.0, meaning="surplus of the simulator's stiffening by strain"),
     )
     reference = (
         "A. N. Gent, Rubber Chem. Technol. 69 (1996) 59-61; R. W. Ogden, Proc. R. Soc. A 326 (1972) 565"
@@ -32,6 +34,7 @@ class Stiffening(Effect):
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.moves:
             return
+        yield from inside(context, strain="stiffening_")
         u = context.rows.actuation
         x = context.rows.fraction
         chambers = context.rows.chambers

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
 
@@ -23,6 +24,7 @@ class Tension(Effect):
             meaning="pressure given back at full deflection, of the range",
         ),
         Parameter("fading", "1", -1.5, 1.5, meaning="change of the displacement near rest; < 0: tighter"),
+        Parameter("prestretch", "1", -0.2, 0.2, meaning="surplus of the simulator's pre-stretch"),
         Parameter(
             "fades_at", "1", 0.0, 1.0, meaning="travel at which half of it is left, of the largest travel"
         ),
@@ -37,6 +39,7 @@ class Tension(Effect):
         far = float(context.travel.max())
         if not context.moves or far <= 0:
             return
+        yield from inside(context, prestretch="prestretch_")
         # a tension T holds back a deflection d with a pressure in proportion to T d (Laplace's law at
         # small slopes); where d is proportional to the pressure this is a gain of the regulator
         back = context.span * context.deflection

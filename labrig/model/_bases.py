@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 import yaml
+from scipy.interpolate import PchipInterpolator
 
 from labrig._errors import LabrigError
 from labrig.effects import Rows
@@ -18,6 +19,9 @@ from labrig.model._file import ModelFile, PythonBase, SimulatorBase, StaticBase,
 from labrig.model._surrogate import SurrogateModel
 
 _GRID = 33
+_SOLVED = 7
+"""Of these many points of each chamber's range a simulator is asked; between them the curve is smooth."""
+_INSIDE = ("prestretch_", "stiffening_", "core_offset", "contact_", "gravity_")
 _FLATTEST = 0.15
 _STEP = 1e-3
 """Step of the finite differences, fraction of a chamber's range; central, so the error is of its square."""
@@ -138,6 +142,20 @@ class SimulatorModel:
         """None: the simulator has nothing that is fitted to a run."""
         return None
 
+    def slope(self, actuation: Floats) -> Floats:
+        """Change of the prediction per kPa, (F, K, C), as the simulator itself works it out."""
+        return np.asarray(self._surface.jacobian(actuation))[:, self._marker, self._axis]
+
+    def inside(self, actuation: Floats) -> dict[str, Floats]:
+        """Change of the prediction, (F, K), by each physical parameter that an effect may stand for."""
+        from labrig.physics import ShellSurface
+
+        if not isinstance(self._surface, ShellSurface):
+            return {}
+        names = [n for n in self._surface.parameters if n.startswith(_INSIDE)]
+        by = np.asarray(self._surface.parameter_jacobian(actuation, names))[:, self._marker, self._axis]
+        return {name: by[..., i] for i, name in enumerate(names)}
+
 
 def build_base(model: ModelFile, folder: Path, rows: Rows) -> BaseModel:
     """Make the base of a model ready for a run; `folder` is where the model file lies."""
@@ -154,11 +172,11 @@ def build_base(model: ModelFile, folder: Path, rows: Rows) -> BaseModel:
 def jacobian(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> Floats:
     """Change of the prediction per unit of actuation, (F, K, C), by central differences.
 
-    Rows that share an actuation are computed once.
+    Rows that share an actuation are computed once; a simulator gives its own derivative.
     """
     unique, inverse = np.unique(actuation, axis=0, return_inverse=True)
     inverse = inverse.reshape(-1)
-    if isinstance(base, SurrogateModel):
+    if isinstance(base, (SimulatorModel, SurrogateModel)):
         return base.slope(unique)[inverse]
     steps = _STEP * (high - low)
     C = len(steps)
@@ -195,14 +213,16 @@ def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
     """Move each chamber alone over its range and see how far the observables go."""
     vented = np.clip(0.0, low, high)
     curves = np.zeros((_GRID, len(low)))
+    points = _SOLVED if isinstance(base, SimulatorModel) else _GRID
     for c in range(len(low)):
-        grid = np.linspace(low[c], high[c], _GRID)
-        alone = np.tile(vented, (_GRID + 1, 1))
+        grid = np.linspace(low[c], high[c], points)
+        alone = np.tile(vented, (points + 1, 1))
         alone[:-1, c] = grid
         predicted = base.predict(alone)
         moved = np.sqrt(((predicted[:-1] - predicted[-1]) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
         full = np.abs(moved).max()
-        curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, _GRID)
+        share = moved / full if full > 0 else np.linspace(0, 1, points)
+        curves[:, c] = PchipInterpolator(grid, share)(np.linspace(low[c], high[c], _GRID))
     return Deflection(low, high - low, curves)
 
 

@@ -10,7 +10,7 @@ from labrig._errors import LabrigError
 from labrig.effects import Context, Effect, Rows, Variant, get, library
 from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
-from labrig.model._bases import BaseModel, StaticModel, build_base, jacobian, solo_deflection
+from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_base, jacobian, solo_deflection
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
 
 _ROUNDS = 3
@@ -102,6 +102,7 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
     """What a base predicts of the rows, without any effect."""
     unique, inverse = np.unique(rows.actuation, axis=0, return_inverse=True)
     vented = np.clip(0.0, rows.low, rows.high)[None]
+    inside = base.inside(unique) if isinstance(base, SimulatorModel) else {}
     alone = solo_deflection(base, rows.low, rows.high)
     return Context(
         rows=rows,
@@ -112,6 +113,7 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
         event_deflection=alone.at(rows.event_actuation),
         deflection_slope=alone.slope(rows.actuation),
         base_kind=base.kind,
+        inside={name: by[inverse.reshape(-1)] for name, by in inside.items()},
     )
 
 

@@ -8,8 +8,9 @@ import pytest
 from labrig.diagnosis import diagnose, prepare
 from labrig.diagnosis._candidates import Candidate, draw_signs, explore, fit, relative
 from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, order_of
+from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._score import null_gains, score
-from labrig.diagnosis._streams import Streams, clean
+from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, get, rows_of
 from labrig.effects._fields import contribution
 from labrig.effects._registry import shipped
