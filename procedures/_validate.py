@@ -17,8 +17,8 @@ class Validate(Procedure):
 
     closed_loop: ClassVar[bool] = True
 
-    targets: tuple[str, ...] = Field(min_length=1, description="files of the shapes")
-    model: str = Field(description="forward.pt, sim2real.pt, or a model file")
+    targets: tuple[str, ...] = Field((), description="files of the shapes")
+    model: str = Field("", description="forward.pt, sim2real.pt, or a model file")
     unit: str = Field("", description="unit of the targets, where it is not clear")
     without: tuple[Literal["warp", "effects"], ...] = Field(
         (), description="realised once more without these"
@@ -34,6 +34,10 @@ class Validate(Procedure):
         from labrig.ik import make_trials
         from labrig.surface import read_mesh
 
+        if not self.targets or not self.model:
+            raise LabrigError(
+                "validate needs targets and a model: labrig validate TARGET... --rig RIG --model MODEL"
+            )
         if self.refine and not rig.has_scanner:
             raise LabrigError(f"rig {rig.name} has no scanner, and refining needs one")
         trials = make_trials(

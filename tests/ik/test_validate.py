@@ -141,6 +141,10 @@ def test_errors_for_people(lab):
         dry_run(procedure(lab, refine=1), config.model_copy(update={"scanner": None}))
     assert str(error.value) == "rig r has no scanner, and refining needs one"
     with pytest.raises(LabrigError) as error:
+        dry_run(Validate(), config)
+    expected = "validate needs targets and a model: labrig validate TARGET... --rig RIG --model MODEL"
+    assert str(error.value) == expected
+    with pytest.raises(LabrigError) as error:
         outcomes(Path(lab))
     assert str(error.value) == f"{lab} is no run of validate: it has no run.yaml"
 
