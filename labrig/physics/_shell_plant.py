@@ -5,12 +5,8 @@ function of all deflections. The deflection is a coordinate and no more: `d + d^
 far each chamber alone lifts its middle; the shape at deflections is the shell's at the pressures of that law.
 """
 
-import hashlib
-import json
 import logging
-import os
 import shutil
-import sys
 import tempfile
 from collections.abc import Mapping
 from functools import cached_property
@@ -21,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
+from labrig.physics._cache import content_folder
 from labrig.physics._emulator import Emulator
 from labrig.physics._shell import Shell
 from labrig.physics._shell_rig import rig_shell
@@ -252,21 +249,9 @@ def load_body(rig: dict[str, Any], folder: Path | None = None) -> ShellBody:
     return ShellBody(plant_shell(rig, folder), markers, int(plant_setting(rig)["shapes"]))
 
 
-def cache_folder() -> Path:
-    """Where what takes long to compute is kept: $LABRIG_CACHE, or the user's folder for such things."""
-    if given := os.environ.get("LABRIG_CACHE"):
-        return Path(given)
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "labrig" / "cache"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "labrig"
-    return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "labrig"
-
-
 def _cached(content: dict[str, Any], shapes: int) -> Simulations:
     """Simulations of a shell from the cache, or made now and kept there."""
-    key = hashlib.sha256(json.dumps([_FORMAT, shapes, content], sort_keys=True).encode()).hexdigest()[:20]
-    folder = cache_folder() / f"plant-{content['name']}-{key}"
+    folder = content_folder("plant", content["name"], _FORMAT, shapes, content)
     if folder.is_dir():
         try:
             return open_simulations(folder)

@@ -1,5 +1,6 @@
 """A shell as the base simulator of a rig: marker positions, meshes and Jacobians for pressures."""
 
+import time
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
+from labrig.physics._cache import Node, NodeCache, content_folder
 from labrig.physics._shell import Shell, Solution
 from labrig.physics._shell_rig import rig_shell
 from labrig.physics._surface import Surface, reduced_surface
@@ -23,6 +25,8 @@ _STEP = 0.9
 """Distance of the nodes at which shapes are solved, kPa; between them they are linear. Not a round number: the
 borders between nodes should not lie where set-points do."""
 _KEPT = 256
+_MANY, _LONG_S, _FORMAT = 16, 3.0, 1
+"""From so many nodes on the cache on disk is asked, and what took longer than so many seconds is kept there."""
 
 
 class ShellSurface:
@@ -45,8 +49,9 @@ class ShellSurface:
                 )
         self.marker_uv: Array = shell.marker_uv[[known.index(marker) for marker in self.marker_names]]
         self._basis = shell.spline.basis(self.marker_uv)
-        self._nodes: dict[tuple[int, ...], tuple[Array, Array]] = {}
-        self._solved: dict[tuple[int, ...], Solution] = {}
+        self._nodes: dict[Node, tuple[Array, Array]] = {}
+        self._solved: dict[Node, Solution] = {}
+        self._read = False
         self._places: list[Array] = []
         self._states: list[Array] = []
         self._predictor: Predictor | None = None
@@ -76,8 +81,8 @@ class ShellSurface:
         """
         pressure = self._checked(pressure_kpa)
         out = np.full((len(pressure), len(self.marker_names), 3), np.nan)
-        for node, rows in self._by_node(pressure):
-            at, jacobian = self._node(node)
+        for node, rows in self._with_nodes(pressure):
+            at, jacobian = self._nodes[node]
             out[rows] = at + np.einsum("fc,mdc->fmd", pressure[rows] - self._pressure(node), jacobian)
         return out
 
@@ -85,8 +90,8 @@ class ShellSurface:
         """d position / d pressure, mm/kPa, (F, M, 3, C), at pressures (F, C); implicit."""
         pressure = self._checked(pressure_kpa)
         out = np.full((len(pressure), len(self.marker_names), 3, len(self.chamber_names)), np.nan)
-        for node, rows in self._by_node(pressure):
-            out[rows] = self._node(node)[1]
+        for node, rows in self._with_nodes(pressure):
+            out[rows] = self._nodes[node][1]
         return out
 
     def parameter_jacobian(self, pressure_kpa: ArrayLike, names: Sequence[str]) -> Array:
@@ -127,7 +132,7 @@ class ShellSurface:
                 )
         return solution
 
-    def _by_node(self, pressure: Array) -> list[tuple[tuple[int, ...], NDArray[np.int64]]]:
+    def _by_node(self, pressure: Array) -> list[tuple[Node, NDArray[np.int64]]]:
         """The nodes nearest to pressures (F, C), each with the rows that it serves; rows with NaN have none."""
         np.maximum(pressure, 0.0, out=pressure)
         whole = np.flatnonzero(np.isfinite(pressure).all(axis=1))
@@ -143,21 +148,35 @@ class ShellSurface:
             else []
         )
 
-    def _pressure(self, node: tuple[int, ...]) -> Array:
+    def _pressure(self, node: Node) -> Array:
         return _STEP * np.array(node, dtype=float)
 
-    def _node(self, node: tuple[int, ...]) -> tuple[Array, Array]:
-        """Marker positions (M, 3) and their slopes (M, 3, C) at a node."""
-        if node not in self._nodes:
+    def _with_nodes(self, pressure: Array) -> list[tuple[Node, NDArray[np.int64]]]:
+        """`_by_node`, once all the nodes are solved; what took long is kept on disk."""
+        found = self._by_node(pressure)
+        missing = [node for node, _ in found if node not in self._nodes]
+        if len(missing) >= _MANY and not self._read:
+            self._read = True
+            self._nodes.update(self._cache.read())
+            missing = [node for node in missing if node not in self._nodes]
+        begin = time.perf_counter()
+        for node in missing:
             self._nodes[node] = self.markers_of(self._solution(node))
-        return self._nodes[node]
+        if missing and time.perf_counter() - begin > _LONG_S:
+            self._cache.write({node: self._nodes[node] for node in missing})
+        return found
+
+    @cached_property
+    def _cache(self) -> NodeCache:
+        content = (_FORMAT, self.shell.content(), self.marker_names)
+        return NodeCache(content_folder("shell", self.shell.name, *content))
 
     def markers_of(self, solution: Solution) -> tuple[Array, Array]:
         """Marker positions (M, 3), mm, and their slopes by pressure (M, 3, C), mm/kPa, of a solution."""
         at = self._basis @ solution.control_mm.reshape(-1, 3)
         return at, self._at_markers(self.shell.jacobian(solution))
 
-    def _solution(self, node: tuple[int, ...]) -> Solution:
+    def _solution(self, node: Node) -> Solution:
         if node not in self._solved:
             if len(self._solved) >= _KEPT:
                 self._solved.pop(next(iter(self._solved)))

@@ -1,6 +1,7 @@
 """Rigs whose plant is a shell: what the model does not know, what streams see, scans, hidden effects, campaigns."""
 
 import logging
+import os
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +90,19 @@ def test_the_models_derivatives_are_those_of_its_predictions(cache):
         for value in (396.0, 404.0)
     )
     np.testing.assert_allclose(by_modulus[..., 0], (stiffer - softer) / 8.0, atol=2e-4)
+
+
+def test_what_took_long_is_kept(cache, monkeypatch):
+    """Solved nodes are found again by the next surface of the same shell; a spoilt file is as if it were not there."""
+    monkeypatch.setattr("labrig.physics._shell_surface._LONG_S", 0.0)
+    pressures = np.random.default_rng(0).uniform(0, 50, (20, 4))
+    seen = load_surface(rig()).predict(pressures)
+    (folder,) = Path(os.environ["LABRIG_CACHE"]).glob("shell-membrane4-*")
+    (folder / "nodes-0.npz").write_bytes(b"no file at all")
+    again = load_surface(rig())
+    assert isinstance(again, ShellSurface)
+    monkeypatch.setattr(again, "solve", None)
+    np.testing.assert_array_equal(again.predict(pressures), seen)
 
 
 def test_what_does_not_fit_is_refused(cache):
@@ -195,8 +209,6 @@ def test_deflections_and_pressures_belong_together(cache):
 
 def test_the_plants_shapes_are_solved_once(cache, caplog):
     """A second plant of the same rig reads what the first one solved; a spoilt cache is made again."""
-    import os
-
     load_body(rig()).deflection_mm(np.zeros(4))
     with caplog.at_level(logging.WARNING, "labrig.physics"):
         load_body(rig()).deflection_mm(np.zeros(4))
