@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.surface import distances
+from labrig._errors import LabrigError
+from labrig.surface import Mesh, Registration, distances, register
 from labrig.surrogate._captures import Shot
 from labrig.surrogate._kernel import Floats
 
@@ -14,6 +15,9 @@ _FAR_SHARE = 4.0
 _LEAST_REACH_MM = 2.0
 _STEEP = 0.5
 """Cosine between the scan's normal and the way to it, below which a match is to something else."""
+_REGISTERED, _GOOD_SHARE = 5, 0.8
+_TURNED, _SHIFTED_MM = 0.07, 15.0
+"""Scans are taken to lie in another frame beyond these (of the rotation matrix; 3 degrees)."""
 _AGREED_MM = 0.5
 """A scan that disagrees with the others by this much is worth half."""
 
@@ -64,3 +68,34 @@ def confidence_map(matched: Matched, distance: Floats, used: NDArray[np.bool_]) 
     agreement = 1.0 / (1.0 + square / _AGREED_MM**2)
     side = round(len(seen) ** 0.5)
     return (seen * agreement).reshape(side, side).T
+
+
+def frame_of(shots: list[Shot], predicted: list[Mesh]) -> tuple[Floats, Floats]:
+    """The motion that takes the scans to the predicted surfaces, one for all: none if they lie there already.
+
+    From the first scans, each registered as it lies, and if that does not fit well, from anywhere.
+    """
+    found = [_registered(shot, mesh) for shot, mesh in list(zip(shots, predicted, strict=True))[:_REGISTERED]]
+    best = min(found, key=lambda r: r.rms_mm)
+    left, _, right = np.linalg.svd(np.mean([r.rotation for r in found], axis=0))
+    rotation = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
+    if np.linalg.norm(rotation - best.rotation) > _TURNED:  # some went elsewhere
+        rotation, translation = best.rotation, best.translation_mm
+    else:
+        translation = np.median([r.translation_mm for r in found], axis=0)
+    middle = shots[0].mesh.vertices_mm.mean(axis=0)
+    shift = np.linalg.norm(rotation @ middle + translation - middle)
+    if np.linalg.norm(rotation - np.eye(3)) < _TURNED and shift < _SHIFTED_MM:
+        return np.eye(3), np.zeros(3)
+    return rotation, translation
+
+
+def _registered(shot: Shot, predicted: Mesh) -> Registration:
+    try:
+        here = register(shot.mesh, predicted, start=(np.eye(3), np.zeros(3)))
+    except LabrigError:
+        return register(shot.mesh, predicted)
+    if here.share > _GOOD_SHARE:
+        return here
+    anywhere = register(shot.mesh, predicted)
+    return anywhere if anywhere.share > here.share else here

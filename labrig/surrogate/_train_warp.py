@@ -7,17 +7,20 @@ from typing import Any, Literal
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.surface import Mesh, grid
 from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._fix import fix
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._kernel import Floats
 from labrig.surrogate._provenance import provenance
+from labrig.surrogate._scans import frame_of
 from labrig.surrogate._warped import WarpedModel
 
 WarpMethod = Literal["ours", "scans", "both", "function", "marker"]
 METHODS: tuple[WarpMethod, ...] = ("ours", "scans", "both", "function", "marker")
 
 _FOLDS = 4
+_MESH = 61
 _TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
 """The rig's frame is taken for another one than the simulator's beyond these."""
 
@@ -57,6 +60,8 @@ def train_warp(
     if frames is not None:
         frames = replace(frames, position_mm=(frames.position_mm - translation) @ rotation)
     shots = [replace(s, mesh=s.mesh.moved(rotation.T, -rotation.T @ translation)) for s in shots]
+    if method in ("scans", "both"):
+        shots = _placed(forward, shots)
     if method in ("function", "marker"):
         assert frames is not None
         model, left_out, facts = _paper(forward, frames, method, seed, calibrate)
@@ -99,6 +104,14 @@ def _paper(
     left_out = np.concatenate(errors) if errors else np.zeros(0)
     deviation = float(np.quantile(left_out, 0.95)) / 1.96 if left_out.size else 1.0
     return replace(model, noise_mm=deviation), left_out, {"c_per_mm2": PAPER_C}
+
+
+def _placed(forward: ForwardModel, shots: list[Shot]) -> list[Shot]:
+    """The scans in the simulator's frame."""
+    uv, triangles = grid(_MESH, _MESH)
+    shapes = forward.points(np.array([shot.pressure_kpa for shot in shots]), uv)
+    rotation, translation = frame_of(shots, [Mesh(points, triangles) for points in shapes])
+    return [replace(shot, mesh=shot.mesh.moved(rotation, translation)) for shot in shots]
 
 
 def _pose(forward: ForwardModel, frames: Frames | None) -> tuple[Floats, Floats]:

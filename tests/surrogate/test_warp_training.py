@@ -160,6 +160,14 @@ def test_rig_in_another_frame(forward, frames, data, reality):
     assert np.allclose(fixed.jacobian(pressure, UV)[..., 0], numeric, atol=5e-5)
 
 
+def test_scans_in_another_frame(forward, shots, error):
+    """Scans whose coordinates are not the simulator's are brought there first."""
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    moved = [Shot(s.name, s.pressure_kpa, s.mesh.moved(turn, [400.0, -30.0, 9.0])) for s in shots]
+    fixed = train_warp(forward, None, moved, method="scans").model
+    assert error(fixed).mean() < 0.4
+
+
 def test_function_learns_from_incomplete_frames(forward, frames):
     """N_rbf uses frames with missing markers: without them it is another one; N_mk can't."""
     whole = frames.take(frames.complete)
