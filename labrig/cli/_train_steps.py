@@ -189,7 +189,9 @@ def _report_fix(
     pictures = {"All chambers at half pressure": draw_maps(maps, "mm", out / "fix.png")}
     if facts["scans"]:
         confidence = {"confidence": model.confidence}
-        pictures["Where scans stand behind it"] = draw_maps(confidence, "", out / "confidence.png", 1.0)
+        pictures["Where scans stand behind it"] = draw_maps(
+            confidence, "", out / "confidence.png", 1.0, good=True
+        )
     used = f"{facts['frames']} frames ({facts['complete_frames']} complete), {facts['captured_points']} markers seen"
     learning = Learning(
         f"Fixed: {rows[-1][1]} mm at what was left out" if rows else "Fixed",

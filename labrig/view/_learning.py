@@ -50,13 +50,19 @@ def write_learning(learning: Learning, folder: str | Path) -> Path:
     return path
 
 
-def draw_maps(maps: dict[str, Floats], unit: str, path: str | Path, top: float | None = None) -> Path:
-    """Draw values over the surface's (u, v), one map (n_u, n_v) a name, all on one scale."""
+def draw_maps(
+    maps: dict[str, Floats], unit: str, path: str | Path, top: float | None = None, good: bool = False
+) -> Path:
+    """Draw values over the surface's (u, v), one map (n_u, n_v) a name, all on one scale.
+
+    What is `good` when it is high has colours of its own.
+    """
     from matplotlib.colors import LinearSegmentedColormap
 
     figure, axes = _figure(1, len(maps), (2.6 * len(maps) + 1.0, 3.2))
     top = top or max(float(np.nanmax(values)) for values in maps.values()) or 1.0
-    colours = LinearSegmentedColormap.from_list("error", list(ERROR_SCALE))
+    scale = list(ERROR_SCALE) if not good else [(0.0, BEFORE), (0.5, "#f1eee6"), (1.0, AFTER)]
+    colours = LinearSegmentedColormap.from_list("values", scale)
     shown = None
     for axis, (name, values) in zip(axes.ravel(), maps.items(), strict=True):
         shown = axis.imshow(

@@ -1,0 +1,112 @@
+"""What is learned from a run: the end of each hold, markers that were seen there, and scans with their set-points."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers import SimulatedClock
+from labrig import LabrigError
+from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Steps, run
+from labrig.log import Layout, open_run
+from labrig.log._dataset import CampaignArrays, to_dataset
+from labrig.rig import connect, parse_rig
+from labrig.surrogate import frames_of, shots_of
+
+
+def _run(position, unit="kPa", settled=None):
+    """A Dataset of captures of two markers under chambers b and a."""
+    F, T = position.shape[:2]
+    layout = Layout(("b", "a"), (0.0, 0.0), (60.0, 60.0), unit, ("m1", "m2"))
+    commanded = np.stack([np.arange(F) * 1.0, np.arange(F) * 10.0], axis=1)
+    arrays = CampaignArrays(
+        commanded=commanded,
+        hold_s=np.tile(np.arange(T) * 1.0, (F, 1)),
+        time_s=np.arange(F * T).reshape(F, T) * 1.0,
+        settled=np.ones((F, T), bool) if settled is None else settled,
+        event_time_s=np.arange(F) * 1.0 * T,
+        event_commanded=commanded,
+        session=["1"] * F,
+        repeat=[""] * F,
+        event_session=["1"] * F,
+        event_of=np.arange(F),
+        position_mm=position,
+    )
+    return to_dataset(arrays, layout, {"run": "test"})
+
+
+def test_the_end_of_each_hold():
+    """The median of the second half of the settled rows counts, chambers come in the order asked for."""
+    position = np.zeros((2, 6, 2, 3))
+    position[0, :, 0, 0] = [50.0, 9.0, 9.0, 1.0, 2.0, 900.0]
+    settled = np.ones((2, 6), bool)
+    settled[:, 0] = False
+    settled[0, 5] = False
+    frames = frames_of(_run(position, settled=settled), ("a", "b"))
+    assert frames.position_mm[0, 0, 0] == 1.5
+    assert frames.pressure_kpa.tolist() == [[0.0, 0.0], [10.0, 1.0]]
+
+
+def test_markers_that_were_hidden():
+    """A marker that most rows of the end did not see is not captured; a frame without any is left out."""
+    position = np.zeros((3, 4, 2, 3))
+    position[0, 2:, 1] = np.nan
+    position[1] = np.nan
+    frames = frames_of(_run(position), ("b", "a"))
+    assert len(frames) == 2
+    assert frames.captured.tolist() == [[True, False], [True, True]]
+    assert frames.complete.tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("chambers", "unit", "complaint"),
+    [
+        (("a", "c"), "kPa", "test: its chambers (b, a) are not the forward model's (a, c)"),
+        (("a", "b"), "bar", "test: its pressures are in bar; the forward model needs kPa"),
+    ],
+)
+def test_other_rigs_are_refused(chambers, unit, complaint):
+    """Chambers of other names and pressures in other units are named."""
+    with pytest.raises(LabrigError) as caught:
+        frames_of(_run(np.zeros((1, 2, 2, 3)), unit), chambers)
+    assert str(caught.value) == complaint
+
+
+def test_nothing_was_seen():
+    """A run in which no marker was ever seen is refused."""
+    with pytest.raises(LabrigError) as caught:
+        frames_of(_run(np.full((1, 2, 2, 3), np.nan)), ("a", "b"))
+    assert str(caught.value) == "test: no marker was seen at the end of any hold"
+
+
+class _Two(Procedure):
+    """Two set-points, the second one scanned."""
+
+    def steps(self, rig: RigInfo) -> Steps:
+        """Actuate, settle, record, scan."""
+        for share in (0.2, 0.5):
+            yield Actuate([60.0 * share, 0.0, 0.0, 30.0])
+            yield Settle(0.5)
+            yield Record(0.1)
+        yield Scan()
+
+
+def test_scans_of_a_run(tmp_path):
+    """A scan comes with the set-point that it was taken at; a run without scans has none."""
+    content = {
+        "name": "sheet",
+        "chambers": [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60} for i in (1, 2, 3, 4)],
+        "pressure": {"kind": "simulated"},
+        "mocap": {"kind": "simulated"},
+        "scanner": {"kind": "simulated"},
+        "simulated": {"surface": "membrane"},
+    }
+    clock = SimulatedClock(0.0)
+    rig = connect(parse_rig(content, "rig", Path()), clock)
+    run(_Two(), rig, tmp_path / "run", clock)
+    rig.close()
+    shots = shots_of(tmp_path / "run", ("c4", "c1", "c2", "c3"))
+    assert len(shots) == 1
+    assert shots[0].pressure_kpa.tolist() == [30.0, 30.0, 0.0, 0.0]
+    assert len(shots[0].mesh.triangles) > 1000
+    assert len(frames_of(open_run(tmp_path / "run"), ("c1", "c2", "c3", "c4"))) == 2
