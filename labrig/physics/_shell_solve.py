@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
+from labrig._errors import LabrigError
 from labrig.physics._shell_system import System
 
 Array = NDArray[np.float64]
@@ -26,6 +27,7 @@ _NEARLY = 0.03
 _LEAST_LOAD = 0.02
 """The force of the air is taken as at least this part of that at full pressure."""
 _LONGEST_MM = 25.0
+_STIFFEST = 1e12
 _NEWTON_STEPS, _QUASI_STEPS = 60, 300
 _MEMORY, _PATIENCE, _EXPECTED = 12, 4, 0.05
 """L-BFGS: vectors kept; after so many steps the force should have fallen to this part, or a new factor is made."""
@@ -119,6 +121,8 @@ def _factor(
         if not convex:
             convex, added = True, 0.0
             system.second(x, field, band, True)
+        elif shift > _STIFFEST:
+            raise LabrigError("the stiffness of a shell is not finite: are its parameters, or its start, far off?")
         else:
             shift = max(4.0 * shift, 0.4)
 
