@@ -150,18 +150,20 @@ def _between(rows: Rows) -> str:
     return rows.between_sessions if rows.between_sessions == "held" else "released"
 
 
-def fields_of_terms(context: Context, terms: Sequence[Term], patterns: Floats) -> Floats:
-    """What one unit of each coefficient changes in the observables, (F, K, q)."""
-    F, K = context.base.shape
+def fields_of_terms(context: Context, terms: Sequence[Term], patterns: Floats, rows: slice) -> Floats:
+    """What one unit of each coefficient changes in the observables, for some rows, (F, K, q)."""
+    jacobian = context.jacobian[rows]
+    F, K = jacobian.shape[:2]
     out: list[Floats] = []
     for term in terms:
+        feature = term.feature[rows]
         if term.kind == "pressure":
-            out.append(np.einsum("fkc,fcq->fkq", context.jacobian, term.feature, optimize=True))
+            out.append(np.einsum("fkc,fcq->fkq", jacobian, feature, optimize=True))
         elif term.kind == "pattern":
-            each = term.feature[:, None, :, None] * patterns.T[None, :, None, :]
+            each = feature[:, None, :, None] * patterns.T[None, :, None, :]
             out.append(each.reshape(F, K, -1))
         elif term.kind == "frame":
-            out.append(frame_modes(context) * term.feature[:, None, None])
+            out.append(frame_modes(context)[rows] * feature[:, None, None])
         else:
-            out.append(term.feature)
+            out.append(feature)
     return np.concatenate(out, axis=2)

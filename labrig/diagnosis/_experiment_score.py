@@ -17,7 +17,7 @@ import numpy as np
 from labrig.diagnosis._experiment_plan import Limits, Planned, Point, planned_rows
 from labrig.diagnosis._experiment_rivals import Rival, fields_of_terms, join_contexts
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context
+from labrig.effects import Context, Term
 from labrig.effects._rows import Floats, Ints
 from labrig.model import Predictor
 
@@ -90,6 +90,7 @@ class Problem:
     rivals: list[Rival]
     limits: Limits
     _noise: tuple[Floats, Floats] = field(init=False, repr=False)
+    _last: tuple[list[Floats], Sums] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         floor, s = self.streams.floor, self.streams
@@ -135,10 +136,9 @@ class Problem:
                 own.append(np.arange(at, at + width))
                 at += width
             columns.append(own)
-        fields = fields_of_terms(joint, terms, self.streams.patterns) if terms else None
+        run = self._run_sums(joint, terms, at)
         n_run = len(self.context.rows.capture)
-        run = self._run_sums(None if fields is None else fields[:n_run], at)
-        ahead = None if fields is None else fields[n_run:]
+        ahead = fields_of_terms(joint, terms, self.streams.patterns, slice(n_run, None)) if terms else None
         declared = self.predictor.declared(planned.rows)
         sums, points = [], []
         for number, programme in enumerate(programmes):
@@ -150,14 +150,19 @@ class Problem:
             points.append(each if by_point else [])
         return Layout(run, sums, points, columns)
 
-    def _run_sums(self, fields: Floats | None, width: int) -> Sums:
-        s = self.streams
-        declared = s.declared
+    def _run_sums(self, joint: Context, terms: list[Term], width: int) -> Sums:
+        """Sums over the run; those of last time where the columns are still the same."""
+        s, n_run = self.streams, len(self.context.rows.capture)
+        features = [t.feature[:n_run] for t in terms]
+        if self._last is not None and _same(self._last[0], features):
+            return self._last[1]
         Z = np.zeros((*s.residual.shape, width + 1))
-        if fields is not None:
-            Z[:, :, :width] = s.lift(fields)
+        if terms:
+            Z[:, :, :width] = s.lift(fields_of_terms(joint, terms, s.patterns, slice(n_run)))
         Z[:, :, width] = s.residual
-        return _sums(Z, s.weight, declared)
+        sums = _sums(Z, s.weight, s.declared)
+        self._last = ([f.copy() for f in features], sums)
+        return sums
 
     def _planned_sums(
         self,
@@ -184,7 +189,15 @@ class Problem:
         return _sums(Z, weight, B)
 
 
-def _width(term, streams: Streams) -> int:
+def _same(before: list[Floats], now: list[Floats]) -> bool:
+    """Whether columns of the run are those of last time, to rounding."""
+    pairs = zip(before, now, strict=True) if len(before) == len(now) else ()
+    return len(before) == len(now) and all(
+        a.shape == b.shape and np.allclose(a, b, rtol=1e-3, atol=1e-6) for a, b in pairs
+    )
+
+
+def _width(term: Term, streams: Streams) -> int:
     if term.kind == "frame":
         return 6
     q = term.feature.shape[-1]
