@@ -198,7 +198,7 @@ def _report_fix(
         f"Learned from {run.name} by {method}, {used}, {facts['scans']} scans; written to {output.name}.",
         [("Errors, mm", _FIX_HEAD, rows)],
         [
-            "Left out: a quarter of the frames at a time; with labrig's own methods a quarter of the places as well."
+            "Left out: a quarter of the set-points at a time; with labrig's own methods a quarter of the places as well."
         ],
         pictures,
     )

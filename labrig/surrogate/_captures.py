@@ -46,6 +46,25 @@ class Frames:
         """Some of the frames: a mask, indices or a slice."""
         return Frames(self.marker_names, self.pressure_kpa[index], self.position_mm[index])
 
+    def set_points(self) -> NDArray[np.int64]:
+        """Which set-point each frame is at, (F,), numbered as they first come."""
+        _, first, group = np.unique(
+            self.pressure_kpa.round(6), axis=0, return_index=True, return_inverse=True
+        )
+        return np.argsort(np.argsort(first))[group.reshape(-1)]
+
+    def merged(self) -> "Frames":
+        """One frame for each set-point: the mean position of each marker over the visits that saw it."""
+        group = self.set_points()
+        seen = self.captured
+        rows = [group == g for g in range(group.max() + 1)]
+        position = np.full((len(rows), *self.position_mm.shape[1:]), np.nan)
+        for g, own in enumerate(rows):
+            some = seen[own].any(axis=0)
+            position[g, some] = np.nanmean(self.position_mm[own][:, some], axis=0)
+        pressure = np.array([self.pressure_kpa[own][0] for own in rows])
+        return Frames(self.marker_names, pressure, position)
+
 
 @dataclass(frozen=True)
 class Shot:

@@ -48,13 +48,15 @@ def fix(forward: ForwardModel, frames: Frames | None, shots: list[Shot]) -> Fixe
     scan_uv = _scan_places() if shots else np.zeros((0, 2))
     uv = np.concatenate([marker_uv, scan_uv])
     pressure, of_frame, of_shot = _set_points(frames, shots)
+    above = pressure - forward.low_kpa
     places = _places(forward, uv, np.repeat([1.0, SCAN_PRECISION], [len(marker_uv), len(scan_uv)]))
     gain = np.ones(len(forward.chamber_names))
     settings, matched, posterior, covariance = None, None, None, np.zeros((0, 0))
     seen = None
     for step in range(_MATCHINGS if shots else _RELINEARISED):
-        simulated = forward.points(pressure * gain, uv)
-        by_gain = forward.jacobian(pressure * gain, uv) * pressure[:, None, None, :]
+        counted = forward.low_kpa + gain * above
+        simulated = forward.points(counted, uv)
+        by_gain = forward.jacobian(counted, uv) * above[:, None, None, :]
         from_gain = by_gain @ (gain - 1.0)
         value = np.full(simulated.shape, np.nan)
         known = np.zeros((*simulated.shape, 3))

@@ -47,8 +47,8 @@ def train_warp(
     """Learn how the rig differs from the forward model.
 
     `ours` uses the markers of `frames`, `scans` scans alone, `both` both; `function` and `marker` are the source
-    paper's networks N_rbf and N_mk, whose errors are measured by leaving out a quarter of the frames at a time where
-    `calibrate`. Raises `LabrigError` when there is nothing of what the method needs.
+    paper's networks N_rbf and N_mk, whose errors are measured by leaving out a quarter of the set-points at a time
+    where `calibrate`. Raises `LabrigError` when there is nothing of what the method needs.
     """
     shots = shots or []
     if method in ("ours", "both", "function", "marker") and frames is None:
@@ -66,7 +66,8 @@ def train_warp(
         assert frames is not None
         model, left_out, facts = _paper(forward, frames, method, seed, calibrate)
     else:
-        fixed = fix(forward, None if method == "scans" else frames, [] if method == "ours" else shots)
+        merged = None if method == "scans" or frames is None else frames.merged()
+        fixed = fix(forward, merged, [] if method == "ours" else shots)
         model, left_out, facts = fixed.model, fixed.left_out_mm, fixed.facts
     simulated = np.zeros(0)
     if frames is not None:
@@ -91,7 +92,8 @@ def _paper(
     train = train_function if method == "function" else train_marker
     uv = forward.markers(frames.marker_names)
     model = WarpedModel(forward, uv, PAPER_C, train(forward, frames, seed))
-    fold = np.random.default_rng(seed).permutation(len(frames)) % _FOLDS
+    group = frames.set_points()
+    fold = (np.random.default_rng(seed).permutation(group.max() + 1) % _FOLDS)[group]
     errors: list[Floats] = []
     for k in range(_FOLDS if calibrate else 0):
         try:

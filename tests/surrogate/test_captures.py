@@ -11,7 +11,7 @@ from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, S
 from labrig.log import Layout, open_run
 from labrig.log._dataset import CampaignArrays, to_dataset
 from labrig.rig import connect, parse_rig
-from labrig.surrogate import frames_of, shots_of
+from labrig.surrogate import Frames, frames_of, shots_of
 
 
 def _run(position, unit="kPa", settled=None):
@@ -56,6 +56,19 @@ def test_markers_that_were_hidden():
     assert len(frames) == 2
     assert frames.captured.tolist() == [[True, False], [True, True]]
     assert frames.complete.tolist() == [False, True]
+
+
+def test_visits_of_one_set_point():
+    """Visits of one set-point are one frame: the mean over those that saw the marker."""
+    position = np.zeros((3, 2, 3))
+    position[:, 0, 0] = [1.0, 5.0, 3.0]
+    position[2, 1] = np.nan
+    frames = Frames(("m1", "m2"), np.array([[7.0, 0.0], [2.0, 0.0], [7.0, 0.0]]), position)
+    assert frames.set_points().tolist() == [0, 1, 0]
+    merged = frames.merged()
+    assert merged.pressure_kpa.tolist() == [[7.0, 0.0], [2.0, 0.0]]
+    assert merged.position_mm[:, 0, 0].tolist() == [2.0, 5.0]
+    assert merged.captured.all()
 
 
 @pytest.mark.parametrize(
