@@ -22,8 +22,11 @@ _LEAST_DAMPING = 1e-7
 _TRIES = 4
 _FAR = 0.08
 """Share of the target's size from which on a distance does not count for more."""
-_STILL = 1e-3
-"""A step that promises, or gives, less than this share of the cost is the last."""
+_STILL, _HARDLY = 1e-3, 1e-2
+"""A step that promises, or gives, less than this share of the cost is the last; so is one that failed and promised
+
+little more.
+"""
 
 
 @dataclass(frozen=True)
@@ -72,8 +75,9 @@ class State:
 
     def scale_mm(self) -> float:
         """Width of the robust cost: what is several times farther off than most counts for little."""
-        far = np.abs(self.plane[self.usable > 0])
-        return max(1.0, 6.0 * float(np.median(far))) if len(far) else 1.0
+        from labrig.ik import _kernels
+
+        return float(_kernels.scale_of(self.plane, self.usable))
 
     def mean_mm(self) -> float:
         """Mean distance of the samples that have the target opposite."""
@@ -169,10 +173,10 @@ class Descent:
         scale = state.scale_mm()
         state.cost = self._cost(state, scale, sliding)
         H, g = self.equations(state, scale, sliding)
-        for _ in range(2 if sliding > 0 else _TRIES):
+        for number in range(2 if sliding > 0 else _TRIES):
             step = _kernels.bounded_step(H, g, damping, state.pressure, self.low, self.high)
             promised = -(2.0 * g @ step + step @ H @ step) / (state.usable.sum() * state.cost + 1e-300)
-            if promised < _STILL:
+            if promised < (_STILL if number == 0 else _HARDLY):
                 break
             turn = rotation_of(step[-6:-3])
             moved = self.look(

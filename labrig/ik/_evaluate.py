@@ -96,27 +96,36 @@ class Plain:
 class Reduced:
     """A control net in a reduced basis: one small product for the net and its derivatives, then what is local.
 
-    The net of a point needs (degree + 1)^2 control points, so the cost of a point does not depend on the basis.
+    A point needs (degree + 1)^2 control points, whatever the number of modes. Where many points share a u, as on a
+    grid, the net is brought to these u first, and a point needs degree + 1 of what that gives.
     """
 
     def __init__(self, model: Any, uv: Floats) -> None:
         from labrig.ik import _kernels
 
-        self._gather = _kernels.gather
+        self._gather, self._combine = _kernels.gather, _kernels.combine
         self.latent, count = _latent(model)
         spline = model.spline
         modes = np.asarray(model.modes_mm, float)[:count]
         self._modes = np.ascontiguousarray(modes.reshape(count, -1).T, np.float32)
         self._mean = np.asarray(model.mean_mm, float).reshape(-1).astype(np.float32)
-        first_u, along_u = spline.local(0, uv[:, 0])
-        first_v, along_v = spline.local(1, uv[:, 1])
+        self._count = spline.count
         order = np.arange(spline.degree + 1)
-        rows = (first_u[:, None, None] + order[:, None]) * spline.count[1] + first_v[:, None, None] + order
-        self._rows = np.ascontiguousarray(rows.reshape(len(uv), -1), np.int32)
-        self._weight = np.ascontiguousarray(
-            (along_u[:, :, None] * along_v[:, None, :]).reshape(len(uv), -1), np.float32
-        )
-        self._size = spline.size
+        lines, self._line = np.unique(uv[:, 0], return_inverse=True)
+        self._two_steps = len(lines) * spline.count[1] < len(uv)
+        first_v, along_v = spline.local(1, uv[:, 1])
+        if self._two_steps:
+            first_u, along_u = spline.local(0, lines)
+            self._across = _packed(first_u[:, None] + order, along_u)
+            rows = self._line.reshape(-1, 1) * spline.count[1] + first_v[:, None] + order
+            self._along = _packed(rows, along_v)
+        else:
+            first_u, along_u = spline.local(0, uv[:, 0])
+            rows = (
+                (first_u[:, None, None] + order[:, None]) * spline.count[1] + first_v[:, None, None] + order
+            )
+            self._along = _packed(rows, along_u[:, :, None] * along_v[:, None, :])
+        self._points = len(uv)
 
     def __call__(self, pressure_kpa: Floats) -> tuple[Floats, NDArray[Any]]:
         return self.at(*self.latent(pressure_kpa))
@@ -130,10 +139,24 @@ class Reduced:
         both = np.concatenate([np.asarray(latent)[:, None], by_pressure], axis=1).astype(np.float32)
         net = self._modes @ both
         net[:, 0] += self._mean
-        value = np.empty((len(self._rows), 3), np.float32)
-        slope = np.empty((len(self._rows), 3, by_pressure.shape[1]), np.float32)
-        self._gather(net.reshape(self._size, 3, -1), self._rows, self._weight, value, slope)
+        net = net.reshape(self._count[0], -1)
+        if self._two_steps:
+            lines = np.empty((len(self._across[0]), net.shape[1]), np.float32)
+            self._combine(net, *self._across, lines)
+            net = lines
+        value = np.empty((self._points, 3), np.float32)
+        slope = np.empty((self._points, 3, by_pressure.shape[1]), np.float32)
+        self._gather(net.reshape(-1, 3 * both.shape[1]), *self._along, value, slope)
         return value, slope
+
+
+def _packed(rows: NDArray[Any], weight: Floats) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Rows and weights (P, S) as the compiled loops want them."""
+    flat = len(rows)
+    return (
+        np.ascontiguousarray(rows.reshape(flat, -1), np.int32),
+        np.ascontiguousarray(weight.reshape(flat, -1), np.float32),
+    )
 
 
 class Warped:

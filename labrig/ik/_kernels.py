@@ -11,23 +11,41 @@ REACH = 0.4
 def gather(net, first, weight, value, slope):
     """Points and derivatives from a control net that holds both.
 
-    net (n, 3, 1 + C): control points, then their derivatives; for each of P points `first` (P, S) the rows of the net
-    that bear on it and `weight` (P, S). Fills value (P, 3) and slope (P, 3, C).
+    net (n, 3 (1 + C)): control points, each coordinate followed by its derivatives; for each of P points `first`
+    (P, S) the rows of the net that bear on it and `weight` (P, S). Fills value (P, 3) and slope (P, 3, C).
     """
-    width = net.shape[2]
-    total = np.empty((3, width), net.dtype)
+    width = net.shape[1]
+    one = width // 3
+    total = np.empty(width, net.dtype)
     for p in range(len(first)):
-        total[:] = 0.0
-        for s in range(first.shape[1]):
+        w = weight[p, 0]
+        row = net[first[p, 0]]
+        for j in range(width):
+            total[j] = w * row[j]
+        for s in range(1, first.shape[1]):
             w = weight[p, s]
             row = net[first[p, s]]
-            for d in range(3):
-                for k in range(width):
-                    total[d, k] += w * row[d, k]
+            for j in range(width):
+                total[j] += w * row[j]
         for d in range(3):
-            value[p, d] = total[d, 0]
-            for k in range(width - 1):
-                slope[p, d, k] = total[d, k + 1]
+            value[p, d] = total[d * one]
+            for k in range(one - 1):
+                slope[p, d, k] = total[d * one + 1 + k]
+
+
+@njit(cache=True, fastmath=True)
+def combine(net, first, weight, out):
+    """Weighted sums of whole rows: out (U, width) from net (n, width), `first` and `weight` (U, S)."""
+    for u in range(len(first)):
+        w = weight[u, 0]
+        row, total = net[first[u, 0]], out[u]
+        for j in range(net.shape[1]):
+            total[j] = w * row[j]
+        for s in range(1, first.shape[1]):
+            w = weight[u, s]
+            row = net[first[u, s]]
+            for j in range(net.shape[1]):
+                total[j] += w * row[j]
 
 
 @njit(cache=True, fastmath=True)
@@ -78,6 +96,18 @@ def pairs(points, rotation, translation, index, vertices, normals, border, offse
             normal[p, d] = turned
         plane[p] = normal[p, 0] * offset[p, 0] + normal[p, 1] * offset[p, 1] + normal[p, 2] * offset[p, 2]
         usable[p] = 0.0 if border[i] else 1.0
+
+
+@njit(cache=True)
+def scale_of(plane, usable):
+    """Width of the robust cost, mm: six times the median distance of the usable pairs, and 1 mm at least."""
+    far = np.empty(len(plane))
+    count = 0
+    for p in range(len(plane)):
+        if usable[p] > 0:
+            far[count] = abs(plane[p])
+            count += 1
+    return max(1.0, 6.0 * np.median(far[:count])) if count else 1.0
 
 
 @njit(cache=True)

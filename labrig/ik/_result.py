@@ -1,6 +1,7 @@
 """What inverse kinematics finds: pressures, the pose of the target, and what remains between the two surfaces."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,8 +65,18 @@ class IkResult:
     time_s: float
     prepare_s: float
     history: tuple[tuple[float, float], ...] = ()
-    gaps: tuple[Gap, ...] = ()
     notes: tuple[str, ...] = field(default=())
+    gap_facts: tuple[Any, ...] = field(default=(), repr=False)
+
+    @cached_property
+    def gaps(self) -> tuple[Gap, ...]:
+        """Where the surface stays away from the target by more than 2 mm, the worst first."""
+        from labrig.ik._gaps import find_gaps
+
+        if not self.gap_facts:
+            return ()
+        points, influence, limits = self.gap_facts
+        return find_gaps(self.signed_mm, self.uv, points, influence, self.chamber_names, limits)
 
     def to_rig(self, points_mm: Floats) -> Floats:
         """Points (..., 3) of the target in the rig's frame."""

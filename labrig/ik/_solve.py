@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from labrig._errors import LabrigError
 from labrig.ik._descent import FAR_AWAY, NOWHERE, Descent, History, Pose, State
 from labrig.ik._evaluate import ShapeModel, evaluator
-from labrig.ik._gaps import find_gaps
 from labrig.ik._poses import lies_near, likeliest, spread_actuations
 from labrig.ik._result import IkResult
 from labrig.surface import Mesh, Target, grid
@@ -149,7 +148,7 @@ class Solver:
             time_s=time_s,
             prepare_s=prepare_s,
             history=history,
-            gaps=find_gaps(signed, self.uv, placed, influence, names, limits),
+            gap_facts=(placed, influence, limits),
         )
 
 

@@ -29,6 +29,17 @@ def test_compiled_equals_the_model(request, name):
     assert np.abs(slope - expected).max() < 1e-4 * np.abs(expected).max()
 
 
+def test_a_grid_is_evaluated_line_by_line_to_the_same_points(net):
+    """Where many points share a u the net is brought to these u first; nothing else changes."""
+    from labrig.surface import grid
+
+    uv, _ = grid(20, 40)
+    points, slope = evaluator(net, uv)(PRESSURE)
+    assert np.abs(points - net.points(PRESSURE[None], uv)[0]).max() < 1e-3
+    exact = net.jacobian(PRESSURE[None], uv)[0]
+    assert np.abs(slope - exact).max() < 1e-4 * np.abs(exact).max()
+
+
 def test_chunks_do_not_show(warped):
     """More points than fit into one chunk are evaluated like few."""
     uv = np.random.default_rng(1).uniform(0, 1, (2500, 2))

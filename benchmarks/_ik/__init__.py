@@ -1,0 +1,1 @@
+"""What benchmarks/ik.py measures."""

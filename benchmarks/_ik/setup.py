@@ -1,0 +1,111 @@
+"""The torso's forward model, the bodies, and clocks: made once, kept in a folder."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from labrig.physics import load_shell, open_simulations, rig_shell, simulate
+from labrig.physics._shell_plant import plant_shell
+from labrig.surface import Mesh, grid, read_mesh
+from labrig.surrogate import load_forward, save_forward, train_forward, training_set
+
+Floats = NDArray[np.float64]
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "bodies"
+PLANT = {"count": [36, 36], "seed": 1}
+
+
+@dataclass
+class Bench:
+    """Where things are kept, and what is made of them when it is first needed."""
+
+    folder: Path
+    bodies_file: Path | None
+    workers: int
+    simulations: int = 800
+
+    @property
+    def simulated(self) -> Any:
+        """The torso at many pressures, with derivatives."""
+        path = self.folder / "torso"
+        if not (path / "simulations.npz").is_file():
+            simulate(
+                load_shell("torso"),
+                path,
+                self.simulations,
+                jacobians=True,
+                workers=self.workers,
+                resume=path.exists(),
+            )
+        return open_simulations(path)
+
+    @property
+    def model(self) -> Any:
+        """The forward model of it."""
+        path = self.folder / "torso.pt"
+        if not path.is_file():
+            save_forward(train_forward(training_set(self.simulated)).model, path)
+        return load_forward(path)
+
+    @property
+    def unseen(self) -> Any:
+        """Which of the simulations, counting those that converged, the model did not learn from."""
+        return np.array(self.model.provenance["split"]["test"])
+
+    @property
+    def rig(self) -> dict[str, Any]:
+        """A simulated rig whose plant is the torso on a finer mesh, with parameters 15 % off."""
+        return {
+            "name": "torso",
+            "chambers": [
+                {"name": f"c{c + 1}", "min_kpa": 0, "max_kpa": 60, "slew_kpa_s": 200} for c in range(9)
+            ],
+            "markers": [f"m{m + 1:02d}" for m in range(34)],
+            "pressure": {"kind": "simulated"},
+            "mocap": {"kind": "simulated"},
+            "scanner": {"kind": "simulated"},
+            "simulated": {"shell": "torso", "seed": 1, "plant": PLANT},
+        }
+
+    def rig_file(self) -> Path:
+        """The rig as a file."""
+        path = self.folder / "rig.yaml"
+        path.write_text(yaml.safe_dump(self.rig), encoding="utf-8")
+        return path
+
+    def plant(self) -> Any:
+        """The shell that the rig really is."""
+        return plant_shell(self.rig)
+
+    def nominal(self) -> Any:
+        """The shell that the model was made from."""
+        return rig_shell(self.rig)
+
+    def bodies(self, count: int | None = None) -> list[Mesh]:
+        """The bodies of the file that was named (grid_mm, (B, rows, columns, 3)), or the examples; evenly chosen."""
+        if self.bodies_file is None:
+            meshes = [read_mesh(path) for path in sorted(EXAMPLES.glob("*.ply"))]
+        else:
+            places = np.load(self.bodies_file)["grid_mm"].astype(float)
+            _, triangles = grid(places.shape[2], places.shape[1])
+            meshes = [Mesh(one.reshape(-1, 3), triangles) for one in places]
+        if count is None or count >= len(meshes):
+            return meshes
+        return [meshes[k] for k in np.linspace(0, len(meshes) - 1, count).round().astype(int)]
+
+
+def clock(call: Callable[[], Any], times: int = 15) -> float:
+    """Median processor time of a call, s, after one that does not count."""
+    call()
+    taken = []
+    for _ in range(times):
+        begin = time.process_time()
+        call()
+        taken.append(time.process_time() - begin)
+    return float(np.median(taken))
