@@ -105,7 +105,7 @@ def test_a_loop_is_told_from_a_gain(make_lab) -> None:
     lab = one_level(make_lab)
     model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
     found = {**diagnose(run, model).summary, "verdict": "confounded"}
-    found |= {"effects": ["regulator"], "rivals": ["hysteresis"]}
+    found |= {"effects": ["regulator"], "rivals": ["friction", "hysteresis"]}
     experiment = propose_experiment(run, model, summary=found)
     both = diagnose([run, measured(lab, experiment, looped)], model).summary
     assert (both["verdict"], both["effects"]) == ("identified", ["hysteresis"])
