@@ -56,7 +56,8 @@ def main() -> None:
     _searches(rows, "bodies", search.side_by_side(model, bench.bodies(given.paper)))
     _alone(rows, len(every), search.side_by_side(model, every, False))
     _batch(rows, bench, every)
-    best = accuracy.against_the_best(_models(bench), bench.plant(), bench.bodies(given.best))
+    models = {"forward model": model, "with a warp of 40 captures": bench.warped}
+    best = accuracy.against_the_best(models, bench.plant(), bench.bodies(given.best))
     _accuracy(rows, best)
     _registration(rows, accuracy.registration(every[0]))
     how = (
@@ -65,16 +66,6 @@ def main() -> None:
         "that was busy with other work; preparing the target (normals, border, tree) is counted."
     )
     write_section(given.out, HEADING, [how, "", *markdown(["What", "Measured", "Asked for"], rows)])
-
-
-def _models(bench: Bench) -> dict[str, Any]:
-    """The forward model, and the one with a warp where `labrig train` left it in the folder."""
-    from labrig.surrogate import load_model
-
-    models = {"forward model": bench.model}
-    if (path := bench.folder / "sim2real.pt").is_file():
-        models["with the warp"] = load_model(path)
-    return models
 
 
 def _evaluation(rows: list[list[str]], found: dict[str, float]) -> None:

@@ -1,5 +1,6 @@
 """The torso's forward model, the bodies, and clocks: made once, kept in a folder."""
 
+import shutil
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,10 +11,24 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from drivers import SimulatedClock
+from labrig import open_run
+from labrig.campaign import Procedure, run
 from labrig.physics import load_shell, open_simulations, rig_shell, simulate
 from labrig.physics._shell_plant import plant_shell
+from labrig.rig import connect, load_rig
 from labrig.surface import Mesh, grid, read_mesh
-from labrig.surrogate import load_forward, save_forward, train_forward, training_set
+from labrig.surrogate import (
+    frames_of,
+    load_forward,
+    load_model,
+    save_forward,
+    save_model,
+    train_forward,
+    train_warp,
+    training_set,
+)
+from procedures import Capture
 
 Floats = NDArray[np.float64]
 
@@ -52,6 +67,27 @@ class Bench:
         if not path.is_file():
             save_forward(train_forward(training_set(self.simulated)).model, path)
         return load_forward(path)
+
+    @property
+    def warped(self) -> Any:
+        """What 40 captures of the rig make of it: 34 markers, no scans."""
+        path = self.folder / "sim2real.pt"
+        if not path.is_file():
+            run = self.captured("capture", Capture(captures=40, repeated=0))
+            captures = frames_of(open_run(run), self.model.chamber_names)
+            save_model(train_warp(self.model, captures, [], "ours", 0).model, path)
+        return load_model(path)
+
+    def captured(self, name: str, procedure: Procedure) -> Path:
+        """A run of a procedure on the simulated rig, made once."""
+        folder = self.folder / name
+        if not (folder / "done").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            clock = SimulatedClock(0.0)
+            with connect(load_rig(self.rig_file()), clock) as rig:
+                run(procedure, rig, folder, clock)
+            (folder / "done").touch()
+        return folder
 
     @property
     def unseen(self) -> Any:

@@ -50,8 +50,9 @@ def score(
         mean.append(np.nanmean(size))
         largest.append(np.nanmax(size))
         fields.append(size.reshape(across, across).T)
-    with np.errstate(invalid="ignore"):
-        field = np.nan_to_num(np.array(fields)).mean(axis=0)
+    stacked = np.array(fields)
+    known = np.isfinite(stacked).sum(axis=0)
+    field = np.where(known > 0, np.nansum(stacked, axis=0) / np.maximum(known, 1), np.nan)
     return Scores(np.array(mean), np.array(largest), field)
 
 
@@ -83,7 +84,9 @@ def p3(bench: Bench, seeds: int) -> dict[str, Any]:
         ],
         "notes": [
             f"{seeds} plants. The paper: overfits above about 50 neurons in all, 24 in each layer chosen. "
-            f"Here the smallest held-out error is at {best} in each layer."
+            f"Here the smallest held-out error is at {best} in each layer, and with 96 it is "
+            f"{100 * (error.mean(axis=0)[-1] / error.mean(axis=0).min() - 1):.0f} % larger: no overfitting to speak of "
+            "in 150 epochs of two batches each."
         ],
         "picture": "p3.png",
     }

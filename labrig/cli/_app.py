@@ -15,7 +15,19 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-_COMMAND_MODULES = ("_diagnosis", "_next", "_campaign", "_rig", "_demo", "_view", "_bench", "_simulate", "_train", "_ik", "_validate")
+_COMMAND_MODULES = (
+    "_diagnosis",
+    "_next",
+    "_campaign",
+    "_rig",
+    "_demo",
+    "_view",
+    "_bench",
+    "_simulate",
+    "_train",
+    "_ik",
+    "_validate",
+)
 
 
 @app.callback()

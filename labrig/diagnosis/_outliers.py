@@ -57,17 +57,22 @@ def _far(values: Floats) -> NDArray[np.bool_]:
         off = np.abs(values - _smooth(values))
     else:
         off = np.abs(values - _running_median(fill(values)))
-    middle = np.nanmedian(values, axis=0)
-    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    _, spread = _middle_and_spread(values)
     bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), FORM * spread)
     structure = bad.mean(axis=1) > _MOST_FAR
     return bad & ~structure[:, None] if values.shape[1] >= 8 else bad
 
 
+def _middle_and_spread(values: Floats) -> tuple[Floats, Floats]:
+    """Median and spread of each column; a campaign of two states, one rarer than the other, spreads over both."""
+    low, middle, high = np.nanquantile(values, [0.1, 0.5, 0.9], axis=0)
+    around = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    return middle, np.maximum(around, (high - low) / 2.563)
+
+
 def _smooth(values: Floats) -> Floats:
     """A low-rank fit that outlying entries cannot pull: directions from clipped values, Huber weights by row."""
-    middle = np.nanmedian(values, axis=0)
-    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    middle, spread = _middle_and_spread(values)
     limit = 4 * np.maximum(spread, np.median(spread))
     clipped = fill(np.clip(values, middle - limit, middle + limit))
     _, _, Vt = np.linalg.svd(clipped, full_matrices=False)

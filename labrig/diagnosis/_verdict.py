@@ -23,6 +23,8 @@ EQUAL_SHARE = 0.005
 EQUAL_Z = 3.0
 SAME_SHARE = 0.001
 CEILING_SE = 1.6
+CEILING_SE_FEW = 2.5
+FEW_CAPTURES = 60
 LEARNT_Z = 4.0
 UNKNOWN_OF_FLOOR = 0.35
 UNKNOWN_OF_FLOOR_MOVING = 0.12
@@ -78,15 +80,22 @@ class Verdict:
 
 
 def rivals_of(searched: Search) -> list[Rival]:
-    """For each chosen effect, how every other one would do in its place, on the ground where it was chosen."""
+    """For each chosen effect, how every other one would do in its place, on the ground where it was chosen.
+
+    In the place of a static one those that move stand too where no chamber was at more than two pressures:
+    history and pressure are one there.
+    """
     if searched.chosen is None:
         return []
+    rows = searched.static_ground.streams.context.rows
+    on_off = max(len(np.unique(np.round(x, 2))) for x in rows.fraction.T) <= 2
+    static = searched.found if on_off else searched.static_ground.found
     if searched.moving is None:
-        return _rivals(searched.chosen, searched.static_ground.found, 0)
+        return _rivals(searched.chosen, static, 0)
     kept = set(searched.chosen.names)
     fixed = sum(name in kept for name in searched.moving.names)
     own = [r for r in _rivals(searched.moving, searched.moving_ground.found, 0) if r.instead_of in kept]
-    return own + _rivals(searched.chosen, searched.static_ground.found, fixed)
+    return own + _rivals(searched.chosen, static, fixed)
 
 
 def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> list[Rival]:
@@ -216,7 +225,8 @@ def _predictable(
 ) -> tuple[float, float, Ceiling | None]:
     """What a learner still predicts of what the effects leave: mean square, share of all explainable, who."""
     best = max(after.values(), key=lambda c: c.gain, default=None)
-    if best is None or best.gain <= CEILING_SE * _se(best.gains):
+    needed = CEILING_SE_FEW if int(streams.index.max()) + 1 < FEW_CAPTURES else CEILING_SE
+    if best is None or best.gain <= needed * _se(best.gains):
         return 0.0, 0.0, None
     left = streams.residual - chosen.heldout
     beyond = square_of(streams, left) - square_of(streams, left - best.heldout)

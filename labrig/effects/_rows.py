@@ -42,7 +42,7 @@ class Rows:
     `event` (F,) indices; `hold_s`, `time_s` (F,), NaN where unknown; `event_actuation` (E, C),
     `event_time_s`, `event_session` (E,); `low`, `high` (C,) limits of the actuation; `unit`, `marker`,
     `axis` (K,), the last two -1 where an observable is no marker's; `rest_mm` (M, 3) or None;
-    `repeat` (captures,) labels.
+    `repeat` (captures,) labels; `start_s` when the run began, by a clock that runs of one rig share, or NaN.
     """
 
     chambers: tuple[str, ...]
@@ -71,6 +71,7 @@ class Rows:
     covariates: dict[str, Covariate]
     between_sessions: str
     warnings: tuple[str, ...] = ()
+    start_s: float = float("nan")
 
     @property
     def n_captures(self) -> int:
@@ -198,11 +199,14 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         },
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
         warnings=tuple(str(w) for w in dataset.attrs.get("warnings", ())),
+        start_s=float(dataset.attrs.get("start_s", np.nan)),
     )
 
 
 def join_rows(parts: Sequence[Rows]) -> Rows:
     """Put several runs of one rig one after the other; each keeps its own sessions and history.
+
+    Where all of them know when they began, and none began before the one before it ended, their times go on.
 
     Raises `LabrigError` when the runs have other chambers or observables.
     """
@@ -217,8 +221,13 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     events = np.cumsum([0, *(len(p.event_time_s) for p in parts)])
     session = np.cumsum([0, *(len(p.sessions) for p in parts)])
     joined: dict[str, Any] = {f.name: getattr(first, f.name) for f in fields(Rows)}
-    for name in ("actuation", "measured", "values", "hold_s", "time_s", "event_actuation", "event_time_s"):
+    for name in ("actuation", "measured", "values", "hold_s", "event_actuation"):
         joined[name] = np.concatenate([getattr(p, name) for p in parts])
+    later = _later(parts)
+    joined["time_s"] = np.concatenate([p.time_s + late for p, late in zip(parts, later, strict=True)])
+    joined["event_time_s"] = np.concatenate(
+        [p.event_time_s + late for p, late in zip(parts, later, strict=True)]
+    )
     offsets = {"capture": captures, "session": session, "event": events, "event_session": session}
     for name, offset in offsets.items():
         joined[name] = np.concatenate([getattr(p, name) + o for p, o in zip(parts, offset[:-1], strict=True)])
@@ -233,6 +242,14 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     }
     joined["warnings"] = tuple(w for p in parts for w in p.warnings)
     return Rows(**joined)
+
+
+def _later(parts: Sequence[Rows]) -> list[float]:
+    """How long after the first run each began, s; zeros where their order in time is not known."""
+    later = [p.start_s - parts[0].start_s for p in parts]
+    ends = [late + float(np.nanmax(p.time_s, initial=0.0)) for late, p in zip(later, parts, strict=True)]
+    known = all(np.isfinite(later)) and all(start >= end for start, end in zip(later[1:], ends, strict=False))
+    return later if known else [0.0] * len(parts)
 
 
 def _where(dataset: "Dataset") -> str:

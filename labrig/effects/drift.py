@@ -50,6 +50,8 @@ class Drift(Effect):
             whole = context.rows.time_s - np.nanmin(context.rows.time_s)
             if whole.max() > 1.5 * end:
                 yield "linear over all sessions", whole / whole.max(), {}
+                for share in context.grid("warm_up", (0.3, 1.0)):
+                    yield "warm-up over all sessions", -np.expm1(-whole / (share * end)), {"warm_up": share}
         for name, cov in context.rows.covariates.items():
             known = np.isfinite(cov.values)
             warm = cov.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()

@@ -89,6 +89,8 @@ def to_dataset(arrays: CampaignArrays, layout: Layout, attributes: dict[str, Any
         "source": layout.source,
         "between_sessions": layout.between_sessions,
     }
+    if layout.source == "rig":
+        dataset.attrs["start_s"] = layout.start_s
     dataset.attrs |= {"units": layout.unit, **attributes}
     return dataset
 

@@ -95,10 +95,15 @@ def draw_lines(
     axis.set_xlabel(labels[0], color=MUTED)
     axis.set_ylabel(labels[1], color=MUTED)
     if log:
+        from matplotlib.ticker import FormatStrFormatter, LogLocator, NullLocator
+
         axis.set_yscale("log")
+        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+        axis.yaxis.set_minor_locator(NullLocator())
     else:
         axis.set_ylim(bottom=0)
-    axis.legend(frameon=False, fontsize=9)
+    axis.legend(frameon=False, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
     plain_axis(axis)
     return save_figure(figure, path)
 
