@@ -184,9 +184,16 @@ def _report_fix(
     uv, _ = grid(41, 41)
     pressure = 0.5 * (model.low_kpa + model.high_kpa)
     moved = model.points(pressure, uv)[0] - _untouched(model, pressure, uv)
-    maps = {"how far the fix moves the surface, mm": np.linalg.norm(moved, axis=1).reshape(41, 41).T}
-    maps["standard deviation, mm"] = model.sd_mm(pressure, uv)[0].reshape(41, 41).T
-    pictures = {"All chambers at half pressure": draw_maps(maps, "mm", out / "fix.png")}
+    shift = np.linalg.norm(moved, axis=1).reshape(41, 41).T
+    deviation = model.sd_mm(pressure, uv)[0].reshape(41, 41).T
+    pictures = {
+        "How far the fix moves the surface (all chambers at half pressure)": draw_maps(
+            {"fixed against simulated": shift}, "mm", out / "fix.png"
+        ),
+        "How well it is known there": draw_maps(
+            {"standard deviation": deviation}, "mm", out / "deviation.png"
+        ),
+    }
     if facts["scans"]:
         confidence = {"confidence": model.confidence}
         pictures["Where scans stand behind it"] = draw_maps(
@@ -198,7 +205,7 @@ def _report_fix(
         f"Learned from {run.name} by {method}, {used}, {facts['scans']} scans; written to {output.name}.",
         [("Errors, mm", _FIX_HEAD, rows)],
         [
-            "Left out: a quarter of the set-points at a time; with labrig's own methods a quarter of the places as well."
+            "Left out: a quarter of the set-points at a time, and by labrig's own methods a quarter of the places."
         ],
         pictures,
     )
