@@ -239,7 +239,7 @@ def _unnamed(
         }
         for probe, times, gain in zip(choice.probes, choice.times, gains, strict=True)
     ]
-    if found["verdict"] == "unknown":
+    if found.get("carried_by"):
         why = (
             f"what is unexplained is carried by {found['carried_by']}: these probes go where a smooth function of it "
             "is least known"

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from labrig.diagnosis._experiment_plan import Limits, Planned, Point, planned_rows
-from labrig.diagnosis._experiment_rivals import Rival, fields_of_terms, join_contexts
+from labrig.diagnosis._experiment_rivals import Form, Rival, fields_of_terms, join_contexts
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Term
 from labrig.effects._rows import Floats, Ints
@@ -128,9 +128,7 @@ class Problem:
         for rival in self.rivals:
             own = []
             for form in rival.forms:
-                features = form.features(joint)
-                if features is None:
-                    continue
+                features = form.features(joint) or _none(joint, form)
                 terms += features
                 width = sum(_width(t, self.streams) for t in features)
                 own.append(np.arange(at, at + width))
@@ -187,6 +185,12 @@ class Problem:
         if declared is not None:
             B = np.concatenate([declared[own[:1]], np.zeros((len(own), declared.shape[1]))])
         return _sums(Z, weight, B)
+
+
+def _none(context: Context, form: Form) -> list[Term]:
+    """Columns of zeros for a form that can't act there (a drift over several sessions where there is one)."""
+    width = sum(part.columns.width for part in form.parts)
+    return [Term.field("none", np.zeros((*context.base.shape, width)))]
 
 
 def _same(before: list[Floats], now: list[Floats]) -> bool:
