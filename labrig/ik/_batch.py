@@ -79,12 +79,19 @@ def _solve_job(job: Job) -> Solved:
 
 def solver_of(job: Job) -> tuple[Solver, Remembering | None]:
     """The search that a job asks for; the last few are kept. Raises `LabrigError` for a model without that form."""
-    return _solver(job.model, job.low_kpa, job.high_kpa, job.without)
+    path = Path(job.model).resolve()
+    written_ns = path.stat().st_mtime_ns if path.is_file() else 0
+    return _solver(job.model, str(path), written_ns, job.low_kpa, job.high_kpa, job.without)
 
 
 @lru_cache(maxsize=4)
 def _solver(
-    model: str, low: tuple[float, ...] | None, high: tuple[float, ...] | None, without: str
+    model: str,
+    _path: str,
+    _written_ns: int,
+    low: tuple[float, ...] | None,
+    high: tuple[float, ...] | None,
+    without: str,
 ) -> tuple[Solver, Remembering | None]:
     shape, memory = load_shape_model(model)
     if without == "effects":
