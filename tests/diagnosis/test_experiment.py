@@ -172,6 +172,16 @@ def test_what_has_no_name_is_looked_for_where_least_is_known(make_lab) -> None:
     assert experiment.summary["minutes"] <= 3
 
 
+def test_too_few_data_ask_for_more(make_lab) -> None:
+    """Where an effect of the tolerance could hide, a programme that visits everything twice is proposed."""
+    lab = make_lab(captures=16, chambers=1, force=True)
+    model, run = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
+    experiment = propose_experiment(run, model, tolerance=0.001, minutes=2)
+    assert experiment.summary["verdict"] == "underpowered"
+    assert 0 < experiment.summary["minutes"] <= 2
+    assert len([label for label in experiment.repeats if label]) > 2
+
+
 def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     """Nothing missing, or identified with nobody near: said in one line."""
     lab = make_lab(captures=40)
