@@ -59,7 +59,7 @@ def test_results_for_people_and_for_programs(desk, capsys):
         np.testing.assert_allclose(found, PRESSURES[entry["target"]], atol=0.5)
         assert entry["measured_mm"]["mean"] < 0.25
     html = (desk / "out" / "report.html").read_text()
-    assert html.count('"type":"mesh3d"') == 2
+    assert html.count('<div class="drawn"') == 4
     assert sorted(path.name for path in (desk / "out").iterdir()) == ["ik.json", "report.html"]
 
 
