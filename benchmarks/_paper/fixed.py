@@ -171,6 +171,7 @@ def p5(bench: Bench, seeds: int) -> dict[str, Any]:
             train_warp(ours, frames).model,
             train_warp(ours, None, scans, method="scans").model,
             train_warp(ours, frames, scans, method="both").model,
+            train_warp(ours, frames, gain_sd=1e-6).model,
         ]
         simulated = score(paper.points, held)
         mean[s, 0] = simulated.mean.mean()
@@ -206,6 +207,7 @@ def p5(bench: Bench, seeds: int) -> dict[str, Any]:
         "notes": [
             f"Mean of {seeds} plants; 40 frames, about 45 % of them incomplete; scans are brought onto the model by "
             "ICP before errors are measured, as in the paper. Asked for: at least 50 % lower on average.",
+            "The last model may not correct the pressures that count: all is learned as a field.",
         ],
         "picture": "p5.png",
     }

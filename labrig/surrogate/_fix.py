@@ -19,7 +19,7 @@ from labrig.surrogate._warp_heads import FieldHead
 from labrig.surrogate._warped import WarpedModel
 from labrig.surrogate._warped import on_grid as interpolated
 
-_GAIN_SD = 0.1
+GAIN_SD = 0.1
 """How far a chamber's pressure may count for more or less than simulated, before anything was seen."""
 _RELINEARISED = 2
 _MATCHINGS = 5
@@ -42,7 +42,7 @@ class Fixed:
     facts: dict[str, Any]
 
 
-def fix(forward: ForwardModel, frames: Frames | None, shots: list[Shot]) -> Fixed:
+def fix(forward: ForwardModel, frames: Frames | None, shots: list[Shot], gain_sd: float = GAIN_SD) -> Fixed:
     """Learn the field from the markers of `frames`, from scans, or from both, in the simulator's frame."""
     marker_uv = forward.markers(frames.marker_names) if frames is not None else np.zeros((0, 2))
     scan_uv = _scan_places() if shots else np.zeros((0, 2))
@@ -71,7 +71,7 @@ def fix(forward: ForwardModel, frames: Frames | None, shots: list[Shot]) -> Fixe
             value + from_gain,  # directions count from a gain of one
             known,
             np.moveaxis(by_gain, -1, 0),
-            np.full(len(gain), _GAIN_SD),
+            np.full(len(gain), gain_sd),
         )
         if settings is None or (frames is None and step == _AGAIN):
             settings = _settings(seen, places, len(marker_uv), of_frame, of_shot, settings)

@@ -9,7 +9,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.surface import Mesh, grid
 from labrig.surrogate._captures import Frames, Shot
-from labrig.surrogate._fix import fix
+from labrig.surrogate._fix import GAIN_SD, fix
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._kernel import Floats
 from labrig.surrogate._provenance import provenance
@@ -43,12 +43,14 @@ def train_warp(
     method: WarpMethod = "ours",
     seed: int = 0,
     calibrate: bool = True,
+    gain_sd: float = GAIN_SD,
 ) -> TrainedWarp:
     """Learn how the rig differs from the forward model.
 
     `ours` uses the markers of `frames`, `scans` scans alone, `both` both; `function` and `marker` are the source
     paper's networks N_rbf and N_mk, whose errors are measured by leaving out a quarter of the set-points at a time
-    where `calibrate`. Raises `LabrigError` when there is nothing of what the method needs.
+    where `calibrate`. `gain_sd`: how far, by labrig's methods, pressures may count otherwise than simulated. Raises
+    `LabrigError` when there is nothing of what the method needs.
     """
     shots = shots or []
     if method in ("ours", "both", "function", "marker") and frames is None:
@@ -67,7 +69,7 @@ def train_warp(
         model, left_out, facts = _paper(forward, frames, method, seed, calibrate)
     else:
         merged = None if method == "scans" or frames is None else frames.merged()
-        fixed = fix(forward, merged, [] if method == "ours" else shots)
+        fixed = fix(forward, merged, [] if method == "ours" else shots, gain_sd)
         model, left_out, facts = fixed.model, fixed.left_out_mm, fixed.facts
     simulated = np.zeros(0)
     if frames is not None:

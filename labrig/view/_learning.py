@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from labrig.view._page import Page, table
-from labrig.view._style import AFTER, BEFORE, ERROR_SCALE, GROUPS, INK, MUTED
+from labrig.view._style import AFTER, BEFORE, ERROR_SCALE, GROUPS, INK, MUTED, PAPER
 
 Floats = Any
 
@@ -36,10 +36,12 @@ def write_learning(learning: Learning, folder: str | Path) -> Path:
         page.section(title)
         cells = [[escape(cell) for cell in row] for row in rows]
         page.add(table([escape(name) for name in head], cells, ["", *["number"] * (len(head) - 1)]))
+    shown = []
     for title, path in learning.pictures.items():
-        page.section(title)
         data = base64.b64encode(path.read_bytes()).decode("ascii")
-        page.add(f'<img alt="{escape(title)}" style="max-width:100%" src="data:image/png;base64,{data}">')
+        image = f'<img alt="{escape(title)}" style="max-width:100%" src="data:image/png;base64,{data}">'
+        shown.append(f'<div class="plot"><h3>{escape(title)}</h3>{image}</div>')
+    page.add(f'<div class="plots">{"".join(shown)}</div>')
     if learning.notes:
         page.section("To know")
         page.add("".join(f"<p>{escape(line)}</p>" for line in learning.notes))
@@ -128,6 +130,6 @@ def save_figure(figure: Any, path: str | Path) -> Path:
     """Save as PNG, in one piece."""
     path = Path(path)
     partial = path.with_name(f".{os.getpid()}-{path.name}")
-    figure.savefig(partial, format="png")
+    figure.savefig(partial, format="png", facecolor=PAPER)
     partial.replace(path)
     return path
