@@ -21,6 +21,7 @@ _LEAVE_S, _LEFT_S = 0.1, 1.0
 class ExactBody(Body, Protocol):
     """A body that knows what its quick shapes lack near a set-point."""
 
+    def prepare(self, pressure_kpa: Array) -> None: ...
     def correction_mm(self, pressure_kpa: Array, deflection_mm: Array) -> Array: ...
 
 
@@ -36,6 +37,10 @@ class Attention:
         self._body = body
         self._times = [-np.inf]
         self._targets = [np.zeros(len(body.chamber_names))]
+
+    def prepare(self, pressure_kpa: Array) -> None:
+        """Solve the shape at set-points (C,) before it is needed."""
+        self._body.prepare(pressure_kpa)
 
     def command(self, time_s: float, pressure_kpa: Array) -> None:
         """Set-points (C,), kPa, are held from `time_s` on."""

@@ -113,6 +113,11 @@ class SimulatedPlant:
             if self._attention is not None:
                 self._attention.command(now_s, target)
 
+    def prepare(self, pressure_kpa: ArrayLike) -> None:
+        """Work out what takes long about set-points (C,), kPa, before it is asked for; any thread may."""
+        if self._attention is not None:
+            self._attention.prepare(np.asarray(pressure_kpa, dtype=float))
+
     def pressure_kpa(self, time_s: float) -> Array:
         """True chamber pressures, kPa, (C,)."""
         return self.pressures_kpa(np.array([time_s]))[0]

@@ -34,8 +34,15 @@ class WirePlant(Protocol):
         ...
 
 
+_HELD_S = 0.15
+
+
 class SharedPlant:
-    """Lets several threads use one plant: one at a time, and at times that never run backward."""
+    """Lets several threads use one plant: one at a time, and at times that never run backward.
+
+    A plant that takes long over the shape at a set-point (one that has `prepare`) is told of it as soon as it has been
+    held for a moment, in a thread of its own, so that streams need not wait for it.
+    """
 
     def __init__(self, plant: WirePlant, clock: Clock) -> None:
         self.plant = plant
@@ -44,6 +51,7 @@ class SharedPlant:
         self.channels = tuple(plant.channels)
         self._lock = threading.Lock()
         self._last_s = float("-inf")
+        self._soon: threading.Timer | None = None
 
     def _time_s(self) -> float:
         self._last_s = max(self._last_s, self.clock.now_s())
@@ -51,8 +59,17 @@ class SharedPlant:
 
     def command(self, pressure_kpa: NDArray[np.float64]) -> None:
         """Set-points (C,), kPa, from now on."""
+        target = np.asarray(pressure_kpa, float)
         with self._lock:
-            self.plant.command(self._time_s(), np.asarray(pressure_kpa, float))
+            self.plant.command(self._time_s(), target)
+        prepare = getattr(self.plant, "prepare", None)
+        if prepare is None:
+            return
+        if self._soon is not None:
+            self._soon.cancel()
+        self._soon = threading.Timer(_HELD_S, prepare, (target.copy(),))
+        self._soon.daemon = True
+        self._soon.start()
 
     def pressure_kpa(self) -> NDArray[np.float64]:
         """True pressures (C,), kPa, now."""

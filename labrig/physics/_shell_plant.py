@@ -8,6 +8,7 @@ far each chamber alone lifts its middle; the shape at deflections is the shell's
 import logging
 import shutil
 import tempfile
+import threading
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -102,6 +103,7 @@ class ShellBody:
         self.chamber_names = shell.chamber_names
         self.marker_names = self._exact.marker_names
         self._shapes = shapes
+        self._lock = threading.Lock()
         self._held: dict[bytes, tuple[Array, Array]] = {}
 
     @property
@@ -161,12 +163,7 @@ class ShellBody:
         """What the stand-in lacks, (F, M, 3) mm, at deflections (F, C) near those that pressures (C,) hold: from the
         shape and its slopes solved there, once.
         """
-        held = np.clip(pressure_kpa, 0.0, _BEYOND * self.shell.max_kpa)
-        if held.tobytes() not in self._held:
-            solution = self._exact.solve(held)
-            at, slope = self._exact.markers_of(solution)
-            self._held[held.tobytes()] = at, slope
-        at, slope = self._held[held.tobytes()]
+        held, (at, slope) = self._at_hold(pressure_kpa)
         step = 0.02 * self.shell.max_kpa
         moved = self.pressure_kpa(deflection_mm) - held
         nearby = np.concatenate([held[None], held + np.diag(step), held - np.diag(step)])
@@ -176,14 +173,30 @@ class ShellBody:
         lacking = slope - np.moveaxis(slope_quick, 0, -1)
         return (at - quick[0]) + np.einsum("fc,mdc->fmd", moved, lacking)
 
+    def prepare(self, pressure_kpa: Array) -> None:
+        """Solve what `correction_mm` needs at pressures (C,) ahead of time; may be called from another thread."""
+        self._at_hold(pressure_kpa)
+
+    def _at_hold(self, pressure_kpa: Array) -> tuple[Array, tuple[Array, Array]]:
+        """Pressures within what can be solved, and the markers and their slopes there."""
+        held = np.clip(pressure_kpa, 0.0, _BEYOND * self.shell.max_kpa)
+        key = held.tobytes()
+        with self._lock:
+            if key not in self._held:
+                self._held[key] = self._exact.markers_of(self._exact.solve(held))
+        return held, self._held[key]
+
     def solved_mm(self, pressure_kpa: Array) -> Array:
         """Marker positions (M, 3), mm, solved at pressures (C,)."""
-        solution = self._exact.solve(pressure_kpa)
+        with self._lock:
+            solution = self._exact.solve(pressure_kpa)
         return self.shell.spline.evaluate(solution.control_mm, self._exact.marker_uv)
 
     def mesh_at(self, deflection_mm: Array) -> Array:
         """Mesh vertices, mm, (V, 3), for chamber deflections (C,); solved."""
-        solution = self._exact.solve(self.pressure_kpa(np.asarray(deflection_mm, dtype=float)))
+        pressure = self.pressure_kpa(np.asarray(deflection_mm, dtype=float))
+        with self._lock:
+            solution = self._exact.solve(pressure)
         return self.shell.spline.evaluate(solution.control_mm, grid(*MESH)[0])
 
     @property

@@ -122,7 +122,9 @@ def _factor(
             convex, added = True, 0.0
             system.second(x, field, band, True)
         elif shift > _STIFFEST:
-            raise LabrigError("the stiffness of a shell is not finite: are its parameters, or its start, far off?")
+            raise LabrigError(
+                "the stiffness of a shell is not finite: are its parameters, or its start, far off?"
+            )
         else:
             shift = max(4.0 * shift, 0.4)
 

@@ -2,14 +2,16 @@
 
 import logging
 import os
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
-from drivers import SimulatedClock
+from drivers import RealClock, SimulatedClock
 from drivers.simulated import build_plant, hide
+from drivers.simulated._wire_plant import SharedPlant
 from labrig._errors import LabrigError
 from labrig.physics import ShellSurface, load_body, load_shell, load_surface, plant_shell
 from labrig.rig import load_rig, parse_rig
@@ -177,6 +179,27 @@ def test_streams_are_smooth_and_depend_on_commands_alone(cache):
     travel = np.linalg.norm(late - late[0], axis=-1).max()
     assert steps.max() < 0.2 * travel
     np.testing.assert_allclose(late[149], late[-1], atol=1e-3)
+
+
+def test_a_plant_on_wires_is_solved_before_it_is_asked(cache, monkeypatch):
+    """A set-point that is held is solved in the background, so that a stream finds it done; ramps are not."""
+    plant = build_plant(rig(), Path())
+    prepared: list[np.ndarray] = []
+    done = threading.Event()
+    solve = plant.prepare
+
+    def watched(pressure):
+        solve(pressure)
+        prepared.append(pressure)
+        done.set()
+
+    plant.prepare = watched
+    monkeypatch.setattr("drivers.simulated._wire_plant._HELD_S", 1.5)
+    shared = SharedPlant(plant, RealClock())
+    for level in (10.0, 20.0, 30.0):
+        shared.command(np.full(4, level))
+    assert done.wait(60.0)
+    np.testing.assert_array_equal(prepared, [np.full(4, 30.0)])
 
 
 def test_the_quick_shapes_are_near_the_solved_ones(cache):
