@@ -5,13 +5,16 @@ a Gaussian process, solved by conjugate gradients: products with the covariance 
 times one of places, and the solution for frames that were seen whole is the preconditioner.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.surrogate._field_settings import Grid, Places, Settings, Spatial
+from labrig.surrogate._field_settings import Grid, Settings, Spatial
 from labrig.surrogate._kernel import Floats
+
+_Map = Callable[[Floats], Floats]
 
 _FOLDS = 4
 _ITERATIONS = 300
@@ -146,6 +149,3 @@ def left_out(
 def coordinates(places: NDArray[np.int64]) -> NDArray[np.int64]:
     """The places of their three coordinates in flat arrays."""
     return (3 * places[:, None] + np.arange(3)).ravel()
-
-
-__all__ = ["Places", "Posterior", "Seen", "Settings", "coordinates", "infer", "left_out"]
