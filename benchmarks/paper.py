@@ -1,6 +1,6 @@
 """The source paper's experiments on the simulated rig, beside the paper's own figures.
 
-    python benchmarks/paper.py [P1 P2 ... FORWARD] [--seeds 3] [--simulations FOLDER] [--out benchmarks/RESULTS.md]
+    python benchmarks/paper.py [P1 P2 ... FORWARD] [--seeds 3] [--networks] [--simulations FOLDER] [--out RESULTS.md]
 
 P1-P6 need the `learn` extra. What was simulated, captured and measured is kept in benchmarks/out/paper and used
 again; tables of the experiments that were run, now or before, go to the sections "Paper P1-P6" and "Forward model".
@@ -42,11 +42,12 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--simulations", type=Path, help="a folder of labrig simulate, with --jacobians")
+    parser.add_argument("--networks", action="store_true", help="FORWARD: labrig's network ensembles as well")
     parser.add_argument("--folder", type=Path, default=Path("benchmarks/out/paper"))
     parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    bench = Bench(given.folder, given.workers, given.simulations)
+    bench = Bench(given.folder, given.workers, given.simulations, given.networks)
     for name in given.experiments:
         started = time.perf_counter()
         result = EXPERIMENTS[name.upper()](bench, given.seeds)

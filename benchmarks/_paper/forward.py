@@ -15,6 +15,10 @@ from .rig import Bench
 
 LAYERS, NEURONS = (1, 2, 3), (32, 64, 128, 256)
 ACROSS = 90
+_NETWORKS = (
+    ("ensemble of 3 GELU networks on modes", "network", False, 1),
+    ("the same with slopes (Sobolev)", "network", True, 1),
+)
 
 
 def p1(bench: Bench, seeds: int) -> dict[str, Any]:
@@ -90,8 +94,7 @@ def compare(bench: Bench, seeds: int) -> dict[str, Any]:
     whole = training_set(bench.simulations)
     plan = [
         ("the paper's network 9-128-128", "paper", False, seeds),
-        ("ensemble of 3 GELU networks on modes", "network", False, 1),
-        ("the same with slopes (Sobolev)", "network", True, 1),
+        *(_NETWORKS if bench.networks else ()),
         ("labrig: Gaussian process on modes", "gaussian", False, seeds),
         ("labrig with slopes", "gaussian", True, seeds),
     ]

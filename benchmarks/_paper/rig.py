@@ -93,11 +93,15 @@ def campaign(folder: Path, seed: int, captures: int, scanned: int, order: int) -
 
 @dataclass(frozen=True)
 class Bench:
-    """Simulations, forward models and campaigns, made once and kept in `folder`."""
+    """Simulations, forward models and campaigns, made once and kept in `folder`.
+
+    `networks`: compare labrig's ensembles of networks as well, which takes minutes.
+    """
 
     folder: Path
     workers: int = 2
     simulations_folder: Path | None = None
+    networks: bool = False
 
     @cached_property
     def simulations(self) -> Simulations:
