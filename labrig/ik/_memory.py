@@ -107,6 +107,7 @@ class Remembering:
             event_deflection=self._alone.at(rows.event_actuation),
             deflection_slope=self._alone.slope(rows.actuation),
             base_kind=base.kind,
+            inside=self.shape.inside(rows.actuation) if hasattr(self.shape, "inside") else {},
         )
 
     def _rows(self, path: Approach) -> "Rows":

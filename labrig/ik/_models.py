@@ -6,9 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
-    from labrig.physics import Shell, Surface
+    from labrig.physics import Shell, Solution, Surface
 
 Floats = NDArray[np.float64]
+
+_KEPT = 64
+_INSIDE = ("prestretch_", "stiffening_", "core_offset", "contact_", "gravity_")
+"""Parameters of a shell that effects of a model file stand for."""
 
 
 class ShellModel:
@@ -20,7 +24,8 @@ class ShellModel:
         self.marker_names, self.marker_uv = shell.marker_names, shell.marker_uv
         self.low_kpa = np.zeros(len(shell.max_kpa))
         self.high_kpa = shell.max_kpa
-        self._last = None
+        self._last: Solution | None = None
+        self._kept: dict[bytes, Solution] = {}
 
     def points_and_jacobian(self, pressure_kpa: Floats, uv: Floats) -> tuple[Floats, Floats]:
         """Points (P, 3) and derivatives (P, 3, C) of one equilibrium."""
@@ -40,14 +45,31 @@ class ShellModel:
         rows = np.atleast_2d(np.asarray(pressure_kpa, float))
         return np.array([self.points_and_jacobian(p, np.asarray(uv, float))[1] for p in rows])
 
-    def _solve(self, pressure_kpa: Floats):
+    def inside(self, pressure_kpa: Floats) -> dict[str, Floats]:
+        """Change of the markers, (F, 3 M), mm, by each physical parameter that an effect may stand for."""
+        names = [name for name in self.shell.parameters if name.startswith(_INSIDE)]
+        basis = self.shell.spline.basis(self.marker_uv)
+        rows = []
+        for pressure in pressure_kpa:
+            moved = self.shell.parameter_jacobian(self._solve(pressure), names)
+            rows.append((basis @ moved.reshape(self.shell.spline.size, -1)).reshape(-1, len(names)))
+        by = np.array(rows)
+        return {name: by[..., number] for number, name in enumerate(names)}
+
+    def _solve(self, pressure_kpa: Floats) -> "Solution":
         from labrig._errors import LabrigError
 
-        try:
-            self._last = self.shell.solve(pressure_kpa, self._last)
-        except LabrigError:
-            self._last = self.shell.solve(pressure_kpa)  # the last equilibrium was too far away
-        return self._last
+        pressure = np.asarray(pressure_kpa, float)
+        key = pressure.tobytes()
+        if key not in self._kept:
+            while len(self._kept) >= _KEPT:
+                self._kept.pop(next(iter(self._kept)))
+            try:
+                self._last = self.shell.solve(pressure, self._last)
+            except LabrigError:
+                self._last = self.shell.solve(pressure)  # the last equilibrium was too far away
+            self._kept[key] = self._last
+        return self._kept[key]
 
 
 class SurfaceModel:

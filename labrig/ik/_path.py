@@ -68,11 +68,12 @@ def plan_path(
     low = np.asarray(memory.shape.low_kpa if low_kpa is None else low_kpa, float)
     high = np.asarray(memory.shape.high_kpa if high_kpa is None else high_kpa, float)
     slope = np.asarray(memory.shape.jacobian(wanted[None], memory.shape.marker_uv))[0]
-    plans = [
-        _corrected(wanted, memory, slope, low, high, overshoot, dwell_s)
-        for dwell_s in dwells_s
-        for overshoot in overshoots
-    ]
+    plans: list[Plan] = []
+    for dwell_s in dwells_s:
+        for overshoot in overshoots:
+            plans.append(_corrected(wanted, memory, slope, low, high, overshoot, dwell_s))
+            if plans[-1].error_mm <= _WORTH_MM:  # what is tried after it takes longer
+                return plans[-1]
     best = min(plan.error_mm for plan in plans)
     near = [plan for plan in plans if plan.error_mm <= best + _WORTH_MM]
     return min(near, key=lambda plan: (plan.path.duration_s, plan.error_mm))
