@@ -9,7 +9,8 @@ import pytest
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
-from labrig.physics import load_shell, open_simulations, simulate
+from labrig.physics import load_model_shell, load_shell, open_simulations, simulate
+from labrig.physics._cache import cache_folder
 from labrig.physics._samples import corners, sample_pressures
 
 
@@ -173,3 +174,41 @@ def test_the_command_simulates(labrig, membrane, tmp_path):
     code, _, err = labrig("simulate", tmp_path / "own.yaml", "-o", tmp_path / "sims", "--count", 18)
     assert code == 2
     assert err.endswith("holds simulations already; --resume goes on, or name another folder\n")
+
+
+def test_a_rig_names_its_shell(membrane, tmp_path):
+    """A rig's file leads to its shell, with the rig's chambers and ranges; one without a shell is refused."""
+    (tmp_path / "own.yaml").write_text(json.dumps(membrane.content()), encoding="utf-8")
+    rig = {
+        "name": "rig",
+        "chambers": [{"name": f"p{k}", "max_kpa": 40 + k} for k in range(4)],
+        "pressure": {"kind": "simulated"},
+        "simulated": {"shell": "own.yaml"},
+    }
+    (tmp_path / "rig.yaml").write_text(json.dumps(rig), encoding="utf-8")
+    shell = load_model_shell(tmp_path / "rig.yaml")
+    assert shell.chamber_names == ("p0", "p1", "p2", "p3")
+    assert shell.max_kpa.tolist() == [40.0, 41.0, 42.0, 43.0]
+    assert load_model_shell("membrane4").chamber_names[0] == "c1"
+    assert load_model_shell(tmp_path / "own.yaml").content() == membrane.content()
+    (tmp_path / "bare.yaml").write_text(
+        json.dumps({**rig, "simulated": {"surface": "membrane"}}), encoding="utf-8"
+    )
+    with pytest.raises(LabrigError, match=r"a rig without `simulated: \{shell: \.\.\.\}`: there is no"):
+        load_model_shell(tmp_path / "bare.yaml")
+
+
+@pytest.mark.parametrize(
+    ("platform", "variable", "folder"),
+    [
+        ("linux", "XDG_CACHE_HOME", "labrig"),
+        ("win32", "LOCALAPPDATA", "labrig/cache"),
+        ("linux", "LABRIG_CACHE", ""),
+    ],
+)
+def test_the_cache_lies_where_the_system_wants_it(monkeypatch, tmp_path, platform, variable, folder):
+    """$LABRIG_CACHE comes first, then the system's own place for such things."""
+    monkeypatch.delenv("LABRIG_CACHE", raising=False)
+    monkeypatch.setattr("sys.platform", platform)
+    monkeypatch.setenv(variable, str(tmp_path))
+    assert cache_folder() == tmp_path / folder
