@@ -107,7 +107,18 @@ def begun(settings: Settings, resume: bool) -> Investigation:
 def print_closing(console: Console, investigation: Investigation) -> None:
     """The table of rounds, and where things are."""
     units = investigation.units
-    table = Table("round", "programme", "captures", "min", "verdict", "effects", f"error, {units}", "floor")
+    table = Table(
+        "round",
+        "programme",
+        "captures",
+        "min",
+        "verdict",
+        "effects",
+        f"error, {units}",
+        "floor",
+        box=None,
+        pad_edge=False,
+    )
     for each in investigation.rounds:
         names = ", ".join(each["effects"]) + (f" (or {', '.join(each['rivals'])})" if each["rivals"] else "")
         error = each["error"]

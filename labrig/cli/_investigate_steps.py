@@ -255,7 +255,7 @@ def _confirmed(
     again = _round(investigation, bench, model, console, "confirmation", procedure)
     fresh = investigation.opened()[-1]
     before, after = compare(fresh, model).summary["error"], compare(fresh, better).summary["error"]
-    floor = max(float(after["floor"]), 1e-12)
+    floor = max(float(again.summary["error"]["floor"]), 1e-12)
     drop = (before["model"] - after["model"]) / max(before["model"] - floor, 1e-12)
     investigation.confirmation = {
         "effects": effects,
