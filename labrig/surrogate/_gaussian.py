@@ -111,7 +111,7 @@ def fit_gaussian(
         nugget = np.concatenate(
             [np.full(n, noise + _NUGGET), np.repeat(noise + _SLOPE_NOISE / kernel.length**2, n)]
         )
-    matrix = np.asfortranarray(matrix)
+    matrix = matrix.T  # symmetric, and so in the order that LAPACK works in place on
     matrix[np.diag_indices(len(matrix))] += nugget
     factor, failed = dpotrf(matrix, lower=1, overwrite_a=1)
     if failed:
