@@ -73,18 +73,21 @@ def starts_agree(shell: Shell, count: int = 8) -> float:
     return worst
 
 
-def jacobian_error(shell: Shell, count: int = 3) -> float:
-    """Largest error of implicit derivatives by pressure, relative to the largest derivative of the chamber."""
-    random, worst = np.random.default_rng(5), 0.0
+def jacobian_errors(shell: Shell, count: int = 4) -> tuple[float, float]:
+    """Median and largest error of implicit derivatives by pressure, relative in the norm of a chamber's derivative.
+
+    The largest are those of chambers where a contact opens or closes within the step: there shapes have a kink.
+    """
+    random, off = np.random.default_rng(5), []
     for _ in range(count):
         at = shell.solve(random.random(len(shell.max_kpa)) * 0.9 * shell.max_kpa + 1.0)
         exact = shell.jacobian(at)
         for chamber in range(len(shell.max_kpa)):
             step = 0.1 * np.eye(len(shell.max_kpa))[chamber]
             up, down = (shell.solve(at.pressure_kpa + sign * step, at).control_mm for sign in (1, -1))
-            off = np.abs((up - down) / 0.2 - exact[..., chamber]).max()
-            worst = max(worst, float(off / np.abs(exact[..., chamber]).max()))
-    return worst
+            wrong = np.linalg.norm((up - down) / 0.2 - exact[..., chamber])
+            off.append(wrong / np.linalg.norm(exact[..., chamber]))
+    return float(np.median(off)), float(np.max(off))
 
 
 def plant_lines() -> list[str]:
@@ -145,8 +148,10 @@ def main() -> None:
             f"{PAPER_S:.0f} s) | |"
         )
         lines.append(f"| not converged; runs bit-identical | {failed}; {'yes' if same else 'no'} | 0; yes |")
+    middle, worst = jacobian_errors(shell)
     lines.append(
-        f"| implicit derivatives by pressure against differences, worst | {100 * jacobian_error(shell):.2f} % | |"
+        f"| implicit derivatives by pressure against differences over 0.2 kPa: median; worst (a contact opens) | "
+        f"{100 * middle:.2f} %; {100 * worst:.1f} % | |"
     )
     lines.append(f"| the same shape from three kinds of start, worst | {starts_agree(shell):.4f} mm | |")
     lines += plant_lines()
