@@ -1,7 +1,7 @@
 """Many targets: each read, solved and measured by itself, here, in processes or on a cluster."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -73,6 +73,8 @@ def _solve_job(job: Job) -> Solved:
     uv, triangles = grid(MEASURED, MEASURED)
     surface = result.to_target(np.asarray(shape.points(pressure[None], uv), float)[0])
     found = distances(surface, goal.mesh, goal.nearest)
+    if result.inverted:
+        found = replace(found, signed_mm=-found.signed_mm)
     signed = np.where(found.beyond, np.nan, found.signed_mm)
     return Solved(job, result, surface, triangles, signed, found.summary(), path)
 

@@ -15,18 +15,21 @@ SHAPES = 16
 
 
 def lies_near(shape: Mesh, goal: Target) -> bool:
-    """Whether the target lies where the surface is, more or less, and faces the same way."""
-    return start_score(*_few(shape), goal, not goal.mesh.is_cloud) < NEAR
+    """Whether the target lies where the surface is, more or less; either side of it may be the outside."""
+    return start_score(*_few(shape), goal, False) < NEAR
 
 
-def likeliest(shapes: list[tuple[Floats, Mesh]], goal: Target) -> list[tuple[float, Floats, Floats, Floats]]:
+def likeliest(
+    shapes: list[tuple[Floats, Mesh]], goal: Target, oriented: bool = True
+) -> list[tuple[float, Floats, Floats, Floats]]:
     """The best starts of a global search with these actuations' surfaces, best first.
 
-    Each: score, rotation and translation from the rig to the target, pressures.
+    Each: score, rotation and translation from the rig to the target, pressures. Without `oriented` a mesh's triangles
+    may face inwards.
     """
     found = []
     for pressure, shape in shapes:
-        starts = global_starts(*_few(shape), goal, not goal.mesh.is_cloud)
+        starts = global_starts(*_few(shape), goal, oriented and not goal.mesh.is_cloud)
         found += [(score, R, t, pressure) for R, t, score in starts]
     return sorted(found, key=lambda start: start[0])[:POSES]
 

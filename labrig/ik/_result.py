@@ -45,7 +45,8 @@ class IkResult:
     distance between the model's surface and the target, over the samples that have the target opposite (`share` of
     all); `signed_mm` (P,) distances at `uv` (P, 2), positive where the surface stands out, NaN where nothing is
     opposite; `sd_kpa` (C,) how far each pressure could move if what remains were chance; `iterations` over all
-    `starts`; `time_s` of the search, `prepare_s` of the target.
+    `starts`; `time_s` of the search, `prepare_s` of the target; `inverted` if the target's triangles face inwards,
+    which is allowed for.
     """
 
     chamber_names: tuple[str, ...]
@@ -65,6 +66,7 @@ class IkResult:
     time_s: float
     prepare_s: float
     history: tuple[tuple[float, float], ...] = ()
+    inverted: bool = False
     notes: tuple[str, ...] = field(default=())
     gap_facts: tuple[Any, ...] = field(default=(), repr=False)
 

@@ -99,7 +99,7 @@ class Solver:
         starts = len(found)
         for more_shapes in (False, True):
             tried = spread_actuations(self.low, self.high) if more_shapes else first[None]
-            for _, R, t, pressure in likeliest([(p, self._shape(p)) for p in tried], goal):
+            for _, R, t, pressure in likeliest([(p, self._shape(p)) for p in tried], goal, not more_shapes):
                 try:
                     state, steps = self.descent.run(goal, pressure, Pose(R.T, -R.T @ t), iterations, FAR_AWAY)
                 except LabrigError:
@@ -121,9 +121,13 @@ class Solver:
     def _result(
         self, goal: Target, state: State, history: History, starts: int, time_s: float, prepare_s: float
     ) -> IkResult:
+        from labrig.surface._kernels import vertex_normals
+
         names = self.model.chamber_names
         usable = state.usable > 0
-        signed = np.where(usable, state.plane, np.nan)
+        outwards = vertex_normals(state.points, self.triangles)
+        inverted = bool(np.einsum("pi,pi,p->", outwards, state.normal, state.usable) < 0.0)
+        signed = np.where(usable, -state.plane if inverted else state.plane, np.nan)
         absolute = np.abs(state.plane[usable])
         H, _ = self.descent.equations(state, state.scale_mm())
         slack = 1e-6 * (self.high - self.low)
@@ -148,6 +152,7 @@ class Solver:
             time_s=time_s,
             prepare_s=prepare_s,
             history=history,
+            inverted=inverted,
             gap_facts=(placed, influence, limits),
         )
 

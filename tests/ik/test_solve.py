@@ -68,6 +68,21 @@ def test_a_cloud(solver, mannequin, make_target):
     np.testing.assert_allclose(found.pressure_kpa, TRUTH, atol=1.0)
 
 
+def test_triangles_that_face_inwards(solver, mannequin, make_target):
+    """A target with its triangles the wrong way round is found, near and far; signs mean the same as ever."""
+    target = make_target(mannequin, TRUTH)
+    target = Mesh(target.vertices_mm, target.triangles[:, ::-1].copy())
+    x, _, z = target.vertices_mm.T
+    bump = 15.0 * np.exp(-((x - 30) ** 2 + (z - 250) ** 2) / 400.0)
+    bumped = Mesh(target.vertices_mm + bump[:, None] * [0, 1, 0], target.triangles)
+    near = solver.solve(bumped)
+    assert near.inverted
+    assert near.gaps[0].depth_mm < -6.0
+    far = solver.solve(target.moved(spread_rotations(9)[4], np.array([300.0, 50.0, -200.0])))
+    assert far.mean_mm < 0.15
+    assert far.inverted
+
+
 def test_limits_hold(mannequin, make_target):
     """Within narrower limits of a rig the best is at the limit, and the gap says which chamber stands against it."""
     high = np.full(9, 60.0)
