@@ -49,6 +49,8 @@ TIE_SHARE = 0.03
 SAME_SHARE = 0.015
 SAME_SHAPE = 0.95
 SAME_OF_FLOOR = 0.1
+SAME_SE = 1.5
+SIMPLER = 3.0
 GOOD_FORM = 0.97
 SMALLEST_BESIDE = 0.2
 STATIC_SHARE_FIRST = 0.3
@@ -270,10 +272,12 @@ def _simplest(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]],
             behind = chosen.score.gains - option.score.gains
             se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
             worse = _left(option) - _left(chosen)
+            free = part.freedom >= ground.streams.residual.shape[1]
             same = worse <= SAME_OF_FLOOR * ground.gate.floor_square and behind.sum() <= SAME_SHARE * worth
+            same = same and (free or behind.sum() <= SAME_SE * se)
             tied = behind.sum() <= se or (same and similarity(part, option.parts[-1]) > SAME_SHAPE)
             holder = part if best is chosen else best.parts[-1]
-            simpler = 1.5 * option.parts[-1].freedom <= holder.freedom
+            simpler = SIMPLER * option.parts[-1].freedom <= holder.freedom
             if (
                 tied
                 and simpler
