@@ -9,6 +9,7 @@ again; tables of the experiments that were run, now or before, go to the section
 import argparse
 import json
 import os
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -72,7 +73,12 @@ def write(folder: Path, out: Path) -> None:
         "",
     ]
     parts = [name for name in found if name != "FORWARD"]
-    lines = [line for name in parts for line in [*_lines(found[name]), ""]]
+    pictures = out.parent / "pictures"
+    pictures.mkdir(exist_ok=True)
+    lines = []
+    for name in parts:
+        shutil.copyfile(folder / found[name]["picture"], pictures / f"paper-{found[name]['picture']}")
+        lines += [*_lines(found[name]), "", f"![{name}](pictures/paper-{found[name]['picture']})", ""]
     if parts:
         write_section(out, PAPER, [*about, *lines[:-1]])
     if "FORWARD" in found:
