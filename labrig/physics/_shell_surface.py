@@ -21,7 +21,7 @@ from labrig.surface import grid
 Array = NDArray[np.float64]
 
 MESH = (61, 81)
-_STEP = 0.9
+_STEP = 1.9
 """Distance of the nodes at which shapes are solved, kPa; between them they are linear. Not a round number: the
 borders between nodes should not lie where set-points do."""
 _KEPT = 256
@@ -32,8 +32,8 @@ _MANY, _LONG_S, _FORMAT = 16, 3.0, 1
 class ShellSurface:
     """A rig's shell behind the same interface as `Surface`: pressures in, markers and a mesh out; no memory, no noise.
 
-    Shapes are solved at the nodes of a lattice of pressures 0.9 kPa apart, once each, and linear around them: that
-    is within a few hundredths of a millimetre of a solve, and derivatives by differences are those of the node.
+    Shapes are solved at the nodes of a lattice of pressures 1.9 kPa apart, once each, and linear around them: that
+    is within some hundredths of a millimetre of a solve, thousandths on average, and derivatives by differences are those of the node.
     Negative pressures are vented ones: air cannot pull a sheet through its core.
     """
 
