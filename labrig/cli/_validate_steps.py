@@ -86,7 +86,14 @@ def report(run: Path) -> None:
 
 def _print(summaries: Sequence[dict[str, Any]]) -> None:
     table = Table("target", "model", title="mean distance, mm")
-    for column in ("predicted", "realised", "realised - predicted", "markers", "refined (scans)"):
+    for column in (
+        "hardware's best",
+        "predicted",
+        "realised",
+        "realised - predicted",
+        "markers",
+        "refined (scans)",
+    ):
         table.add_column(column, justify="right")
     for one in summaries:
         refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
@@ -96,6 +103,7 @@ def _print(summaries: Sequence[dict[str, Any]]) -> None:
             *(
                 "-" if one[key] is None else f"{one[key]['mean']:.3f}"
                 for key in (
+                    "hardware_mm",
                     "predicted_mm",
                     "realised_mm",
                     "realised_against_predicted_mm",

@@ -8,11 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
-from labrig.ik._batch import solver_of
+from labrig.ik._batch import MEASURED, solver_of
+from labrig.ik._descent import Pose
+from labrig.ik._evaluate import ShapeModel
+from labrig.ik._models import ShellModel, SurfaceModel
+from labrig.ik._solve import Solver
 from labrig.ik._trial import Trial, make_trials
-from labrig.surface import Registration, read_mesh
+from labrig.surface import Mesh, Registration, grid, read_mesh
 
 Floats = NDArray[np.float64]
+
+_COARSE = 23
+"""Samples a side when the plant's own best is sought: each step solves the simulator anew."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +37,15 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Outcome:
-    """One target with one form of the model: what the model expected, and what came of it, attempt by attempt."""
+    """One target with one form of the model: what the model expected, and what came of it, attempt by attempt.
+
+    `hardware_mm` (V,): heights of the best that a simulated rig itself could do, had it no model; None on a real one.
+    """
 
     trial: Trial
     predicted_mm: Floats
     attempts: tuple[Attempt, ...]
+    hardware_mm: Floats | None = None
 
     @property
     def best(self) -> Attempt:
@@ -51,6 +62,7 @@ class Outcome:
             "model": self.trial.form,
             "path": self.trial.approach.name,
             "pressure_kpa": np.round(first.pressure_kpa, 3).tolist(),
+            "hardware_mm": figures(self.hardware_mm),
             "predicted_mm": figures(self.predicted_mm),
             "realised_mm": figures(realised),
             "realised_against_predicted_mm": figures(between),
@@ -126,7 +138,9 @@ def outcomes(run: str | Path) -> list[Outcome]:
             markers[label] = done.result.mean_mm  # type: ignore[union-attr]
         elif isinstance(done.step, Scan):
             scans[label] = done.result.mesh_file  # type: ignore[union-attr, assignment]
-    found = []
+    found: list[Outcome] = []
+    plant = simulated_plant(rig, Path(str(facts.get("rig_file", ""))).parent)
+    best: dict[str, Floats] = {}
     for trial in trials:
         expected = _expected_markers(trial, tuple(rig["markers"]))
         attempts = []
@@ -138,11 +152,44 @@ def outcomes(run: str | Path) -> list[Outcome]:
             error = np.linalg.norm(markers[label] - expected, axis=1)
             known = error if not attempts else np.full(len(error), np.nan)
             attempts.append(Attempt(setpoints[label], height, registration, known))
-        if attempts:
-            found.append(Outcome(trial, trial.heights(trial.predicted), tuple(attempts)))
+        if not attempts:
+            continue
+        target = trial.solved.job.target
+        if plant is not None and target not in best:
+            best[target] = hardware_best(trial, plant, low, high)
+        found.append(Outcome(trial, trial.heights(trial.predicted), tuple(attempts), best.get(target)))
     if not found:
         raise LabrigError(f"{run}: no target was realised yet")
     return found
+
+
+def simulated_plant(rig: dict[str, Any], folder: Path) -> ShapeModel | None:
+    """What a simulated rig really is, hidden effects aside; None for a real one."""
+    simulated = rig.get("simulated")
+    if not simulated:
+        return None
+    if simulated.get("shell"):
+        from labrig.physics import plant_shell
+
+        return ShellModel(plant_shell(rig, folder))
+    from labrig.physics import Surface, load_surface
+
+    surface = load_surface(rig)
+    assert isinstance(surface, Surface)
+    return SurfaceModel(surface)
+
+
+def hardware_best(trial: Trial, plant: ShapeModel, low: Floats, high: Floats) -> Floats:
+    """Heights (V,), mm, over the target, of the best that a plant can do: the yardstick of every model."""
+    result = trial.solved.result
+    assert result is not None
+    solver = Solver(plant, low, high, _COARSE)
+    begin = Pose(result.rotation, result.translation_mm)
+    starts = (np.clip(result.pressure_kpa, solver.low, solver.high), solver.half_kpa)
+    found = min((solver.solve(trial.target, begin, start) for start in starts), key=lambda one: one.mean_mm)
+    uv, triangles = grid(MEASURED, MEASURED)
+    points = np.asarray(plant.points(found.pressure_kpa[None], uv), float)[0]
+    return trial.heights(Mesh(found.to_target(points), triangles))
 
 
 def _expected_markers(trial: Trial, names: tuple[str, ...]) -> Floats:

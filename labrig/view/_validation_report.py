@@ -75,15 +75,17 @@ def _table(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
         "Absolute distances, mm: mean / 95 % / maximum over the target’s points that have the surface opposite. "
         "Markers: distance from where the model expects them, in the rig’s frame.",
     )
+    best_known = any(one["hardware_mm"] for one in summaries)
     rows = []
     for one in summaries:
         refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
-        best = min([*refined, one["realised_mm"]["mean"]]) if refined else 0.0
-        refining = f"{number(best)} with {counted(len(refined), 'scan')} more" if refined else "–"
+        closest = min([*refined, one["realised_mm"]["mean"]]) if refined else 0.0
+        refining = f"{number(closest)} with {counted(len(refined), 'scan')} more" if refined else "–"
         rows.append(
             [
                 escape(one["target"]),
                 escape(one["model"]),
+                *([_three(one["hardware_mm"])] if best_known else []),
                 _three(one["predicted_mm"]),
                 _three(one["realised_mm"]),
                 _three(one["realised_against_predicted_mm"]),
@@ -91,16 +93,15 @@ def _table(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
                 refining,
             ]
         )
-    header = [
-        "target",
-        "model",
-        "predicted",
-        "realised",
-        "realised – predicted",
-        "markers",
-        "refined on the rig",
-    ]
-    page.add(table(header, rows, ["", "", "number", "number", "number", "number", ""]))
+    best = ["hardware’s best"] if best_known else []
+    distances = ["predicted", "realised", "realised – predicted", "markers"]
+    header = ["target", "model", *best, *distances, "refined on the rig"]
+    page.add(table(header, rows, ["", "", *["number"] * (len(header) - 3), ""]))
+    if best_known:
+        page.add(
+            '<p class="about">The hardware’s best is what this simulated rig could do at most, were it asked itself: '
+            "what is left there no model can take away.</p>"
+        )
 
 
 def _three(values: dict[str, float] | None) -> str:
@@ -142,6 +143,8 @@ def _outcome(page: Page, outcome: "Outcome", summary: dict[str, Any]) -> None:
     known = np.concatenate([np.abs(height[np.isfinite(height)]) for _, height in shown])
     top = max(_LEAST_MM, float(np.quantile(known, 0.98))) if len(known) else 1.0
     maps = [(name, height, top) for name, height in shown]
+    if outcome.hardware_mm is not None:
+        maps.insert(0, ("hardware’s best", outcome.hardware_mm, top))
     if realised is not None:
         between = realised - outcome.predicted_mm
         spread = np.abs(between[np.isfinite(between)])

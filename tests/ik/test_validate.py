@@ -66,6 +66,7 @@ def test_the_loop_closes(lab):
     (found,) = outcomes(go(lab, procedure(lab)))
     summary = found.summary()
     assert summary["target"] == "a.ply"
+    assert summary["hardware_mm"]["mean"] < 0.1
     assert summary["predicted_mm"]["mean"] < 0.1
     assert summary["realised_mm"]["mean"] < 0.1
     assert summary["realised_against_predicted_mm"]["p95"] < 0.3
