@@ -17,6 +17,7 @@ COMES_NEAR = 1.25
 """A runner-up's held-out error, as a multiple of the winner's, that is worth an experiment."""
 
 FORMS = 4
+MOST_OTHERS = 4
 _NOT_PLANNED = {"as measured"}
 
 
@@ -64,13 +65,14 @@ def open_rivals(
 ) -> list[Rival]:
     """What the verdict leaves open, as explanations to tell apart.
 
-    For `confounded` what was chosen, and the same with each rival in the place where it does best; for
-    `identified` what was chosen and any runner-up whose error comes near.
+    What was chosen, and the same with each rival in the place where it does best; where one effect was chosen,
+    also any runner-up whose error alone comes near, for an experiment should not open a new doubt.
     """
     chosen = [str(n) for n in summary["effects"] if n in effects]
     others = [str(n) for n in summary["rivals"] if n in effects and n not in chosen]
-    if summary["verdict"] == "identified":
-        others = _near(summary, chosen, effects)
+    if len(chosen) == 1:
+        others += [n for n in _near(summary, chosen, effects) if n not in others]
+    others = others[:MOST_OTHERS]
     if not chosen or not others:
         return []
     wanted = {n: effects[n] for n in (*chosen, *others)}
