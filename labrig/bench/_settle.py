@@ -171,8 +171,12 @@ def settle_records(folder: Path) -> list[dict[str, Any]]:
     return out
 
 
-def settle_rows(records: list[dict[str, Any]], most: int = MOST) -> tuple[list[str], list[list[str]]]:
-    """Head and rows of the table: how many were settled, and captures and minutes that it took."""
+def settle_rows(records: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the table: how many were settled, and captures and minutes that it took.
+
+    Medians are over all campaigns, one that was not settled counting as never; means over those that every
+    strategy settled. A campaign counts once all strategies have tried it.
+    """
     head = [
         "set-points",
         "campaigns",
@@ -183,37 +187,32 @@ def settle_rows(records: list[dict[str, Any]], most: int = MOST) -> tuple[list[s
         "min, median",
         "mean",
     ]
+    by_seed: dict[int, dict[str, dict[str, Any]]] = {}
+    for record in records:
+        by_seed.setdefault(record["seed"], {})[record["strategy"]] = record
+    whole = [of for of in by_seed.values() if len(of) == len(STRATEGIES)]
+    by_all = [of for of in whole if all(r["settled"] for r in of.values())]
     rows = []
     for strategy in STRATEGIES:
-        own = [r for r in records if r["strategy"] == strategy]
-        if not own:
-            continue
-        settled = [r for r in own if r["settled"]]
-        captures = [r["captures"] if r["settled"] else most for r in own]
-        minutes = [r["minutes"] for r in settled]
+        own = [of[strategy] for of in whole]
         wrong = sum(not r["settled"] and r["verdict"] in {"identified", "multiple"} for r in own)
-        rows.append(
-            [
-                strategy,
-                str(len(own)),
-                f"{len(settled)}",
-                f"{wrong}",
-                f"{np.median(captures):.0f}",
-                f"{np.mean(captures):.1f}",
-                f"{np.median(minutes):.1f}" if minutes else "",
-                f"{np.mean(minutes):.1f}" if minutes else "",
-            ]
-        )
+        row = [strategy, str(len(own)), str(sum(r["settled"] for r in own)), str(wrong)]
+        for key, form in (("captures", ".0f"), ("minutes", ".1f")):
+            each = [r[key] if r["settled"] else np.inf for r in own]
+            middle = float(np.median(each)) if each else np.inf
+            row.append(format(middle, form) if np.isfinite(middle) else "never")
+            row.append(f"{np.mean([of[strategy][key] for of in by_all]):.1f}" if by_all else "")
+        rows.append(row)
     return head, rows
 
 
 def write_settle(records: list[dict[str, Any]], path: Path, how: str, most: int = MOST) -> None:
     """Put the table into a Markdown file under "Next experiment"; the rest of the file stays as it is."""
-    head, rows = settle_rows(records, most)
+    head, rows = settle_rows(records)
     about = (
         "Captures and minutes after which the verdict on a campaign of class `confounded` (one that did not give it "
-        f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most. Those not "
-        f"settled count as {most} captures; minutes are of those that were. Chosen: what `labrig next` proposes. "
-        "Random and even: set-points at random, and Halton points, in holds of 3.5 to 60 s."
+        f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most. Medians "
+        "are over all campaigns (not settled: never), means over those that all three settled. Chosen: what `labrig next` "
+        "proposes. Random and even: set-points at random, and Halton points, in holds of 3.5 to 60 s."
     )
     write_section(path, _HEADING, [how, "", about, "", *markdown(head, rows)])

@@ -107,7 +107,7 @@ def settle(
             f"{record['seed']:4d}  {record['truth']['effects'][0]:12s} {record['strategy']:8s} {end}"
         )
     records = settle_records(out)
-    head, rows = settle_rows(records, most)
+    head, rows = settle_rows(records)
     table = Table(*head)
     for row in rows:
         table.add_row(*row)
