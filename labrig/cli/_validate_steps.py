@@ -85,21 +85,16 @@ def report(run: Path) -> None:
 
 
 def _print(summaries: Sequence[dict[str, Any]]) -> None:
-    table = Table("target", "model", title="mean distance, mm")
-    for column in (
-        "hardware's best",
-        "predicted",
-        "realised",
-        "realised - predicted",
-        "markers",
-        "refined (scans)",
-    ):
+    table = Table(
+        "target", "model", title="mean distance from the target, mm; differ: realised from predicted"
+    )
+    for column in ("hardware", "predicted", "realised", "differ", "markers", "refined"):
         table.add_column(column, justify="right")
     for one in summaries:
         refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
         table.add_row(
             one["target"],
-            one["model"],
+            one["model"].removeprefix("the ").removesuffix(" model"),
             *(
                 "-" if one[key] is None else f"{one[key]['mean']:.3f}"
                 for key in (

@@ -63,7 +63,7 @@ def signed_map(
             "yaxis": axis,
             "zaxis": axis,
             "aspectmode": "data",
-            "camera": {"eye": {"x": 0.6, "y": 2.0, "z": 0.3}, "up": {"x": 0, "y": 0, "z": 1}},
+            "camera": {"eye": {"x": 0.66, "y": 2.25, "z": 0.32}, "up": {"x": 0, "y": 0, "z": 1}},
             "dragmode": "orbit",
         },
     )
