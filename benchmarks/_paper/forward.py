@@ -98,8 +98,8 @@ def p2_note(seeds: int, control_mm: float, vertices_mm: float) -> str:
     gained = vertices_mm / control_mm
     verdict = "confirmed" if gained > 1.5 else "not confirmed"
     return (
-        f"{seeds} seed{'s' if seeds > 1 else ''}. The paper's simulator and materials are others, so its millimetres do "
-        f"not carry over. That control points are three times better than vertices is {verdict} here (a factor of "
+        f"{seeds} seed{'s' if seeds > 1 else ''}. The paper's simulator and materials are others, so its millimetres "
+        f"do not carry over. That control points are three times better than vertices is {verdict} here (a factor of "
         f"{gained:.1f}): a spline is what is simulated, with no fitting error, and both outputs are linear in the last "
         "layer; what control points are for is that any place of the surface has a derivative."
     )
