@@ -8,6 +8,7 @@ from labrig.physics._shell_terms import (
     THICKNESS,
     air,
     bending,
+    compiled,
     foundation,
     interlayer,
     jit,
@@ -16,7 +17,7 @@ from labrig.physics._shell_terms import (
 )
 
 
-@jit
+@compiled
 def assemble(
     moved, rest, free, node, basis, area, points_per_element,
     core, outward, rest_curvature, pressure, seam, inner, intact,

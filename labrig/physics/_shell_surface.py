@@ -32,9 +32,9 @@ _MANY, _LONG_S, _FORMAT = 16, 3.0, 1
 class ShellSurface:
     """A rig's shell behind the same interface as `Surface`: pressures in, markers and a mesh out; no memory, no noise.
 
-    Shapes are solved at the nodes of a lattice of pressures 1.9 kPa apart, once each, and linear around them: that
-    is within some hundredths of a millimetre of a solve, thousandths on average, and derivatives by differences are those of the node.
-    Negative pressures are vented ones: air cannot pull a sheet through its core.
+    Shapes are solved at the nodes of a lattice of pressures 1.9 kPa apart, once each, and linear around them: that is
+    within some hundredths of a millimetre of a solve, thousandths on average, and derivatives by differences are those
+    of the node. Negative pressures are vented ones: air cannot pull a sheet through its core.
     """
 
     def __init__(self, shell: Shell, marker_names: Sequence[str] = ()) -> None:

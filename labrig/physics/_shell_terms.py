@@ -14,7 +14,10 @@ import math
 import numba
 
 _OPTIONS = {"fastmath": True, "cache": True, "nogil": True, "error_model": "numpy"}
-jit = numba.njit(**_OPTIONS)
+compiled = numba.njit(**_OPTIONS)
+jit = numba.njit(**_OPTIONS, forceinline=True)
+"""All but the outermost function are put into it: else which copy of them runs, and so the last bits of a result,
+would depend on whether the code was compiled now or came from the cache."""
 
 MODULUS, THICKNESS, STIFFENING, WEIGHT = range(4)
 """Columns of `layers`: shear modulus, kPa; thickness, mm; exponential stiffening; weight per area, kPa."""
