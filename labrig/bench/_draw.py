@@ -66,6 +66,7 @@ def draw(name: str, seed: int, without: tuple[str, ...] = (), captures: int | No
     base = _base(what, body, programme, floor, random)
 
     dataset = _measure(body, hidden, plan, programme, what.spoil, random)
+    dataset.attrs["start_s"] = 0.0
     again = make_plan("holds", random, max_kpa, 120, repeats=False, long_share=0.15)
     clean = Spoil(row=what.spoil.row, capture=what.spoil.capture)
     fresh = _measure(body, hidden, again, _programme(again), clean, random)
@@ -183,7 +184,9 @@ def _later(
         row_s=programme.row_s + start_s,
         tilt_deg=programme.tilt_deg,
     )
-    return _measure(body, hidden, after, whole, how, random)
+    measured = _measure(body, hidden, after, whole, how, random)
+    measured.attrs["start_s"] = start_s
+    return measured
 
 
 def _measure(

@@ -9,10 +9,10 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
 from labrig.diagnosis._experiment_plan import Limits, Point, Probe, repeat_labels
-from labrig.diagnosis._experiment_probes import by_hand, canonical
+from labrig.diagnosis._experiment_probes import by_hand, canonical, on_few_levels
 from labrig.diagnosis._experiment_rivals import open_rivals
 from labrig.diagnosis._experiment_score import Judge, Problem, Sums
-from labrig.diagnosis._experiment_search import Choice, points_of, search_programme
+from labrig.diagnosis._experiment_search import CHANGES, Choice, points_of, search_programme
 from labrig.diagnosis._experiment_unknown import search_unknown
 from labrig.effects import Effect, Rows
 from labrig.model import Model
@@ -109,8 +109,11 @@ def propose_experiment(
         )
     problem = Problem(streams, context, model.predictor(rows), rivals, limits)
     seeds = canonical(context, limits.rest)
+    slow = bool(context.inside)  # a simulator that solves for each set-point
+    if slow:
+        seeds = on_few_levels(seeds, limits.rest)
     if rivals:
-        choice = search_programme(problem, seeds, 60 * minutes)
+        choice = search_programme(problem, seeds, 60 * minutes, changes=0 if slow else CHANGES)
         if choice is None:
             raise _nothing_tells(found, rivals, effects, minutes)
         return _named(problem, choice, found, effects, minutes)

@@ -12,6 +12,9 @@ from labrig.effects._rows import TRANSIENT_S, Floats
 
 SLEW_PER_S = 100.0
 SETTLE_S = 1.0
+PAUSE_S = 600.0
+"""From the run to the programme, s."""
+
 START_S = 2.0
 """From the vent with which every run begins to its first actuation, s."""
 
@@ -147,6 +150,7 @@ def planned_rows(
         event_session=np.array(event_session, dtype=np.int64),
         sessions=tuple(f"planned {i + 1}" for i in range(len(programmes))),
         repeat=tuple("" for _ in range(capture + 1)),
+        start_s=template.start_s + float(np.nanmax(template.time_s, initial=0.0)) + PAUSE_S,
         covariates={name: _as_before(cov, n) for name, cov in template.covariates.items()},
         warnings=(),
     )

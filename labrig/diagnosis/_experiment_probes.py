@@ -20,6 +20,7 @@ _WAITS_S = (60.0, 180.0)
 _LEVELS = (0.4, HIGHEST)
 _STEPS = (0.15, 0.3, 0.45, 0.6, 0.75, HIGHEST)
 _MOST_PAIRS = 4
+_COARSE, _FEW_SCATTERED = 0.3, 2
 _RANDOM_PROBES, _RANDOM_POINTS = 4, 4
 
 BY_HAND = {
@@ -133,6 +134,23 @@ def _scattered(rest: tuple[float, ...], random: np.random.Generator) -> Iterator
         shares: Floats = random.uniform(0.05, HIGHEST, (_RANDOM_POINTS, len(rest)))
         points = tuple(Point(tuple(np.round(s, 2).tolist()), _SHORT_S) for s in shares)
         yield Probe(f"scattered set-points {number + 1}", "static errors", (*points, Point(rest, _REST_S)))
+
+
+def on_few_levels(probes: Sequence[Probe], rest: tuple[float, ...]) -> list[Probe]:
+    """The same probes on three levels, few of them scattered: for a base that takes seconds for each set-point."""
+    out = []
+    for probe in probes:
+        points: list[Point] = []
+        for point in probe.points:
+            share = tuple(
+                round(r + _COARSE * round((s - r) / _COARSE), 4)
+                for s, r in zip(point.share, rest, strict=True)
+            )
+            if not points or points[-1].share != share or point.hold_s > _SHORT_S:
+                points.append(Point(share, point.hold_s, point.settle_s))
+        out.append(Probe(probe.name, probe.separates, tuple(points)))
+    scattered = [p for p in out if p.name.startswith("scattered")]
+    return [p for p in out if p not in scattered[_FEW_SCATTERED:]]
 
 
 def moves(probe: Probe, rest: tuple[float, ...]) -> list[Probe]:

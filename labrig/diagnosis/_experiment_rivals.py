@@ -139,7 +139,12 @@ def join_contexts(run: Context, planned: Context) -> Context:
         name: np.concatenate([getattr(run, name), getattr(planned, name)])
         for name in ("base", "jacobian", "deflection", "event_deflection", "deflection_slope")
     }
-    return replace(run, rows=rows, _memo={}, **both)
+    inside = {
+        name: np.concatenate([change, planned.inside[name]])
+        for name, change in run.inside.items()
+        if name in planned.inside
+    }
+    return replace(run, rows=rows, inside=inside, _memo={}, **both)
 
 
 def _as_the_run(planned: Rows, run: Rows) -> Rows:

@@ -19,7 +19,7 @@ LEAST_RATE = 0.3
 """What a further visit must be worth per minute, beside what all visits so far are worth per minute."""
 
 STARTS_S = (0.0, 120.0, 360.0)
-_CHANGES = 2
+CHANGES = 2
 _BETTER = 1.02
 
 
@@ -32,13 +32,15 @@ class Choice:
     worth: float
 
 
-def search_programme(problem: Problem, seeds: Sequence[Probe], budget_s: float) -> Choice | None:
+def search_programme(
+    problem: Problem, seeds: Sequence[Probe], budget_s: float, changes: int = CHANGES
+) -> Choice | None:
     """The probes that separate the rivals of a problem best per minute; None where nothing tells them apart."""
     probes = [p for p in seeds if p.seconds(problem.limits) <= budget_s]
     chosen = _from(problem, probes, budget_s)
     if chosen is None:
         return None
-    for _ in range(_CHANGES):
+    for _ in range(changes):
         kept = list(chosen.probes)
         tried = [m for p in kept for m in moves(p, problem.limits.rest)]
         probes = [*kept, *(p for p in tried if p.seconds(problem.limits) <= budget_s)]

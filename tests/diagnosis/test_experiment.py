@@ -9,6 +9,7 @@ import pytest
 from labrig import LabrigError
 from labrig.diagnosis import Experiment, Limits, diagnose, plan_next, propose_experiment
 from labrig.diagnosis._experiment_plan import Point, Probe, repeat_labels
+from labrig.diagnosis._experiment_probes import on_few_levels
 
 ROWS_S = (1.2, 2.0, 3.0, 4.0)
 Values = Callable[[Any], np.ndarray]
@@ -246,6 +247,15 @@ def test_repeats_are_the_same_hold_after_the_same_one() -> None:
     labels = repeat_labels(points, rest)
     assert labels[1] == labels[3] != ""
     assert labels[0] == labels[2] == labels[4] == labels[5] == ""
+
+
+def test_few_levels_for_a_base_that_is_slow() -> None:
+    """Set-points are moved to thirds, and the same one is not visited twice on end; long holds stay."""
+    rest = (0.0, 0.1)
+    points = (Point((0.15, 0.1), 4.0), Point((0.3, 0.1), 4.0), Point((0.9, 0.1), 60.0), Point(rest, 4.0))
+    (probe,) = on_few_levels([Probe("c1: steps", "s", points)], rest)
+    assert [p.share for p in probe.points] == [(0.0, 0.1), (0.3, 0.1), (0.9, 0.1), (0.0, 0.1)]
+    assert 60.0 in [p.hold_s for p in probe.points]
 
 
 def test_a_probe_knows_how_long_it_takes() -> None:
