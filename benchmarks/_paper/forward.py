@@ -42,7 +42,7 @@ def p1(bench: Bench, seeds: int) -> dict[str, Any]:
         "head": ["hidden layers", *(f"{n} neurons" for n in NEURONS)],
         "rows": rows,
         "notes": [
-            f"Mean of {seeds} seeds (splits and weights). The paper chose 2 x 128 as the balance of error and cost. "
+            f"{seeds} seed{'s' if seeds > 1 else ''} (splits and weights). The paper chose 2 x 128 as the balance of error and cost. "
             f"Here: 2 x 128 has {worst[:, 1, 2].mean():.2f} mm at most; the smallest is {worst.mean(axis=0).min():.2f}."
         ],
         "picture": "p1.png",
