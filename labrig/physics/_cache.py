@@ -60,7 +60,7 @@ class NodeCache:
 
     def write(self, nodes: Mapping[Node, tuple[Array, Array]]) -> None:
         """Keep some more."""
-        arrays = {
+        arrays: dict[str, Any] = {
             "node": np.array(list(nodes)),
             "at_mm": np.stack([at for at, _ in nodes.values()]),
             "slope": np.stack([slope for _, slope in nodes.values()]),
@@ -68,7 +68,7 @@ class NodeCache:
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile(dir=self._folder, prefix="making-", delete=False) as file:
-                np.savez(file, allow_pickle=False, **arrays)
+                np.savez(file, **arrays)
             Path(file.name).replace(self._folder / f"nodes-{_digest(arrays['node'].tolist())}.npz")
         except OSError:
             return
