@@ -233,6 +233,7 @@ def test_deflections_and_pressures_belong_together(cache):
 def test_the_plants_shapes_are_solved_once(cache, caplog):
     """A second plant of the same rig reads what the first one solved; a spoilt cache is made again."""
     load_body(rig()).deflection_mm(np.zeros(4))
+    caplog.clear()
     with caplog.at_level(logging.WARNING, "labrig.physics"):
         load_body(rig()).deflection_mm(np.zeros(4))
         assert caplog.messages == []
