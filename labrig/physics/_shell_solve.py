@@ -29,7 +29,7 @@ _LEAST_LOAD = 0.02
 _LONGEST_MM = 25.0
 _STIFFEST = 1e12
 _NEWTON_STEPS, _QUASI_STEPS = 60, 300
-_MEMORY, _PATIENCE, _EXPECTED = 12, 4, 0.05
+_MEMORY, _PATIENCE, _EXPECTED = 12, 8, 0.1
 """L-BFGS: vectors kept; after so many steps the force should have fallen to this part, or a new factor is made."""
 
 
