@@ -188,9 +188,9 @@ def change_of(context: Context, chosen: Fit) -> Floats:
     return change
 
 
-def stays_plausible(joint: Fit) -> bool:
-    """Whether each part's values stay within bounds when all are fitted together."""
-    for i, part in enumerate(joint.parts):
+def stays_plausible(joint: Fit, first: int = 0) -> bool:
+    """Whether each part's values, from the part `first` on, stay within bounds when all are fitted together."""
+    for i, part in list(enumerate(joint.parts))[first:]:
         own = order_of([p.columns for p in joint.parts])[i]
         s = joint.score
         sub = Score(s.gains, s.beta[own], s.fold_beta[:, own], s.covariance[np.ix_(own, own)], s.ridge)

@@ -173,7 +173,7 @@ def _forward(ground: Ground, start: Fit | None, signs: Floats) -> Fit | None:
     while chosen is None or len(chosen.parts) < MAX_EFFECTS:
         if chosen is not None:
             found |= _look_again(ground.streams, chosen, found)
-        best = _best_addition(chosen, found)
+        best = _best_addition(chosen, found, fixed)
         if best is None or not earns(ground, chosen, best):
             break
         if chosen is not None:
@@ -203,7 +203,7 @@ def _two_for_one(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate
     best = chosen
     for a, b in combinations(names, 2):
         option = fit([*kept, found[a][0], found[b][0]])
-        if option.score.gain > best.score.gain and stays_plausible(option):
+        if option.score.gain > best.score.gain and stays_plausible(option, fixed):
             best = option
     if best is chosen or not earns(ground, chosen, best):
         return chosen
@@ -256,8 +256,9 @@ def _options(chosen: Fit | None, found: Mapping[str, list[Candidate]], leave: in
     return [fit([*parts, c]) for name, forms in found.items() if name not in taken for c in forms]
 
 
-def _best_addition(chosen: Fit | None, found: Mapping[str, list[Candidate]]) -> Fit | None:
-    options = [f for f in _options(chosen, found) if stays_plausible(f)]
+def _best_addition(chosen: Fit | None, found: Mapping[str, list[Candidate]], fixed: int) -> Fit | None:
+    """The best of all plausible additions; how far the `fixed` parts went had been settled on their own ground."""
+    options = [f for f in _options(chosen, found) if stays_plausible(f, fixed)]
     return max(options, key=lambda f: f.score.gain, default=None)
 
 
@@ -282,7 +283,7 @@ def _simplest(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]],
                 tied
                 and simpler
                 and option.parts[-1].effect.name != part.effect.name
-                and stays_plausible(option)
+                and stays_plausible(option, fixed)
             ):
                 best = option
         if best is not chosen:
@@ -299,7 +300,7 @@ def _swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
                 rises = option.score.gains - better.score.gains
                 same = option.parts[-1].effect.name == chosen.parts[i].effect.name
                 se = 0.0 if same else float(np.sqrt(len(rises)) * rises.std(ddof=1))
-                if rises.sum() > se and stays_plausible(option):
+                if rises.sum() > se and stays_plausible(option, fixed):
                     better = option
         if better is chosen:
             return chosen

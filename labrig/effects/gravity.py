@@ -7,6 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._inside import inside
+from labrig.effects._rows import Floats
 
 _PAYLOAD = {"kg", "g", "gram", "kilogram", "N", "newton", "mN"}
 _ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
@@ -43,17 +44,29 @@ class Gravity(Effect):
             loads = np.stack(features, axis=1)
             yield Variant("payload or tilt", (Term.pattern("sag", loads),))
             if context.base_kind != "static":  # a static map has a constant of its own
-                yield Variant(
-                    "own weight too", (Term.pattern("sag", np.column_stack([loads, np.ones(len(loads))])),)
-                )
+                own = np.column_stack([loads, np.ones(len(loads))])
+                yield Variant("own weight too", (Term.pattern("sag", own),))
+                if context.rows.rest_mm is not None and context.moves:
+                    along = np.stack([yielding for _, yielding in self._yielding(context)], axis=-1)
+                    fields = (along[..., None] * own[:, None, None]).reshape(*along.shape[:2], -1)
+                    yield Variant(
+                        "own weight too, more where compliant",
+                        (Term.pattern("sag", own), Term.field("weight", fields)),
+                    )
             return
         if context.rows.rest_mm is None or not context.moves:
             return
         yield from inside(context, acceleration="gravity_")
+        for letter, along in self._yielding(context):
+            yield Variant(f"own weight along {letter}", (Term.field("weight", along),))
+
+    @staticmethod
+    def _yielding(context: Context) -> Iterator[tuple[str, Floats]]:
+        """How far each observable gives way to a weight along x, y and z, as the surface is inflated, (F, K)."""
         compliance = np.abs(context.jacobian).sum(axis=2)
         for m in np.unique(context.rows.marker[context.rows.marker >= 0]):
             own = context.rows.marker == m
             compliance[:, own] = compliance[:, own].mean(axis=1, keepdims=True)
         for a, letter in enumerate("xyz"):
             along = np.where(context.rows.axis == a, compliance, 0.0) * context.span.mean()
-            yield Variant(f"own weight along {letter}", (Term.field("weight", along),))
+            yield letter, along
