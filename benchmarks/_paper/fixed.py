@@ -157,6 +157,7 @@ def p5(bench: Bench, seeds: int) -> dict[str, Any]:
         "labrig, markers",
         "labrig, 10 scans, no markers",
         "labrig, markers and 10 scans",
+        "labrig, markers, pressures as simulated",
     )
     cut = np.zeros((seeds, 4, len(names)))
     cut_largest = np.zeros_like(cut)

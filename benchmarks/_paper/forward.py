@@ -42,8 +42,8 @@ def p1(bench: Bench, seeds: int) -> dict[str, Any]:
         "head": ["hidden layers", *(f"{n} neurons" for n in NEURONS)],
         "rows": rows,
         "notes": [
-            f"{seeds} seed{'s' if seeds > 1 else ''} (splits and weights). The paper chose 2 x 128 as the balance of error and cost. "
-            f"Here: 2 x 128 has {worst[:, 1, 2].mean():.2f} mm at most; the smallest is {worst.mean(axis=0).min():.2f}."
+            f"{seeds} seed{'s' if seeds > 1 else ''} (splits and weights). The paper chose 2 x 128 as the balance of "
+            f"error and cost. Here: 2 x 128 has {worst[:, 1, 2].mean():.2f} mm at most; the smallest is {worst.mean(axis=0).min():.2f}."
         ],
         "picture": "p1.png",
     }
