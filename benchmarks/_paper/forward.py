@@ -43,7 +43,8 @@ def p1(bench: Bench, seeds: int) -> dict[str, Any]:
         "rows": rows,
         "notes": [
             f"{seeds} seed{'s' if seeds > 1 else ''} (splits and weights). The paper chose 2 x 128 as the balance of "
-            f"error and cost. Here: 2 x 128 has {worst[:, 1, 2].mean():.2f} mm at most; the smallest is {worst.mean(axis=0).min():.2f}."
+            f"error and cost. Here: 2 x 128 has {worst[:, 1, 2].mean():.2f} mm at most; the smallest is "
+            f"{worst.mean(axis=0).min():.2f}."
         ],
         "picture": "p1.png",
     }
