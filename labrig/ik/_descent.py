@@ -125,7 +125,7 @@ class Descent:
         offset, normal = np.empty((count, 3)), np.empty((count, 3))
         plane, usable = np.empty(count), np.empty(count)
         _kernels.pairs(
-            points, rotation, translation, index, mesh.vertices_mm, mesh.normals, mesh.border,
+            points, rotation, translation, index, mesh.vertices_mm, mesh.normals, mesh.inwardness,
             offset, plane, normal, usable,
         )  # fmt: skip
         return State(pressure, rotation, translation, points, slope, offset, plane, normal, usable)
@@ -148,34 +148,41 @@ class Descent:
         if state.usable.sum() < 0.02 * len(state.usable):
             raise LabrigError(NOWHERE)
         damping, left = _FIRST_DAMPING, rough.steps
+        best, lowest = state, np.inf
         history = [(time.perf_counter() - began, state.mean_mm())]
         for _ in range(iterations):
-            following, damping = self._step(goal, state, damping, rough.sliding if left > 0 else 0.0)
-            gain = 0.0 if following is None else 1.0 - following.cost / state.cost
+            following, gain, damping = self._step(goal, state, damping, rough.sliding if left > 0 else 0.0)
             if following is not None:
                 state, damping = following, max(damping / 5.0, _LEAST_DAMPING)
                 history.append((time.perf_counter() - began, state.mean_mm()))
+                if left == 0 and history[-1][1] < lowest:
+                    best, lowest = state, history[-1][1]
             if gain < _STILL and left == 0:
                 break
             left = max(0, left - 1) if gain > rough.enough else 0
-        state.cost = self._cost(state, state.scale_mm(), 0.0)
+        state = best if lowest < np.inf else state
+        state.cost = self._cost(state, state, state.scale_mm(), 0.0)
         return state, tuple(history)
 
-    def _cost(self, state: State, scale_mm: float, sliding: float) -> float:
+    def _cost(self, state: State, other: State, scale_mm: float, sliding: float) -> float:
+        """The cost of a state over the pairs that are usable in another one, too."""
         from labrig.ik import _kernels
 
-        return float(_kernels.cost_of(state.offset, state.plane, state.usable, scale_mm, sliding))
+        both = state.offset, state.plane, state.usable, other.usable
+        return float(_kernels.cost_of(*both, scale_mm, sliding))
 
-    def _step(self, goal: Target, state: State, damping: float, sliding: float) -> tuple[State | None, float]:
-        """The next state, None if no step is better; and the damping that it took."""
+    def _step(
+        self, goal: Target, state: State, damping: float, sliding: float
+    ) -> tuple[State | None, float, float]:
+        """The next state, None if no step is better; the share of the cost that it takes away; its damping."""
         from labrig.ik import _kernels
 
         scale = state.scale_mm()
-        state.cost = self._cost(state, scale, sliding)
+        cost = self._cost(state, state, scale, sliding)
         H, g = self.equations(state, scale, sliding)
         for number in range(2 if sliding > 0 else _TRIES):
             step = _kernels.bounded_step(H, g, damping, state.pressure, self.low, self.high)
-            promised = -(2.0 * g @ step + step @ H @ step) / (state.usable.sum() * state.cost + 1e-300)
+            promised = -(2.0 * g @ step + step @ H @ step) / (state.usable.sum() * cost + 1e-300)
             if promised < (_STILL if number == 0 else _HARDLY):
                 break
             turn = rotation_of(step[-6:-3])
@@ -185,8 +192,9 @@ class Descent:
                 turn @ state.rotation,
                 turn @ (state.translation - self.middle) + self.middle + step[-3:],
             )
-            moved.cost = self._cost(moved, scale, sliding)
-            if moved.cost < state.cost:
-                return moved, damping
+            # at borders pairs come and go: only those that both have can be compared
+            gain = 1.0 - self._cost(moved, state, scale, sliding) / self._cost(state, moved, scale, sliding)
+            if gain > 0.0:
+                return moved, gain, damping
             damping *= 10.0
-        return None, damping
+        return None, 0.0, damping

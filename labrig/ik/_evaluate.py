@@ -171,23 +171,37 @@ class Warped:
         self._surface = Reduced(model.forward, uv)
         self._centers = Reduced(model.forward, np.asarray(model.marker_uv, float))
         self._latent = self._surface.latent
-        self._state = model.warp_state
+        self._model = model
+        self._quick = getattr(getattr(model, "head", None), "kind", "") == "field"
         self._c = float(model.c)
 
     def __call__(self, pressure_kpa: Floats) -> tuple[Floats, NDArray[Any]]:
         latent = self._latent(pressure_kpa)
         value, slope = self._surface.at(*latent)
         q, dq = (x.astype(float) for x in self._centers.at(*latent))
-        coefficients, by_pressure = self._state(pressure_kpa)
-        return self._warped(
-            value, slope, q, dq, np.asarray(coefficients, float), np.asarray(by_pressure, float)
-        )
+        coefficients, by_pressure = self._coefficients(pressure_kpa, latent, q, dq)
+        return self._warped(value, slope, q, dq, coefficients, by_pressure)
+
+    def _coefficients(
+        self, pressure_kpa: Floats, latent: tuple[Floats, Floats], q: Floats, dq: Floats
+    ) -> tuple[Floats, Floats]:
+        """The warp's coefficients and their derivatives, without evaluating the forward model once more."""
+        if not self._quick:
+            return tuple(np.asarray(x, float) for x in self._model.warp_state(pressure_kpa))  # type: ignore[return-value]
+        from labrig.surrogate._warp_heads import State
+
+        forward = self._model.forward
+        span = forward.high_kpa - forward.low_kpa
+        x = (pressure_kpa - forward.low_kpa) / span
+        state = State(x, latent[0], latent[1] * span, q, dq * span, self._c)
+        coefficients, change = self._model.head.coefficients(state)
+        return coefficients, change / span
 
     def points(self, pressure_kpa: Floats) -> NDArray[Any]:
         latent, by_pressure = self._latent(pressure_kpa)
         value, _ = self._surface.at(latent, by_pressure[:, :0])
-        q, _ = self._centers.at(latent, by_pressure[:, :0])
-        coefficients, _ = self._state(pressure_kpa)
+        q, dq = (x.astype(float) for x in self._centers.at(latent, by_pressure))
+        coefficients, _ = self._coefficients(pressure_kpa, (latent, by_pressure), q, dq)
         q32, beta = q.astype(np.float32), np.asarray(coefficients[4:], np.float32)
         middle = q32.mean(axis=0)
         x, y = value - middle, q32 - middle

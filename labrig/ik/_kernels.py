@@ -78,11 +78,12 @@ def warp_slopes(value, slope, gradient, table, affine_slope, moved_slope):
 
 
 @njit(cache=True)
-def pairs(points, rotation, translation, index, vertices, normals, border, offset, plane, normal, usable):
+def pairs(points, rotation, translation, index, vertices, normals, inwardness, offset, plane, normal, usable):
     """Offsets of points from their nearest target vertices, in the rig's frame.
 
     Target to rig: x -> rotation x + translation. Fills offset (P, 3), plane (P,) = normal . offset, normal (P, 3) and
-    usable (P,): 0 where the nearest vertex is on the border.
+    usable (P,): 0 where the nearest vertex is on the border, rising to 1 away from it, so that no pair comes or goes at
+    once.
     """
     for p in range(len(points)):
         i = index[p]
@@ -95,7 +96,7 @@ def pairs(points, rotation, translation, index, vertices, normals, border, offse
             offset[p, d] = points[p, d] - foot
             normal[p, d] = turned
         plane[p] = normal[p, 0] * offset[p, 0] + normal[p, 1] * offset[p, 1] + normal[p, 2] * offset[p, 2]
-        usable[p] = 0.0 if border[i] else 1.0
+        usable[p] = inwardness[i]
 
 
 @njit(cache=True)
@@ -111,15 +112,19 @@ def scale_of(plane, usable):
 
 
 @njit(cache=True)
-def cost_of(offset, plane, usable, scale, sliding):
-    """Mean robust cost per usable pair, mm^2 (Geman-McClure of width `scale`), tangential part times `sliding`."""
+def cost_of(offset, plane, usable, also, scale, sliding):
+    """Mean robust cost per pair, mm^2 (Geman-McClure of width `scale`), tangential part times `sliding`.
+
+    Pairs count that are usable here and `also` (P,) somewhere else.
+    """
     total, count = 0.0, 0.0
     for p in range(len(plane)):
-        if usable[p] > 0:
+        weight = usable[p] * also[p]
+        if weight > 0:
             square = offset[p, 0] ** 2 + offset[p, 1] ** 2 + offset[p, 2] ** 2
             error = plane[p] ** 2 + sliding * square
-            total += usable[p] * error / (1.0 + error / scale**2)
-            count += usable[p]
+            total += weight * error / (1.0 + error / scale**2)
+            count += weight
     return total / count if count > 0 else np.inf
 
 

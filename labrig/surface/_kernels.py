@@ -65,6 +65,26 @@ def border_vertices(count, triangles):
     return total != 0
 
 
+@njit(cache=True)
+def rings_from_border(border, triangles, most):
+    """How many edges each vertex is away from the border, (V,), `most` at most."""
+    ring = np.where(border, 0, most)
+    for _ in range(most - 1):
+        changed = False
+        for t in range(len(triangles)):
+            a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+            nearest = min(ring[a], min(ring[b], ring[c])) + 1
+            if ring[a] > nearest:
+                ring[a], changed = nearest, True
+            if ring[b] > nearest:
+                ring[b], changed = nearest, True
+            if ring[c] > nearest:
+                ring[c], changed = nearest, True
+        if not changed:
+            break
+    return ring
+
+
 @njit(cache=True, inline="always")
 def _row(array, i):
     return (array[i, 0], array[i, 1], array[i, 2])

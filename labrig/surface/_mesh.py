@@ -15,6 +15,8 @@ Ints = NDArray[np.int64]
 
 NEIGHBOURS = 20
 """Points whose plane gives a cloud its normals."""
+RAMP = 4
+"""Edges from the border on which pairs count in full."""
 _MM_SIZES, _M_SIZES = (30.0, 5000.0), (0.03, 5.0)
 _DEBRIS = 0.02
 _BORDER_OFFSET = 0.28
@@ -55,6 +57,15 @@ class Mesh:
         from labrig.surface._kernels import border_vertices
 
         return border_vertices(len(self.vertices_mm), self.triangles)
+
+    @cached_property
+    def inwardness(self) -> Floats:
+        """How far each vertex is from the border, (V,): 0 on it, 1 from `RAMP` edges on; a cloud has only these two."""
+        if self.is_cloud:
+            return 1.0 - self.border
+        from labrig.surface._kernels import rings_from_border
+
+        return rings_from_border(self.border, self.triangles, RAMP) / RAMP
 
     @cached_property
     def spacing_mm(self) -> float:
