@@ -157,7 +157,7 @@ def read_mapping(path: Path) -> Mapping:
             f"{path}{where}: is not YAML ({getattr(error, 'problem', 'unreadable')})"
         ) from error
     if not isinstance(content, dict):
-        raise LabrigError(f"{path}: is empty or not a mapping; see docs/howto-your-data.md")
+        raise LabrigError(f"{path}: is empty or not a mapping; see docs/how-to/your-data.md")
     try:
         mapping = Mapping.model_validate(content)
     except ValidationError as error:

@@ -20,8 +20,8 @@ from labrig.model import read_model_file
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = (
     "tutorial-hidden-effect.md",
-    "howto-your-data.md",
-    "howto-add-an-effect.md",
+    "how-to/your-data.md",
+    "how-to/add-an-effect.md",
     "reference/mapping.md",
     "reference/model.md",
     "reference/diagnosis.md",
@@ -80,7 +80,7 @@ def test_the_tutorial(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_your_data(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """The smallest case works as it is written."""
-    printed = follow("howto-your-data.md", labrig, monkeypatch)
+    printed = follow("how-to/your-data.md", labrig, monkeypatch)
     assert printed["labrig import --mapping map.yaml -o run"] == (
         "run: 12 captures, 1 actuated, 1 observables, 1 session(s)\n"
     )
@@ -89,7 +89,7 @@ def test_your_data(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_an_effect_of_your_own(labrig: Run, monkeypatch: pytest.MonkeyPatch, make_lab) -> None:
     """The page's effect is found in data in which the weather moves the pressures, and its share comes back."""
-    page = "howto-add-an-effect.md"
+    page = "how-to/add-an-effect.md"
     printed = follow(page, labrig, monkeypatch)
     shown = printed["labrig effects show barometer"]
     assert shown.startswith(

@@ -191,7 +191,7 @@ def test_a_mapping_that_is_no_yaml(desk: Path, labrig: Run) -> None:
 def test_a_mapping_that_is_no_mapping(desk: Path, labrig: Run, text: str) -> None:
     """A list, a text or nothing at all is refused alike."""
     Path("map.yaml").write_text(text)
-    refuse(labrig, "map.yaml: is empty or not a mapping; see docs/howto-your-data.md")
+    refuse(labrig, "map.yaml: is empty or not a mapping; see docs/how-to/your-data.md")
 
 
 def test_a_mapping_that_is_not_there(desk: Path, labrig: Run) -> None:

@@ -1,4 +1,4 @@
-"""The procedures in docs/howto-procedure.md run as they are printed there."""
+"""The procedures in docs/how-to/procedure.md run as they are printed there."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ from labrig import open_run
 from labrig.campaign import dry_run, run
 from labrig.rig import connect, parse_rig
 
-TEXT = (Path(__file__).parents[2] / "docs" / "howto-procedure.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "procedure.md").read_text(encoding="utf-8")
 RIG = {
     "name": "small",
     "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 10)],
