@@ -204,7 +204,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
 
 
 def join_rows(parts: Sequence[Rows]) -> Rows:
-    """Put several runs of one rig one after the other; each keeps its own sessions and history.
+    """Put several runs of one rig one after the other; each keeps its own sessions, history and repeats.
 
     Where all of them know when they began, and none began before the one before it ended, their times go on.
 
@@ -232,7 +232,7 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     for name, offset in offsets.items():
         joined[name] = np.concatenate([getattr(p, name) + o for p, o in zip(parts, offset[:-1], strict=True)])
     joined["sessions"] = tuple(f"{i + 1}:{s}" for i, p in enumerate(parts) for s in p.sessions)
-    joined["repeat"] = tuple(r for p in parts for r in p.repeat)
+    joined["repeat"] = tuple(f"{i + 1}:{r}" if r else "" for i, p in enumerate(parts) for r in p.repeat)
     joined["low"] = np.min([p.low for p in parts], axis=0)
     joined["high"] = np.max([p.high for p in parts], axis=0)
     common = [n for n in first.covariates if all(n in p.covariates for p in parts)]
