@@ -45,9 +45,9 @@ def main() -> None:
     every = bench.bodies()
     rows = [*p7(bench), *p9(bench, given.paper)]
     lines = [
-        "`python benchmarks/paper_shapes.py`: shell `torso`, plant on a finer mesh with parameters 15 % off, model with "
-        f"a warp learned from 40 captures; {len(every)} synthetic bodies (the paper: CAESAR scans, another rig). The "
-        "paper's method is run beside labrig's, with the same model.",
+        "`python benchmarks/paper_shapes.py`: shell `torso`, plant on a finer mesh with parameters 15 % off, model "
+        f"with a warp learned from 40 captures; {len(every)} synthetic bodies (the paper: CAESAR scans, another rig). "
+        "The paper's method is run beside labrig's, with the same model.",
         "",
         *markdown(["", "What", "The paper", "Its method, here", "labrig"], rows),
         "",

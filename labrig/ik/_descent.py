@@ -20,6 +20,8 @@ NOWHERE = "the target lies nowhere opposite the surface: is it the right one, an
 _FIRST_DAMPING = 1e-3
 _LEAST_DAMPING = 1e-7
 _TRIES = 4
+_PATIENCE, _PROGRESS = 2, 0.003
+"""So many steps in a row that do not bring the mean distance down by this share end the search."""
 _FAR = 0.08
 """Share of the target's size from which on a distance does not count for more."""
 _STILL, _HARDLY = 1e-3, 1e-2
@@ -148,15 +150,19 @@ class Descent:
         if state.usable.sum() < 0.02 * len(state.usable):
             raise LabrigError(NOWHERE)
         damping, left = _FIRST_DAMPING, rough.steps
-        best, lowest = state, np.inf
+        best, lowest, waited = state, np.inf, 0
         history = [(time.perf_counter() - began, state.mean_mm())]
         for _ in range(iterations):
             following, gain, damping = self._step(goal, state, damping, rough.sliding if left > 0 else 0.0)
             if following is not None:
                 state, damping = following, max(damping / 5.0, _LEAST_DAMPING)
                 history.append((time.perf_counter() - began, state.mean_mm()))
-                if left == 0 and history[-1][1] < lowest:
-                    best, lowest = state, history[-1][1]
+                if left == 0 and history[-1][1] < (1.0 - _PROGRESS) * lowest:
+                    best, lowest, waited = state, history[-1][1], 0
+                elif left == 0:
+                    waited += 1
+            if waited >= _PATIENCE:
+                break
             if gain < _STILL and left == 0:
                 break
             left = max(0, left - 1) if gain > rough.enough else 0
