@@ -5,14 +5,13 @@ import os
 import tempfile
 import time
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._executor import Executor
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
@@ -154,13 +153,13 @@ def run_blind(
     resume: bool = False,
     baselines: bool = True,
     without: tuple[str, ...] = (),
-    executor: Executor | None = None,
+    cluster: str | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Run campaigns, `jobs` at a time, and yield each record as it is done and written to campaigns.jsonl.
 
-    With `resume`, campaigns that are in the file already are skipped (and not yielded). `executor`, if
-    given, is used in place of local processes. Raises `LabrigError` if the folder holds campaigns and
-    `resume` is not set.
+    With `resume`, campaigns that are in the file already are skipped (and not yielded). `cluster`: the address of
+    a Dask scheduler, whose workers then take the place of local processes. Raises `LabrigError` if the folder
+    holds campaigns and `resume` is not set.
     """
     done = {record["key"] for record in read_records(folder)}
     if done and not resume:
@@ -169,44 +168,15 @@ def run_blind(
         )
     folder.mkdir(parents=True, exist_ok=True)
     left = [(name, seed) for name, seed in todo if f"{name}:{seed}" not in done]
-    with (folder / RECORDS).open("a", encoding="utf-8") as file:
-        for record in _results(left, jobs, baselines, without, executor):
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
+    tasks = [(name, one, baselines, without) for name, one in left]
+    with Executor(jobs, cluster) as executor, (folder / RECORDS).open("a", encoding="utf-8") as file:
+        for _, record in executor.map(_run_task, tasks):
             file.write(json.dumps(record) + "\n")
             file.flush()
             yield record
 
 
-def _results(
-    left: list[tuple[str, int]],
-    jobs: int,
-    baselines: bool,
-    without: tuple[str, ...],
-    executor: Executor | None,
-) -> Iterator[dict[str, Any]]:
-    if executor is None and jobs <= 1:
-        for name, seed in left:
-            yield run_one(name, seed, baselines, without)
-        return
-    own = None
-    if executor is None:
-        os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
-        executor = own = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
-    try:
-        waiting: set[Future[dict[str, Any]]] = set()
-        queue = iter(left)
-        while True:
-            for name, seed in queue:
-                waiting.add(executor.submit(run_one, name, seed, baselines, without))
-                if len(waiting) >= 2 * jobs:
-                    break
-            if not waiting:
-                return
-            finished, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            for future in finished:
-                try:
-                    yield future.result()
-                except BrokenExecutor:
-                    raise LabrigError("bench: a worker process died; run again with --resume") from None
-    finally:
-        if own is not None:
-            own.shutdown(cancel_futures=True)
+def _run_task(task: tuple[str, int, bool, tuple[str, ...]]) -> dict[str, Any]:
+    """`run_one` with its arguments in one, as executors hand them out."""
+    return run_one(*task)

@@ -40,6 +40,9 @@ def blind(
     ] = None,
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    cluster: Annotated[
+        str | None, typer.Option(help="Dask scheduler (tcp://host:8786) in place of processes.")
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on where the folder was left.")] = False,
     without: Annotated[str, typer.Option(help="Effects to delete from the library, with commas.")] = "",
     baselines: Annotated[bool, typer.Option(help="Run the baselines beside it.")] = True,
@@ -71,7 +74,7 @@ def blind(
         if resume:
             wanted = {f"{name}:{one}" for name, one in todo}
             progress.advance(task, sum(r["key"] in wanted for r in read_records(out)))
-        for _ in run_blind(todo, out, jobs, resume, baselines, tuple(_names(without))):
+        for _ in run_blind(todo, out, jobs, resume, baselines, tuple(_names(without)), cluster):
             progress.advance(task)
     summary = summarise(read_records(out))
     write_report(summary, out)

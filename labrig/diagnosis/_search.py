@@ -73,7 +73,6 @@ class Search:
     moving: Fit | None
     moving_ground: Ground
     static_ground: Ground
-    p_value: float
 
 
 def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Search:
@@ -102,8 +101,7 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
         better = _better_moving(chosen, whole, moving_ground)
         if better is not None:
             moving, chosen = better[0], _forward(static_ground, better[1], signs)
-    p_value = min(p_of_search(found, moving_ground), p_of_search(static_found, static_ground))
-    return Search({**whole, **static_found}, chosen, moving, moving_ground, static_ground, p_value)
+    return Search({**whole, **static_found}, chosen, moving, moving_ground, static_ground)
 
 
 def _better_moving(

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from scipy.stats import norm
 
+import labrig.diagnosis._probability as probability
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling
-from labrig.diagnosis._gate import SIGNIFICANT, Gate, similarity
+from labrig.diagnosis._gate import Gate, similarity
 from labrig.diagnosis._search import STATIC, Search
 from labrig.diagnosis._streams import Streams
 from labrig.effects._rows import Floats
@@ -25,6 +25,7 @@ SAME_SHARE = 0.0003
 CEILING_SE = 1.6
 CEILING_SE_FEW = 2.5
 FEW_CAPTURES = 60
+FEW_HOLDS = 6
 LEARNT_Z = 4.0
 UNKNOWN_OF_FLOOR = 0.35
 UNKNOWN_OF_FLOOR_MOVING = 0.12
@@ -87,8 +88,7 @@ def rivals_of(searched: Search) -> list[Rival]:
     """
     if searched.chosen is None:
         return []
-    rows = searched.static_ground.streams.context.rows
-    on_off = max(len(np.unique(np.round(x, 2))) for x in rows.fraction.T) <= 2
+    on_off = _on_off(searched.static_ground.streams)
     static = searched.found if on_off else searched.static_ground.found
     if searched.moving is None:
         return _rivals(searched.chosen, static, 0)
@@ -96,6 +96,11 @@ def rivals_of(searched: Search) -> list[Rival]:
     fixed = sum(name in kept for name in searched.moving.names)
     own = [r for r in _rivals(searched.moving, searched.moving_ground.found, 0) if r.instead_of in kept]
     return own + _rivals(searched.chosen, static, fixed)
+
+
+def _on_off(streams: Streams) -> bool:
+    """Whether no chamber was at more than two pressures."""
+    return max(len(np.unique(np.round(x, 2))) for x in streams.context.rows.fraction.T) <= 2
 
 
 def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> list[Rival]:
@@ -138,9 +143,9 @@ def decide(
 
     `before` and `after` are the ceilings of what the base leaves and of what the chosen effects leave.
     """
-    chosen, p_value = searched.chosen, searched.p_value
+    chosen = searched.chosen
     if chosen is None:
-        return _without_effect(streams, before, p_value, gate)
+        return _without_effect(streams, before, gate)
     compared = rivals_of(searched)
     left = square_of(streams, streams.residual - chosen.heldout)
     explained = gate.base_square - left
@@ -152,7 +157,7 @@ def decide(
             return Verdict(
                 "unknown",
                 (),
-                float(np.clip(norm.cdf(z) * min(1.0, 0.4 + share), 0.34, 0.97)),
+                probability.UNKNOWN,
                 tuple(chosen.names),
                 learner.covariates,
                 compared=tuple(compared),
@@ -165,15 +170,18 @@ def decide(
     alike = [r for r in compared if r.alike]
     if alike:
         names = tuple(dict.fromkeys(r.effect for r in sorted(alike, key=lambda r: r.z)))
-        worst = min(r.z for r in alike)
-        probability = float(np.clip(norm.cdf(1.0 - worst / 2), 0.34, 0.95))
+        by_design = _on_off(streams) or int(streams.index.max()) + 1 < FEW_HOLDS
         return Verdict(
-            "confounded", chosen.names, probability, names, warnings=tuple(warnings), compared=tuple(compared)
+            "confounded",
+            chosen.names,
+            probability.of_confounded(by_design),
+            names,
+            warnings=tuple(warnings),
+            compared=tuple(compared),
         )
-    closest = min((r.z for r in compared if not r.imitates), default=np.inf)
-    probability = float(np.clip(norm.cdf(closest) * (1 - p_value), 0.34, 0.99))
     name: Name = "identified" if len(chosen.parts) == 1 else "multiple"
-    return Verdict(name, chosen.names, probability, (), warnings=tuple(warnings), compared=tuple(compared))
+    sure = probability.of_names(left, gate.floor_square)
+    return Verdict(name, chosen.names, sure, (), warnings=tuple(warnings), compared=tuple(compared))
 
 
 def _is_unknown(chosen: Fit, beyond: float, share: float, z: float, static_only: bool) -> bool:
@@ -191,22 +199,21 @@ def _is_unknown(chosen: Fit, beyond: float, share: float, z: float, static_only:
     return clear and beyond > UNKNOWN_OF_FLOOR_MOVING and share > UNKNOWN_SHARE_STATIC
 
 
-def _without_effect(streams: Streams, before: Mapping[str, Ceiling], p_value: float, gate: Gate) -> Verdict:
+def _without_effect(streams: Streams, before: Mapping[str, Ceiling], gate: Gate) -> Verdict:
     """No named effect came in: unknown if a learner sees structure, else nothing missing or underpowered."""
     best = max(before.values(), key=lambda c: c.gain, default=None)
     if best is not None and _learnt(streams, best) > LEARNT_Z:
         left = square_of(streams, streams.residual - streams.nothing - best.heldout)
         explained = gate.base_square - left
         if explained > max(gate.smallest(0.1), UNKNOWN_OF_FLOOR * gate.floor_square):
-            z = best.gain / max(_se(best.gains), 1e-300)
-            return Verdict("unknown", (), float(np.clip(norm.cdf(z - 1), 0.34, 0.97)), (), best.covariates)
+            return Verdict("unknown", (), probability.UNKNOWN, (), best.covariates)
     smallest = detectable(streams, gate)
     if gate.tolerance is not None and smallest > gate.tolerance:
         note = (
             f"the smallest effect that these data could show is {smallest:.3g}, above the tolerance asked for"
         )
-        return Verdict("underpowered", (), 0.9, warnings=(note,))
-    return Verdict("nothing_missing", (), float(np.clip(0.9 + 0.1 * (p_value > SIGNIFICANT), 0.5, 0.98)))
+        return Verdict("underpowered", (), probability.UNDERPOWERED, warnings=(note,))
+    return Verdict("nothing_missing", (), probability.NOTHING)
 
 
 def detectable(streams: Streams, gate: Gate) -> float:
