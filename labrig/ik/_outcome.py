@@ -1,6 +1,7 @@
 """What a validation run showed: every scan and recording beside what was asked for and what the model expected."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from labrig.ik._descent import Pose
 from labrig.ik._evaluate import ShapeModel
 from labrig.ik._models import ShellModel, SurfaceModel
 from labrig.ik._solve import Solver
-from labrig.ik._trial import Trial, make_trials
+from labrig.ik._trial import SETTLE_S, Trial, make_trials
 from labrig.surface import Mesh, Registration, grid, read_mesh
 
 Floats = NDArray[np.float64]
@@ -127,13 +128,13 @@ def outcomes(run: str | Path) -> list[Outcome]:
     trials = make_trials(
         given["targets"], given["model"], given["unit"], given["without"], chambers, low, high
     )
-    setpoints: dict[str, Floats] = {}
+    setpoints: dict[str, list[Floats]] = {}
     markers: dict[str, Floats] = {}
     scans: dict[str, Path] = {}
     for done in read_completed(run):
         label = getattr(done.step, "label", "")
         if isinstance(done.step, Actuate):
-            setpoints[label] = np.array(done.step.pressure_kpa)
+            setpoints.setdefault(label, []).append(np.array(done.step.pressure_kpa))
         elif isinstance(done.step, Record):
             markers[label] = done.result.mean_mm  # type: ignore[union-attr]
         elif isinstance(done.step, Scan):
@@ -141,7 +142,14 @@ def outcomes(run: str | Path) -> list[Outcome]:
     found: list[Outcome] = []
     plant = simulated_plant(rig, Path(str(facts.get("rig_file", ""))).parent)
     best: dict[str, Floats] = {}
-    for trial in trials:
+    for planned in trials:
+        commanded = setpoints.get(f"{planned.number}/0")
+        if commanded is None:
+            continue
+        # what was done counts, even if labrig would choose otherwise today
+        holds = planned.approach.holds_s
+        holds = holds if len(holds) == len(commanded) else (SETTLE_S,) * len(commanded)
+        trial = planned.along(replace(planned.approach, setpoints_kpa=np.array(commanded), holds_s=holds))
         expected = _expected_markers(trial, tuple(rig["markers"]))
         attempts = []
         while (label := f"{trial.number}/{len(attempts)}") in markers:
@@ -151,12 +159,13 @@ def outcomes(run: str | Path) -> list[Outcome]:
                 height = trial.heights(surface)
             error = np.linalg.norm(markers[label] - expected, axis=1)
             known = error if not attempts else np.full(len(error), np.nan)
-            attempts.append(Attempt(setpoints[label], height, registration, known))
+            attempts.append(Attempt(setpoints[label][-1], height, registration, known))
         if not attempts:
             continue
         target = trial.solved.job.target
         if plant is not None and target not in best:
-            best[target] = hardware_best(trial, plant, low, high)
+            tried = [one.pressure_kpa for one in attempts]
+            best[target] = hardware_best(trial, plant, low, high, tried)
         found.append(Outcome(trial, trial.heights(trial.predicted), tuple(attempts), best.get(target)))
     if not found:
         raise LabrigError(f"{run}: no target was realised yet")
@@ -179,17 +188,26 @@ def simulated_plant(rig: dict[str, Any], folder: Path) -> ShapeModel | None:
     return SurfaceModel(surface)
 
 
-def hardware_best(trial: Trial, plant: ShapeModel, low: Floats, high: Floats) -> Floats:
-    """Heights (V,), mm, over the target, of the best that a plant can do: the yardstick of every model."""
+def hardware_best(
+    trial: Trial, plant: ShapeModel, low: Floats, high: Floats, tried: Sequence[Floats]
+) -> Floats:
+    """Heights (V,), mm, over the target, of the best that a plant can do: the yardstick of every model.
+
+    It is sought from the model's pressures and from half of every range; what was `tried` on the rig is a candidate.
+    """
     result = trial.solved.result
     assert result is not None
-    solver = Solver(plant, low, high, _COARSE)
     begin = Pose(result.rotation, result.translation_mm)
+    solver = Solver(plant, low, high, _COARSE)
     starts = (np.clip(result.pressure_kpa, solver.low, solver.high), solver.half_kpa)
-    found = min((solver.solve(trial.target, begin, start) for start in starts), key=lambda one: one.mean_mm)
+    found = [solver.solve(trial.target, begin, start) for start in starts]
+    found += [Solver(plant, p, p, _COARSE).solve(trial.target, begin, p) for p in tried]
     uv, triangles = grid(MEASURED, MEASURED)
-    points = np.asarray(plant.points(found.pressure_kpa[None], uv), float)[0]
-    return trial.heights(Mesh(found.to_target(points), triangles))
+    heights = []
+    for one in found:
+        points = np.asarray(plant.points(one.pressure_kpa[None], uv), float)[0]
+        heights.append(trial.heights(Mesh(one.to_target(points), triangles)))
+    return min(heights, key=mean_of)
 
 
 def _expected_markers(trial: Trial, names: tuple[str, ...]) -> Floats:

@@ -1,7 +1,7 @@
 """What is going to be realised: each target with each form of the model, as pressures, path and predicted surface."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of
-from labrig.ik._memory import Approach
+from labrig.ik._descent import Pose
+from labrig.ik._memory import Approach, Displaced
 from labrig.ik._refine import Refinement
+from labrig.ik._solve import Solver
 from labrig.surface import Mesh, Target, distances, grid, read_mesh, register
 
 Floats = NDArray[np.float64]
@@ -46,6 +48,28 @@ class Trial:
         assert result is not None
         path = self.solved.path or Approach("straight", result.pressure_kpa[None], (SETTLE_S,))
         return Approach(path.name, np.round(path.setpoints_kpa, 3), path.holds_s)
+
+    def along(self, approach: Approach) -> "Trial":
+        """The same target by another path, such as the one that a run's log holds: what the model expects of that."""
+        same = self.approach.setpoints_kpa.shape == approach.setpoints_kpa.shape
+        if same and np.array_equal(self.approach.setpoints_kpa, approach.setpoints_kpa):
+            return self
+        solver, memory = solver_of(self.solved.job)
+        before = self.solved.result
+        assert before is not None
+        shape, pressure = solver.model, approach.setpoints_kpa[-1]
+        if memory is not None:
+            pressure, displaced = memory.after(approach)
+            shape = Displaced(shape, displaced) if displaced.any() else shape
+        held = np.clip(pressure, shape.low_kpa, shape.high_kpa)
+        found = Solver(shape, held, held).solve(
+            self.target, Pose(before.rotation, before.translation_mm), held
+        )
+        uv, triangles = grid(MEASURED, MEASURED)
+        surface = found.to_target(np.asarray(shape.points(pressure[None], uv), float)[0])
+        found = replace(found, pressure_kpa=approach.setpoints_kpa[-1])
+        solved = replace(self.solved, result=found, surface_mm=surface, triangles=triangles, path=approach)
+        return replace(self, solved=solved)
 
     @cached_property
     def predicted(self) -> Mesh:

@@ -75,6 +75,18 @@ def test_the_loop_closes(lab):
     np.testing.assert_allclose(found.attempts[0].pressure_kpa, TRUTH, atol=0.5)
 
 
+def test_what_was_done_counts(lab):
+    """A report made later speaks of the set-points in the log, not of those that would be chosen then."""
+    folder = go(lab, procedure(lab))
+    (lab / "model.yaml").write_text(
+        yaml.safe_dump({"base": {"kind": "simulator", "rig": "rig.yaml"}, "effects": [PLAY]})
+    )
+    (found,) = outcomes(folder)
+    np.testing.assert_allclose(found.attempts[0].pressure_kpa, TRUTH, atol=0.5)
+    np.testing.assert_allclose(found.trial.approach.setpoints_kpa[-1], found.attempts[0].pressure_kpa)
+    assert found.summary()["predicted_mm"]["mean"] > 0.3  # by now the model believes that play was in the way
+
+
 def test_with_and_without_effects(lab):
     """A model that wrongly believes in hysteresis does worse with its effect than without."""
     (lab / "model.yaml").write_text(
