@@ -99,8 +99,8 @@ def _table(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
     page.add(table(header, rows, ["", "", *["number"] * (len(header) - 3), ""]))
     if best_known:
         page.add(
-            '<p class="about">The hardware’s best is what this simulated rig could do at most, were it asked itself: '
-            "what is left there no model can take away.</p>"
+            '<p class="about">The hardware’s best is the best that was found on the simulated plant itself, to the '
+            "accuracy of that search: what is left there is not the model’s.</p>"
         )
 
 
