@@ -1,14 +1,14 @@
 """How often a verdict like this one was right, in blind campaigns.
 
 Scores say which name does best, not whether the right name is among those known: a wrong one can be as clear. What
-tells is how far the error stays above the noise floor. The figures were read off 250 campaigns of the blind benchmark
+tells is how much of what could be explained is left above the noise floor. The figures were read off 250 campaigns of the blind benchmark
 (seeds from 80000 and 90000, classes weighted as in a full benchmark).
 """
 
 import numpy as np
 
-AT_THE_FLOOR = 2.6
-PER_FLOOR_LEFT = 3.2
+AT_THE_FLOOR = 2.3
+PER_SHARE_LEFT = 3.5
 UNKNOWN = 0.85
 CONFOUNDED_BY_DESIGN = 0.85
 CONFOUNDED = 0.4
@@ -16,10 +16,14 @@ NOTHING = 0.97
 UNDERPOWERED = 0.9
 
 
-def of_names(model_square: float, floor_square: float) -> float:
-    """Probability that the names are right: a logistic function of what is left, in floors (both mean squares)."""
-    left = np.sqrt(max(model_square / floor_square - 1.0, 0.0))
-    return float(1.0 / (1.0 + np.exp(PER_FLOOR_LEFT * left - AT_THE_FLOOR)))
+def of_names(model_square: float, base_square: float, floor_square: float) -> float:
+    """Probability that the names are right: a logistic function of the share of the error's amplitude that is left.
+
+    Mean squares of what the model leaves, what its base leaves, and the floor.
+    """
+    explainable = max(base_square - floor_square, 1e-12 * floor_square)
+    left = np.sqrt(min(max(model_square - floor_square, 0.0) / explainable, 1.0))
+    return float(1.0 / (1.0 + np.exp(PER_SHARE_LEFT * left - AT_THE_FLOOR)))
 
 
 def of_confounded(by_design: bool) -> float:

@@ -180,7 +180,7 @@ def decide(
             compared=tuple(compared),
         )
     name: Name = "identified" if len(chosen.parts) == 1 else "multiple"
-    sure = probability.of_names(left, gate.floor_square)
+    sure = probability.of_names(left, gate.base_square, gate.floor_square)
     return Verdict(name, chosen.names, sure, (), warnings=tuple(warnings), compared=tuple(compared))
 
 
