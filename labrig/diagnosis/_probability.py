@@ -1,8 +1,8 @@
 """How often a verdict like this one was right, in blind campaigns.
 
 Scores say which name does best, not whether the right name is among those known: a wrong one can be as clear. What
-tells is how much of what could be explained is left above the noise floor. The figures were read off 250 campaigns of the blind benchmark
-(seeds from 80000 and 90000, classes weighted as in a full benchmark).
+tells is how much of what could be explained is left above the noise floor. The figures were read off 250 campaigns of
+the blind benchmark (seeds from 80000 and 90000, classes weighted as in a full benchmark).
 """
 
 import numpy as np
