@@ -62,10 +62,10 @@ class Mesh:
     def inwardness(self) -> Floats:
         """How far each vertex is from the border, (V,): 0 on it, 1 from `RAMP` edges on; a cloud has only these two."""
         if self.is_cloud:
-            return 1.0 - self.border
+            return (~self.border).astype(np.float64)
         from labrig.surface._kernels import rings_from_border
 
-        return rings_from_border(self.border, self.triangles, RAMP) / RAMP
+        return np.asarray(rings_from_border(self.border, self.triangles, RAMP) / RAMP, np.float64)
 
     @cached_property
     def spacing_mm(self) -> float:

@@ -97,3 +97,13 @@ def test_a_clouds_outliers_go():
     with pytest.raises(LabrigError) as error:
         clean(shape.vertices_mm[:5], np.zeros((0, 3)), "x.xyz")
     assert str(error.value) == "x.xyz: has 5 different points, which is no surface"
+
+
+def test_inwardness_rises_from_the_border():
+    """Border vertices count nothing, their neighbours a quarter, those four edges away in full; a cloud's all or none."""
+    shape = dome()
+    ring = shape.inwardness.reshape(21, 21)
+    assert ring[0].max() == ring[:, -1].max() == 0.0
+    assert ring[1, 5] == ring[5, 1] == 0.25
+    assert ring[4:17, 4:17].min() == 1.0
+    assert set(np.unique(Mesh(shape.vertices_mm, np.zeros((0, 3), np.int64)).inwardness)) == {0.0, 1.0}
