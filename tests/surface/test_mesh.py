@@ -100,7 +100,7 @@ def test_a_clouds_outliers_go():
 
 
 def test_inwardness_rises_from_the_border():
-    """Border vertices count nothing, their neighbours a quarter, those four edges away in full; a cloud's all or none."""
+    """Border vertices count nothing, their neighbours a quarter, four edges away in full; a cloud's all or none."""
     shape = dome()
     ring = shape.inwardness.reshape(21, 21)
     assert ring[0].max() == ring[:, -1].max() == 0.0
