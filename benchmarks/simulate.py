@@ -141,6 +141,7 @@ def main() -> None:
         cpu = statistics.median(float(found.cpu_s.mean()) for *_, found in runs)
         failed = sum(int((~found.converged).sum()) for *_, found in runs)
         same = all(np.array_equal(runs[0][2].control_mm, found.control_mm) for *_, found in runs[1:])
+        bits = ("yes" if same else "no") if len(runs) > 1 else "one run"
         what = "with Jacobians by pressure" if jacobians else "shapes alone"
         lines.append(
             f"| {given.count:,} simulations, {given.workers} processes, {what}: wall time, median of {given.runs} "
@@ -154,7 +155,7 @@ def main() -> None:
             f"| processor time of one, mean | {1e3 * cpu:.0f} ms ({PAPER_S / cpu:,.0f} times less than the paper's "
             f"{PAPER_S:.0f} s) | |"
         )
-        lines.append(f"| not converged; runs bit-identical | {failed}; {'yes' if same else 'no'} | 0; yes |")
+        lines.append(f"| not converged; runs bit-identical | {failed}; {bits} | 0; yes |")
     middle, worst = jacobian_errors(shell)
     lines.append(
         f"| implicit derivatives by pressure against differences over 0.2 kPa: median; worst (a contact opens) | "
