@@ -96,7 +96,8 @@ def _fresh(campaign: Campaign, path: Path, improved: Any) -> dict[str, Any] | No
     best = float(
         np.hypot(floor, campaign.truth["structural"])
     )  # no effect takes away a wrong form of the base
-    return {"base": base, "model": model, "floor": floor, "drop": _drop(base, model, best)}
+    drop = _drop(base, model, best) if base > 1.1 * best else None  # nothing to speak of was to be won
+    return {"base": base, "model": model, "floor": floor, "drop": drop}
 
 
 def _baselines(campaign: Campaign, path: Path, seed: int) -> dict[str, Any]:

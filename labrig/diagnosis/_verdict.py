@@ -27,6 +27,7 @@ CEILING_SE_FEW = 2.5
 FEW_CAPTURES = 60
 FEW_HOLDS = 6
 LEARNT_Z = 4.0
+LARGE_SHARE = 0.25
 UNKNOWN_OF_FLOOR = 0.35
 UNKNOWN_OF_FLOOR_MOVING = 0.12
 UNKNOWN_SHARE = 0.1
@@ -232,14 +233,16 @@ def _predictable(
 ) -> tuple[float, float, Ceiling | None]:
     """What a learner still predicts of what the effects leave: mean square, share of all explainable, who."""
     best = max(after.values(), key=lambda c: c.gain, default=None)
-    needed = CEILING_SE_FEW if int(streams.index.max()) + 1 < FEW_CAPTURES else CEILING_SE
-    if best is None or best.gain <= needed * _se(best.gains):
+    if best is None or best.gain <= 0:
         return 0.0, 0.0, None
     left = streams.residual - chosen.heldout
     beyond = square_of(streams, left) - square_of(streams, left - best.heldout)
-    if beyond <= 0:
-        return 0.0, 0.0, None
-    return beyond, beyond / (beyond + max(explained, 0.0)), best
+    share = beyond / (beyond + max(explained, 0.0)) if beyond > 0 else 0.0
+    few = int(streams.index.max()) + 1 < FEW_CAPTURES
+    clear = best.gain > (CEILING_SE_FEW if few else CEILING_SE) * _se(best.gains)
+    # what lives in a few long holds fills few blocks
+    clear = clear or (not few and share > LARGE_SHARE and best.gain > _se(best.gains))
+    return (beyond, share, best) if clear and share > 0 else (0.0, 0.0, None)
 
 
 def _static_only(after: Mapping[str, Ceiling], learner: Ceiling | None) -> bool:
