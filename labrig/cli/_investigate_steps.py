@@ -32,9 +32,9 @@ def do_investigate(settings: Settings, resume: bool) -> None:
     """The whole investigation, with what it does printed."""
     from labrig.model import Model
 
+    model, config = Model.load(settings.model), load_rig(settings.rig)
     investigation = begun(settings, resume)
     settings = investigation.settings
-    model, config = Model.load(settings.model), load_rig(settings.rig)
     bench = Bench(config, settings.rig, settings.realtime)
     console = Console(highlight=False)
     try:
