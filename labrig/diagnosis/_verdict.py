@@ -31,9 +31,8 @@ LARGE_SHARE = 0.25
 UNKNOWN_OF_FLOOR = 0.35
 UNKNOWN_OF_FLOOR_MOVING = 0.12
 UNKNOWN_SHARE = 0.1
-UNKNOWN_OF_FLOOR_CLEAR = 0.25
+UNKNOWN_OF_FLOOR_STATIC = 0.25
 UNKNOWN_SHARE_STATIC = 0.025
-UNKNOWN_Z_STATIC = 6.0
 UNKNOWN_SHARE_FORM = 0.8
 
 
@@ -153,8 +152,7 @@ def decide(
     beyond, share, learner = _predictable(streams, chosen, after, explained)
     warnings: list[str] = []
     if learner is not None:
-        z = learner.gain / max(_se(learner.gains), 1e-300)
-        if _is_unknown(chosen, beyond / gate.floor_square, share, z, _static_only(after, learner)):
+        if _is_unknown(chosen, beyond / gate.floor_square, share, _static_only(after, learner)):
             return Verdict(
                 "unknown",
                 (),
@@ -185,19 +183,20 @@ def decide(
     return Verdict(name, chosen.names, sure, (), warnings=tuple(warnings), compared=tuple(compared))
 
 
-def _is_unknown(chosen: Fit, beyond: float, share: float, z: float, static_only: bool) -> bool:
+def _is_unknown(chosen: Fit, beyond: float, share: float, static_only: bool) -> bool:
     """Whether what a learner still predicts is too much for a misfit of form.
 
     `beyond` is its mean square in those of the floor, `share` its part of all that is explainable. What moves
-    must be explained by a name that is right, to a tenth. What is static beside a name that moves may be the
-    base's own error of form; beside names that are static themselves, it says that they are wrong.
+    must be explained by a name that is right, to a tenth, or to a twentieth where that is more than half a floor.
+    What is static beside a name that moves may be the base's own error of form; beside names that are static
+    themselves more than half a floor says that they are wrong.
     """
     if not static_only:
-        return beyond > UNKNOWN_OF_FLOOR_MOVING and share > UNKNOWN_SHARE
+        much = beyond > UNKNOWN_OF_FLOOR and share > UNKNOWN_SHARE / 2
+        return much or (beyond > UNKNOWN_OF_FLOOR_MOVING and share > UNKNOWN_SHARE)
     if any(p.effect.beyond_static != "no" for p in chosen.parts):
         return beyond > UNKNOWN_OF_FLOOR and share > UNKNOWN_SHARE_FORM
-    clear = beyond > UNKNOWN_OF_FLOOR_CLEAR or z > UNKNOWN_Z_STATIC
-    return clear and beyond > UNKNOWN_OF_FLOOR_MOVING and share > UNKNOWN_SHARE_STATIC
+    return beyond > UNKNOWN_OF_FLOOR_STATIC and share > UNKNOWN_SHARE_STATIC
 
 
 def _without_effect(streams: Streams, before: Mapping[str, Ceiling], gate: Gate) -> Verdict:
