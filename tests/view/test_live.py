@@ -207,8 +207,10 @@ def watch():
     done.set()
     live.finished("completed")
 done = threading.Event()
-threading.Thread(target=watch, daemon=True).start()
+watching = threading.Thread(target=watch, daemon=True)
+watching.start()
 print(done.wait(20))
+watching.join(15)
 """
     ran = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=40, check=False
