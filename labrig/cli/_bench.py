@@ -84,7 +84,9 @@ def blind(
         console.print(line)
     console.print(f"{out}: campaigns.jsonl, summary.json, confusion.png")
     if results is not None:
-        write_results(summary, results, f"`labrig bench blind --classes {','.join(names)} --seed {seed}`")
+        which = "" if classes == "all" else f" --classes {','.join(names)}"
+        each = f" --n {count}" if count else ""
+        write_results(summary, results, f"`labrig bench blind{which}{each} --seed {seed}`")
 
 
 @bench.command("settle")
