@@ -140,7 +140,8 @@ def _on_whole(streams: Streams, moving: Fit, whole: Mapping[str, list[Candidate]
         for i, own in enumerate(forms):
             options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
             good = [f for f in options if stays_plausible(f)] or options
-            least = GOOD_FORM * max(f.score.gain for f in good)
+            top = max(f.score.gain for f in good)
+            least = top - (1 - GOOD_FORM) * abs(top)
             chosen = min((f for f in good if f.score.gain >= least), key=_left)
     return chosen
 
