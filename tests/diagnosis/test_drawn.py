@@ -28,7 +28,11 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
         ("static", 0, "identified"),
         ("pair", 2, "multiple"),
         ("confounded", 0, "confounded"),
-        ("confounded", 98005, "confounded"),  # on the whole problem every form of the leak loses out of sample
+        (
+            "confounded",
+            98005,
+            "confounded",
+        ),  # on the whole problem every form of the leak loses out of sample
         ("deleted", 0, "unknown"),
     ],
 )
