@@ -13,6 +13,7 @@ _FAR = 8.0
 _MOST_FAR = 0.2
 _SMOOTH_RANK = 10
 _STAYS = 4
+_PULLED = 0.2
 
 
 def clean(residual: Floats, capture: Ints) -> tuple[Floats, int]:
@@ -59,6 +60,8 @@ def _far(values: Floats) -> NDArray[np.bool_]:
         off = np.abs(values - _running_median(fill(values)))
     _, spread = _middle_and_spread(values)
     bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), FORM * spread)
+    if values.shape[1] >= 8:  # a mistake pulls the fit of its neighbours along a little
+        bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
     structure = bad.mean(axis=1) > _MOST_FAR
     return bad & ~structure[:, None] if values.shape[1] >= 8 else bad
 

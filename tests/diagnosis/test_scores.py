@@ -11,7 +11,7 @@ from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, o
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._score import null_gains, score
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context, get, rows_of
+from labrig.effects import Context, get, join_rows, rows_of
 from labrig.effects._fields import contribution
 from labrig.effects._registry import shipped
 
@@ -50,6 +50,31 @@ def test_lifting_takes_means_and_deviations(leaking) -> None:
     assert lifted[30:] == pytest.approx((feature - means[capture])[streams.keep])
     assert streams.source[:30].tolist() == list(range(30))
     assert streams.source[30:].tolist() == capture[streams.keep].tolist()
+
+
+def test_a_short_follow_up_run_has_blocks_of_its_own(make_lab) -> None:
+    """Beside forty captures six more are three of the twelve blocks, none of them shared."""
+    long, short = make_lab(captures=40), make_lab(captures=6, seed=1)
+    runs = [rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())) for lab in (long, short)]
+    streams, context, _, _ = prepare(join_rows(runs), long.model())
+    later = context.rows.session[np.searchsorted(context.rows.capture, streams.source)] == 1
+    assert streams.n_groups == 12
+    assert len(set(streams.group[later])) == 3
+    assert not set(streams.group[later]) & set(streams.group[~later])
+
+
+def test_a_long_hold_is_left_out_in_parts(make_lab) -> None:
+    """Where one hold has most of the rows, its rows fill several blocks: else all that it says sits in one."""
+    rows_s = tuple(np.linspace(3.0, 300.0, 20))
+    lab = make_lab(captures=20, repeats=False, rows_s=(3.0,), long_s=rows_s)
+    data = lab.dataset(lab.predict(lab.u) + lab.noise())
+    keep = [0, *(c for c in range(20) if int(data["hold_s"][c].notnull().sum()) == 1)]
+    longest = int(np.argmax(data["hold_s"].notnull().sum("time").values))
+    data = data.isel(capture=sorted({longest, *keep}))
+    streams, context, _, _ = prepare(rows_of(data), lab.model())
+    counts = np.bincount(context.rows.capture)
+    assert counts.max() > 0.4 * counts.sum()
+    assert len(set(streams.row_group[context.rows.capture == counts.argmax()])) > 3
 
 
 def test_what_was_not_seen_has_no_weight(leaking) -> None:

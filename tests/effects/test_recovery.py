@@ -152,6 +152,31 @@ def test_marker_slip(make_lab) -> None:
     assert fitted["slip"] == pytest.approx([1.2, -1.0, 1.2], abs=0.2)
 
 
+def test_marker_slip_among_mistaken_positions(make_lab) -> None:
+    """The step is found beside larger mistakes of other markers, the very first capture among them."""
+    lab = make_lab()
+    values = lab.predict(lab.u)
+    values[30:, :, 9:12] += np.array([1.2, -1.0, 1.2])
+    for capture, marker in ((0, 5), (3, 5), (12, 1), (33, 2)):
+        values[capture, :, 3 * marker : 3 * marker + 3] += 25.0
+    result = diagnose(lab.dataset(values + lab.noise()), lab.model())
+    assert result.summary["effects"] == ["marker_slip"]
+    assert result.improved is not None
+    fitted = result.improved.file.effects[-1].parameters
+    assert fitted["marker"].value == 3
+    assert fitted["slip"].value == pytest.approx([1.2, -1.0, 1.2], abs=0.2)
+
+
+def test_frame_of_another_scale(make_lab) -> None:
+    """A wand that is 2 % too long, about a point far from the markers' centre: frame, with the scale."""
+    lab = make_lab()
+    q = lab.predict(lab.u).reshape(*lab.hold_s.shape, -1, 3)
+    pivot = q.mean(axis=(0, 1, 2)) + np.array([30.0, -20.0, 10.0])
+    values = (pivot + 1.02 * (q - pivot)).reshape(*lab.hold_s.shape, -1)
+    _, fitted = found(lab, values, "frame")
+    assert fitted["scale"].item() == pytest.approx(0.02, abs=0.003)
+
+
 def test_frame(make_lab) -> None:
     """A finite rotation by two degrees (Rodrigues) and a shift: both come back, in rad and mm."""
     lab = make_lab()

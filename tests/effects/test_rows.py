@@ -113,6 +113,32 @@ def test_joined_runs_keep_their_own_sessions_and_history(make_lab) -> None:
     assert join_rows([a]) is a
 
 
+def test_joined_runs_go_on_in_time_where_it_is_known(make_lab) -> None:
+    """A run that began two hours later is two hours later; one that began before the first ended is not trusted."""
+    lab = make_lab(captures=6, repeats=False)
+    first, second = lab.dataset(lab.predict(lab.u)), lab.dataset(lab.predict(lab.u))
+    alone = rows_of(first)
+    assert np.isnan(alone.start_s)
+    began = [rows_of(run.assign_attrs(start_s=s)) for run, s in ((first, 1000.0), (second, 8200.0))]
+    rows = join_rows(began)
+    assert rows.time_s[:18] == pytest.approx(alone.time_s)
+    assert rows.time_s[18:] == pytest.approx(alone.time_s + 7200.0)
+    assert rows.event_time_s[6:] == pytest.approx(alone.event_time_s + 7200.0)
+    overlapping = [rows_of(first.assign_attrs(start_s=1000.0)), rows_of(second.assign_attrs(start_s=1001.0))]
+    for parts in (overlapping, [alone, alone]):
+        assert join_rows(parts).time_s[18:] == pytest.approx(alone.time_s)
+
+
+def test_repeats_of_one_run_are_not_those_of_another(make_lab) -> None:
+    """Equal labels of two runs stay apart; what has no label gets none."""
+    lab = make_lab(captures=6, repeats=False)
+    run = lab.dataset(lab.predict(lab.u)).assign_coords(repeat=("capture", ["r1", "", "r1", "", "", ""]))
+    assert join_rows([rows_of(run), rows_of(run)]).repeat == (
+        *("1:r1", "", "1:r1", "", "", ""),
+        *("2:r1", "", "2:r1", "", "", ""),
+    )
+
+
 def test_runs_of_other_rigs_are_not_joined(make_lab) -> None:
     """What differs is named."""
     one, two = make_lab(captures=6), make_lab(captures=6, markers=5)
