@@ -7,7 +7,6 @@ the way (simulations of the torso, its forward model) is kept in benchmarks/out/
 core unless they are said to be wall times.
 """
 
-import argparse
 import os
 import sys
 import tempfile
@@ -19,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import numpy as np
 from _ik import accuracy, evaluation, search
-from _ik.setup import Bench
+from _ik.setup import Bench, asked_for
 
 from drivers import Scan
 from labrig.bench._report import markdown, write_section
@@ -30,15 +29,8 @@ HEADING = "## Inverse kinematics"
 
 def main() -> None:
     """Measure everything and write the section."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--bodies", type=Path)
-    parser.add_argument(
-        "--paper", type=int, default=24, help="targets of each kind for the paper's search, too"
-    )
+    parser = asked_for(__doc__.splitlines()[0], "targets of each kind for the paper's search, too")
     parser.add_argument("--best", type=int, default=16, help="bodies on which the plant's own best is sought")
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--folder", type=Path, default=Path("benchmarks/out/ik"))
-    parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     bench = Bench(given.folder, given.bodies, given.workers)

@@ -5,7 +5,6 @@
 Uses what benchmarks/ik.py keeps in benchmarks/out/ik. Times are processor times of one core.
 """
 
-import argparse
 import os
 import sys
 import tempfile
@@ -16,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import numpy as np
 from _ik import search
-from _ik.setup import Bench
+from _ik.setup import Bench, asked_for
 
 from drivers import Scan, SimulatedClock
 from labrig.bench._report import markdown, write_section
@@ -33,12 +32,7 @@ P8_COLUMNS = ["target", "model", "predicted", "realised", "realised – predicte
 
 def main() -> None:
     """Run the three and write the section."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--bodies", type=Path)
-    parser.add_argument("--paper", type=int, default=24, help="bodies for the paper's own search")
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--folder", type=Path, default=Path("benchmarks/out/ik"))
-    parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
+    parser = asked_for(__doc__.splitlines()[0], "bodies for the paper's own search")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     bench = Bench(given.folder, given.bodies, given.workers)

@@ -1,5 +1,6 @@
 """The torso's forward model, the bodies, and clocks: made once, kept in a folder."""
 
+import argparse
 import shutil
 import time
 from collections.abc import Callable
@@ -14,8 +15,7 @@ from numpy.typing import NDArray
 from drivers import SimulatedClock
 from labrig import open_run
 from labrig.campaign import Procedure, run
-from labrig.physics import load_shell, open_simulations, rig_shell, simulate
-from labrig.physics._shell_plant import plant_shell
+from labrig.physics import load_shell, open_simulations, plant_shell, rig_shell, simulate
 from labrig.rig import connect, load_rig
 from labrig.surface import Mesh, grid, read_mesh
 from labrig.surrogate import (
@@ -145,3 +145,14 @@ def clock(call: Callable[[], Any], times: int = 15) -> float:
         call()
         taken.append(time.process_time() - begin)
     return float(np.median(taken))
+
+
+def asked_for(title: str, paper: str) -> argparse.ArgumentParser:
+    """The arguments that the benchmarks of shapes share."""
+    parser = argparse.ArgumentParser(description=title)
+    parser.add_argument("--bodies", type=Path)
+    parser.add_argument("--paper", type=int, default=24, help=paper)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--folder", type=Path, default=Path("benchmarks/out/ik"))
+    parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
+    return parser

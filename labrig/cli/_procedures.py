@@ -6,9 +6,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_origin
 
-import yaml
-
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 
 if TYPE_CHECKING:
     from labrig.campaign import Procedure
@@ -43,13 +42,8 @@ def read_procedure(text: str, arguments: list[str]) -> "Procedure":
     if not text.endswith((".yaml", ".yml")):
         return parse_parameters(find_procedure(text), arguments)
     path = Path(text)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise LabrigError(f"{path}: cannot read the procedure file ({error.strerror})") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise LabrigError(f"{path}: is not YAML: {' '.join(str(error).split())}") from None
-    if not isinstance(content, dict) or not isinstance(content.get("procedure"), str):
+    content = read_yaml(path, "procedure", begins="procedure: programme")
+    if not isinstance(content.get("procedure"), str):
         raise LabrigError(f"{path}: a procedure file begins with its name, such as `procedure: programme`")
     values = {key: value for key, value in content.items() if key != "procedure"}
     return parse_parameters(find_procedure(content["procedure"]), arguments, values, str(path))

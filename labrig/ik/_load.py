@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 from labrig.ik._evaluate import ShapeModel
 from labrig.ik._memory import Remembering
 from labrig.ik._models import ShellModel, SurfaceModel
@@ -44,12 +44,7 @@ def _base_shape(base: Any, folder: Path, path: Path) -> ShapeModel:
 
 def rig_shape(path: Path) -> ShapeModel:
     """The simulator of a rig.yaml, with the rig's chambers and limits."""
-    try:
-        rig = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise LabrigError(f"cannot read the rig {path}: {error.strerror or error}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise LabrigError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
+    rig = read_yaml(path, "rig")
     if (rig.get("simulated") or {}).get("shell"):
         from labrig.physics import rig_shell
 

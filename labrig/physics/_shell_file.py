@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-import yaml
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 from labrig.physics._geometry import grid_points, spread_points
 from labrig.physics._quantity import Unit, convert
 from labrig.physics._shell_core import Core, Millimetres, Section
@@ -141,16 +141,7 @@ def read_shell(source: str | Path | dict[str, Any]) -> ShellFile:
         path = Path(str(resources.files("labrig.physics") / "shells" / f"{source}.yaml"))
     else:
         path = Path(source)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        known = ", ".join(shipped_shells())
-        reason = error.strerror or error
-        raise LabrigError(f"cannot read the shell {path}: {reason} (shipped shells: {known})") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise LabrigError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
-    if not isinstance(content, dict):
-        raise LabrigError(f"{path} is not a shell: it should begin with `name: ...`")
+    content = read_yaml(path, "shell", f" (shipped shells: {', '.join(shipped_shells())})")
     return _parse(content, str(path), path.resolve().parent)
 
 

@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 from labrig.physics._shell import Shell, load_shell
 from labrig.physics._shell_file import shipped_shells
 
@@ -49,11 +48,8 @@ def load_model_shell(source: str | Path) -> Shell:
     path = Path(source)
     if str(source) in shipped_shells() or not path.is_file():
         return load_shell(source)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise LabrigError(f"{path}: is not YAML: {' '.join(str(error).split())}") from None
-    if not (isinstance(content, dict) and {"pressure", "simulated"} & set(content)):
+    content = read_yaml(path, "rig or shell")
+    if not {"pressure", "simulated"} & set(content):
         return load_shell(path)
     if not (content.get("simulated") or {}).get("shell"):
         raise LabrigError(f"{path}: a rig without `simulated: {{shell: ...}}`: there is no shell to simulate")

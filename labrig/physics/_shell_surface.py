@@ -14,7 +14,7 @@ from labrig._errors import LabrigError
 from labrig.physics._cache import Node, NodeCache, content_folder
 from labrig.physics._shell import Shell, Solution
 from labrig.physics._shell_rig import rig_shell
-from labrig.physics._surface import Surface, reduced_surface
+from labrig.physics._surface import Surface, as_pressures, reduced_surface
 from labrig.physics._warm import LEAST, Predictor, nearest
 from labrig.surface import grid
 
@@ -188,13 +188,7 @@ class ShellSurface:
         return (self._basis @ by.reshape(self.shell.spline.size, -1)).reshape(len(self.marker_names), 3, -1)
 
     def _checked(self, pressure_kpa: ArrayLike) -> Array:
-        pressure = np.atleast_2d(np.array(pressure_kpa, dtype=float))
-        if pressure.ndim != 2 or pressure.shape[1] != len(self.chamber_names):
-            raise LabrigError(
-                f"shell {self.shell.name}: pressures of shape {np.shape(pressure_kpa)} given, "
-                f"(captures, {len(self.chamber_names)}) needed"
-            )
-        return pressure
+        return as_pressures(pressure_kpa, len(self.chamber_names), f"shell {self.shell.name}")
 
 
 def load_surface(rig: dict[str, Any], folder: Path | None = None) -> Surface | ShellSurface:

@@ -169,13 +169,17 @@ class Surface:
         return np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int64)
 
     def _checked(self, pressure_kpa: ArrayLike) -> Array:
-        pressure = np.atleast_2d(np.asarray(pressure_kpa, dtype=float))
-        if pressure.ndim != 2 or pressure.shape[1] != len(self.chamber_names):
-            raise LabrigError(
-                f"surface {self.geometry.name}: pressures of shape {np.shape(pressure_kpa)} given, "
-                f"(captures, {len(self.chamber_names)}) needed"
-            )
-        return pressure
+        return as_pressures(pressure_kpa, len(self.chamber_names), f"surface {self.geometry.name}")
+
+
+def as_pressures(pressure_kpa: ArrayLike, chambers: int, whose: str) -> Array:
+    """Pressures as an array (F, C) of its own; raises `LabrigError` for another number of chambers."""
+    pressure = np.atleast_2d(np.array(pressure_kpa, dtype=float))
+    if pressure.ndim != 2 or pressure.shape[1] != chambers:
+        raise LabrigError(
+            f"{whose}: pressures of shape {np.shape(pressure_kpa)} given, (captures, {chambers}) needed"
+        )
+    return pressure
 
 
 def reduced_surface(rig: dict) -> Surface:

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any, Self
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from drivers import Channel
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 
 
 class _Section(BaseModel):
@@ -126,15 +126,7 @@ def load_rig(path: str | Path) -> RigConfig:
     Raises `LabrigError` naming the file, the field and what is wrong with it.
     """
     path = Path(path)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise LabrigError(f"cannot read the rig {path}: {error.strerror or error}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise LabrigError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
-    if not isinstance(content, dict):
-        raise LabrigError(f"{path} is not a rig: it should begin with `name: ...`")
-    return parse_rig(content, str(path), path.resolve().parent)
+    return parse_rig(read_yaml(path, "rig"), str(path), path.resolve().parent)
 
 
 def parse_rig(content: dict[str, Any], where: str, folder: Path) -> RigConfig:

@@ -119,6 +119,11 @@ def _surface(cloud: Cloud, skin: Skin | None, error: Floats, top: float, units: 
                 "colorbar": colourbar,
             }
         )
+    return {"data": data, "layout": scene_layout(_camera(cloud.rest_mm), bar)}
+
+
+def scene_layout(camera: dict[str, Any], bar: bool) -> dict[str, Any]:
+    """The layout of a picture in space: no axes, true proportions, room for a colour bar."""
     axis = {"visible": False, "showbackground": False}
     layout = _layout(
         height=430,
@@ -129,12 +134,12 @@ def _surface(cloud: Cloud, skin: Skin | None, error: Floats, top: float, units: 
             "yaxis": axis,
             "zaxis": axis,
             "aspectmode": "data",
-            "camera": _camera(cloud.rest_mm),
+            "camera": camera,
             "dragmode": "orbit",
         },
     )
     del layout["xaxis"], layout["yaxis"]
-    return {"data": data, "layout": layout}
+    return layout
 
 
 def view_axes(rest_mm: Floats) -> tuple[Floats, Floats, Floats]:

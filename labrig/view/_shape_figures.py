@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.view._figures import FONT, Figure, _layout, _plain
+from labrig.view._figures import FONT, Figure, _layout, _plain, scene_layout
 from labrig.view._style import AFTER, BEFORE, INK, LINE
 
 Floats = NDArray[np.float64]
@@ -53,22 +53,8 @@ def signed_map(
                 },
             }
         )
-    axis = {"visible": False, "showbackground": False}
-    layout = _layout(
-        height=430,
-        margin={"l": 0, "r": 70 if bar else 0, "t": 0, "b": 0},
-        showlegend=False,
-        scene={
-            "xaxis": axis,
-            "yaxis": axis,
-            "zaxis": axis,
-            "aspectmode": "data",
-            "camera": {"eye": {"x": 0.66, "y": 2.25, "z": 0.32}, "up": {"x": 0, "y": 0, "z": 1}},
-            "dragmode": "orbit",
-        },
-    )
-    del layout["xaxis"], layout["yaxis"]
-    return {"data": data, "layout": layout}
+    camera = {"eye": {"x": 0.66, "y": 2.25, "z": 0.32}, "up": {"x": 0, "y": 0, "z": 1}}
+    return {"data": data, "layout": scene_layout(camera, bar)}
 
 
 def histogram(series: Sequence[tuple[str, Floats]], top_mm: float) -> Figure:

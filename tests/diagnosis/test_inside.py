@@ -2,6 +2,7 @@
 
 from importlib.resources import files
 from pathlib import Path
+from runpy import run_path
 
 import numpy as np
 import pytest
@@ -11,42 +12,15 @@ from labrig.diagnosis import compare, diagnose
 from labrig.model import Model
 from labrig.physics import Shell, load_shell
 
-HOLD_S = np.array([3.0, 3.5, 4.0])
 SURPLUS = 0.04
 
 
 def measured(known: Shell, true: Shell, pressure_kpa: np.ndarray, seed: int):
-    """A campaign of settled shapes of `true`, exactly solved, with 0.05 mm of noise."""
-    import xarray as xr
-
-    noise = np.random.default_rng(seed)
-    at_markers = known.spline.basis(known.marker_uv)
-    shapes = [at_markers @ true.solve(p).control_mm.reshape(-1, 3) for p in pressure_kpa]
-    n, chambers = pressure_kpa.shape
-    position = np.array(shapes)[:, None] + 0.05 * noise.normal(size=(n, len(HOLD_S), *shapes[0].shape))
-    start = 10.0 * np.arange(n)
-    return xr.Dataset(
-        {
-            "commanded": (("capture", "chamber"), pressure_kpa, {"units": "kPa"}),
-            "hold_s": (("capture", "time"), np.tile(HOLD_S, (n, 1))),
-            "time_s": (("capture", "time"), start[:, None] + HOLD_S),
-            "event_time_s": ("event", start),
-            "event_commanded": (("event", "chamber"), pressure_kpa),
-            "position_mm": (("capture", "time", "marker", "axis"), position),
-            "rest_mm": (("marker", "axis"), at_markers @ known.control_rest_mm.reshape(-1, 3)),
-        },
-        coords={
-            "chamber": list(known.chamber_names),
-            "chamber_min": ("chamber", np.zeros(chambers)),
-            "chamber_max": ("chamber", np.full(chambers, 60.0)),
-            "session": ("capture", ["s"] * n),
-            "event_session": ("event", ["s"] * n),
-            "event_of": ("capture", np.arange(n)),
-            "repeat": ("capture", [""] * n),
-            "marker": list(known.marker_names),
-            "axis": list("xyz"),
-        },
-    )
+    """A campaign of settled shapes of `true`, exactly solved, with 0.05 mm of noise, as the benchmark makes it."""
+    benchmark = run_path(str(Path(__file__).parents[2] / "benchmarks" / "extrapolate.py"))
+    clean = benchmark["positions"](known, true, pressure_kpa)[:, None]
+    noise = np.random.default_rng(seed).normal(size=(len(clean), len(benchmark["HOLD_S"]), *clean.shape[2:]))
+    return benchmark["campaign"](known, pressure_kpa, clean + 0.05 * noise)
 
 
 @pytest.mark.slow
