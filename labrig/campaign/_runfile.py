@@ -3,7 +3,6 @@
 import getpass
 import os
 import platform
-import subprocess
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import yaml
 
 from labrig import __version__
 from labrig._errors import LabrigError
+from labrig._git import git_commit
 from labrig.campaign._plan import Plan, plan_facts, sha256_of
 from labrig.campaign._procedure import Procedure
 from labrig.rig import Rig
@@ -48,7 +48,7 @@ def run_facts(
             for role, identity in rig.identity.items()
         },
         "versions": {"labrig": __version__, "python": platform.python_version(), "system": platform.system()},
-        "git_commit": _git_commit(),
+        "git_commit": git_commit(),
         **context,
     }
 
@@ -58,17 +58,6 @@ def _operator() -> str:
         return getpass.getuser()
     except (OSError, KeyError, ImportError):
         return ""
-
-
-def _git_commit() -> str | None:
-    """The commit of the folder that labrig was started in, if it is a git repository."""
-    try:
-        answer = subprocess.run(
-            ["git", "rev-parse", "HEAD"], capture_output=True, text=True, timeout=5, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return None
-    return answer.stdout.strip() or None
 
 
 def write_run_yaml(folder: Path, facts: dict[str, Any]) -> None:

@@ -1,11 +1,11 @@
 """Where a learned model comes from: settings, versions, and the commit it was learned at."""
 
 import platform
-import subprocess
 from importlib import metadata
 from typing import Any
 
 from labrig import __version__
+from labrig._git import git_commit
 
 
 def provenance(kind: str, settings: dict[str, Any]) -> dict[str, Any]:
@@ -16,15 +16,4 @@ def provenance(kind: str, settings: dict[str, Any]) -> dict[str, Any]:
             versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
-    return {"kind": kind, "settings": settings, "versions": versions, "git_commit": _git_commit()}
-
-
-def _git_commit() -> str | None:
-    """The commit of the folder that labrig was started in, if it is a git repository."""
-    try:
-        answer = subprocess.run(
-            ["git", "rev-parse", "HEAD"], capture_output=True, text=True, timeout=5, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return None
-    return answer.stdout.strip() or None
+    return {"kind": kind, "settings": settings, "versions": versions, "git_commit": git_commit()}
