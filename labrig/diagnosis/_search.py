@@ -7,7 +7,6 @@ then sought in what that leaves, and must explain most of what any static map co
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 
@@ -56,8 +55,6 @@ SMALLEST_BESIDE = 0.2
 STATIC_SHARE_FIRST = 0.3
 STATIC_SHARE_NEXT = 0.6
 STATIC = "pressure"
-REST_OF_FLOOR = 0.1
-MOST_PAIRED = 7
 
 
 @dataclass(frozen=True)
@@ -185,30 +182,7 @@ def _forward(ground: Ground, start: Fit | None, signs: Floats) -> Fit | None:
         if not _fits_form(ground.streams, chosen, best):
             break
         chosen = _simplest(ground, _swap(best, found, fixed), found, fixed)
-    if chosen is None:
-        return None
-    chosen = _prune(ground, chosen, fixed)
-    return _two_for_one(ground, chosen, found, fixed) if len(chosen.parts) == fixed + 1 else chosen
-
-
-def _two_for_one(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
-    """Two effects in the place of one that took a part of each, where both earn it and explain clearly more."""
-    streams = ground.streams
-    if len(chosen.parts) >= MAX_EFFECTS or _left(chosen) < (1 + REST_OF_FLOOR) * ground.gate.floor_square:
-        return chosen
-    kept = chosen.parts[:fixed]
-    names = sorted(set(found) - {p.effect.name for p in kept}, key=lambda n: -found[n][0].score.gain)
-    names = [n for n in names if found[n][0].freedom < streams.residual.shape[1]][:MOST_PAIRED]
-    best = chosen
-    for a, b in combinations(names, 2):
-        option = fit([*kept, found[a][0], found[b][0]])
-        if option.score.gain > best.score.gain and stays_plausible(option, fixed):
-            best = option
-    if best is chosen or not earns(ground, chosen, best):
-        return chosen
-    alone = [fit([*kept, part]) for part in best.parts[fixed:]]
-    least = ground.gate.smallest(SMALLEST_SHARE)
-    return best if all(fall(streams, one, best) >= least for one in alone) else chosen
+    return None if chosen is None else _prune(ground, chosen, fixed)
 
 
 def _fits_form(streams: Streams, before: Fit | None, after: Fit) -> bool:

@@ -33,6 +33,8 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
             98005,
             "confounded",
         ),  # on the whole problem every form of the leak loses out of sample
+        ("confounded", 80004, "confounded"),  # two pressures in all: history and pressure are one
+        ("pair", 90014, "multiple"),  # the leak's values change when the stiffening comes in
         ("deleted", 0, "unknown"),
     ],
 )
