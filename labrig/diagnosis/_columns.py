@@ -6,14 +6,18 @@ from functools import cached_property
 
 import numpy as np
 
-from labrig.diagnosis._streams import Streams
+from labrig.diagnosis._streams import Streams, solve_calibrated
 from labrig.effects import Term, Variant
 from labrig.effects._rows import Floats, Ints
 
 
 @dataclass(frozen=True)
 class Columns:
-    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields."""
+    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields.
+
+    Behind its own, `E` has one field for each calibrated parameter of the base: no columns of the effect, which is
+    fitted beside them.
+    """
 
     streams: Streams
     X: Floats
@@ -22,25 +26,57 @@ class Columns:
 
     @property
     def width(self) -> int:
-        """How many columns there are."""
-        return self.X.shape[2] + self.E.shape[2]
+        """How many columns the effect has."""
+        return self.X.shape[2] + self.fields
+
+    @property
+    def fields(self) -> int:
+        """How many of them are fields."""
+        calibrated = self.streams.calibrated
+        return self.E.shape[2] - (0 if calibrated is None else calibrated.shape[2])
 
     @cached_property
     def sums(self) -> tuple[Floats, Floats]:
         """Per left-out block: Gram matrices (G, Q, Q) and products with the residual (G, Q)."""
+        return self._beside_calibrated(*self._whole, None)
+
+    @cached_property
+    def _whole(self) -> tuple[Floats, Floats]:
         return self._sums(self.X, self.E, self.streams.residual, self.streams.projected)
 
     def fold_sums(self, fold: int) -> tuple[Floats, Floats]:
         """As `sums`, the base's own parameters fitted without the block `fold`."""
         s = self.streams
+        if s.declared is None:
+            return self._beside_calibrated(*self._whole, fold)
         residual, projected = s.fold_residuals[fold]
-        return self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected)
+        sums = self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected)
+        return self._beside_calibrated(*sums, fold)
+
+    def _beside_calibrated(self, G: Floats, c: Floats, without: int | None) -> tuple[Floats, Floats]:
+        """Sums of all columns as those of the effect's alone, the calibrated parameters fitted to the other blocks."""
+        n = self.width
+        if n == G.shape[1]:
+            return G, c
+        train = np.arange(len(G)) != (len(G) if without is None else without)
+        total, target = G[train].sum(axis=0), c[train].sum(axis=0)
+        right = np.column_stack([total[n:, :n], target[n:]])
+        answer = solve_calibrated(total[n:, n:], right)
+        turn = np.vstack([np.eye(n), -answer[:, :n]])
+        return turn.T @ G @ turn, (c - G[:, :, n:] @ answer[:, n]) @ turn
+
+    @cached_property
+    def _answer(self) -> Floats:
+        """How the calibrated parameters give way to the effect's coefficients, (D, Q)."""
+        n, total = self.width, self._whole[0].sum(axis=0)
+        return -solve_calibrated(total[n:, n:], total[n:, :n])
 
     def _sums(self, X: Floats, E: Floats, residual: Floats, g: Floats) -> tuple[Floats, Floats]:
         s = self.streams
         q = X.shape[2]
-        G = np.zeros((s.n_groups, self.width, self.width))
-        c = np.zeros((s.n_groups, self.width))
+        width = q + E.shape[2]
+        G = np.zeros((s.n_groups, width, width))
+        c = np.zeros((s.n_groups, width))
         H = s.products[:, self.used[:, None], self.used] if q else None
         for group, own in enumerate(s.blocks):
             if H is not None:
@@ -68,6 +104,8 @@ class Columns:
         short = self.X @ beta[:q]
         modes = self.streams.modes[:, self.used]
         out = np.einsum("su,suk->sk", short, modes[self.streams.source], optimize=True)
+        if self.streams.calibrated is not None:
+            beta = np.concatenate([beta, self._answer @ beta])
         return out + self.E @ beta[q:]
 
 
@@ -105,6 +143,8 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
         moved = np.einsum("suq,suk->skq", X, streams.modes[:, used][streams.source], optimize=True)
         E = np.concatenate([moved, E], axis=2)
         X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)
+    if streams.calibrated is not None:
+        E = np.concatenate([E, streams.calibrated], axis=2)
     if streams.declared is not None:
         return Columns(streams, streams.partial(X), used, streams.partial(E))
     return Columns(streams, X, used, E)
@@ -114,16 +154,18 @@ def join(parts: Sequence[Columns]) -> Columns:
     """Put several effects' columns side by side. Fields come last, so use `order_of` to find a part's own."""
     if len(parts) == 1:
         return parts[0]
+    streams = parts[0].streams
     used = np.unique(np.concatenate([p.used for p in parts]))
-    S = len(parts[0].streams.source)
+    S = len(streams.source)
     blocks = []
     for p in parts:
         block = np.zeros((S, len(used), p.X.shape[2]))
         if p.X.shape[2]:
             block[:, np.searchsorted(used, p.used)] = p.X
         blocks.append(block)
-    E = np.concatenate([p.E for p in parts], axis=2)
-    return Columns(parts[0].streams, np.concatenate(blocks, axis=2), used, E)
+    own = [p.E[:, :, : p.fields] for p in parts]
+    E = np.concatenate([*own, parts[0].E[:, :, parts[0].fields :]], axis=2)
+    return Columns(streams, np.concatenate(blocks, axis=2), used, E)
 
 
 def order_of(parts: Sequence[Columns]) -> list[Ints]:
@@ -132,9 +174,9 @@ def order_of(parts: Sequence[Columns]) -> list[Ints]:
     out = []
     for p in parts:
         own_x = np.arange(x_at, x_at + p.X.shape[2])
-        own_e = np.arange(e_at, e_at + p.E.shape[2])
+        own_e = np.arange(e_at, e_at + p.fields)
         out.append(np.concatenate([own_x, own_e]).astype(np.int64))
-        x_at, e_at = x_at + p.X.shape[2], e_at + p.E.shape[2]
+        x_at, e_at = x_at + p.X.shape[2], e_at + p.fields
     return out
 
 

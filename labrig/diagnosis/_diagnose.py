@@ -36,16 +36,18 @@ def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
 
 def prepare(rows: Rows, model: Model) -> tuple[Streams, Context, Floor, int]:
     """Predict, clean, estimate the floor and lay out the regression; also how many entries were dropped."""
-    context = model.context(rows)
-    declared = model.declared(rows)
+    predictor = model.predictor(rows)
+    context = predictor.context(rows)
+    declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
     if len(rows.capture) > MOST_ROWS:
         keep = np.unique(np.linspace(0, len(rows.capture) - 1, MOST_ROWS).astype(int))
         context = context.thin(keep)
         declared = None if declared is None else declared[keep]
+        calibrated = None if calibrated is None else calibrated[keep]
     residual, dropped = clean(context.residual, context.rows.capture)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
     floor = noise_floor(context, residual, lost)
-    return build_streams(context, floor, residual, declared), context, floor, dropped
+    return build_streams(context, floor, residual, declared, calibrated), context, floor, dropped
 
 
 def diagnose(

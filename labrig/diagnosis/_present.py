@@ -24,6 +24,8 @@ def fields_of(context: Context, chosen: Fit | None) -> "Dataset":
     change = change_of(context, chosen) if chosen else np.zeros_like(context.base)
     if chosen and chosen.columns.streams.declared is not None:
         change = change + _refit(context, chosen, change)
+    if chosen and chosen.columns.streams.calibrated is not None:
+        change = change + _recalibrated(context, chosen, change)
     seen = np.where(np.isfinite(rows.values), 1.0, np.nan)
     measured, captures = capture_means(rows.values, rows.capture)
     base, _ = capture_means(context.base * seen, rows.capture)
@@ -66,6 +68,17 @@ def _refit(context: Context, chosen: Fit, change: Floats) -> Floats:
     columns = streams.declared[: len(left)] if streams.use_means else np.zeros((len(left), 1))
     beta = np.linalg.lstsq(columns, np.nan_to_num(left), rcond=1e-9)[0]
     return (columns @ beta)[streams.index]
+
+
+def _recalibrated(context: Context, chosen: Fit, change: Floats) -> Floats:
+    """What the base's calibrated parameters, fitted again beside the effects, change in the prediction, (F, K)."""
+    streams = chosen.columns.streams
+    assert streams.calibrated is not None
+    left = streams.residual - streams.lift(change)
+    off = streams.recalibrated(left, streams.calibrated, np.ones(len(left), dtype=bool))
+    if not streams.use_means:
+        return np.zeros_like(change)
+    return (streams.calibrated[: int(streams.index.max()) + 1] @ off)[streams.index]
 
 
 def signatures_of(

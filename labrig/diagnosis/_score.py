@@ -41,7 +41,7 @@ class Score:
 def score(columns: Columns) -> Score:
     """Fit without each block, predict it, and keep the ridge that does best; narrow fits need none to choose."""
     ridges = RIDGES if columns.width > 3 else RIDGES[:1]
-    if columns.streams.declared is None:
+    if columns.streams.declared is None and columns.streams.calibrated is None:
         G, c = columns.sums
         results = [_leave_out(G, c, ridge) for ridge in ridges]
     else:

@@ -31,6 +31,7 @@ _ROWS_THAT_COUNT = 12
 _CAPTURES_PER_TERM = 7
 _CAPTURES_PER_LINE = 3
 _STATIC_RIDGE = 0.01
+_CALIBRATION_RIDGE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,9 @@ class Streams:
     """Weighted rows ready for regression; S stream rows, m modes, K observables.
 
     `weight` (S, K) is 1 / noise^2, 0 where nothing was seen; `residual` (S, K); `modes` (captures, m, K);
-    `group` (S,) is which block is left out with it; `source` (S,) its capture, as an index.
+    `group` (S,) is which block is left out with it; `source` (S,) its capture, as an index. The base's own parameters
+    are `declared` (S, D), regressors of every observable on its own, and `calibrated` (S, K, D), fields that all
+    observables share; both are refitted beside every effect.
     """
 
     context: Context
@@ -56,6 +59,7 @@ class Streams:
     declared: Floats | None
     row_group: Ints
     as_features: bool = False
+    calibrated: Floats | None = None
 
     @property
     def n_groups(self) -> int:
@@ -90,12 +94,22 @@ class Streams:
     @cached_property
     def nothing(self) -> Floats:
         """What the base's own parameters, fitted without each block, change in it, (S, K)."""
-        if self.declared is None:
-            return np.zeros_like(self.residual)
         out = np.zeros_like(self.residual)
+        if self.declared is None and self.calibrated is None:
+            return out
         for g, own in enumerate(self.blocks):
-            out[own] = (self.residual - self.fold_residuals[g][0])[own]
+            left = self.fold_residuals[g][0]
+            out[own] = (self.residual - left)[own]
+            if self.calibrated is not None:
+                fields = self.partial(self.calibrated, g)
+                out[own] += fields[own] @ self.recalibrated(left, fields, self.group != g)
         return out
+
+    def recalibrated(self, left: Floats, fields: Floats, train: NDArray[np.bool_]) -> Floats:
+        """The calibrated parameters (D,) that fit their fields (S, K, D) best to what is `left` (S, K) of some rows."""
+        weighted = self.weight[train][..., None] * fields[train]
+        gram = np.einsum("skd,ske->de", weighted, fields[train], optimize=True)
+        return solve_calibrated(gram, np.einsum("skd,sk->d", weighted, left[train], optimize=True))
 
     @property
     def patterns(self) -> Floats:
@@ -199,10 +213,22 @@ class Streams:
         return (self.weight * residual**2).sum(axis=1)
 
 
-def build_streams(context: Context, floor: Floor, residual: Floats, declared: Floats | None) -> Streams:
+def solve_calibrated(gram: Floats, right: Floats) -> Floats:
+    """The calibrated parameters for right sides (D, ...); what the runs say nothing of stays as it is."""
+    ridge = _CALIBRATION_RIDGE * max(float(np.diag(gram).max(initial=0.0)), 1e-300)
+    return np.asarray(np.linalg.solve(gram + ridge * np.eye(len(gram)), right), dtype=float)
+
+
+def build_streams(
+    context: Context,
+    floor: Floor,
+    residual: Floats,
+    declared: Floats | None,
+    calibrated: Floats | None = None,
+) -> Streams:
     """Lay out the regression for what the base leaves, `residual` (F, K), outliers already NaN.
 
-    `declared` (F, D) are the regressors of the base's own parameters, refitted beside every effect.
+    `declared` (F, D) and `calibrated` (F, K, D) are the base's own parameters, refitted beside every effect.
     """
     rows = context.rows
     captures, index = np.unique(rows.capture, return_inverse=True)
@@ -241,7 +267,7 @@ def build_streams(context: Context, floor: Floor, residual: Floats, declared: Fl
     if has_frame:
         modes.append(np.moveaxis(frame_modes(context)[first], 2, 1))
     modes.append(np.broadcast_to(patterns, (n, *patterns.shape)))
-    return Streams(
+    streams = Streams(
         context=context,
         floor=floor,
         residual=np.where(np.isfinite(stacked), stacked, 0.0),
@@ -257,6 +283,7 @@ def build_streams(context: Context, floor: Floor, residual: Floats, declared: Fl
         declared=declared,
         row_group=group_of_row,
     )
+    return streams if calibrated is None else replace(streams, calibrated=streams.lift(calibrated))
 
 
 def _blurred(noise: Floats, residual: Floats) -> Floats:

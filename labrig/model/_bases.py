@@ -9,19 +9,15 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-import yaml
-from scipy.interpolate import PchipInterpolator
 
 from labrig._errors import LabrigError
 from labrig.effects import Rows
 from labrig.effects._rows import Floats
-from labrig.model._file import ModelFile, PythonBase, SimulatorBase, StaticBase, SurrogateBase
+from labrig.model._file import ModelFile, PythonBase, StaticBase, SurrogateBase
+from labrig.model._robust import robust_fit
+from labrig.model._simulator import GRID, SimulatorModel, solved_curves
 from labrig.model._surrogate import SurrogateModel
 
-_GRID = 33
-_SOLVED = 7
-"""Of these many points of each chamber's range a simulator is asked; between them the curve is smooth."""
-_INSIDE = ("prestretch_", "stiffening_", "core_offset", "contact_", "gravity_")
 _FLATTEST = 0.15
 _STEP = 1e-3
 """Step of the finite differences, fraction of a chamber's range; central, so the error is of its square."""
@@ -89,7 +85,7 @@ class StaticModel:
         X = self.declared(rows.actuation)
         captures = np.bincount(rows.capture, minlength=rows.n_captures)
         weight = np.sqrt(1.0 / captures[rows.capture])
-        columns = [_robust_fit(X, values[:, k], weight) for k in range(values.shape[1])]
+        columns = [robust_fit(X, values[:, k], weight) for k in range(values.shape[1])]
         self._coefficients = np.stack(columns, axis=1)
 
     def predict(self, actuation: Floats) -> Floats:
@@ -104,57 +100,6 @@ class StaticModel:
             for chosen in combinations_with_replacement(range(x.shape[1]), degree):
                 columns.append(np.prod(x[:, chosen], axis=1))
         return np.stack(columns, axis=1)
-
-
-class SimulatorModel:
-    """labrig's simulator, told the rig's geometry; observables are matched by marker and axis."""
-
-    kind = "simulator"
-
-    def __init__(self, spec: SimulatorBase, folder: Path, rows: Rows) -> None:
-        from labrig.physics import load_surface
-
-        path = folder / spec.rig
-        try:
-            rig = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise LabrigError(
-                f"{path}: can't read the rig file of the simulator ({error.strerror})"
-            ) from error
-        except yaml.YAMLError as error:
-            raise LabrigError(f"{path}: is not YAML") from error
-        self._surface = load_surface(rig, path.parent)
-        names = list(self._surface.marker_names)
-        unknown = [m for m in rows.markers if m not in names]
-        if unknown or (rows.marker < 0).any() or (rows.axis < 0).any():
-            what = f"marker {unknown[0]!r}" if unknown else "an observable that is no marker coordinate"
-            raise LabrigError(f"{path}: the simulator knows nothing of {what}, which the run has")
-        if tuple(self._surface.chamber_names) != tuple(rows.chambers):
-            raise LabrigError(f"{path}: its chambers are not the run's ({', '.join(rows.chambers)})")
-        self._marker = np.array([names.index(rows.markers[m]) for m in rows.marker])
-        self._axis = rows.axis
-
-    def predict(self, actuation: Floats) -> Floats:
-        """Simulate the settled surface; chamber pressures in kPa."""
-        return np.asarray(self._surface.predict(actuation))[:, self._marker, self._axis]
-
-    def declared(self, actuation: Floats) -> Floats | None:
-        """None: the simulator has nothing that is fitted to a run."""
-        return None
-
-    def slope(self, actuation: Floats) -> Floats:
-        """Change of the prediction per kPa, (F, K, C), as the simulator itself works it out."""
-        return np.asarray(self._surface.jacobian(actuation))[:, self._marker, self._axis]
-
-    def inside(self, actuation: Floats) -> dict[str, Floats]:
-        """Change of the prediction, (F, K), by each physical parameter that an effect may stand for."""
-        from labrig.physics import ShellSurface
-
-        if not isinstance(self._surface, ShellSurface):
-            return {}
-        names = [n for n in self._surface.parameters if n.startswith(_INSIDE)]
-        by = np.asarray(self._surface.parameter_jacobian(actuation, names))[:, self._marker, self._axis]
-        return {name: by[..., i] for i, name in enumerate(names)}
 
 
 def build_base(model: ModelFile, folder: Path, rows: Rows) -> BaseModel:
@@ -200,29 +145,29 @@ class Deflection:
 
     def slope(self, actuation: Floats) -> Floats:
         """Its derivative by the fraction of the range, (n, C), kept away from zero."""
-        slopes = np.gradient(self.curves, 1 / (_GRID - 1), axis=0)
+        slopes = np.gradient(self.curves, 1 / (GRID - 1), axis=0)
         return np.maximum(self._interpolate(actuation, slopes), _FLATTEST)
 
     def _interpolate(self, actuation: Floats, curves: Floats) -> Floats:
         x = (actuation - self.low) / self.span
-        grid = np.linspace(0, 1, _GRID)
+        grid = np.linspace(0, 1, GRID)
         return np.stack([np.interp(x[:, c], grid, curves[:, c]) for c in range(x.shape[1])], axis=1)
 
 
 def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
     """Move each chamber alone over its range and see how far the observables go."""
+    if isinstance(base, SimulatorModel):
+        return Deflection(low, high - low, solved_curves(base, low, high))
     vented = np.clip(0.0, low, high)
-    curves = np.zeros((_GRID, len(low)))
-    points = _SOLVED if isinstance(base, SimulatorModel) else _GRID
+    curves = np.zeros((GRID, len(low)))
     for c in range(len(low)):
-        grid = np.linspace(low[c], high[c], points)
-        alone = np.tile(vented, (points + 1, 1))
+        grid = np.linspace(low[c], high[c], GRID)
+        alone = np.tile(vented, (GRID + 1, 1))
         alone[:-1, c] = grid
         predicted = base.predict(alone)
         moved = np.sqrt(((predicted[:-1] - predicted[-1]) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
         full = np.abs(moved).max()
-        share = moved / full if full > 0 else np.linspace(0, 1, points)
-        curves[:, c] = PchipInterpolator(grid, share)(np.linspace(low[c], high[c], _GRID))
+        curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
     return Deflection(low, high - low, curves)
 
 
@@ -244,20 +189,3 @@ def _load_function(path: Path, name: str) -> Callable[[Floats], Any]:
     if not callable(function):
         raise LabrigError(f"{path}: has no function {name!r}")
     return function
-
-
-def _robust_fit(X: Floats, y: Floats, weight: Floats) -> Floats:
-    """Least squares that gives less and less weight to what is far off (Huber's psi, five rounds)."""
-    seen = np.isfinite(y)
-    if not seen.any():
-        return np.zeros(X.shape[1])
-    X, y, w = X[seen], y[seen], weight[seen]
-    beta = np.linalg.lstsq(X * w[:, None], y * w, rcond=1e-10)[0]
-    for _ in range(5):
-        off = np.abs(y - X @ beta)
-        scale = 1.4826 * np.median(off)
-        if scale <= 0:
-            break
-        r = w * np.sqrt(np.minimum(1.0, 3.0 * scale / np.maximum(off, 1e-300)))
-        beta = np.linalg.lstsq(X * r[:, None], y * r, rcond=1e-10)[0]
-    return np.asarray(beta, dtype=float)

@@ -31,10 +31,15 @@ class StaticBase(_Strict):
 
 
 class SimulatorBase(_Strict):
-    """labrig's simulator of the rig that `rig` (a rig.yaml) describes."""
+    """labrig's simulator of the rig that `rig` (a rig.yaml) describes.
+
+    `calibrated` names the parameters of its shell that are not known beforehand: they are fitted to each run, and again
+    beside every effect.
+    """
 
     kind: Literal["simulator"]
     rig: str
+    calibrated: list[str] = Field(default_factory=list)
 
 
 class SurrogateBase(_Strict):

@@ -68,6 +68,10 @@ class Model:
             # the map was fitted as if there were no effects: fit it again to what they leave
             for _ in range(_ROUNDS):
                 base.fit(fitted, fitted.values - self._change(base_context(base, fitted)))
+        if isinstance(base, SimulatorModel):
+            base.fit(fitted, fitted.values)
+            if self.file.effects:
+                base.fit(fitted, fitted.values - self._change(base_context(base, fitted)))
         return Predictor(self, base)
 
     def _change(self, context: Context) -> Floats:
@@ -96,6 +100,10 @@ class Predictor:
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
         return self.base.declared(rows.actuation)
+
+    def calibrated(self, rows: Rows) -> Floats | None:
+        """Fields (F, K, D) by which the base's calibrated parameters change the prediction, or None."""
+        return self.base.calibrated(rows.actuation) if isinstance(self.base, SimulatorModel) else None
 
 
 def base_context(base: BaseModel, rows: Rows) -> Context:

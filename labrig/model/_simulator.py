@@ -1,0 +1,154 @@
+"""The simulator of a rig as a base, with those of its physical parameters that each run says anew."""
+
+from pathlib import Path
+
+import numpy as np
+import yaml
+from scipy.interpolate import CubicHermiteSpline
+
+from labrig._errors import LabrigError
+from labrig.effects import Rows
+from labrig.effects._rows import Floats
+from labrig.model._file import SimulatorBase
+from labrig.model._robust import robust_fit
+
+GRID = 33
+_SOLVED = np.array([0.0, 0.15, 0.5, 1.0])
+"""Where on a chamber's way up a simulator is asked for its shape and slope: a sheet that lifts off moves most at first.
+Between these the curve is a cubic."""
+_INSIDE = ("prestretch_", "stiffening_", "core_offset", "contact_", "gravity_")
+_UNIT = 0.1
+"""Calibrated parameters are counted in such a part of their value, or of their bounds' distance where that is zero."""
+
+
+class SimulatorModel:
+    """labrig's simulator, told the rig's geometry; observables are matched by marker and axis.
+
+    What its `calibrated` parameters change is taken as linear.
+    """
+
+    kind = "simulator"
+
+    def __init__(self, spec: SimulatorBase, folder: Path, rows: Rows) -> None:
+        from labrig.physics import load_surface
+
+        path = folder / spec.rig
+        try:
+            rig = yaml.safe_load(path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise LabrigError(
+                f"{path}: can't read the rig file of the simulator ({error.strerror})"
+            ) from error
+        except yaml.YAMLError as error:
+            raise LabrigError(f"{path}: is not YAML") from error
+        self._surface = load_surface(rig, path.parent)
+        names = list(self._surface.marker_names)
+        unknown = [m for m in rows.markers if m not in names]
+        if unknown or (rows.marker < 0).any() or (rows.axis < 0).any():
+            what = f"marker {unknown[0]!r}" if unknown else "an observable that is no marker coordinate"
+            raise LabrigError(f"{path}: the simulator knows nothing of {what}, which the run has")
+        if tuple(self._surface.chamber_names) != tuple(rows.chambers):
+            raise LabrigError(f"{path}: its chambers are not the run's ({', '.join(rows.chambers)})")
+        self._marker = np.array([names.index(rows.markers[m]) for m in rows.marker])
+        self._axis = rows.axis
+        self._calibrated = tuple(dict.fromkeys(spec.calibrated))
+        for name in self._calibrated:
+            if name not in self._surface.parameters:
+                known = ", ".join(self._surface.parameters) or "none"
+                raise LabrigError(
+                    f"base: calibrated: the simulator of {path} has no parameter {name!r} (it has {known})"
+                )
+        self._off = np.zeros(len(self._calibrated))
+
+    def fit(self, rows: Rows, values: Floats) -> None:
+        """Fit the calibrated parameters to `values` (F, K), captures counting alike; NaN are left out."""
+        fields = self.calibrated(rows.actuation)
+        if fields is None:
+            return
+        weight = np.sqrt(1.0 / np.bincount(rows.capture)[rows.capture])
+        left = values - self.simulate(rows.actuation)
+        each = np.repeat(weight, values.shape[1])
+        self._off = robust_fit(fields.reshape(left.size, -1), left.ravel(), each)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The calibrated parameters as they were fitted, by name, in their own units."""
+        known, units = self._surface.parameters, self._units()
+        return {
+            name: known[name] + off * unit
+            for name, off, unit in zip(self._calibrated, self._off, units, strict=True)
+        }
+
+    def predict(self, actuation: Floats) -> Floats:
+        """The settled surface with the calibrated parameters as they were fitted; chamber pressures in kPa."""
+        predicted = self.simulate(actuation)
+        if not self._off.any():
+            return predicted
+        fields = self.calibrated(actuation)
+        assert fields is not None
+        return predicted + fields @ self._off
+
+    def simulate(self, actuation: Floats) -> Floats:
+        """The settled surface as the simulator has it."""
+        return np.asarray(self._surface.predict(actuation))[:, self._marker, self._axis]
+
+    def declared(self, actuation: Floats) -> Floats | None:
+        """None: nothing is fitted to each observable of a run on its own."""
+        return None
+
+    def calibrated(self, actuation: Floats) -> Floats | None:
+        """Change of the prediction, (F, K, D), by each calibrated parameter, in tenths of its value; or None."""
+        if not self._calibrated:
+            return None
+        unique, inverse = np.unique(actuation, axis=0, return_inverse=True)
+        return (self._by(unique, self._calibrated) * self._units())[inverse.reshape(-1)]
+
+    def slope(self, actuation: Floats) -> Floats:
+        """Change of the prediction per kPa, (F, K, C), as the simulator itself works it out."""
+        return np.asarray(self._surface.jacobian(actuation))[:, self._marker, self._axis]
+
+    def inside(self, actuation: Floats) -> dict[str, Floats]:
+        """Change of the prediction, (F, K), by each physical parameter that an effect may stand for."""
+        names = [n for n in self._surface.parameters if n.startswith(_INSIDE)]
+        if not names:
+            return {}
+        by = self._by(actuation, tuple(names))
+        return {name: by[..., i] for i, name in enumerate(names)}
+
+    def _by(self, actuation: Floats, names: tuple[str, ...]) -> Floats:
+        from labrig.physics import ShellSurface
+
+        assert isinstance(self._surface, ShellSurface)  # nothing else has parameters
+        return np.asarray(self._surface.parameter_jacobian(actuation, names))[:, self._marker, self._axis]
+
+    def _units(self) -> Floats:
+        from labrig.physics import ShellSurface
+
+        if not isinstance(self._surface, ShellSurface):
+            return np.zeros(0)
+        own = [self._surface.shell.parameters[name] for name in self._calibrated]
+        return np.array([_UNIT * (abs(p.value) or p.high - p.low) for p in own])
+
+
+def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> Floats:
+    """How far each chamber alone moves the observables over its range, as a share of the most, (GRID, C).
+
+    From few shapes, which take long, and their slopes.
+    """
+    vented = np.clip(0.0, low, high)
+    curves = np.zeros((GRID, len(low)))
+    for c in range(len(low)):
+        few = np.unique([low[c], *(vented[c] + _SOLVED * (high[c] - vented[c]))])
+        alone = np.tile(vented, (len(few) + 1, 1))
+        alone[:-1, c] = few
+        predicted, slope = base.simulate(alone), base.slope(alone[:-1])[..., c]
+        change = predicted[:-1] - predicted[-1]
+        size = np.sqrt((change**2).mean(axis=1))
+        still = size <= 1e-9 * max(size.max(), 1e-300)
+        along = (change * slope).mean(axis=1) / np.where(still, 1.0, size)
+        sign = np.sign(few - vented[c])
+        steep = np.where(still, np.sqrt((slope**2).mean(axis=1)), along * sign)
+        moved = CubicHermiteSpline(few, size * sign, steep)(np.linspace(low[c], high[c], GRID))
+        full = np.abs(moved).max()
+        curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
+    return curves
