@@ -14,7 +14,7 @@ from drivers.simulated._engine import Engine, seen_positions
 from drivers.simulated._observer import Observer
 from drivers.simulated._sealed import checked, reveal
 from drivers.simulated.hidden import EFFECTS, Body, Hidden, Setting
-from labrig.physics import load_body, reduced_surface
+from labrig.physics import has_shell, load_body, reduced_surface
 
 Array = NDArray[np.float64]
 
@@ -184,12 +184,13 @@ def make_hidden(hidden: dict[str, Any], surface: Body, max_kpa: Array, floor_mm:
 def build_plant(rig: dict, folder: Path) -> SimulatedPlant:
     """The plant of a simulated rig, from the content of its rig.yaml and the folder it lies in.
 
-    Reads `simulated:` surface, or shell and plant (see `labrig.physics.plant_shell`); seed (0), noise_mm (0.1),
+    Reads `simulated:` shell and plant (see `labrig.physics.plant_shell`; without them the mannequin), or the name of a
+    reduced surface; seed (0), noise_mm (0.1),
     repeatability_mm (as noise_mm), occlusion (0.03), and hidden: a sealed file's name (relative to `folder`), the
     setting itself, or nothing.
     """
     settings = rig.get("simulated") or {}
-    surface = load_body(rig, Path(folder)) if settings.get("shell") else reduced_surface(rig)
+    surface = load_body(rig, Path(folder)) if has_shell(rig) else reduced_surface(rig)
     listed = rig.get("chambers") or [{"name": name} for name in surface.chamber_names]
     channels = tuple(
         Channel(

@@ -17,24 +17,31 @@ if TYPE_CHECKING:
 CAPTURES = 40
 CHAMBERS, MARKERS = 9, 34
 HIGHEST = (
-    0.85  # of each chamber's range: a hidden regulator may overshoot, and the rig vents 5 kPa above a limit
+    0.75  # of each chamber's range: a hidden regulator may overshoot, and the rig vents 5 kPa above a limit
 )
 BAR = 30
 
 RIG = f"""\
-# A simulated rig: the front of a mannequin at half scale, {CHAMBERS} chambers, {MARKERS} markers.
+# A simulated rig: the front of a mannequin at half scale, {CHAMBERS} chambers, {MARKERS} markers. What the devices see
+# is a finer mesh of it, of sheets and seams that are not quite as the model has them.
 name: mannequin
 chambers:
 {"".join(f"  - {{name: c{i}, min_kpa: 0, max_kpa: 60, slew_kpa_s: 100}}{chr(10)}" for i in range(1, CHAMBERS + 1))}\
 markers: [{", ".join(f"m{i:02d}" for i in range(1, MARKERS + 1))}]
 pressure: {{kind: simulated}}
 mocap: {{kind: simulated}}
-simulated: {{surface: mannequin, seed: SEED, noise_mm: 0.1, occlusion: 0.03, hidden: sealed.json}}
+simulated:
+  shell: mannequin
+  plant: {{count: [34, 34], seed: 0, spread: 0.15, vary: materials}}
+  seed: SEED
+  noise_mm: 0.1
+  occlusion: 0.03
+  hidden: sealed.json
 """
 
 MODEL = """\
-# What is believed of the rig: the simulator, and no effects yet.
-base: {kind: simulator, rig: rig.yaml}
+# What is believed of the rig: the simulator, how stiff its two sheets are (fitted to each run), and no effects yet.
+base: {kind: simulator, rig: rig.yaml, calibrated: [modulus_1_kpa, modulus_2_kpa]}
 effects: []
 """
 

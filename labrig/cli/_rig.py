@@ -51,7 +51,10 @@ def simulate(
     rig: Annotated[
         Path | None, typer.Option("--rig", help="A rig file whose chambers and `simulated` section to use.")
     ] = None,
-    surface: Annotated[str, typer.Option(help="The surface, when no --rig is given.")] = "mannequin",
+    surface: Annotated[
+        str,
+        typer.Option(help="Without --rig: a reduced surface, mannequin or membrane, in place of the shell."),
+    ] = "",
     seed: Annotated[int, typer.Option(help="Seed of noise and occlusion, when no --rig is given.")] = 0,
     pressure: Annotated[
         str, typer.Option(help="openpneu, openpneu-table (the other dialect) or modbus.")
@@ -104,7 +107,7 @@ def simulate(
         scan_unit=scan_unit,
     )
     plant = build_plant(content, folder)
-    name = str(content.get("name", surface))
+    name = str(content["name"])
     with _ending_on_signals() as ended, TwinRig(plant, name, out, RealClock(), options) as twins:
         file = _write_rig(out, twins.rig, "simulate")
         _say(file, twins.listening)
@@ -181,13 +184,14 @@ def _address(kind: str, host: str, port: int) -> dict[str, Any]:
 
 def _simulated_rig(rig: Path | None, surface: str, seed: int) -> tuple[dict[str, Any], Path]:
     if rig is None:
-        return {"name": surface, "simulated": {"surface": surface, "seed": seed}}, Path()
+        reduced = {"surface": surface} if surface else {}
+        return {"name": surface or "mannequin", "simulated": {**reduced, "seed": seed}}, Path()
     from labrig._errors import LabrigError
     from labrig.rig import load_rig
 
     config = load_rig(rig)
     if config.simulated is None:
-        raise LabrigError(f"{rig}: a section `simulated` is needed (surface, seed, ...) to simulate it")
+        raise LabrigError(f"{rig}: a section `simulated` is needed (seed, noise_mm, ...) to simulate it")
     return config.to_dict(), config.folder
 
 

@@ -4,7 +4,7 @@ from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._shell_file import shipped_shells
 from labrig.physics._shell_parameters import ShellParameter
 from labrig.physics._shell_plant import ShellBody, load_body, plant_shell
-from labrig.physics._shell_rig import load_model_shell, rig_shell
+from labrig.physics._shell_rig import has_shell, load_model_shell, rig_shell
 from labrig.physics._shell_surface import ShellSurface, load_surface
 from labrig.physics._shell_system import History
 from labrig.physics._simulate import simulate
@@ -20,6 +20,7 @@ __all__ = [
     "Simulations",
     "Solution",
     "Surface",
+    "has_shell",
     "load_body",
     "load_model_shell",
     "load_shell",

@@ -5,7 +5,6 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Node = tuple[int, ...]
 
 
 def cache_folder() -> Path:
@@ -30,15 +28,16 @@ def cache_folder() -> Path:
 def content_folder(kind: str, name: str, *content: Any) -> Path:
     """The folder in it for what belongs to JSON-like content; `kind` and `name` are for people."""
     plain = "".join(c if c.isascii() and c.isalnum() else "_" for c in name)[:40]
-    return cache_folder() / f"{kind}-{plain}-{_digest(content)}"
+    return cache_folder() / f"{kind}-{plain}-{digest(content)}"
 
 
-def _digest(content: Any) -> str:
+def digest(content: Any) -> str:
+    """A short name for JSON-like content."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:20]
 
 
-class NodeCache:
-    """Marker positions (M, 3) and slopes (M, 3, C) at lattice nodes, in a folder of small files.
+class ArrayCache:
+    """Arrays by a key that is JSON-like, each in a small file of its own, in a folder.
 
     Several processes may write to it; what cannot be read or written is as if it were not there.
     """
@@ -46,29 +45,23 @@ class NodeCache:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def read(self) -> dict[Node, tuple[Array, Array]]:
-        """All that is kept."""
-        found: dict[Node, tuple[Array, Array]] = {}
-        for path in sorted(self._folder.glob("nodes-*.npz")):
-            try:
-                with np.load(path, allow_pickle=False) as arrays:
-                    node, at, slope = arrays["node"], arrays["at_mm"], arrays["slope"]
-            except Exception:  # cut off, or of another format: solved again
-                continue
-            found.update({tuple(int(i) for i in n): (a, s) for n, a, s in zip(node, at, slope, strict=True)})
-        return found
+    def read(self, key: Any) -> tuple[Array, ...] | None:
+        """The arrays of a key, None if there are none."""
+        try:
+            with np.load(self._path(key), allow_pickle=False) as arrays:
+                return tuple(arrays[name] for name in sorted(arrays.files))
+        except Exception:  # not there, cut off, or of another format: worked out again
+            return None
 
-    def write(self, nodes: Mapping[Node, tuple[Array, Array]]) -> None:
-        """Keep some more."""
-        arrays: dict[str, Any] = {
-            "node": np.array(list(nodes)),
-            "at_mm": np.stack([at for at, _ in nodes.values()]),
-            "slope": np.stack([slope for _, slope in nodes.values()]),
-        }
+    def write(self, key: Any, *arrays: Array) -> None:
+        """Keep the arrays of a key."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile(dir=self._folder, prefix="making-", delete=False) as file:
-                np.savez(file, **arrays)
-            Path(file.name).replace(self._folder / f"nodes-{_digest(arrays['node'].tolist())}.npz")
+                np.savez(file, **{f"a{k}": array for k, array in enumerate(arrays)})  # type: ignore[arg-type]
+            Path(file.name).replace(self._path(key))
         except OSError:
             return
+
+    def _path(self, key: Any) -> Path:
+        return self._folder / f"{digest(key)}.npz"

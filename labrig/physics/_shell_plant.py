@@ -37,13 +37,16 @@ _BEYOND = 1.12
 """How far over its highest pressure a chamber may be pushed by what is hidden in the rig."""
 _FORMAT = 1
 _NOT_DRAWN = ("gravity", "contact", "adhesion")
+_VARY = {"all": "", "materials": ("modulus", "thickness", "seam")}
+"""Parameters that are drawn, by how they begin. Nothing among the materials has a name as an effect."""
 
 
 def plant_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
     """The shell that a simulated rig really is, from `simulated.plant` of its content.
 
-    `plant: {count: [34, 34], seed: 0, spread: 0.15, parameters: {...}}`: the mesh, and by how much parameters are off
-    from the model's (relative, drawn with the seed), but for those that are given. Raises `LabrigError`.
+    `plant: {count: [34, 34], seed: 0, spread: 0.15, vary: all, parameters: {...}}`: the mesh, and by how much which
+    parameters are off from the model's (relative, drawn with the seed), but for those that are given. A rig that names
+    no shell has the mannequin with other materials. Raises `LabrigError`.
     """
     model = rig_shell(rig, folder)
     setting = plant_setting(rig)
@@ -51,7 +54,7 @@ def plant_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
     values: dict[str, float] = {}
     for name, parameter in model.parameters.items():
         off = float(np.clip(random.normal(), -1.8, 1.8)) * float(setting["spread"])
-        if name.startswith(_NOT_DRAWN):
+        if name.startswith(_NOT_DRAWN) or not name.startswith(_VARY[setting["vary"]]):
             continue
         if name.startswith("prestretch"):
             drawn = 1.0 + (parameter.value - 1.0) * (1.0 + 2.0 * off)
@@ -72,8 +75,11 @@ def plant_setting(rig: dict[str, Any]) -> dict[str, Any]:
     simulated = rig.get("simulated") or {}
     given = simulated.get("plant") or {}
     default = {
-        "count": _COUNT, "seed": simulated.get("seed", 0), "spread": _SPREAD, "shapes": _SHAPES, "parameters": {},
+        "count": _COUNT, "seed": simulated.get("seed", 0), "spread": _SPREAD, "vary": "all", "shapes": _SHAPES,
+        "parameters": {},
     }  # fmt: skip
+    if "shell" not in simulated:
+        default |= {"seed": 0, "vary": "materials"}
     if not isinstance(given, Mapping) or (unknown := sorted(set(given) - set(default))):
         what = "not a mapping" if not isinstance(given, Mapping) else f"there is no '{unknown[0]}'"
         raise LabrigError(f"rig: simulated.plant: {what} (it has {', '.join(default)})")
@@ -81,13 +87,14 @@ def plant_setting(rig: dict[str, Any]) -> dict[str, Any]:
     try:
         n_u, n_v = (int(n) for n in setting["count"])
         fits = n_u > 5 and n_v > 5 and 0.0 <= float(setting["spread"]) <= 0.3 and int(setting["shapes"]) >= 16
+        fits = fits and setting["vary"] in _VARY
         fits = fits and all(isinstance(value, (int, float)) for value in setting["parameters"].values())
     except (TypeError, ValueError, AttributeError):
         fits = False
     if not fits:
         raise LabrigError(
-            "rig: simulated.plant: count: [34, 34], spread: 0 to 0.3, shapes: at least 16 and parameters: "
-            "{name: number} are needed"
+            "rig: simulated.plant: count: [34, 34], spread: 0 to 0.3, vary: all or materials, shapes: at least 16 "
+            "and parameters: {name: number} are needed"
         )
     return setting
 
@@ -104,7 +111,7 @@ class ShellBody:
         self.marker_names = self._exact.marker_names
         self._shapes = shapes
         self._lock = threading.Lock()
-        self._held: dict[bytes, tuple[Array, Array]] = {}
+        self._held: dict[bytes, tuple[Array, ...]] = {}
 
     @property
     def rest_mm(self) -> Array:
@@ -113,7 +120,7 @@ class ShellBody:
 
     @cached_property
     def _rest_mm(self) -> Array:
-        return self.solved_mm(np.zeros(len(self.chamber_names)))
+        return self._at_hold(np.zeros(len(self.chamber_names)))[1][0]
 
     @property
     def normal(self) -> Array:
@@ -177,13 +184,15 @@ class ShellBody:
         """Solve what `correction_mm` needs at pressures (C,) ahead of time; may be called from another thread."""
         self._at_hold(pressure_kpa)
 
-    def _at_hold(self, pressure_kpa: Array) -> tuple[Array, tuple[Array, Array]]:
+    def _at_hold(self, pressure_kpa: Array) -> tuple[Array, tuple[Array, ...]]:
         """Pressures within what can be solved, and the markers and their slopes there."""
         held = np.clip(pressure_kpa, 0.0, _BEYOND * self.shell.max_kpa)
         key = held.tobytes()
         with self._lock:
             if key not in self._held:
-                self._held[key] = self._exact.markers_of(self._exact.solve(held))
+                self._held[key] = self._exact.kept(
+                    held.tolist(), lambda: self._exact.markers_of(self._exact.solve(held))
+                )
         return held, self._held[key]
 
     def solved_mm(self, pressure_kpa: Array) -> Array:
@@ -218,8 +227,11 @@ class ShellBody:
         return _cached(content, self._shapes)
 
     @cached_property
-    def _law(self) -> tuple[Array, Array]:
+    def _law(self) -> tuple[Array, ...]:
         """Gain, mm/kPa, and limit, mm, of each chamber, (C,): fitted to how far it alone lifts its middle."""
+        return self._exact.kept("law", self._fitted_law)
+
+    def _fitted_law(self) -> tuple[Array, Array]:
         from labrig.physics._samples import LEVELS, inflation_curve
 
         gains, limits = [], []
@@ -257,7 +269,7 @@ class ShellBody:
 
 
 def load_body(rig: dict[str, Any], folder: Path | None = None) -> ShellBody:
-    """The body behind a simulated rig with `simulated.shell`; raises `LabrigError`."""
+    """The body behind a simulated rig whose simulator is a shell; raises `LabrigError`."""
     markers = tuple(str(marker) for marker in rig.get("markers") or [])
     return ShellBody(plant_shell(rig, folder), markers, int(plant_setting(rig)["shapes"]))
 

@@ -8,14 +8,22 @@ from labrig._yaml import read_yaml
 from labrig.physics._shell import Shell, load_shell
 from labrig.physics._shell_file import shipped_shells
 
+DEFAULT = "mannequin"
+"""The shell of a rig that names neither a shell nor a reduced surface."""
+
+
+def has_shell(rig: dict[str, Any]) -> bool:
+    """Whether a rig's simulator is a shell: unless `simulated: {surface: ...}` names a reduced one."""
+    return "surface" not in (rig.get("simulated") or {})
+
 
 def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
-    """The shell that `simulated.shell` of a rig's content names, with the rig's chamber names and pressures.
+    """The shell that `simulated.shell` of a rig's content names (the mannequin), with the rig's chambers and pressures.
 
     A path is relative to `folder`, where the rig's file lies. Raises `LabrigError` for a shell that cannot be read,
     or whose number of chambers is not the rig's.
     """
-    source = (rig.get("simulated") or {}).get("shell")
+    source = (rig.get("simulated") or {}).get("shell", DEFAULT)
     if isinstance(source, str) and source not in shipped_shells():
         source = (folder or Path()) / source
     if not isinstance(source, (str, Path, dict)):
@@ -43,7 +51,7 @@ def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
 def load_model_shell(source: str | Path) -> Shell:
     """The shell of a rig's file, of a shell's file, or of a shipped name.
 
-    Raises `LabrigError` as `load_shell` does, and for a rig without `simulated.shell`.
+    Raises `LabrigError` as `load_shell` does, and for a rig with a reduced surface.
     """
     path = Path(source)
     if str(source) in shipped_shells() or not path.is_file():
@@ -51,6 +59,8 @@ def load_model_shell(source: str | Path) -> Shell:
     content = read_yaml(path, "rig or shell")
     if not {"pressure", "simulated"} & set(content):
         return load_shell(path)
-    if not (content.get("simulated") or {}).get("shell"):
-        raise LabrigError(f"{path}: a rig without `simulated: {{shell: ...}}`: there is no shell to simulate")
+    if not has_shell(content):
+        raise LabrigError(
+            f"{path}: a rig with a reduced `simulated: {{surface: ...}}`: there is no shell to simulate"
+        )
     return rig_shell(content, path.parent)

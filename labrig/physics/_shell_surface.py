@@ -1,8 +1,9 @@
 """A shell as the base simulator of a rig: marker positions, meshes and Jacobians for pressures."""
 
+import json
 import time
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -11,22 +12,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
-from labrig.physics._cache import Node, NodeCache, content_folder
-from labrig.physics._shell import Shell, Solution
-from labrig.physics._shell_rig import rig_shell
+from labrig.physics._cache import ArrayCache, content_folder
+from labrig.physics._shell import Shell, Solution, load_shell
+from labrig.physics._shell_rig import has_shell, rig_shell
 from labrig.physics._surface import Surface, as_pressures, reduced_surface
 from labrig.physics._warm import LEAST, Predictor, nearest
 from labrig.surface import grid
 
 Array = NDArray[np.float64]
+Node = tuple[int, ...]
 
 MESH = (61, 81)
 _STEP = 1.9
 """Distance of the nodes at which shapes are solved, kPa; between them they are linear. Not a round number: the
 borders between nodes should not lie where set-points do."""
 _KEPT = 256
-_MANY, _LONG_S, _FORMAT = 16, 3.0, 1
-"""From so many nodes on the cache on disk is asked, and what took longer than so many seconds is kept there."""
+_LONG_S, _FORMAT = 0.02, 2
+"""What takes longer than so many seconds is kept on disk: a few times what reading it takes."""
 
 
 class ShellSurface:
@@ -49,9 +51,9 @@ class ShellSurface:
                 )
         self.marker_uv: Array = shell.marker_uv[[known.index(marker) for marker in self.marker_names]]
         self._basis = shell.spline.basis(self.marker_uv)
-        self._nodes: dict[Node, tuple[Array, Array]] = {}
+        self._nodes: dict[Node, tuple[Array, ...]] = {}
+        self._by: dict[tuple[Node, tuple[str, ...]], Array] = {}
         self._solved: dict[Node, Solution] = {}
-        self._read = False
         self._places: list[Array] = []
         self._states: list[Array] = []
         self._predictor: Predictor | None = None
@@ -99,8 +101,7 @@ class ShellSurface:
         pressure = self._checked(pressure_kpa)
         out = np.full((len(pressure), len(self.marker_names), 3, len(names)), np.nan)
         for node, rows in self._by_node(pressure):
-            solution = self._solution(node)
-            out[rows] = self._at_markers(self.shell.parameter_jacobian(solution, names))
+            out[rows] = self._by_parameters(node, tuple(names))
         return out
 
     def mesh(self, pressure_kpa: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
@@ -152,24 +153,38 @@ class ShellSurface:
         return _STEP * np.array(node, dtype=float)
 
     def _with_nodes(self, pressure: Array) -> list[tuple[Node, NDArray[np.int64]]]:
-        """`_by_node`, once all the nodes are solved; what took long is kept on disk."""
+        """`_by_node`, once all the nodes are solved."""
         found = self._by_node(pressure)
-        missing = [node for node, _ in found if node not in self._nodes]
-        if len(missing) >= _MANY and not self._read:
-            self._read = True
-            self._nodes.update(self._cache.read())
-            missing = [node for node in missing if node not in self._nodes]
-        begin = time.perf_counter()
-        for node in missing:
-            self._nodes[node] = self.markers_of(self._solution(node))
-        if missing and time.perf_counter() - begin > _LONG_S:
-            self._cache.write({node: self._nodes[node] for node in missing})
+        for node, _ in found:
+            if node not in self._nodes:
+                self._nodes[node] = self.kept(node, lambda node=node: self.markers_of(self._solution(node)))
         return found
 
+    def _by_parameters(self, node: Node, names: tuple[str, ...]) -> Array:
+        """Slopes by parameters at a node, (M, 3, P)."""
+        key = (node, names)
+        if key not in self._by:
+            (self._by[key],) = self.kept(
+                [node, names],
+                lambda: (self._at_markers(self.shell.parameter_jacobian(self._solution(node), names)),),
+            )
+        return self._by[key]
+
+    def kept(self, key: Any, make: Callable[[], tuple[Array, ...]]) -> tuple[Array, ...]:
+        """What the cache on disk holds for a JSON-like key, or what is made now, and kept if that took long."""
+        found = self._cache.read(key)
+        if found is not None:
+            return found
+        begin = time.perf_counter()
+        made = make()
+        if time.perf_counter() - begin > _LONG_S:
+            self._cache.write(key, *made)
+        return made
+
     @cached_property
-    def _cache(self) -> NodeCache:
+    def _cache(self) -> ArrayCache:
         content = (_FORMAT, self.shell.content(), self.marker_names)
-        return NodeCache(content_folder("shell", self.shell.name, *content))
+        return ArrayCache(content_folder("shell", self.shell.name, *content))
 
     def markers_of(self, solution: Solution) -> tuple[Array, Array]:
         """Marker positions (M, 3), mm, and their slopes by pressure (M, 3, C), mm/kPa, of a solution."""
@@ -194,9 +209,16 @@ class ShellSurface:
 def load_surface(rig: dict[str, Any], folder: Path | None = None) -> Surface | ShellSurface:
     """The base simulator of a rig, from the content of its rig.yaml, which lies in `folder`.
 
-    With `simulated: {shell: ...}` that is the shell as the model knows it (see `rig_shell`), else the reduced model
-    that `simulated: {surface: ...}` names (see `reduced_surface`). Raises `LabrigError` as they do.
+    That is the shell as the model knows it (see `rig_shell`), unless `simulated: {surface: ...}` names a reduced model
+    (see `reduced_surface`). One shell's surface is made once: what it has solved is there for the next who asks.
+    Raises `LabrigError` as they do.
     """
-    if (rig.get("simulated") or {}).get("shell"):
-        return ShellSurface(rig_shell(rig, folder), [str(marker) for marker in rig.get("markers") or []])
-    return reduced_surface(rig)
+    if not has_shell(rig):
+        return reduced_surface(rig)
+    content = json.dumps(rig_shell(rig, folder).content())
+    return _surface_of(content, tuple(str(marker) for marker in rig.get("markers") or []))
+
+
+@lru_cache(maxsize=4)
+def _surface_of(content: str, markers: tuple[str, ...]) -> ShellSurface:
+    return ShellSurface(load_shell(json.loads(content)), markers)

@@ -185,7 +185,7 @@ def as_pressures(pressure_kpa: ArrayLike, chambers: int, whose: str) -> Array:
 def reduced_surface(rig: dict) -> Surface:
     """The reduced model of a rig, from the content of its rig.yaml.
 
-    The surface is named by `simulated: {surface: ...}` (mannequin, the default, or membrane). Chambers take
+    The surface is named by `simulated: {surface: ...}` (mannequin, the default here, or membrane). Chambers take
     the rig's names in order; `markers`, where given, selects and orders the surface's own m01, m02, ...
     Raises `LabrigError` for a surface that does not exist, or names or numbers that do not fit it.
     """

@@ -81,7 +81,9 @@ class RigConfig(_Section):
             raise ValueError("markers are named but there is no mocap device")
         simulated = any(device is not None and device.kind == "simulated" for device in self.devices.values())
         if simulated and self.simulated is None:
-            raise ValueError("a device is simulated, so a section `simulated` is needed (surface, seed, ...)")
+            raise ValueError(
+                "a device is simulated, so a section `simulated` is needed (seed, noise_mm, ...)"
+            )
         if self.simulated is not None:
             _check_simulated(self.simulated, self.chambers, self.folder)
         return self
@@ -103,14 +105,14 @@ class RigConfig(_Section):
 
 def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, ...], folder: Path) -> None:
     """Raise `ValueError` for a shell or a plant that cannot be made."""
-    if "shell" not in simulated:
+    if "surface" in simulated:
+        if "shell" in simulated:
+            raise ValueError("simulated: either a surface (the reduced model) or a shell, not both")
         if "plant" in simulated:
             raise ValueError(
-                "simulated.plant says how a shell differs from its model: simulated.shell is needed"
+                "simulated.plant says how a shell differs from its model: not for a surface (the reduced model)"
             )
         return
-    if "surface" in simulated:
-        raise ValueError("simulated: either a surface (the reduced model) or a shell, not both")
     from labrig.physics import plant_shell
 
     content = {"simulated": simulated, "chambers": [chamber.model_dump() for chamber in chambers]}

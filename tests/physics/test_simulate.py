@@ -194,7 +194,9 @@ def test_a_rig_names_its_shell(membrane, tmp_path):
     (tmp_path / "bare.yaml").write_text(
         json.dumps({**rig, "simulated": {"surface": "membrane"}}), encoding="utf-8"
     )
-    with pytest.raises(LabrigError, match=r"a rig without `simulated: \{shell: \.\.\.\}`: there is no"):
+    with pytest.raises(
+        LabrigError, match=r"a rig with a reduced `simulated: \{surface: \.\.\.\}`: there is no"
+    ):
         load_model_shell(tmp_path / "bare.yaml")
 
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from labrig._errors import LabrigError
-from labrig.physics import load_surface
+from labrig.physics import reduced_surface
 
 
 @pytest.mark.parametrize(("name", "chambers", "markers"), [("mannequin", 9, 34), ("membrane", 4, 16)])
 def test_a_vented_surface_is_at_rest(name: str, chambers: int, markers: int) -> None:
     """With no pressure the markers are where the surface says they rest, in the sizes promised."""
-    surface = load_surface({"simulated": {"surface": name}})
+    surface = reduced_surface({"simulated": {"surface": name}})
     position = surface.predict(np.zeros((2, chambers)))
     assert position.shape == (2, markers, 3)
     np.testing.assert_allclose(position[1], surface.rest_mm, atol=1e-9)
@@ -19,7 +19,7 @@ def test_a_vented_surface_is_at_rest(name: str, chambers: int, markers: int) -> 
 @pytest.mark.parametrize("name", ["mannequin", "membrane"])
 def test_the_jacobian_equals_finite_differences(name: str) -> None:
     """The analytic derivative by pressure agrees with central differences."""
-    surface = load_surface({"simulated": {"surface": name}})
+    surface = reduced_surface({"simulated": {"surface": name}})
     chambers = len(surface.chamber_names)
     pressure = np.random.default_rng(1).uniform(0.0, 60.0, (5, chambers))
     numeric = np.stack(
@@ -34,7 +34,7 @@ def test_the_jacobian_equals_finite_differences(name: str) -> None:
 
 def test_deflection_grows_with_pressure_and_ever_more_slowly() -> None:
     """A chamber's law is monotone, convex towards the pressure axis, and reaches 30 to 60 mm at 60 kPa."""
-    surface = load_surface({})
+    surface = reduced_surface({})
     rise = np.diff(surface.deflection_mm(np.linspace(0.0, 60.0, 61)[:, None] * np.ones(9)), axis=0)
     assert (rise > 0).all()
     assert (np.diff(rise, axis=0) < 0).all()
@@ -44,7 +44,7 @@ def test_deflection_grows_with_pressure_and_ever_more_slowly() -> None:
 
 def test_the_law_holds() -> None:
     """Deflections solve d + d^3 / limit^2 = gain * p, for vacuum too."""
-    surface = load_surface({})
+    surface = reduced_surface({})
     pressure = np.random.default_rng(2).uniform(-60.0, 60.0, (20, 9))
     d = surface.deflection_mm(pressure)
     np.testing.assert_allclose(
@@ -54,7 +54,7 @@ def test_the_law_holds() -> None:
 
 def test_the_mesh_moves_with_the_markers_and_faces_outwards() -> None:
     """Every marker lies on the mesh to within its coarseness, and triangles are wound outwards."""
-    surface = load_surface({})
+    surface = reduced_surface({})
     pressure = np.linspace(5.0, 55.0, 9)
     vertices, triangles = surface.mesh(pressure)
     markers = surface.predict(pressure)[0]
@@ -69,9 +69,9 @@ def test_the_mesh_moves_with_the_markers_and_faces_outwards() -> None:
 def test_a_rig_names_chambers_and_picks_markers() -> None:
     """Chambers take the rig's names; listed markers are the only ones, in that order."""
     rig = {"simulated": {"surface": "membrane"}, "chambers": list("abcd"), "markers": ["m05", "m02"]}
-    surface = load_surface(rig)
+    surface = reduced_surface(rig)
     assert surface.chamber_names == ("a", "b", "c", "d")
-    whole = load_surface({"simulated": {"surface": "membrane"}})
+    whole = reduced_surface({"simulated": {"surface": "membrane"}})
     np.testing.assert_array_equal(surface.rest_mm, whole.rest_mm[[4, 1]])
 
 
@@ -89,12 +89,12 @@ def test_a_rig_names_chambers_and_picks_markers() -> None:
 def test_a_rig_that_does_not_fit_is_refused(rig: dict, message: str) -> None:
     """A surface, chambers or markers that do not exist are named in one line."""
     with pytest.raises(LabrigError) as error:
-        load_surface(rig)
+        reduced_surface(rig)
     assert str(error.value) == message
 
 
 def test_pressures_of_the_wrong_width_are_refused() -> None:
     """One column per chamber, or an error that says so."""
     with pytest.raises(LabrigError) as error:
-        load_surface({}).predict(np.zeros((3, 4)))
+        reduced_surface({}).predict(np.zeros((3, 4)))
     assert str(error.value) == "surface mannequin: pressures of shape (3, 4) given, (captures, 9) needed"

@@ -53,7 +53,7 @@ def test_a_rig_is_read_with_its_defaults(tmp_path: Path) -> None:
         ({"presure": {}}, "presure: Extra inputs are not permitted"),
         (
             {"pressure": {"kind": "simulated"}},
-            "a device is simulated, so a section `simulated` is needed (surface, seed, ...)",
+            "a device is simulated, so a section `simulated` is needed (seed, noise_mm, ...)",
         ),
     ],
 )

@@ -199,7 +199,7 @@ def test_a_simulated_rig_has_no_guard(tmp_path: Path) -> None:
     """There is nothing to guard in a simulation inside this process; asking for it is an error."""
     path = tmp_path / "rig.yaml"
     path.write_text(
-        "name: s\nchambers: [{name: c1, max_kpa: 60}]\npressure: {kind: simulated}\nsimulated: {}\n"
+        "name: s\nchambers: [{name: c1, max_kpa: 60}]\npressure: {kind: simulated}\nsimulated: {surface: mannequin}\n"
     )
     with pytest.raises(LabrigError) as caught:
         connect(load_rig(path), SimulatedClock(), guard=True)

@@ -15,7 +15,10 @@ from drivers import (
 )
 from drivers.simulated import SimulatedMocap, SimulatedPressure, SimulatedScanner, build_plant
 
-RIG = {"chambers": [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60} for i in range(1, 10)]}
+RIG = {
+    "chambers": [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60} for i in range(1, 10)],
+    "simulated": {"surface": "mannequin"},
+}
 
 
 @pytest.fixture
@@ -50,7 +53,7 @@ def test_polling_does_not_change_what_is_seen() -> None:
 
     def campaign(polls: int) -> np.ndarray:
         clock = SimulatedClock()
-        plant = build_plant({**RIG, "simulated": {"occlusion": 0.2}}, Path())
+        plant = build_plant({**RIG, "simulated": {"surface": "mannequin", "occlusion": 0.2}}, Path())
         pressure, mocap = SimulatedPressure(plant, clock), SimulatedMocap(plant, clock, rate_hz=50.0)
         pressure.connect()
         mocap.connect()

@@ -10,12 +10,17 @@ from drivers.simulated import build_plant, hide, reveal, seal
 from drivers.simulated._calibration import reference_programme, run_programme
 from drivers.simulated._plant import make_hidden
 from drivers.simulated.hidden import EFFECTS
-from labrig.physics import load_surface
+from labrig.physics import reduced_surface
+
+
+def rig(**simulated: object) -> dict:
+    """A simulated rig with the reduced surface, which is quick."""
+    return {"simulated": {"surface": "mannequin", **simulated}}
 
 
 def test_a_chamber_fills_through_its_valve() -> None:
     """Pressure follows a first-order lag of 0.15 s and then stays at the set-point."""
-    plant = build_plant({}, Path())
+    plant = build_plant(rig(), Path())
     plant.pressure_kpa(100.0)
     plant.command(101.0, np.full(9, 40.0))
     after = plant.pressures_kpa(101.0 + np.array([0.15, 0.30, 3.0]))
@@ -24,15 +29,15 @@ def test_a_chamber_fills_through_its_valve() -> None:
 
 def test_without_anything_hidden_the_settled_plant_is_the_base_simulator() -> None:
     """True positions after settling are what `labrig.physics` predicts."""
-    plant = build_plant({}, Path())
+    plant = build_plant(rig(), Path())
     pressure = np.linspace(5.0, 60.0, 9)
     plant.command(0.0, pressure)
-    np.testing.assert_allclose(plant.markers_mm(4.0), load_surface({}).predict(pressure)[0], atol=1e-6)
+    np.testing.assert_allclose(plant.markers_mm(4.0), reduced_surface({}).predict(pressure)[0], atol=1e-6)
 
 
 def test_the_past_may_be_asked_for_after_the_present() -> None:
     """Devices that look late see the same plant as those that looked in time."""
-    first, second = build_plant({}, Path()), build_plant({}, Path())
+    first, second = build_plant(rig(), Path()), build_plant(rig(), Path())
     for plant in (first, second):
         plant.pressure_kpa(0.0)
         plant.command(1.0, np.full(9, 30.0))
@@ -45,8 +50,8 @@ def test_the_past_may_be_asked_for_after_the_present() -> None:
 @pytest.mark.parametrize("effect", ["hysteresis", "creep", "friction", "delay"])
 def test_looking_often_changes_nothing(effect: str) -> None:
     """Memory effects evolve alike however often the plant is polled in between."""
-    rig = {"simulated": {"hidden": hide(effect, seed=1)}}
-    often, seldom = build_plant(rig, Path()), build_plant(rig, Path())
+    quick = rig(hidden=hide(effect, seed=1))
+    often, seldom = build_plant(quick, Path()), build_plant(quick, Path())
     random = np.random.default_rng(0)
     for plant in (often, seldom):
         plant.pressure_kpa(0.0)
@@ -61,7 +66,7 @@ def test_looking_often_changes_nothing(effect: str) -> None:
 
 def test_noise_is_what_the_documentation_says() -> None:
     """Frames scatter by noise_mm; means of holds scatter by hypot(repeatability, noise / sqrt(n))."""
-    plant = build_plant({"simulated": {"occlusion": 0.0}}, Path())
+    plant = build_plant(rig(occlusion=0.0), Path())
     true = plant.rest_mm
     means, scatter = [], []
     for k in range(1, 60):
@@ -76,7 +81,7 @@ def test_noise_is_what_the_documentation_says() -> None:
 
 def test_an_occluded_marker_stays_so_in_its_hold() -> None:
     """Occlusion has the rate asked for, lasts through a hold, and is NaN with the status that says why."""
-    plant = build_plant({"simulated": {"occlusion": 0.1}}, Path())
+    plant = build_plant(rig(occlusion=0.1), Path())
     whole = []
     for k in range(1, 200):
         plant.command(5.0 * k, np.full(9, float(k % 2)))
@@ -92,7 +97,7 @@ def test_the_same_seed_gives_the_same_campaign_and_another_does_not() -> None:
     """Noise, occlusion and hidden effects follow from the seed alone."""
 
     def frame(seed: int) -> np.ndarray:
-        plant = build_plant({"simulated": {"seed": seed, "hidden": hide("friction", seed=4)}}, Path())
+        plant = build_plant(rig(seed=seed, hidden=hide("friction", seed=4)), Path())
         plant.command(0.0, np.full(9, 25.0))
         return plant.observe(5.0)[0]
 
@@ -104,7 +109,7 @@ def test_the_same_seed_gives_the_same_campaign_and_another_does_not() -> None:
 @pytest.mark.parametrize("rms_mm", [0.1, 1.0])
 def test_a_hidden_effect_has_the_size_that_was_asked_for(name: str, rms_mm: float) -> None:
     """Over the reference campaign every effect changes the markers by its amplitude."""
-    surface, high = load_surface({}), np.full(9, 60.0)
+    surface, high = reduced_surface({}), np.full(9, 60.0)
     made = make_hidden(hide(name, seed=5, amplitude=rms_mm), surface, high, 0.1)
     programme = reference_programme(high)
     change = run_programme(surface, made, programme)[1] - run_programme(surface, [], programme)[1]
@@ -113,8 +118,8 @@ def test_a_hidden_effect_has_the_size_that_was_asked_for(name: str, rms_mm: floa
 
 def test_creep_goes_on_and_recovers() -> None:
     """Under load the surface goes on moving out; after a long hold and a vent it comes back slowly."""
-    plant = build_plant({"simulated": {"hidden": hide("creep", seed=2)}}, Path())
-    normal = load_surface({}).normal
+    plant = build_plant(rig(hidden=hide("creep", seed=2)), Path())
+    normal = reduced_surface({}).normal
     plant.command(0.0, np.full(9, 50.0))
     out = [np.sum(normal * plant.markers_mm(t), axis=-1).mean() for t in (3.0, 30.0, 300.0)]
     plant.command(300.0, np.zeros(9))
@@ -126,10 +131,10 @@ def test_creep_goes_on_and_recovers() -> None:
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_hysteresis_depends_on_the_side_but_not_on_the_time(seed: int) -> None:
     """A set-point reached from above lies further out than from below, and stays put in the hold."""
-    plant = build_plant({"simulated": {"hidden": hide("hysteresis", seed=seed)}}, Path())
+    plant = build_plant(rig(hidden=hide("hysteresis", seed=seed)), Path())
     for k, level in enumerate([60.0, 0.0, 30.0, 60.0, 30.0]):
         plant.command(5.0 * k, np.full(9, level))
-    lower, higher = (np.sum(load_surface({}).normal * plant.markers_mm(t)) for t in (14.5, 24.9))
+    lower, higher = (np.sum(reduced_surface({}).normal * plant.markers_mm(t)) for t in (14.5, 24.9))
     assert higher > lower + 5.0
     np.testing.assert_allclose(plant.markers_mm(24.9), plant.markers_mm(34.9), atol=1e-6)
 
@@ -140,9 +145,9 @@ def test_a_sealed_effect_is_not_readable_and_is_revealed(tmp_path: Path) -> None
     path = seal(tmp_path, hidden)
     assert b"coupling" not in path.read_bytes()
     assert reveal(tmp_path) == hidden
-    plant = build_plant({"simulated": {"hidden": "sealed.json"}}, tmp_path)
+    plant = build_plant(rig(hidden="sealed.json"), tmp_path)
     plant.command(0.0, np.full(9, 60.0))
-    assert np.abs(plant.markers_mm(5.0) - load_surface({}).predict(np.full(9, 60.0))[0]).max() > 0.2
+    assert np.abs(plant.markers_mm(5.0) - reduced_surface({}).predict(np.full(9, 60.0))[0]).max() > 0.2
 
 
 def test_what_cannot_be_hidden_or_revealed_is_said(tmp_path: Path) -> None:

@@ -13,7 +13,15 @@ from drivers import RealClock, SimulatedClock
 from drivers.simulated import build_plant, hide
 from drivers.simulated._wire_plant import SharedPlant
 from labrig._errors import LabrigError
-from labrig.physics import ShellSurface, load_body, load_shell, load_surface, plant_shell
+from labrig.physics import (
+    ShellSurface,
+    Surface,
+    load_body,
+    load_shell,
+    load_surface,
+    plant_shell,
+    rig_shell,
+)
 from labrig.rig import load_rig, parse_rig
 
 PLANT = {"count": [12, 12], "shapes": 32, "seed": 5}
@@ -97,14 +105,18 @@ def test_the_models_derivatives_are_those_of_its_predictions(cache):
 def test_what_took_long_is_kept(cache, monkeypatch):
     """Solved nodes are found again by the next surface of the same shell; a spoilt file is as if it were not there."""
     monkeypatch.setattr("labrig.physics._shell_surface._LONG_S", 0.0)
+    shell = load_model(rig())
     pressures = np.random.default_rng(0).uniform(0, 50, (20, 4))
-    seen = load_surface(rig()).predict(pressures)
-    (folder,) = Path(os.environ["LABRIG_CACHE"]).glob("shell-membrane4-*")
-    (folder / "nodes-0.npz").write_bytes(b"no file at all")
-    again = load_surface(rig())
-    assert isinstance(again, ShellSurface)
+    seen = ShellSurface(shell).predict(pressures)
+    by = ShellSurface(shell).parameter_jacobian(pressures[:2], ["modulus_1_kpa"])
+    again = ShellSurface(shell)
     monkeypatch.setattr(again, "solve", None)
     np.testing.assert_array_equal(again.predict(pressures), seen)
+    np.testing.assert_array_equal(again.parameter_jacobian(pressures[:2], ["modulus_1_kpa"]), by)
+    spoilt = max(Path(os.environ["LABRIG_CACHE"]).glob("shell-membrane4-*"), key=lambda f: f.stat().st_mtime)
+    for path in spoilt.glob("*.npz"):
+        path.write_bytes(b"no file at all")
+    np.testing.assert_allclose(ShellSurface(shell).predict(pressures), seen, atol=1e-3)
 
 
 def test_what_does_not_fit_is_refused(cache):
@@ -138,6 +150,19 @@ def test_the_plant_has_parameters_that_the_model_has_not(cache):
     given = plant_shell(rig(plant={**PLANT, "spread": 0.0, "parameters": {"seam_kpa_per_mm": 10.0}}))
     assert given.parameters["seam_kpa_per_mm"].value == 10.0
     assert given.parameters["modulus_1_kpa"].value == 400.0
+
+
+def test_a_rig_that_names_no_surface_is_the_mannequin_of_other_materials():
+    """Without shell or surface the model is the mannequin's shell, and the plant a finer mesh of other materials."""
+    bare = {"simulated": {"seed": 4, "noise_mm": 0.1}}
+    model, plant = rig_shell(bare), plant_shell(bare)
+    assert isinstance(load_surface(bare), ShellSurface)
+    assert isinstance(load_surface({"simulated": {"surface": "mannequin"}}), Surface)
+    assert model.content() == load_shell("mannequin").content()
+    assert plant.spline.count == (34, 34)
+    other = {n for n, p in plant.parameters.items() if p.value != model.parameters[n].value}
+    assert other == {"modulus_1_kpa", "modulus_2_kpa", "thickness_1_mm", "thickness_2_mm", "seam_kpa_per_mm"}
+    assert plant.content() == plant_shell({"simulated": {"seed": 5}}).content()
 
 
 def test_a_held_plant_shows_the_solved_shape(cache):
@@ -232,14 +257,14 @@ def test_deflections_and_pressures_belong_together(cache):
 
 def test_the_plants_shapes_are_solved_once(cache, caplog):
     """A second plant of the same rig reads what the first one solved; a spoilt cache is made again."""
-    load_body(rig()).deflection_mm(np.zeros(4))
+    load_body(rig()).shape_mm(np.zeros(4))
     caplog.clear()
     with caplog.at_level(logging.WARNING, "labrig.physics"):
-        load_body(rig()).deflection_mm(np.zeros(4))
+        load_body(rig()).shape_mm(np.zeros(4))
         assert caplog.messages == []
         (folder,) = Path(os.environ["LABRIG_CACHE"]).glob("plant-membrane4-*")
         (folder / "simulations.npz").write_bytes(b"")
-        load_body(rig()).deflection_mm(np.zeros(4))
+        load_body(rig()).shape_mm(np.zeros(4))
     assert caplog.messages == ["labrig: solving 32 shapes of shell membrane4 for the simulated rig, once"]
 
 
@@ -289,13 +314,13 @@ def test_a_campaign_is_captured_on_it(cache, tmp_path):
     ("simulated", "message"),
     [
         ({"shell": "membrane4", "surface": "membrane"}, "simulated: either a surface (the reduced model) or a shell"),
-        ({"surface": "membrane", "plant": {}}, "differs from its model: simulated.shell is needed"),
+        ({"surface": "membrane", "plant": {}}, "differs from its model: not for a surface (the reduced model)"),
         ({"shell": "nobody"}, "cannot read the shell nobody"),
         ({"shell": 3}, "simulated.shell: the name of a shell, a file, or the content of one is needed"),
         ({"shell": "mannequin"}, "chambers: shell 'mannequin' has 9, the rig names 4"),
         ({"shell": "membrane4", "plant": {"mesh": 3}}, "simulated.plant: there is no 'mesh' (it has count, "),
         ({"shell": "membrane4", "plant": 3}, "simulated.plant: not a mapping"),
-        ({"shell": "membrane4", "plant": {"count": 3}}, "simulated.plant: count: [34, 34], spread: 0 to 0.3, shapes"),
+        ({"shell": "membrane4", "plant": {"count": 3}}, "simulated.plant: count: [34, 34], spread: 0 to 0.3, vary"),
         ({"shell": "membrane4", "plant": {"parameters": {"x": 1}}}, "shell membrane4: there is no parameter 'x'"),
     ],
 )  # fmt: skip
