@@ -13,11 +13,7 @@ from labrig.effects._rows import Floats, Ints
 
 @dataclass(frozen=True)
 class Columns:
-    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields.
-
-    Behind its own, `E` has one field for each calibrated parameter of the base: no columns of the effect, which is
-    fitted beside them.
-    """
+    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields."""
 
     streams: Streams
     X: Floats
@@ -26,14 +22,8 @@ class Columns:
 
     @property
     def width(self) -> int:
-        """How many columns the effect has."""
-        return self.X.shape[2] + self.fields
-
-    @property
-    def fields(self) -> int:
-        """How many of them are fields."""
-        calibrated = self.streams.calibrated
-        return self.E.shape[2] - (0 if calibrated is None else calibrated.shape[2])
+        """How many columns there are."""
+        return self.X.shape[2] + self.E.shape[2]
 
     @cached_property
     def sums(self) -> tuple[Floats, Floats]:
@@ -42,7 +32,7 @@ class Columns:
 
     @cached_property
     def _whole(self) -> tuple[Floats, Floats]:
-        return self._sums(self.X, self.E, self.streams.residual, self.streams.projected)
+        return self._sums(self.X, self.E, self.streams.residual, self.streams.projected, None)
 
     def fold_sums(self, fold: int) -> tuple[Floats, Floats]:
         """As `sums`, the base's own parameters fitted without the block `fold`."""
@@ -50,11 +40,11 @@ class Columns:
         if s.declared is None:
             return self._beside_calibrated(*self._whole, fold)
         residual, projected = s.fold_residuals[fold]
-        sums = self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected)
+        sums = self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected, fold)
         return self._beside_calibrated(*sums, fold)
 
     def _beside_calibrated(self, G: Floats, c: Floats, without: int | None) -> tuple[Floats, Floats]:
-        """Sums of all columns as those of the effect's alone, the calibrated parameters fitted to the other blocks."""
+        """Sums of these columns alone: the calibrated parameters, which come last, are fitted to the other blocks."""
         n = self.width
         if n == G.shape[1]:
             return G, c
@@ -71,10 +61,13 @@ class Columns:
         n, total = self.width, self._whole[0].sum(axis=0)
         return -solve_calibrated(total[n:, n:], total[n:, :n])
 
-    def _sums(self, X: Floats, E: Floats, residual: Floats, g: Floats) -> tuple[Floats, Floats]:
+    def _sums(
+        self, X: Floats, E: Floats, residual: Floats, g: Floats, fold: int | None
+    ) -> tuple[Floats, Floats]:
         s = self.streams
-        q = X.shape[2]
-        width = q + E.shape[2]
+        q, n = X.shape[2], X.shape[2] + E.shape[2]
+        calibration = s.calibration(fold)
+        width = n + (calibration.fields.shape[2] if calibration else 0)
         G = np.zeros((s.n_groups, width, width))
         c = np.zeros((s.n_groups, width))
         H = s.products[:, self.used[:, None], self.used] if q else None
@@ -89,13 +82,23 @@ class Columns:
                 e = E[own]
                 we = s.weight[own][:, :, None] * e
                 flat = e.reshape(-1, e.shape[2])
-                G[group, q:, q:] = flat.T @ we.reshape(-1, e.shape[2])
-                c[group, q:] = we.reshape(-1, e.shape[2]).T @ residual[own].reshape(-1)
+                G[group, q:n, q:n] = flat.T @ we.reshape(-1, e.shape[2])
+                c[group, q:n] = we.reshape(-1, e.shape[2]).T @ residual[own].reshape(-1)
                 if q:
                     modes = s.modes[s.source[own]][:, self.used]
                     cross = X[own].transpose(0, 2, 1) @ (modes @ we)
-                    G[group, :q, q:] = cross.sum(axis=0)
-                    G[group, q:, :q] = G[group, :q, q:].T
+                    G[group, :q, q:n] = cross.sum(axis=0)
+                    G[group, q:n, :q] = G[group, :q, q:n].T
+            if calibration:
+                weighted = calibration.weighted[own].reshape(-1, width - n)
+                G[group, n:, n:] = calibration.fields[own].reshape(-1, width - n).T @ weighted
+                c[group, n:] = residual[own].reshape(-1) @ weighted
+                if q:
+                    products = calibration.products[own][:, self.used].reshape(-1, width - n)
+                    G[group, :q, n:] = X[own].reshape(-1, q).T @ products
+                if n > q:
+                    G[group, q:n, n:] = E[own].reshape(-1, n - q).T @ weighted
+                G[group, n:, :n] = G[group, :n, n:].T
         return G, c
 
     def field(self, beta: Floats) -> Floats:
@@ -104,8 +107,9 @@ class Columns:
         short = self.X @ beta[:q]
         modes = self.streams.modes[:, self.used]
         out = np.einsum("su,suk->sk", short, modes[self.streams.source], optimize=True)
-        if self.streams.calibrated is not None:
-            beta = np.concatenate([beta, self._answer @ beta])
+        calibration = self.streams.calibration(None)
+        if calibration:
+            out += calibration.fields @ (self._answer @ beta)
         return out + self.E @ beta[q:]
 
 
@@ -143,8 +147,6 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
         moved = np.einsum("suq,suk->skq", X, streams.modes[:, used][streams.source], optimize=True)
         E = np.concatenate([moved, E], axis=2)
         X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)
-    if streams.calibrated is not None:
-        E = np.concatenate([E, streams.calibrated], axis=2)
     if streams.declared is not None:
         return Columns(streams, streams.partial(X), used, streams.partial(E))
     return Columns(streams, X, used, E)
@@ -154,18 +156,16 @@ def join(parts: Sequence[Columns]) -> Columns:
     """Put several effects' columns side by side. Fields come last, so use `order_of` to find a part's own."""
     if len(parts) == 1:
         return parts[0]
-    streams = parts[0].streams
     used = np.unique(np.concatenate([p.used for p in parts]))
-    S = len(streams.source)
+    S = len(parts[0].streams.source)
     blocks = []
     for p in parts:
         block = np.zeros((S, len(used), p.X.shape[2]))
         if p.X.shape[2]:
             block[:, np.searchsorted(used, p.used)] = p.X
         blocks.append(block)
-    own = [p.E[:, :, : p.fields] for p in parts]
-    E = np.concatenate([*own, parts[0].E[:, :, parts[0].fields :]], axis=2)
-    return Columns(streams, np.concatenate(blocks, axis=2), used, E)
+    E = np.concatenate([p.E for p in parts], axis=2)
+    return Columns(parts[0].streams, np.concatenate(blocks, axis=2), used, E)
 
 
 def order_of(parts: Sequence[Columns]) -> list[Ints]:
@@ -174,9 +174,9 @@ def order_of(parts: Sequence[Columns]) -> list[Ints]:
     out = []
     for p in parts:
         own_x = np.arange(x_at, x_at + p.X.shape[2])
-        own_e = np.arange(e_at, e_at + p.fields)
+        own_e = np.arange(e_at, e_at + p.E.shape[2])
         out.append(np.concatenate([own_x, own_e]).astype(np.int64))
-        x_at, e_at = x_at + p.X.shape[2], e_at + p.fields
+        x_at, e_at = x_at + p.X.shape[2], e_at + p.E.shape[2]
     return out
 
 

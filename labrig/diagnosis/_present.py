@@ -1,6 +1,7 @@
 """What a report shows: the fields over the captures, and each effect's signature."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,11 +75,12 @@ def _recalibrated(context: Context, chosen: Fit, change: Floats) -> Floats:
     """What the base's calibrated parameters, fitted again beside the effects, change in the prediction, (F, K)."""
     streams = chosen.columns.streams
     assert streams.calibrated is not None
-    left = streams.residual - streams.lift(change)
-    off = streams.recalibrated(left, streams.calibrated, np.ones(len(left), dtype=bool))
     if not streams.use_means:
         return np.zeros_like(change)
-    return (streams.calibrated[: int(streams.index.max()) + 1] @ off)[streams.index]
+    seen = replace(streams, declared=None).calibration(None)
+    assert seen is not None
+    off = seen.fitted(streams.residual - streams.lift(change), np.ones(len(streams.source), dtype=bool))
+    return (seen.fields[: int(streams.index.max()) + 1] @ off)[streams.index]
 
 
 def signatures_of(

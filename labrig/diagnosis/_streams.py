@@ -35,6 +35,24 @@ _CALIBRATION_RIDGE = 1e-6
 
 
 @dataclass(frozen=True)
+class Calibration:
+    """What the base's calibrated parameters change: `fields` (S, K, D), the same `weighted`, and how they lie along the
+    modes, `products` (S, m, D).
+    """
+
+    fields: Floats
+    weighted: Floats
+    products: Floats
+
+    def fitted(self, left: Floats, train: NDArray[np.bool_]) -> Floats:
+        """The parameters (D,) that explain most of what is `left` (S, K) in some stream rows."""
+        size = self.fields.shape[2]
+        weighted = self.weighted[train].reshape(-1, size)
+        gram = self.fields[train].reshape(-1, size).T @ weighted
+        return solve_calibrated(gram, left[train].ravel() @ weighted)
+
+
+@dataclass(frozen=True)
 class Streams:
     """Weighted rows ready for regression; S stream rows, m modes, K observables.
 
@@ -100,16 +118,25 @@ class Streams:
         for g, own in enumerate(self.blocks):
             left = self.fold_residuals[g][0]
             out[own] = (self.residual - left)[own]
-            if self.calibrated is not None:
-                fields = self.partial(self.calibrated, g)
-                out[own] += fields[own] @ self.recalibrated(left, fields, self.group != g)
+            if calibration := self.calibration(g):
+                out[own] += calibration.fields[own] @ calibration.fitted(left, self.group != g)
         return out
 
-    def recalibrated(self, left: Floats, fields: Floats, train: NDArray[np.bool_]) -> Floats:
-        """The calibrated parameters (D,) that fit their fields (S, K, D) best to what is `left` (S, K) of some rows."""
-        weighted = self.weight[train][..., None] * fields[train]
-        gram = np.einsum("skd,ske->de", weighted, fields[train], optimize=True)
-        return solve_calibrated(gram, np.einsum("skd,sk->d", weighted, left[train], optimize=True))
+    def calibration(self, without: int | None) -> "Calibration | None":
+        """The calibrated parameters beside the declared ones, which are fitted to all blocks or `without` one."""
+        if self.calibrated is None:
+            return None
+        key = None if self.declared is None else without
+        if key not in self._calibrations:
+            fields = self.partial(self.calibrated, key)
+            weighted = self.weight[..., None] * fields
+            products = np.matmul(self.modes[self.source], weighted)
+            self._calibrations[key] = Calibration(fields, weighted, products)
+        return self._calibrations[key]
+
+    @cached_property
+    def _calibrations(self) -> "dict[int | None, Calibration]":
+        return {}
 
     @property
     def patterns(self) -> Floats:
@@ -215,8 +242,9 @@ class Streams:
 
 def solve_calibrated(gram: Floats, right: Floats) -> Floats:
     """The calibrated parameters for right sides (D, ...); what the runs say nothing of stays as it is."""
-    ridge = _CALIBRATION_RIDGE * max(float(np.diag(gram).max(initial=0.0)), 1e-300)
-    return np.asarray(np.linalg.solve(gram + ridge * np.eye(len(gram)), right), dtype=float)
+    own = np.diag(gram)
+    ridge = _CALIBRATION_RIDGE * np.maximum(own, 1e-6 * max(float(own.max(initial=0.0)), 1e-300))
+    return np.asarray(np.linalg.solve(gram + np.diag(ridge), right), dtype=float)
 
 
 def build_streams(

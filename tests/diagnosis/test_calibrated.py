@@ -1,0 +1,146 @@
+"""A simulator whose stiffness each run says anew: what is refitted beside an effect, and what stands in its report."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from labrig._errors import LabrigError
+from labrig.diagnosis import compare, diagnose, improve, prepare
+from labrig.diagnosis._columns import columns_of, join
+from labrig.diagnosis._score import score
+from labrig.diagnosis._streams import Streams
+from labrig.effects import get, rows_of
+from labrig.model import Model
+from labrig.physics import ShellSurface, load_shell
+
+LONG_S = (3.0, 5.0, 10.0, 30.0)
+SOFTER = 0.85
+
+
+@pytest.fixture(params=["alone", "beside a static map"])
+def streams(make_lab, request) -> Streams:
+    """A rig that leaks, of a base with two calibrated parameters of which the rig has other values."""
+    lab = make_lab(captures=40, chambers=3, long_s=LONG_S)
+    u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
+    made, context, _, _ = prepare(rows_of(lab.dataset(lab.predict(u) + lab.noise())), lab.model())
+    fields = np.stack([context.displacement, context.displacement**2], axis=-1)
+    streams = replace(made, calibrated=made.lift(fields))
+    if request.param == "alone":
+        return streams
+    beside = streams.beside_static()
+    assert beside is not None
+    return beside
+
+
+@pytest.mark.parametrize("names", [["leak"], ["frame"], ["leak", "coupling"]])
+def test_scores_are_those_of_refits_of_everything(streams: Streams, names: list[str]) -> None:
+    """The gain of each left-out block is what effect and calibration, fitted to the others together, explain of it
+    beyond a calibration alone."""
+    variants = [next(iter(get(name).variants(streams.context))) for name in names]
+    columns = join([columns_of(streams, variant) for variant in variants])
+    fast = score(columns)
+    assert streams.calibrated is not None
+    w = streams.weight
+    modes = streams.modes[:, columns.used][streams.source]
+    for g in range(streams.n_groups):
+        train, test = streams.group != g, streams.group == g
+        left, X, E, own = (
+            streams.partial(a, g) for a in (streams.residual, columns.X, columns.E, streams.calibrated)
+        )
+        every = np.concatenate([np.einsum("suq,suk->skq", X, modes), E, own], axis=2)
+        n = columns.width
+        G = np.einsum("skq,sk,skr->qr", every[train], w[train], every[train])
+        c = np.einsum("skq,sk,sk->q", every[train], w[train], left[train])
+        spent = G[:n, :n] - G[:n, n:] @ np.linalg.solve(G[n:, n:], G[n:, :n])
+        G[:n, :n] += fast.ridge * np.diag(np.diag(spent))
+        beta = np.linalg.solve(G, c)
+        assert fast.fold_beta[g] == pytest.approx(beta[:n], rel=1e-3, abs=1e-4 * np.abs(beta[:n]).max())
+        alone = np.linalg.solve(G[n:, n:], c[n:])
+        before, after = (left - own @ alone)[test], (left - every @ beta)[test]
+        gain = (w[test] * (before**2 - after**2)).sum()
+        assert fast.gains[g] == pytest.approx(gain, rel=1e-3, abs=1e-3 * np.abs(fast.gains).max())
+
+
+def test_nothing_is_what_a_calibration_alone_explains(streams: Streams) -> None:
+    """What the base leaves is counted from a calibration that has not seen the block."""
+    assert streams.calibrated is not None
+    left = streams.residual - streams.nothing
+    for g, own in enumerate(streams.blocks):
+        target, fields = streams.partial(streams.residual, g), streams.partial(streams.calibrated, g)
+        w = np.sqrt(streams.weight)[streams.group != g]
+        A = (w[..., None] * fields[streams.group != g]).reshape(-1, 2)
+        beta = np.linalg.lstsq(A, (w * target[streams.group != g]).ravel(), rcond=None)[0]
+        assert left[own] == pytest.approx((target - fields @ beta)[own], abs=1e-4 * np.abs(left).max())
+
+
+RIG = {
+    "name": "small",
+    "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
+    "pressure": {"kind": "simulated"},
+    "mocap": {"kind": "simulated"},
+    "simulated": {"shell": "small.yaml"},
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A coarse membrane, its rig, and its models with and without calibration."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LABRIG_CACHE", str(tmp_path / "cache"))
+    Path("small.yaml").write_text(yaml.safe_dump(load_shell("membrane4").changed(count=(10, 10)).content()))
+    Path("rig.yaml").write_text(yaml.safe_dump(RIG))
+    Path("plain.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n")
+    Path("model.yaml").write_text("base: {kind: simulator, rig: rig.yaml, calibrated: [modulus_1_kpa]}\n")
+    return tmp_path
+
+
+def measured(make_lab: Any, leak: bool) -> Any:
+    """A campaign on a membrane that is softer than the model's, and whose chambers leak or not."""
+    lab = make_lab(captures=36, chambers=4, markers=16, long_s=LONG_S)
+    u = lab.u * np.exp(-lab.hold_s / 90.0)[:, :, None] if leak else np.broadcast_to(lab.u, lab.u.shape)
+    known = load_shell("small.yaml")
+    true = ShellSurface(known.changed(modulus_1_kpa=SOFTER * known.parameters["modulus_1_kpa"].value))
+    position = true.predict(u.reshape(-1, 4)).reshape(*u.shape[:2], -1)
+    noise = 0.05 * np.random.default_rng(3).normal(size=position.shape)
+    return lab.dataset(position + noise).assign_coords(marker=list(true.marker_names))
+
+
+def test_softer_sheets_are_no_missing_effect(folder: Path, make_lab) -> None:
+    """A stiffness that is off has no effect's name: the calibrated model fits, the one that is not does not."""
+    data = measured(make_lab, leak=False)
+    plain, model = Model.load("plain.yaml"), Model.load("model.yaml")
+    assert compare(data, plain).summary["error"]["model"] > 3 * compare(data, model).summary["error"]["model"]
+    fitted = model.predictor(rows_of(data)).base
+    assert fitted.values["modulus_1_kpa"] == pytest.approx(SOFTER * 400.0, rel=0.03)
+    assert diagnose(data, model).summary["verdict"] == "nothing_missing"
+
+
+def test_an_effect_is_found_beside_softer_sheets(folder: Path, make_lab) -> None:
+    """With a leak as well, that is what is named; the model with it is right without being told the stiffness."""
+    data, model = measured(make_lab, leak=True), Model.load("model.yaml")
+    result = diagnose(data, model)
+    assert (result.summary["verdict"], result.summary["effects"]) == ("identified", ["leak"])
+    better = improve(data, model, ["leak"])
+    assert better.improved is not None
+    after = compare(data, better.improved).summary["error"]
+    assert after["model"] < 1.3 * after["floor"]
+    shown = better.fields["measured"] - better.fields["model"]
+    assert float(np.sqrt((shown**2).mean())) < 1.3 * after["floor"]
+
+
+def test_a_parameter_that_is_not_there(folder: Path, make_lab) -> None:
+    """A name that the simulator does not know is one line with those that it does; reduced surfaces have none."""
+    data = measured(make_lab, leak=False)
+    Path("model.yaml").write_text("base: {kind: simulator, rig: rig.yaml, calibrated: [softness]}\n")
+    with pytest.raises(LabrigError) as error:
+        compare(data, Model.load("model.yaml"))
+    assert str(error.value).startswith(
+        "base: calibrated: the simulator of rig.yaml has no parameter 'softness' (it has modulus_1_kpa, thickness_1_mm,"
+    )
+    Path("rig.yaml").write_text(yaml.safe_dump({**RIG, "simulated": {"surface": "membrane"}}))
+    with pytest.raises(LabrigError, match=r"has no parameter 'softness' \(it has none\)$"):
+        compare(data, Model.load("model.yaml"))
