@@ -45,13 +45,9 @@ def _base_shape(base: Any, folder: Path, path: Path) -> ShapeModel:
 def rig_shape(path: Path) -> ShapeModel:
     """The simulator of a rig.yaml, with the rig's chambers and limits."""
     rig = read_yaml(path, "rig")
-    if (rig.get("simulated") or {}).get("shell"):
-        from labrig.physics import rig_shell
+    from labrig.physics import has_shell, reduced_surface, rig_shell
 
+    if has_shell(rig):
         return ShellModel(rig_shell(rig, path.parent))
-    from labrig.physics import Surface, load_surface
-
     limits = [float(c.get("max_kpa", 60.0)) for c in rig.get("chambers") or [] if isinstance(c, dict)]
-    surface = load_surface(rig)
-    assert isinstance(surface, Surface)  # a shell was dealt with above
-    return SurfaceModel(surface, np.array(limits) if limits else 60.0)
+    return SurfaceModel(reduced_surface(rig), np.array(limits) if limits else 60.0)

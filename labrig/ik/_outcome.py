@@ -177,15 +177,11 @@ def simulated_plant(rig: dict[str, Any], folder: Path) -> ShapeModel | None:
     simulated = rig.get("simulated")
     if not simulated:
         return None
-    if simulated.get("shell"):
-        from labrig.physics import plant_shell
+    from labrig.physics import has_shell, plant_shell, reduced_surface
 
+    if has_shell(rig):
         return ShellModel(plant_shell(rig, folder))
-    from labrig.physics import Surface, load_surface
-
-    surface = load_surface(rig)
-    assert isinstance(surface, Surface)
-    return SurfaceModel(surface)
+    return SurfaceModel(reduced_surface(rig))
 
 
 def hardware_best(
