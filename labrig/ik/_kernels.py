@@ -78,37 +78,41 @@ def warp_slopes(value, slope, gradient, table, affine_slope, moved_slope):
 
 
 @njit(cache=True)
-def pairs(points, rotation, translation, index, vertices, normals, inwardness, offset, plane, normal, usable):
+def pairs(
+    points, rotation, translation, index, vertices, normals, inwardness, inward_slope,
+    offset, plane, normal, usable, drift,
+):  # fmt: skip
     """Offsets of points from their nearest target vertices, in the rig's frame.
 
-    Target to rig: x -> rotation x + translation. Fills offset (P, 3), plane (P,) = normal . offset, normal (P, 3) and
+    Target to rig: x -> rotation x + translation. Fills offset (P, 3), plane (P,) = normal . offset, normal (P, 3),
     usable (P,): 0 where the nearest vertex is on the border, rising to 1 away from it, so that no pair comes or goes at
-    once.
+    once; and drift (P, 3), by how much a pair becomes more usable as its point moves, 1/mm.
     """
     for p in range(len(points)):
         i = index[p]
         for d in range(3):
-            foot = translation[d]
-            turned = 0.0
+            foot, turned, rising = translation[d], 0.0, 0.0
             for e in range(3):
                 foot += rotation[d, e] * vertices[i, e]
                 turned += rotation[d, e] * normals[i, e]
+                rising += rotation[d, e] * inward_slope[i, e]
             offset[p, d] = points[p, d] - foot
             normal[p, d] = turned
+            drift[p, d] = rising
         plane[p] = normal[p, 0] * offset[p, 0] + normal[p, 1] * offset[p, 1] + normal[p, 2] * offset[p, 2]
         usable[p] = inwardness[i]
 
 
 @njit(cache=True)
-def scale_of(plane, usable):
-    """Width of the robust cost, mm: six times the median distance of the usable pairs, and 1 mm at least."""
+def median_of(plane, usable):
+    """Median distance of the usable pairs, mm; 0 without any."""
     far = np.empty(len(plane))
     count = 0
     for p in range(len(plane)):
         if usable[p] > 0:
             far[count] = abs(plane[p])
             count += 1
-    return max(1.0, 6.0 * np.median(far[:count])) if count else 1.0
+    return np.median(far[:count]) if count else 0.0
 
 
 @njit(cache=True)
@@ -129,37 +133,46 @@ def cost_of(offset, plane, usable, also, scale, sliding):
 
 
 @njit(cache=True, fastmath=True)
+def _motion(along, slope, foot, row):
+    """How a point's distance along a direction changes with pressures, rotation and translation, (C + 6,)."""
+    C = slope.shape[1]
+    a0, a1, a2 = along[0], along[1], along[2]
+    for k in range(C):
+        row[k] = a0 * slope[0, k] + a1 * slope[1, k] + a2 * slope[2, k]
+    row[C] = -(foot[1] * a2 - foot[2] * a1)
+    row[C + 1] = -(foot[2] * a0 - foot[0] * a2)
+    row[C + 2] = -(foot[0] * a1 - foot[1] * a0)
+    row[C + 3], row[C + 4], row[C + 5] = -a0, -a1, -a2
+
+
+@njit(cache=True, fastmath=True)
 def normal_equations(points, slope, offset, plane, normal, usable, scale, sliding, middle):
     """Normal matrix (C + 6, C + 6) and gradient of the robust cost by pressures, rotation, translation.
 
     The rotation is about `middle`; the motion is the target's: a foot f moves by w x (f - middle) + t.
     """
-    C = slope.shape[2]
-    n = C + 6
+    n = slope.shape[2] + 6
     H = np.zeros((n, n))
     g = np.zeros(n)
     row = np.empty(n)
+    foot, along = np.empty(3), np.empty(3)
     for p in range(len(plane)):
         if usable[p] <= 0:
             continue
         square = offset[p, 0] ** 2 + offset[p, 1] ** 2 + offset[p, 2] ** 2
         error = plane[p] ** 2 + sliding * square
         weight = usable[p] / (1.0 + error / scale**2) ** 2
-        f0 = points[p, 0] - offset[p, 0] - middle[0]
-        f1 = points[p, 1] - offset[p, 1] - middle[1]
-        f2 = points[p, 2] - offset[p, 2] - middle[2]
+        for d in range(3):
+            foot[d] = points[p, d] - offset[p, d] - middle[d]
         for kind in range(4 if sliding > 0 else 1):
             if kind == 0:
-                a0, a1, a2, r, w = normal[p, 0], normal[p, 1], normal[p, 2], plane[p], weight
+                along[:] = normal[p]
+                r, w = plane[p], weight
             else:
-                a0, a1, a2 = 1.0 * (kind == 1), 1.0 * (kind == 2), 1.0 * (kind == 3)
+                along[:] = 0.0
+                along[kind - 1] = 1.0
                 r, w = offset[p, kind - 1], weight * sliding
-            for k in range(C):
-                row[k] = a0 * slope[p, 0, k] + a1 * slope[p, 1, k] + a2 * slope[p, 2, k]
-            row[C] = -(f1 * a2 - f2 * a1)
-            row[C + 1] = -(f2 * a0 - f0 * a2)
-            row[C + 2] = -(f0 * a1 - f1 * a0)
-            row[C + 3], row[C + 4], row[C + 5] = -a0, -a1, -a2
+            _motion(along, slope[p], foot, row)
             for i in range(n):
                 x = w * row[i]
                 g[i] += x * r
@@ -169,6 +182,60 @@ def normal_equations(points, slope, offset, plane, normal, usable, scale, slidin
         for j in range(i):
             H[j, i] = H[i, j]
     return H, g
+
+
+@njit(cache=True)
+def mean_size(plane, usable, width, most):
+    """Mean over the usable pairs of a size of their distance, mm, which is zero for a distance of zero.
+
+    Below `width` it goes as the square; then it follows the distance; beyond `most`, where something foreign must be
+    opposite, it hardly goes on.
+    """
+    total, count = 0.0, 0.0
+    least = width / np.sqrt(1.0 + width**2 / most**2)
+    for p in range(len(plane)):
+        square = plane[p] ** 2 + width**2
+        total += usable[p] * (np.sqrt(square / (1.0 + square / most**2)) - least)
+        count += usable[p]
+    return total / count if count > 0 else np.inf
+
+
+@njit(cache=True, fastmath=True)
+def mean_equations(points, slope, offset, plane, normal, usable, drift, width, most, middle):
+    """Normal matrix and gradient, (C + 6), of `mean_size` by pressures, rotation and translation.
+
+    The gradient is that of the mean itself: pairs that become more usable as their points move, or less, are in it.
+    """
+    n = slope.shape[2] + 6
+    H = np.zeros((n, n))
+    g = np.zeros(n)
+    row = np.empty(n)
+    foot = np.empty(3)
+    count = usable.sum()
+    mean = mean_size(plane, usable, width, most) + width / np.sqrt(1.0 + width**2 / most**2)
+    for p in range(len(plane)):
+        if usable[p] <= 0:
+            continue
+        for d in range(3):
+            foot[d] = points[p, d] - offset[p, d] - middle[d]
+        square = plane[p] ** 2 + width**2
+        kept = 1.0 / (1.0 + square / most**2)
+        size = np.sqrt(square * kept)
+        _motion(normal[p], slope[p], foot, row)
+        weight = usable[p] * kept * kept / size
+        for i in range(n):
+            x = weight * row[i]
+            g[i] += x * plane[p]
+            for j in range(i + 1):
+                H[i, j] += x * row[j]
+        if drift[p, 0] != 0.0 or drift[p, 1] != 0.0 or drift[p, 2] != 0.0:
+            _motion(drift[p], slope[p], foot, row)
+            for i in range(n):
+                g[i] += (size - mean) * row[i]
+    for i in range(n):
+        for j in range(i):
+            H[j, i] = H[i, j]
+    return H / count, g / count
 
 
 @njit(cache=True)

@@ -58,16 +58,14 @@ def distances(points_mm: ArrayLike, surface: Mesh, nearest: Nearest | None = Non
         normal = surface.normals[index]
         height = np.einsum("pi,pi->p", offset, normal)
         return Distances(height, points - height[:, None] * normal, surface.border[index])
-    from labrig.surface._kernels import closest_points, triangles_around
+    from labrig.surface._kernels import closest_points
 
-    start, around = triangles_around(len(surface.vertices_mm), surface.triangles)
     feet, signed, beyond = closest_points(
         points,
         tree.several(points, _CANDIDATES),
         np.ascontiguousarray(surface.vertices_mm),
         np.ascontiguousarray(surface.triangles),
-        start,
-        around,
+        *surface.around,
         surface.normals,
         surface.border,
     )

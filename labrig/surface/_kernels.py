@@ -9,6 +9,18 @@ Ints = NDArray[np.int64]
 
 
 @njit(cache=True)
+def extent(points):
+    """Lowest and highest coordinates and the mean of points (V, 3), (3,) each."""
+    low, high, mean = np.full(3, np.inf), np.full(3, -np.inf), np.zeros(3)
+    for v in range(len(points)):
+        for d in range(3):
+            x = points[v, d]
+            low[d], high[d] = min(low[d], x), max(high[d], x)
+            mean[d] += x
+    return low, high, mean / len(points)
+
+
+@njit(cache=True)
 def vertex_normals(vertices, triangles):
     """Unit normals at the vertices, (V, 3), weighted by the areas around; zero at loose vertices."""
     normal = np.zeros_like(vertices)
@@ -83,6 +95,56 @@ def rings_from_border(border, triangles, most):
         if not changed:
             break
     return ring
+
+
+@njit(cache=True)
+def slope_along(vertices, triangles, values):
+    """How values (V,) at the vertices rise along the surface, (V, 3), per mm: the mean of the triangles around."""
+    slope = np.zeros_like(vertices)
+    around = np.zeros(len(vertices))
+    total = np.empty(3)
+    for t in range(len(triangles)):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        for corner in (a, b, c):
+            around[corner] += 1.0
+        if values[a] == values[b] and values[b] == values[c]:
+            continue
+        n = _cross(_minus(_row(vertices, b), _row(vertices, a)), _minus(_row(vertices, c), _row(vertices, a)))
+        square = _dot(n, n)
+        if square <= 0.0:
+            continue
+        total[:] = 0.0
+        for one, following, last in ((a, b, c), (b, c, a), (c, a, b)):
+            across = _cross(n, _minus(_row(vertices, last), _row(vertices, following)))
+            for d in range(3):
+                total[d] += values[one] * across[d] / square
+        for corner in (a, b, c):
+            for d in range(3):
+                slope[corner, d] += total[d]
+    for v in range(len(slope)):
+        for d in range(3):
+            slope[v, d] /= max(around[v], 1.0)
+    return slope
+
+
+@njit(cache=True)
+def walk_to_nearest(points, index, vertices, triangles, start, around):
+    """The vertices nearest to points (P, 3), sought along the surface from others (P,) that are not far from them."""
+    found = np.empty(len(points), np.int64)
+    for p in range(len(points)):
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        at, best, least = -1, index[p], np.inf
+        while at != best:
+            at = best
+            for s in range(start[at], start[at + 1]):
+                for k in range(3):
+                    v = triangles[around[s], k]
+                    a, b, c = vertices[v, 0] - x, vertices[v, 1] - y, vertices[v, 2] - z
+                    square = a * a + b * b + c * c
+                    if square < least:
+                        least, best = square, v
+        found[p] = best
+    return found
 
 
 @njit(cache=True, inline="always")

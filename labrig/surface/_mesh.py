@@ -68,6 +68,22 @@ class Mesh:
         return np.asarray(rings_from_border(self.border, self.triangles, RAMP) / RAMP, np.float64)
 
     @cached_property
+    def around(self) -> tuple[Ints, Ints]:
+        """Which triangles each vertex belongs to: `around[1][around[0][v] : around[0][v + 1]]`."""
+        from labrig.surface._kernels import triangles_around
+
+        return triangles_around(len(self.vertices_mm), self.triangles)
+
+    @cached_property
+    def inward_slope(self) -> Floats:
+        """How `inwardness` rises along the surface, (V, 3), 1/mm; zero for a cloud."""
+        if self.is_cloud:
+            return np.zeros_like(self.vertices_mm)
+        from labrig.surface._kernels import slope_along
+
+        return slope_along(self.vertices_mm, self.triangles, self.inwardness)
+
+    @cached_property
     def spacing_mm(self) -> float:
         """The typical distance between neighbouring points, from area and count."""
         if self.is_cloud:

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 COARSE = 200
 """Points on which starts are tried, against twice as many of the target."""
 FINE = 6000
+_SPARSE = 1500
+"""Vertices in the tree from which nearest ones are sought along the surface."""
 _SPREAD = 240
 _KEPT = 8
 _GOOD_SCORE = 0.04
@@ -25,21 +27,33 @@ _TUKEY = 4.685
 
 
 class Target:
-    """A surface made ready to be asked for nearest points again and again."""
+    """A surface made ready to be asked for nearest points again and again; `library` as of `Nearest`."""
 
     def __init__(self, mesh: Mesh, library: bool = True) -> None:
         self.mesh = mesh
-        self.nearest = Nearest(mesh.vertices_mm, library)
+        self._library = library
+
+    @cached_property
+    def nearest(self) -> Nearest:
+        """A tree over all of its vertices."""
+        return Nearest(self.mesh.vertices_mm, self._library)
 
     @cached_property
     def size_mm(self) -> float:
         """The diagonal of its bounding box."""
-        return float(np.linalg.norm(np.ptp(self.mesh.vertices_mm, axis=0)))
+        low, high, _ = self._extent
+        return float(np.linalg.norm(high - low))
 
-    @cached_property
+    @property
     def middle_mm(self) -> Floats:
         """The mean of its vertices, (3,)."""
-        return self.mesh.vertices_mm.mean(axis=0)
+        return self._extent[2]
+
+    @cached_property
+    def _extent(self) -> tuple[Floats, Floats, Floats]:
+        from labrig.surface._kernels import extent
+
+        return extent(self.mesh.vertices_mm)
 
     @cached_property
     def few(self) -> tuple[Floats, Floats]:
@@ -48,6 +62,28 @@ class Target:
         chosen = np.random.default_rng(0).permutation(count)[: 2 * COARSE]
         points, normals = self.mesh.vertices_mm[chosen], self.mesh.normals[chosen]
         return np.ascontiguousarray(points.T), np.ascontiguousarray(normals.T)
+
+    def near(self, points_mm: Floats, index: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
+        """The vertices nearest to points (P, 3), walking along the surface from some that are not far, `index` (P,).
+
+        Without these it begins at vertices that a small tree gives. Much quicker than the whole tree; where the surface
+        folds or ends, one on the other side may be missed.
+        """
+        mesh = self.mesh
+        if mesh.is_cloud:
+            return self.nearest.one(points_mm)[0]
+        if index is None:
+            stride, tree = self._sparse
+            index = tree.one(points_mm)[0] * stride
+        from labrig.surface._kernels import walk_to_nearest
+
+        return walk_to_nearest(points_mm, index, mesh.vertices_mm, mesh.triangles, *mesh.around)
+
+    @cached_property
+    def _sparse(self) -> tuple[int, Nearest]:
+        """A tree over every so many of its vertices."""
+        stride = max(1, len(self.mesh.vertices_mm) // _SPARSE)
+        return stride, Nearest(self.mesh.vertices_mm[::stride], self._library)
 
 
 @dataclass(frozen=True)

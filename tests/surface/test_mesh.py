@@ -5,7 +5,7 @@ import pytest
 
 from drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_bytes
 from labrig import LabrigError
-from labrig.surface import Mesh, Nearest, clean, grid, read_mesh
+from labrig.surface import Mesh, Nearest, Target, clean, grid, read_mesh
 
 WRITERS = {
     "obj": lambda v, t: obj_bytes(v, t, "none.mtl", True).replace(b"mtllib none.mtl\nusemtl scan\n", b""),
@@ -107,3 +107,34 @@ def test_inwardness_rises_from_the_border():
     assert ring[1, 5] == ring[5, 1] == 0.25
     assert ring[4:17, 4:17].min() == 1.0
     assert set(np.unique(Mesh(shape.vertices_mm, np.zeros((0, 3), np.int64)).inwardness)) == {0.0, 1.0}
+
+
+def test_the_slope_of_inwardness_points_inwards():
+    """Its slope along the surface is a quarter an edge near a border, none far from it, and along the surface."""
+    uv, triangles = grid(21, 21)
+    flat = Mesh(np.column_stack([100.0 * uv, np.zeros(len(uv))]), triangles)  # edges of 5 mm
+    slope = flat.inward_slope.reshape(21, 21, 3)
+    np.testing.assert_allclose(slope[2, 10], [0, 0.05, 0], atol=1e-12)
+    np.testing.assert_allclose(slope[10, 18], [-0.05, 0, 0], atol=1e-12)
+    assert not slope[6:15, 6:15].any()
+    assert not Mesh(flat.vertices_mm, np.zeros((0, 3), np.int64)).inward_slope.any()
+    across = np.einsum("vi,vi->v", dome().inward_slope, dome().normals)
+    assert np.abs(across).max() < 0.2 * np.abs(dome().inward_slope).max()
+
+
+def test_nearest_vertices_from_near_ones():
+    """Found along the surface they are the tree's, as long as nothing moved far; a cloud asks its tree."""
+    target = Target(dome())
+    before = np.arange(441)[::3]
+    moved = target.mesh.vertices_mm[before] + np.random.default_rng(0).normal(0, 8.0, (147, 3))
+    expected, _ = target.nearest.one(moved)
+    assert (expected != before).mean() > 0.1
+    np.testing.assert_array_equal(target.near(moved, before), expected)
+    cloud = Target(Mesh(target.mesh.vertices_mm, np.zeros((0, 3), np.int64)))
+    np.testing.assert_array_equal(cloud.near(moved, np.zeros(147, np.int64)), expected)
+    uv, triangles = grid(101, 101)
+    fine = Target(
+        Mesh(np.column_stack([uv, np.sin(3 * uv[:, 0])]), triangles)
+    )  # more than its small tree holds
+    moved = fine.mesh.vertices_mm[::7] + np.random.default_rng(0).normal(0, 0.02, (1458, 3))
+    np.testing.assert_array_equal(fine.near(moved), fine.nearest.one(moved)[0])
