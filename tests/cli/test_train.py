@@ -74,6 +74,30 @@ def test_sim2real(labrig, simulations, tmp_path, monkeypatch):
     assert (code, error) == (2, "labrig: sim2real: the method scans needs scans; the run has none\n")
 
 
+def test_a_survey_has_what_both_needs(labrig, simulations, tmp_path, monkeypatch):
+    """`labrig run survey` records markers and scans, and the fix is learned from both."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LABRIG_CACHE", str(tmp_path / "cache"))
+    rig = {
+        "name": "sheet",
+        "chambers": [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60, "slew_kpa_s": 100} for i in (1, 2, 3, 4)],
+        "pressure": {"kind": "simulated"},
+        "mocap": {"kind": "simulated", "rate_hz": 20},
+        "scanner": {"kind": "simulated"},
+        "simulated": {"shell": "membrane4", "plant": {"count": [10, 10], "shapes": 20}, "noise_mm": 0.05},
+    }
+    Path("rig.yaml").write_text(yaml.safe_dump(rig))
+    assert labrig("train", "forward", str(simulations), "-o", "f.pt")[0] == 0
+    survey = ("run", "survey", "--rig", "rig.yaml", "--captures", "8", "--repeated", "0", "--scans", "3")
+    code, _, error = labrig(*survey, "--out", "run")
+    assert code == 0, error
+    arguments = ("sim2real", "run", "--forward", "f.pt", "-o", "both.pt", "--method", "both")
+    code, _, error = labrig("train", *arguments, "--out", "both")
+    assert code == 0, error
+    facts = json.loads(Path("both/sim2real.json").read_text())
+    assert (facts["frames"], facts["scans"]) == (8, 3)
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [

@@ -10,9 +10,9 @@ import pytest
 
 import procedures
 from drivers import Channel
-from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, dry_run
+from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, dry_run
 from labrig.rig import parse_rig
-from procedures import Capture, Hold, Idle, Pairs, Repeatability, Sweep
+from procedures import Capture, Hold, Idle, Pairs, Repeatability, Survey, Sweep
 
 ALL = [getattr(procedures, name) for name in procedures.__all__ if name != "Validate"]
 """All that need nothing but a rig; validate needs targets and a model, and has tests of its own in tests/ik."""
@@ -47,6 +47,7 @@ def test_the_defaults_stay_inside_the_limits(kind: type[Procedure], chambers: in
         "name": "made",
         "chambers": [{"name": c.name, "min_kpa": c.min_kpa, "max_kpa": c.max_kpa} for c in info.channels],
         "pressure": {"kind": "openpneu"},
+        "scanner": {"kind": "artec", "folder": "scans"},
     }
     plan = dry_run(kind(), parse_rig(content, "rig.yaml", Path()))
     assert plan.broken == []
@@ -101,6 +102,23 @@ def test_capture_spreads_its_repeats_over_the_session() -> None:
     for group in ("r1", "r2", "r3"):
         places = [index for index, label in enumerate(labels) if label == group]
         assert places[-1] - places[0] > 20
+
+
+@pytest.mark.parametrize(("scans", "expected"), [(0, 0), (1, 1), (10, 10), (100, 25)])
+def test_survey_scans_different_set_points_after_their_markers(scans: int, expected: int) -> None:
+    """It captures what `capture` does, and each scan follows a recording, at a set-point of its own."""
+    steps = _steps(Survey(scans=scans))
+    assert [s for s in steps if not isinstance(s, Scan)] == _steps(Capture())
+    setpoint, scanned = (), []
+    for before, step in pairwise(steps):
+        setpoint = before.pressure_kpa if isinstance(before, Actuate) else setpoint
+        if isinstance(step, Scan):
+            assert isinstance(before, Record)
+            scanned.append(setpoint)
+    assert len(scanned) == len(set(scanned)) == expected
+    if expected == 10:  # spread over the session
+        points = [point for point, _ in Capture().programme(_info())]
+        assert max(points.index(point) for point in scanned) > 30
 
 
 @pytest.mark.parametrize(("pattern", "values"), [("corners", {0.0, 60.0}), ("grid", {0.0, 30.0, 60.0})])
