@@ -33,7 +33,9 @@ def simulated(tmp_path):
     def start(*arguments):
         out = tmp_path / f"sim{len(processes)}"
         process = subprocess.Popen(
-            [*LABRIG, "rig", "simulate", "-o", str(out), *arguments], stdout=subprocess.PIPE, text=True
+            [*LABRIG, "rig", "simulate", "-o", str(out), "--surface", "mannequin", *arguments],
+            stdout=subprocess.PIPE,
+            text=True,
         )
         processes.append(process)
         for line in process.stdout:
