@@ -139,7 +139,7 @@ def _outcome(page: Page, outcome: "Outcome", summary: dict[str, Any]) -> None:
     if realised is not None:
         shown.append(("realised", realised))
     if len(outcome.attempts) > 1 and outcome.best.height_mm is not None:
-        shown.append((f"refined, {len(outcome.attempts) - 1} scans more", outcome.best.height_mm))
+        shown.append((f"refined, {counted(len(outcome.attempts) - 1, 'scan')} more", outcome.best.height_mm))
     known = np.concatenate([np.abs(height[np.isfinite(height)]) for _, height in shown])
     top = max(_LEAST_MM, float(np.quantile(known, 0.98))) if len(known) else 1.0
     maps = [(name, height, top) for name, height in shown]

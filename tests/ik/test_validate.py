@@ -12,6 +12,7 @@ from drivers import Scan, SimulatedClock
 from labrig import LabrigError
 from labrig.campaign import dry_run, read_completed, resume, run
 from labrig.campaign._scans import keep_scan
+from labrig.cli._validate_steps import report
 from labrig.ik import Refinement, outcomes
 from labrig.rig import connect, load_rig
 from labrig.surface import grid
@@ -128,6 +129,8 @@ def test_it_resumes_like_any_other(lab):
         done.step.kind for done in read_completed(folder)
     ][: len(whole) - lost]
     assert outcomes(folder)[0].summary()["realised_mm"]["mean"] < 0.1
+    report(folder)
+    assert "<h3>refined, 1 scan more</h3>" in (folder / "report.html").read_text()
 
 
 def test_a_dry_run_needs_no_scan(lab):
@@ -164,8 +167,6 @@ def test_errors_for_people(lab):
 
 def test_report(lab):
     """The report holds every figure and map; its JSON is plain."""
-    from labrig.cli._validate_steps import report
-
     folder = go(lab, procedure(lab))
     report(folder)
     content = json.loads((folder / "validation.json").read_text())
