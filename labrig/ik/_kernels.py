@@ -49,18 +49,23 @@ def combine(net, first, weight, out):
 
 
 @njit(cache=True, fastmath=True)
-def warp_slopes(value, slope, gradient, table, affine_slope, moved_slope):
-    """Derivatives after a warp whose coefficients and centers move with the actuation.
+def warp(value, slope, pull, table, affine, affine_slope, c, moved, moved_slope):
+    """Points and derivatives after a warp whose coefficients and centers move with the actuation.
 
-    For P points and C chambers: value (P, 3) about the warp's middle; slope (P, 3, C); gradient (P, 3, 3) of the warp;
-    table (P, 12, C): what changes by itself (3, C), then what changes with the point (component, coordinate, C);
-    affine_slope (4, 3, C). Fills moved_slope (P, 3, C).
+    For P points and C chambers, all about the warp's middle: value (P, 3); slope (P, 3, C); pull (P, 12): the bells'
+    sums of coefficient times center (component, coordinate), then of the coefficients (3,); table (P, 12, C): what
+    changes by itself (3, C), then what changes with the point (component, coordinate, C); affine (4, 3) and its
+    derivative affine_slope (4, 3, C); c the bells' width. Fills moved (P, 3) and moved_slope (P, 3, C).
     """
     C = slope.shape[2]
     for p in range(len(value)):
         x, y, z = value[p, 0], value[p, 1], value[p, 2]
         for d in range(3):
-            g0, g1, g2 = gradient[p, d, 0], gradient[p, d, 1], gradient[p, d, 2]
+            weighted = pull[p, 9 + d]
+            moved[p, d] = affine[0, d] + affine[1, d] * x + affine[2, d] * y + affine[3, d] * z + weighted
+            g0 = affine[1, d] - 2.0 * c * (weighted * x - pull[p, 3 * d])
+            g1 = affine[2, d] - 2.0 * c * (weighted * y - pull[p, 3 * d + 1])
+            g2 = affine[3, d] - 2.0 * c * (weighted * z - pull[p, 3 * d + 2])
             for k in range(C):
                 moved_slope[p, d, k] = (
                     g0 * slope[p, 0, k]

@@ -48,7 +48,7 @@ class Warped:
 
         if np.asarray(model.marker_uv).shape[-1] != 2:
             raise LabrigError("a warped model needs the (u, v) of its centers")
-        self._warp_slopes = _kernels.warp_slopes
+        self._warp = _kernels.warp
         self._surface = Reduced(model.forward, uv)
         self._centers = Reduced(model.forward, np.asarray(model.marker_uv, float))
         self._latent = self._surface.latent
@@ -100,26 +100,21 @@ class Warped:
             np.float32
         )
         q32, c32 = q.astype(np.float32), np.float32(c)
-        square_q = (q32 * q32).sum(axis=1)
+        double, square_q = 2.0 * c32 * q32.T, c32 * (q32 * q32).sum(axis=1)
+        affine = np.concatenate([alpha[None], A]).astype(np.float32)
         affine_slope = np.concatenate([dalpha[None], dA]).astype(np.float32)
-        A32, alpha32 = A.astype(np.float32), alpha.astype(np.float32)
         centred = value - middle.astype(np.float32)
         moved, moved_slope = np.empty_like(value), np.empty_like(slope)
         for begin in range(0, len(value), _CHUNK):
             part = slice(begin, begin + _CHUNK)
             x = centred[part]
-            share = x @ q32.T
-            share *= 2.0
-            share -= (x * x).sum(axis=1)[:, None]
+            share = x @ double
+            share -= (c32 * np.einsum("pi,pi->p", x, x))[:, None]
             share -= square_q
-            share *= c32
             np.exp(share, out=share)
-            pull = share @ pulls
-            weighted = pull[:, 9:]
-            gradient = A32.T - 2.0 * c32 * (
-                weighted[:, :, None] * x[:, None, :] - pull[:, :9].reshape(-1, 3, 3)
-            )
-            moved[part] = alpha32 + x @ A32 + weighted
-            by_chamber = (share @ table).reshape(len(x), 12, C)
-            self._warp_slopes(x, slope[part], gradient, by_chamber, affine_slope, moved_slope[part])
-        return moved + middle.astype(np.float32), moved_slope
+            self._warp(
+                x, slope[part], share @ pulls, (share @ table).reshape(len(x), 12, C), affine, affine_slope, c32,
+                moved[part], moved_slope[part],
+            )  # fmt: skip
+        moved += middle.astype(np.float32)
+        return moved, moved_slope
