@@ -40,8 +40,9 @@ simulated:
 """
 
 MODEL = """\
-# What is believed of the rig: the simulator, how stiff its two sheets are (fitted to each run), and no effects yet.
-base: {kind: simulator, rig: rig.yaml, calibrated: [modulus_1_kpa, modulus_2_kpa]}
+# What is believed of the rig: the simulator, with the stiffness of its two sheets as it was calibrated when the rig was
+# new, and no effects yet.
+base: {kind: simulator, rig: rig.yaml, parameters: {modulus_1_kpa: 541, modulus_2_kpa: 564}}
 effects: []
 """
 

@@ -1,5 +1,6 @@
 """What `--model` stands for: a learned model, or a model file with its base and its effects."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,7 @@ def load_shape_model(path: str | Path) -> tuple[ShapeModel, Remembering | None]:
 
 def _base_shape(base: Any, folder: Path, path: Path) -> ShapeModel:
     if base.kind == "simulator":
-        return rig_shape(folder / base.rig)
+        return rig_shape(folder / base.rig, base.parameters)
     if base.kind == "surrogate":
         from labrig.surrogate import load_model
 
@@ -42,12 +43,12 @@ def _base_shape(base: Any, folder: Path, path: Path) -> ShapeModel:
     )
 
 
-def rig_shape(path: Path) -> ShapeModel:
-    """The simulator of a rig.yaml, with the rig's chambers and limits."""
+def rig_shape(path: Path, parameters: Mapping[str, float] | None = None) -> ShapeModel:
+    """The simulator of a rig.yaml, with the rig's chambers and limits; a shell at other `parameters`, if given."""
     rig = read_yaml(path, "rig")
     from labrig.physics import has_shell, reduced_surface, rig_shell
 
     if has_shell(rig):
-        return ShellModel(rig_shell(rig, path.parent))
+        return ShellModel(rig_shell(rig, path.parent).changed(None, **(parameters or {})))
     limits = [float(c.get("max_kpa", 60.0)) for c in rig.get("chambers") or [] if isinstance(c, dict)]
     return SurfaceModel(reduced_surface(rig), np.array(limits) if limits else 60.0)

@@ -33,12 +33,13 @@ class StaticBase(_Strict):
 class SimulatorBase(_Strict):
     """labrig's simulator of the rig that `rig` (a rig.yaml) describes.
 
-    `calibrated` names the parameters of its shell that are not known beforehand: they are fitted to each run, and again
-    beside every effect.
+    `parameters` are values of its shell's parameters that are known better than the shell's file has them; `calibrated`
+    names those that are not known beforehand: they are fitted to each run, and again beside every effect.
     """
 
     kind: Literal["simulator"]
     rig: str
+    parameters: dict[str, float] = Field(default_factory=dict)
     calibrated: list[str] = Field(default_factory=list)
 
 

@@ -41,7 +41,7 @@ class SimulatorModel:
             ) from error
         except yaml.YAMLError as error:
             raise LabrigError(f"{path}: is not YAML") from error
-        self._surface = load_surface(rig, path.parent)
+        self._surface = load_surface(rig, path.parent, spec.parameters)
         names = list(self._surface.marker_names)
         unknown = [m for m in rows.markers if m not in names]
         if unknown or (rows.marker < 0).any() or (rows.axis < 0).any():
@@ -75,7 +75,7 @@ class SimulatorModel:
         """The calibrated parameters as they were fitted, by name, in their own units."""
         known, units = self._surface.parameters, self._units()
         return {
-            name: known[name] + off * unit
+            name: float(known[name] + off * unit)
             for name, off, unit in zip(self._calibrated, self._off, units, strict=True)
         }
 

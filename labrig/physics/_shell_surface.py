@@ -206,16 +206,22 @@ class ShellSurface:
         return as_pressures(pressure_kpa, len(self.chamber_names), f"shell {self.shell.name}")
 
 
-def load_surface(rig: dict[str, Any], folder: Path | None = None) -> Surface | ShellSurface:
+def load_surface(
+    rig: dict[str, Any], folder: Path | None = None, parameters: Mapping[str, float] | None = None
+) -> Surface | ShellSurface:
     """The base simulator of a rig, from the content of its rig.yaml, which lies in `folder`.
 
     That is the shell as the model knows it (see `rig_shell`), unless `simulated: {surface: ...}` names a reduced model
-    (see `reduced_surface`). One shell's surface is made once: what it has solved is there for the next who asks.
-    Raises `LabrigError` as they do.
+    (see `reduced_surface`). A shell is taken at other `parameters` where they are given; its surface is made once: what
+    it has solved is there for the next who asks. Raises `LabrigError` as they do.
     """
     if not has_shell(rig):
+        if parameters:
+            raise LabrigError(
+                f"rig: a reduced surface has no parameters: {', '.join(parameters)} cannot be set"
+            )
         return reduced_surface(rig)
-    content = json.dumps(rig_shell(rig, folder).content())
+    content = json.dumps(rig_shell(rig, folder).changed(None, **(parameters or {})).content())
     return _surface_of(content, tuple(str(marker) for marker in rig.get("markers") or []))
 
 

@@ -26,7 +26,8 @@ def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
         )
     path = model.parent / base.rig
     try:
-        surface = load_surface(yaml.safe_load(path.read_text(encoding="utf-8")), path.parent)
+        rig = yaml.safe_load(path.read_text(encoding="utf-8"))
+        surface = load_surface(rig, path.parent, base.parameters)
     except OSError as error:
         raise LabrigError(f"{path}: can't read the rig file of the simulator ({error.strerror})") from None
     except yaml.YAMLError:

@@ -132,6 +132,29 @@ def test_an_effect_is_found_beside_softer_sheets(folder: Path, make_lab) -> None
     assert float(np.sqrt((shown**2).mean())) < 1.3 * after["floor"]
 
 
+def test_a_stiffness_that_is_known_is_given(folder: Path, make_lab) -> None:
+    """A model with the right value of a parameter is as good as one that fits it, and has nothing fitted."""
+    data = measured(make_lab, leak=False)
+    Path("known.yaml").write_text(
+        f"base: {{kind: simulator, rig: rig.yaml, parameters: {{modulus_1_kpa: {SOFTER * 400.0}}}}}\n"
+    )
+    known, fitted = (compare(data, Model.load(f"{m}.yaml")).summary["error"] for m in ("known", "model"))
+    assert known["model"] == pytest.approx(fitted["model"], rel=0.05)
+    for bad, complaint in (
+        ("{softness: 3}", r"^shell membrane4: there is no parameter 'softness' \(it has modulus_1_kpa, "),
+        ("{modulus_1_kpa: -3}", r"modulus"),
+    ):
+        Path("known.yaml").write_text(f"base: {{kind: simulator, rig: rig.yaml, parameters: {bad}}}\n")
+        with pytest.raises(LabrigError, match=complaint):
+            compare(data, Model.load("known.yaml"))
+    Path("known.yaml").write_text("base: {kind: simulator, rig: rig.yaml, parameters: {modulus_1_kpa: 3}}\n")
+    Path("rig.yaml").write_text(yaml.safe_dump({**RIG, "simulated": {"surface": "membrane"}}))
+    with pytest.raises(
+        LabrigError, match=r"^rig: a reduced surface has no parameters: modulus_1_kpa cannot be set$"
+    ):
+        compare(data, Model.load("known.yaml"))
+
+
 def test_a_parameter_that_is_not_there(folder: Path, make_lab) -> None:
     """A name that the simulator does not know is one line with those that it does; reduced surfaces have none."""
     data = measured(make_lab, leak=False)
