@@ -1,6 +1,6 @@
 """Inverse kinematics, measured: writes the section "Inverse kinematics" of the results.
 
-    python benchmarks/ik.py [--bodies BODIES.npz] [--paper 24] [--best 16] [--out benchmarks/RESULTS.md]
+    python benchmarks/ik.py [--bodies BODIES.npz] [--paper 24] [--shapes 24] [--best 16] [--out benchmarks/RESULTS.md]
 
 `--bodies` names a file with `grid_mm` (B, rows, columns, 3); without it the eight examples are used. What is made on
 the way (simulations of the torso, its forward model) is kept in benchmarks/out/ik. Times are processor times of one
@@ -29,7 +29,10 @@ HEADING = "## Inverse kinematics"
 
 def main() -> None:
     """Measure everything and write the section."""
-    parser = asked_for(__doc__.splitlines()[0], "targets of each kind for the paper's search, too")
+    parser = asked_for(__doc__.splitlines()[0], "bodies for the paper's search, too")
+    parser.add_argument(
+        "--shapes", type=int, default=24, help="shapes that can be reached, for both searches"
+    )
     parser.add_argument("--best", type=int, default=16, help="bodies on which the plant's own best is sought")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
@@ -37,12 +40,12 @@ def main() -> None:
     model = bench.model
     rows: list[list[str]] = []
     _evaluation(rows, evaluation.measure(model))
-    shapes = search.reachable(bench.simulated, bench.unseen, given.paper)
+    shapes = search.reachable(bench.simulated, bench.unseen, given.shapes)
     truth = [pressure for _, pressure in shapes]
     _searches(
         rows, "shapes that can be reached", search.side_by_side(model, [m for m, _ in shapes], True, truth)
     )
-    far = search.reachable(bench.simulated, bench.unseen, 2 * given.paper, far=True)
+    far = search.reachable(bench.simulated, bench.unseen, 2 * given.shapes, far=True)
     _anywhere(rows, search.side_by_side(model, [m for m, _ in far], False, [p for _, p in far]))
     every = bench.bodies()
     _searches(rows, "bodies", search.side_by_side(model, bench.bodies(given.paper)))

@@ -8,7 +8,7 @@ from labrig.surface._registration import COARSE, global_starts, start_score
 
 Floats = NDArray[np.float64]
 
-NEAR = 0.05
+NEAR = 0.06
 """Score up to which the pose that the target has is a good one to begin with."""
 POSES = 5
 SHAPES = 16
