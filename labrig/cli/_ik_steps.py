@@ -32,16 +32,18 @@ def do_ik(
 ) -> None:
     """Raises `LabrigError` if the model is of no use, or if no target could be solved."""
     limits = _limits(rig, model) if rig is not None else None
-    with Progress(
-        TextColumn("targets"), BarColumn(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
-    ) as shown:
+    columns = TextColumn("targets"), BarColumn(), MofNCompleteColumn()
+    with (
+        Executor(workers, cluster) as executor,
+        Progress(*columns, console=Console(stderr=True), transient=True) as shown,
+    ):
         task = shown.add_task("targets", total=len(targets))
         solved = solve_files(
             targets,
             model,
             unit,
             limits,
-            Executor(workers, cluster),
+            executor,
             lambda done: shown.update(task, completed=done),
         )
     _print_table(solved)

@@ -1,6 +1,7 @@
 """Many targets: each read, solved and measured by itself, here, in processes or on a cluster."""
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -118,13 +119,14 @@ def solve_files(
 ) -> list[Solved]:
     """Inverse kinematics of every file, in order; `progress` is told how many are done.
 
+    An `executor` that is handed in stays open: its workers, once started, are there for the next files.
     Raises `LabrigError` for a model that cannot be used; what is wrong with a target stands in its own result.
     """
     load_shape_model(model)
     low, high = (tuple(x.tolist()) for x in limits_kpa) if limits_kpa is not None else (None, None)
     jobs = [Job(str(target), str(model), unit, low, high) for target in targets]
     done: list[Solved | None] = [None] * len(jobs)
-    with executor or Executor(1) as work:
+    with nullcontext(executor) if executor is not None else Executor(1) as work:
         for count, (number, solved) in enumerate(work.map(solve_job, jobs), 1):
             done[number] = solved
             if progress is not None:

@@ -10,9 +10,10 @@ import yaml
 
 from drivers import Scan
 from labrig import LabrigError
+from labrig._executor import Executor
 from labrig.campaign._scans import keep_scan
 from labrig.cli._ik_steps import do_ik
-from labrig.ik import load_shape_model
+from labrig.ik import load_shape_model, solve_files
 from labrig.physics import load_shell
 from labrig.surface import distances, grid, read_mesh
 from labrig.view._ik_report import ik_page
@@ -167,3 +168,16 @@ def test_the_torsos_core_fits_into_the_bodies():
         assert found.summary()["share"] > 0.4
         assert np.quantile(found.within, 0.99) < 0.5
         assert np.median(found.within) < -8.0
+
+
+def test_workers_stay_for_the_next_files(desk, monkeypatch):
+    """An executor that is handed in is not closed, so that its processes need not start again."""
+    closed = []
+    monkeypatch.setattr(Executor, "close", lambda self: closed.append(self))
+    executor = Executor(1)
+    for _ in range(2):
+        (solved,) = solve_files(["a.ply"], "model.yaml", executor=executor)
+        assert solved.result is not None
+    assert not closed
+    solve_files(["a.ply"], "model.yaml")
+    assert len(closed) == 1
