@@ -78,22 +78,28 @@ def border_vertices(count, triangles):
 
 
 @njit(cache=True)
-def rings_from_border(border, triangles, most):
-    """How many edges each vertex is away from the border, (V,), `most` at most."""
+def rings_from_border(border, triangles, start, around, most):
+    """How many edges each vertex is away from the border, (V,), `most` at most; see `triangles_around`."""
     ring = np.where(border, 0, most)
-    for _ in range(most - 1):
-        changed = False
-        for t in range(len(triangles)):
-            a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-            nearest = min(ring[a], min(ring[b], ring[c])) + 1
-            if ring[a] > nearest:
-                ring[a], changed = nearest, True
-            if ring[b] > nearest:
-                ring[b], changed = nearest, True
-            if ring[c] > nearest:
-                ring[c], changed = nearest, True
-        if not changed:
+    reached = np.empty(len(border), np.int64)
+    count = 0
+    for v in range(len(border)):
+        if border[v]:
+            reached[count] = v
+            count += 1
+    at = 0
+    while at < count:
+        v = reached[at]
+        at += 1
+        if ring[v] + 1 >= most:
             break
+        for s in range(start[v], start[v + 1]):
+            for k in range(3):
+                other = triangles[around[s], k]
+                if ring[other] > ring[v] + 1:
+                    ring[other] = ring[v] + 1
+                    reached[count] = other
+                    count += 1
     return ring
 
 

@@ -15,8 +15,8 @@ Ints = NDArray[np.int64]
 
 NEIGHBOURS = 20
 """Points whose plane gives a cloud its normals."""
-RAMP = 4
-"""Edges from the border on which pairs count in full."""
+RAMP, _RAMP_SHARE = (2, 6), 0.057
+"""Edges from the border on which pairs count in full: at least, at most, and times the root of the vertices' number."""
 _MM_SIZES, _M_SIZES = (30.0, 5000.0), (0.03, 5.0)
 _DEBRIS = 0.02
 _BORDER_OFFSET = 0.28
@@ -60,12 +60,18 @@ class Mesh:
 
     @cached_property
     def inwardness(self) -> Floats:
-        """How far each vertex is from the border, (V,): 0 on it, 1 from `RAMP` edges on; a cloud has only these two."""
+        """How far each vertex is from the border, (V,): 0 on it, 1 from some edges on; a cloud has only these two.
+
+        The finer the mesh, the more edges, so that the ramp is about as wide on any scan of a surface.
+        """
         if self.is_cloud:
             return (~self.border).astype(np.float64)
         from labrig.surface._kernels import rings_from_border
 
-        return np.asarray(rings_from_border(self.border, self.triangles, RAMP) / RAMP, np.float64)
+        edges = int(np.clip(round(_RAMP_SHARE * np.sqrt(len(self.vertices_mm))), *RAMP))
+        return np.asarray(
+            rings_from_border(self.border, self.triangles, *self.around, edges) / edges, np.float64
+        )
 
     @cached_property
     def around(self) -> tuple[Ints, Ints]:

@@ -100,22 +100,25 @@ def test_a_clouds_outliers_go():
 
 
 def test_inwardness_rises_from_the_border():
-    """Border vertices count nothing, their neighbours a quarter, four edges away in full; a cloud's all or none."""
+    """Border vertices count nothing, those two edges away in full, more on finer meshes; a cloud's all or none."""
     shape = dome()
     ring = shape.inwardness.reshape(21, 21)
     assert ring[0].max() == ring[:, -1].max() == 0.0
-    assert ring[1, 5] == ring[5, 1] == 0.25
-    assert ring[4:17, 4:17].min() == 1.0
+    assert ring[1, 5] == ring[5, 1] == 0.5
+    assert ring[2:19, 2:19].min() == 1.0
+    uv, triangles = grid(81, 61)
+    fine = Mesh(np.column_stack([uv, np.zeros(len(uv))]), triangles).inwardness.reshape(61, 81)
+    np.testing.assert_array_equal(fine[30, :6], [0.0, 0.25, 0.5, 0.75, 1.0, 1.0])
     assert set(np.unique(Mesh(shape.vertices_mm, np.zeros((0, 3), np.int64)).inwardness)) == {0.0, 1.0}
 
 
 def test_the_slope_of_inwardness_points_inwards():
-    """Its slope along the surface is a quarter an edge near a border, none far from it, and along the surface."""
+    """Its slope along the surface is a half an edge near a border, none far from it, and along the surface."""
     uv, triangles = grid(21, 21)
     flat = Mesh(np.column_stack([100.0 * uv, np.zeros(len(uv))]), triangles)  # edges of 5 mm
     slope = flat.inward_slope.reshape(21, 21, 3)
-    np.testing.assert_allclose(slope[2, 10], [0, 0.05, 0], atol=1e-12)
-    np.testing.assert_allclose(slope[10, 18], [-0.05, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(slope[1, 10], [0, 0.1, 0], atol=1e-12)
+    np.testing.assert_allclose(slope[10, 19], [-0.1, 0, 0], atol=1e-12)
     assert not slope[6:15, 6:15].any()
     assert not Mesh(flat.vertices_mm, np.zeros((0, 3), np.int64)).inward_slope.any()
     across = np.einsum("vi,vi->v", dome().inward_slope, dome().normals)
