@@ -35,6 +35,14 @@ def predict(actuation):
 """
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What simulated rigs keep is shared by all tests, and goes when they end."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LABRIG_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture
 def labrig(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
     """Type a command; returns its exit code, what it printed, and its complaints."""

@@ -106,6 +106,7 @@ def read_model_file(path: Path) -> ModelFile:
 def write_model_file(model: ModelFile, path: Path) -> None:
     """Write a model.yaml, in one piece or not at all."""
     content = model.model_dump(exclude_none=True)
+    content["base"] = {name: value for name, value in content["base"].items() if value not in ({}, [])}
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110)
     partial = path.with_name(path.name + ".part")
     partial.write_text(text, encoding="utf-8")
