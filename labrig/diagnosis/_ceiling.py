@@ -16,6 +16,8 @@ from labrig.effects._rows import Floats
 
 _MOST_ROWS = 700
 _RIDGES = (0.01, 0.1, 1.0)
+STATIC = "pressure"
+"""The set of covariates that are the pressures alone."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ def _covariates(context: Context) -> dict[str, Floats]:
     other = [c.values[:, None] for c in rows.covariates.values() if np.isfinite(c.values).all()]
     other += [np.sign(speed)[:, None] for speed, _ in context.motion.values()]
     sets = {
-        "pressure": static,
+        STATIC: static,
         "pressure, time in hold, history": static + hold + history,
         "pressure, time in session": static + time,
         "pressure, time in hold, history, time in session": static + hold + history + time,

@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, clear, explore, fit, relative, square_of
+from labrig.diagnosis._ceiling import STATIC, ceiling
 from labrig.diagnosis._score import null_gains, score
 from labrig.diagnosis._streams import MAX_GROUPS, Streams
 from labrig.effects import Effect
 from labrig.effects._rows import Floats
 
+MAX_EFFECTS = 3
 SIGNIFICANT = 0.02
 EVERYWHERE = 10
 LOCAL_Z = 2.0
@@ -20,6 +22,8 @@ SMALLEST_SHARE = 0.1
 SMALLEST_OF_REST = 0.6
 SMALLEST_SHARE_OF_REST = 0.04
 RULES_SHARE = 0.5
+STATIC_SHARE_FIRST = 0.3
+STATIC_SHARE_NEXT = 0.85
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,22 @@ def fall(streams: Streams, before: Fit | None, after: Fit) -> float:
     return left - square_of(streams, streams.residual - after.heldout)
 
 
+def fits_form(streams: Streams, before: Fit | None, after: Fit) -> bool:
+    """Whether a static effect explains most of what any static map of the pressures could.
+
+    If it does not, it is no more than a part of a base of wrong form, and its name would mislead.
+    """
+    if streams.as_features or after.parts[-1].effect.beyond_static != "no":
+        return True
+    left = streams.residual - (before.heldout if before else streams.nothing)
+    learnt = ceiling(streams, streams.context, left, only=STATIC)
+    if not learnt:
+        return True
+    possible = square_of(streams, left) - square_of(streams, left - learnt[STATIC].heldout)
+    needed = STATIC_SHARE_FIRST if before is None else STATIC_SHARE_NEXT
+    return fall(streams, before, after) >= needed * possible
+
+
 def everywhere(before: Fit | None, after: Fit) -> bool:
     """Whether nearly every left-out block is predicted better.
 
@@ -103,10 +123,15 @@ def clear_locally(ground: Ground, before: Fit | None, after: Fit) -> bool:
     return bool(z > LOCAL_Z and fall(streams, before, after) > LOCAL_OF_FLOOR**2 * ground.gate.floor_square)
 
 
-def similarity(a: Candidate, b: Candidate) -> float:
-    """How alike the fields of two effects are, each fitted alone, weighted as the scores are."""
-    w = a.columns.streams.weight
-    one, other = a.columns.field(a.score.beta), b.columns.field(b.score.beta)
+def similarity(chosen: Fit, i: int, option: Fit) -> float:
+    """How alike the fields of the i-th part of `chosen` and of the last of `option` are, each beside the others."""
+    last = option.parts[-1].columns.field(option.own(len(option.parts) - 1))
+    return cosine(chosen.columns.streams, chosen.parts[i].columns.field(chosen.own(i)), last)
+
+
+def cosine(streams: Streams, one: Floats, other: Floats) -> float:
+    """Cosine between two fields (S, K), weighted as the scores are; 0 where one is nothing."""
+    w = streams.weight
     size = np.sqrt((w * one**2).sum() * (w * other**2).sum())
     return float((w * one * other).sum() / size) if size > 0 else 0.0
 

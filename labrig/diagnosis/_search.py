@@ -14,7 +14,6 @@ from labrig.diagnosis._candidates import (
     Candidate,
     Fit,
     change_of,
-    clear,
     draw_signs,
     explore,
     fit,
@@ -22,39 +21,35 @@ from labrig.diagnosis._candidates import (
     square_of,
     stays_plausible,
 )
-from labrig.diagnosis._ceiling import ceiling
 from labrig.diagnosis._gate import (
+    MAX_EFFECTS,
     SIGNIFICANT,
-    SMALLEST_OF_FLOOR,
-    SMALLEST_SHARE,
     Gate,
     Ground,
     clear_locally,
     earns,
     everywhere,
     fall,
+    fits_form,
     p_of_addition,
     p_of_best,
     p_of_search,
     rules_the_hold,
     similarity,
 )
+from labrig.diagnosis._moving import better_moving, large_enough, left_by, moves, on_whole
 from labrig.diagnosis._streams import Streams
+from labrig.diagnosis._two_kinds import two_kinds
 from labrig.effects import Effect
 from labrig.effects._rows import Floats
 
-MAX_EFFECTS = 3
-TIE_SHARE = 0.03
 SAME_SHARE = 0.015
 SAME_SHAPE = 0.95
 SAME_OF_FLOOR = 0.1
 SAME_SE = 1.5
 SIMPLER = 3.0
-GOOD_FORM = 0.97
+MUCH_SIMPLER = 8.0
 SMALLEST_BESIDE = 0.2
-STATIC_SHARE_FIRST = 0.3
-STATIC_SHARE_NEXT = 0.6
-STATIC = "pressure"
 
 
 @dataclass(frozen=True)
@@ -76,7 +71,7 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
     """Explore all effects and select those that earn a place."""
     context = streams.context
     beside = streams.beside_static()
-    own_ground = {n: e for n, e in effects.items() if beside is not None and _moves(e, streams)}
+    own_ground = {n: e for n, e in effects.items() if beside is not None and moves(e, streams)}
     others = {n: e for n, e in effects.items() if n not in own_ground}
     ground = beside if beside is not None else streams
     signs = draw_signs(streams.n_groups)
@@ -84,92 +79,59 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
     base_square = square_of(ground, ground.residual - ground.nothing)
     own_gate = replace(gate, base_square=base_square, of_floor=SMALLEST_BESIDE)
     moving_ground = Ground(ground, own_ground, found, null, own_gate)
-    moving = _forward(moving_ground, None, signs)
+    moving = _forward(moving_ground, None, signs, {})
 
     standing = {name: own_ground[name] for name in found}
     whole, _ = explore(streams, context, standing, signs[:0])
-    start = _large_enough(_on_whole(streams, moving, whole), moving_ground.gate) if moving else None
+    start = large_enough(on_whole(streams, moving, whole), moving_ground.gate) if moving else None
     if start is None:
         moving = None
+    forms = _forms_of(streams, moving, found, whole)
     static_found, static_null = explore(streams, context, others, signs)
     static_ground = Ground(streams, others, static_found, static_null, gate)
-    chosen = _forward(static_ground, start, signs)
-    if moving is None:
-        better = _better_moving(chosen, whole, moving_ground)
-        if better is not None:
-            moving, chosen = better[0], _forward(static_ground, better[1], signs)
+    chosen = _forward(static_ground, start, signs, forms)
+    better = better_moving(chosen, moving, whole, moving_ground, static_ground)
+    if better is not None:
+        moving = better[0]
+        chosen = _forward(static_ground, better[1], signs, _forms_of(streams, moving, found, whole))
     return Search({**whole, **static_found}, chosen, moving, moving_ground, static_ground)
 
 
-def _better_moving(
-    static: Fit | None, whole: Mapping[str, list[Candidate]], ground: Ground
-) -> tuple[Fit, Fit] | None:
-    """A moving effect that does clearly better on the whole problem than the static ones chosen there.
+def _forms_of(
+    streams: Streams,
+    moving: Fit | None,
+    found: Mapping[str, list[Candidate]],
+    whole: Mapping[str, list[Candidate]],
+) -> dict[str, list[Candidate]]:
+    """The forms, on the whole problem, of the effects in `moving`: those that did best there or on their own ground."""
+    out = {}
+    for part in moving.parts if moving else ():
+        standing = whole.get(part.effect.name, [])
+        known = {form.variant.key for form in standing}
+        others = [form.variant for form in found[part.effect.name] if form.variant.key not in known]
+        out[part.effect.name] = [*standing, *lay_out(streams, part.effect, others)]
+    return out
 
-    One that is nearly static itself (a warm-up that is soon over) shows little beside a static map, but what
-    it shows must still be clear. Returned on its own ground and on the whole problem.
+
+def _forward(
+    ground: Ground,
+    start: Fit | None,
+    signs: Floats,
+    forms: Mapping[str, list[Candidate]],
+    fixed: int | None = None,
+) -> Fit | None:
+    """Forward selection on one ground; the first `fixed` parts stay (left out: those of `start`).
+
+    They may take other `forms` when something comes in beside them; swap and prune touch only the others. Where one
+    of the fixed has become nothing beside the others, what it had kept out is sought again without it.
     """
-    if static is None:
-        return None
-    best = max((c for forms in whole.values() for c in forms), key=lambda c: c.score.gain, default=None)
-    if best is None or _large_enough(fit([best]), ground.gate) is None:
-        return None
-    ahead = best.score.gains - static.score.gains
-    alone = ground.found[best.effect.name][0]
-    clearly = ahead.sum() > TIE_SHARE * static.score.gain and clear(ahead, ground.streams.base_squares)
-    if not clearly or not clear(alone.score.gains, ground.streams.base_squares):
-        return None
-    return fit([alone]), fit([best])
-
-
-def _moves(effect: Effect, streams: Streams) -> bool:
-    """Whether an effect must show beside a static map on this campaign."""
-    return effect.beyond_static == "always" or (
-        effect.beyond_static == "if reversed" and streams.context.reverses
-    )
-
-
-def _on_whole(streams: Streams, moving: Fit, whole: Mapping[str, list[Candidate]]) -> Fit:
-    """The same effects on the whole problem, in the forms that do best there together."""
-    forms = [[*lay_out(streams, p.effect, [p.variant]), *whole.get(p.effect.name, ())] for p in moving.parts]
-    chosen = fit([own[0] for own in forms])
-    for _ in range(2):
-        for i, own in enumerate(forms):
-            options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
-            good = [f for f in options if stays_plausible(f)] or options
-            top = max(f.score.gain for f in good)
-            least = top - (1 - GOOD_FORM) * abs(top)
-            chosen = min((f for f in good if f.score.gain >= least), key=_left)
-    return chosen
-
-
-def _left(chosen: Fit) -> float:
-    """Held-out mean square that a fit leaves, in the units of the observables."""
-    streams = chosen.columns.streams
-    return square_of(streams, streams.residual - chosen.heldout)
-
-
-def _large_enough(chosen: Fit, gate: Gate) -> Fit | None:
-    """Leave out what, static part included, is too small to matter beside what a static map leaves."""
-    gate = replace(gate, of_floor=SMALLEST_OF_FLOOR)
-    kept = []
-    for i, part in enumerate(chosen.parts):
-        streams = part.columns.streams
-        size = square_of(streams, part.columns.field(chosen.own(i)))
-        if size >= gate.smallest(SMALLEST_SHARE) or (size >= gate.smallest(0.0) and rules_the_hold(part)):
-            kept.append(part)
-    return fit(kept) if kept else None
-
-
-def _forward(ground: Ground, start: Fit | None, signs: Floats) -> Fit | None:
-    """Forward selection on one ground; the parts of `start` stay, swap and prune touch only the others."""
     chosen = start
-    fixed = len(start.parts) if start else 0
+    fixed = len(start.parts) if fixed is None and start else fixed or 0
     found = dict(ground.found)
     while chosen is None or len(chosen.parts) < MAX_EFFECTS:
         if chosen is not None:
             found |= _look_again(ground.streams, chosen, found)
-        best = _best_addition(chosen, found, fixed)
+        best = _best_addition(chosen, found, fixed, forms)
         if best is None or not earns(ground, chosen, best):
             break
         if chosen is not None:
@@ -179,26 +141,32 @@ def _forward(ground: Ground, start: Fit | None, signs: Floats) -> Fit | None:
             p = p if p <= SIGNIFICANT else p_of_best(ground, best, signs)
         if p > SIGNIFICANT and not clear_locally(ground, chosen, best) and not everywhere(chosen, best):
             break
-        if not _fits_form(ground.streams, chosen, best):
+        if not fits_form(ground.streams, chosen, best):
             break
-        chosen = _simplest(ground, _swap(best, found, fixed), found, fixed)
-    return None if chosen is None else _prune(ground, chosen, fixed)
+        chosen = _simplest(ground, _swap(best, found, fixed), found, fixed, forms)
+    if chosen is None:
+        return None
+    chosen, still = _prune(ground, chosen, fixed)
+    if still < fixed:
+        return _forward(ground, chosen, signs, forms, still)
+    chosen = _reform(chosen, forms, fixed)
+    if len(chosen.parts) != fixed + 1 or len(chosen.parts) >= MAX_EFFECTS:
+        return chosen
+    both = _simplest(ground, two_kinds(ground, chosen, found, fixed), found, fixed, forms)
+    # where two of one kind do as well, the second is a misfit of form
+    kinds = {part.effect.shows_in for part in both.parts[fixed:]}
+    return both if len(kinds) == len(both.parts) - fixed else chosen
 
 
-def _fits_form(streams: Streams, before: Fit | None, after: Fit) -> bool:
-    """Whether a static effect explains most of what any static map of the pressures could.
-
-    If it does not, it is no more than a part of a base of wrong form, and its name would mislead.
-    """
-    if streams.as_features or after.parts[-1].effect.beyond_static != "no":
-        return True
-    left = streams.residual - (before.heldout if before else streams.nothing)
-    learnt = ceiling(streams, streams.context, left, only=STATIC)
-    if not learnt:
-        return True
-    possible = square_of(streams, left) - square_of(streams, left - learnt[STATIC].heldout)
-    needed = STATIC_SHARE_FIRST if before is None else STATIC_SHARE_NEXT
-    return fall(streams, before, after) >= needed * possible
+def _reform(chosen: Fit, forms: Mapping[str, list[Candidate]], fixed: int) -> Fit:
+    """The same effects, the fixed ones in the forms that do clearly best beside the others."""
+    for i in range(fixed if len(chosen.parts) > fixed else 0):
+        for form in forms.get(chosen.parts[i].effect.name, ()):
+            option = fit([*chosen.parts[:i], form, *chosen.parts[i + 1 :]])
+            rises = option.score.gains - chosen.score.gains
+            if rises.sum() > np.sqrt(len(rises)) * rises.std(ddof=1) and stays_plausible(option):
+                chosen = option
+    return chosen
 
 
 def _look_again(
@@ -229,27 +197,61 @@ def _options(chosen: Fit | None, found: Mapping[str, list[Candidate]], leave: in
     return [fit([*parts, c]) for name, forms in found.items() if name not in taken for c in forms]
 
 
-def _best_addition(chosen: Fit | None, found: Mapping[str, list[Candidate]], fixed: int) -> Fit | None:
+def _other_forms(
+    chosen: Fit,
+    found: Mapping[str, list[Candidate]],
+    fixed: int,
+    forms: Mapping[str, list[Candidate]],
+    leave: int | None = None,
+) -> list[Fit]:
+    """`_options` where a fixed part, which had stood for what is now added, takes another of its `forms`."""
+    best_forms = {name: own[:1] for name, own in found.items()}
+    out = []
+    for i, part in enumerate(chosen.parts[:fixed]):
+        for form in forms.get(part.effect.name, ()):
+            changed = fit([*chosen.parts[:i], form, *chosen.parts[i + 1 :]])
+            out += _options(changed, best_forms, leave)
+    return out
+
+
+def _best_addition(
+    chosen: Fit | None, found: Mapping[str, list[Candidate]], fixed: int, forms: Mapping[str, list[Candidate]]
+) -> Fit | None:
     """The best of all plausible additions; how far the `fixed` parts went had been settled on their own ground."""
     options = [f for f in _options(chosen, found) if stays_plausible(f, fixed)]
-    return max(options, key=lambda f: f.score.gain, default=None)
+    best = max(options, key=lambda f: f.score.gain, default=None)
+    if chosen is None or best is None:
+        return best
+    for option in _other_forms(chosen, found, fixed, forms):
+        if option.score.gain > best.score.gain and stays_plausible(option):
+            best = option
+    return best
 
 
-def _simplest(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
+def _simplest(
+    ground: Ground,
+    chosen: Fit,
+    found: Mapping[str, list[Candidate]],
+    fixed: int,
+    forms: Mapping[str, list[Candidate]],
+) -> Fit:
     """Where other effects do as well with fewer coefficients, the one with the fewest takes the place."""
     for i in range(fixed, len(chosen.parts)):
         part = chosen.parts[i]
         rest = [p for j, p in enumerate(chosen.parts) if j != i]
         worth = chosen.score.gain - (fit(rest).score.gain if rest else 0.0)
         best = chosen
-        for option in _options(chosen, found, leave=i):
+        others = _other_forms(chosen, found, fixed, forms, leave=i)
+        for option in [*_options(chosen, found, leave=i), *others]:
             behind = chosen.score.gains - option.score.gains
             se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
-            worse = _left(option) - _left(chosen)
-            free = part.freedom >= ground.streams.residual.shape[1]
+            worse = left_by(option) - left_by(chosen)
+            free = part.freedom >= min(
+                ground.streams.residual.shape[1], MUCH_SIMPLER * option.parts[-1].freedom
+            )
             same = worse <= SAME_OF_FLOOR * ground.gate.floor_square and behind.sum() <= SAME_SHARE * worth
             same = same and (free or behind.sum() <= SAME_SE * se)
-            tied = behind.sum() <= se or (same and similarity(part, option.parts[-1]) > SAME_SHAPE)
+            tied = behind.sum() <= se or (same and similarity(chosen, i, option) > SAME_SHAPE)
             holder = part if best is chosen else best.parts[-1]
             simpler = SIMPLER * option.parts[-1].freedom <= holder.freedom
             if (
@@ -281,8 +283,11 @@ def _swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
     return chosen
 
 
-def _prune(ground: Ground, chosen: Fit, fixed: int) -> Fit:
-    """Drop what the others do as well without; of the fixed parts only what has become nothing beside them."""
+def _prune(ground: Ground, chosen: Fit, fixed: int) -> tuple[Fit, int]:
+    """Drop what the others do as well without; of the fixed parts only what has become nothing beside them.
+
+    Returned with how many of the fixed are left.
+    """
     while len(chosen.parts) > 1:
         rest = [fit([p for j, p in enumerate(chosen.parts) if j != i]) for i in range(len(chosen.parts))]
         lost = [fall(ground.streams, f, chosen) for f in rest[:fixed]]
@@ -295,6 +300,6 @@ def _prune(ground: Ground, chosen: Fit, fixed: int) -> Fit:
             continue
         weakest = max(rest[fixed:], key=lambda f: f.score.gain, default=None)
         if weakest is None or earns(ground, weakest, chosen):
-            return chosen
+            break
         chosen = weakest
-    return chosen
+    return chosen, fixed

@@ -1,16 +1,16 @@
 """From scores to a verdict, with a probability and the reasons for it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
 import labrig.diagnosis._probability as probability
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
-from labrig.diagnosis._ceiling import Ceiling
+from labrig.diagnosis._ceiling import STATIC, Ceiling
 from labrig.diagnosis._gate import Gate, similarity
-from labrig.diagnosis._search import STATIC, Search
+from labrig.diagnosis._search import Search
 from labrig.diagnosis._streams import Streams
 from labrig.effects._rows import Floats
 
@@ -28,9 +28,12 @@ FEW_CAPTURES = 60
 FEW_HOLDS = 6
 LEARNT_Z = 4.0
 LARGE_SHARE = 0.25
+MOVES_SE = 2.2
 UNKNOWN_OF_FLOOR = 0.35
-UNKNOWN_OF_FLOOR_MOVING = 0.12
-UNKNOWN_SHARE = 0.1
+UNKNOWN_OF_FLOOR_MOVING = 0.05
+UNKNOWN_SHARE_MOVING = 0.03
+UNKNOWN_OF_FLOOR_MOVING_ALONE = 0.03
+UNKNOWN_SHARE_MOVING_ALONE = 0.008
 UNKNOWN_OF_FLOOR_STATIC = 0.25
 UNKNOWN_SHARE_STATIC = 0.025
 UNKNOWN_SHARE_FORM = 0.8
@@ -106,7 +109,6 @@ def _on_off(streams: Streams) -> bool:
 def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> list[Rival]:
     out = []
     for i in range(first, len(chosen.parts)):
-        part = chosen.parts[i]
         rest = [p for j, p in enumerate(chosen.parts) if j != i]
         without = fit(rest).score.gains if rest else np.zeros_like(chosen.score.gains)
         worth = float((chosen.score.gains - without).sum())
@@ -115,20 +117,21 @@ def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> li
             if name in taken:
                 continue
             fits = sorted((fit([*rest, c]) for c in forms), key=lambda f: -f.score.gain)
-            each = [_compare(name, chosen, part, worth, option) for option in fits]
+            each = [_compare(name, chosen, i, worth, option) for option in fits]
             out.append(next((r for r in each if r.alike), each[0]))
     return out
 
 
-def _compare(name: str, chosen: Fit, part: Candidate, worth: float, option: Fit) -> Rival:
-    """The last part of `option` against `part` of `chosen`, in whose place it stands."""
+def _compare(name: str, chosen: Fit, i: int, worth: float, option: Fit) -> Rival:
+    """The last part of `option` against the i-th of `chosen`, in whose place it stands."""
+    part = chosen.parts[i]
     behind = chosen.score.gains - option.score.gains
     n = len(behind)
     se = float(np.sqrt(n) * behind.std(ddof=1)) if n > 1 else np.inf
     z = behind.sum() / se if se > 0 else np.inf
     share = behind.sum() / worth if worth > 0 else 1.0
     wider = option.parts[-1].freedom / part.freedom
-    cosine = similarity(part, option.parts[-1])
+    cosine = similarity(chosen, i, option)
     return Rival(name, part.effect.name, float(z), float(share), cosine, wider)
 
 
@@ -148,24 +151,24 @@ def decide(
         return _without_effect(streams, before, gate)
     compared = rivals_of(searched)
     left = square_of(streams, streams.residual - chosen.heldout)
-    explained = gate.base_square - left
-    beyond, share, learner = _predictable(streams, chosen, after, explained)
+    explained = max(gate.base_square - left, 0.0)
+    rest = _leftovers(streams, chosen, after, explained)
+    carrier = _unknown(chosen, rest, explained, gate.floor_square)
+    if carrier is not None:
+        return Verdict(
+            "unknown",
+            (),
+            probability.UNKNOWN,
+            tuple(chosen.names),
+            carrier.covariates,
+            compared=tuple(compared),
+        )
     warnings: list[str] = []
-    if learner is not None:
-        if _is_unknown(chosen, beyond / gate.floor_square, share, _static_only(after, learner)):
-            return Verdict(
-                "unknown",
-                (),
-                probability.UNKNOWN,
-                tuple(chosen.names),
-                learner.covariates,
-                compared=tuple(compared),
-            )
-        if beyond > UNKNOWN_OF_FLOOR * gate.floor_square:
-            warnings.append(
-                f"beside {' and '.join(chosen.names)}, a smooth function of {learner.covariates} would explain "
-                f"{np.sqrt(beyond):.3g} more: the base or the effect may be wrong in form"
-            )
+    if rest.learner is not None and rest.beyond > UNKNOWN_OF_FLOOR * gate.floor_square:
+        warnings.append(
+            f"beside {' and '.join(chosen.names)}, a smooth function of {rest.learner.covariates} would explain "
+            f"{np.sqrt(rest.beyond):.3g} more: the base or the effect may be wrong in form"
+        )
     alike = [r for r in compared if r.alike]
     if alike:
         names = tuple(dict.fromkeys(r.effect for r in sorted(alike, key=lambda r: r.z)))
@@ -183,20 +186,23 @@ def decide(
     return Verdict(name, chosen.names, sure, (), warnings=tuple(warnings), compared=tuple(compared))
 
 
-def _is_unknown(chosen: Fit, beyond: float, share: float, static_only: bool) -> bool:
-    """Whether what a learner still predicts is too much for a misfit of form.
+def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: float) -> Ceiling | None:
+    """The learner that predicts too much of what the effects leave for a misfit of form, if one does.
 
-    `beyond` is its mean square in those of the floor, `share` its part of all that is explainable. What moves
-    must be explained by a name that is right, to a tenth, or to a twentieth where that is more than half a floor.
-    What is static beside a name that moves may be the base's own error of form; beside names that are static
-    themselves more than half a floor says that they are wrong.
+    What depends on history or time cannot be the misfit of names that are static: hardly any of it is borne
+    beside them. A name that moves may be wrong in form by some hundredths of what is explained. What is static
+    beside a name that moves may be the base's own error of form; beside names that are static themselves a
+    quarter of the floor says that they are wrong.
     """
-    if not static_only:
-        much = beyond > UNKNOWN_OF_FLOOR and share > UNKNOWN_SHARE / 2
-        return much or (beyond > UNKNOWN_OF_FLOOR_MOVING and share > UNKNOWN_SHARE)
-    if any(p.effect.beyond_static != "no" for p in chosen.parts):
-        return beyond > UNKNOWN_OF_FLOOR and share > UNKNOWN_SHARE_FORM
-    return beyond > UNKNOWN_OF_FLOOR_STATIC and share > UNKNOWN_SHARE_STATIC
+    static_names = all(p.effect.beyond_static == "no" for p in chosen.parts)
+    of_floor = UNKNOWN_OF_FLOOR_MOVING_ALONE if static_names else UNKNOWN_OF_FLOOR_MOVING
+    share = UNKNOWN_SHARE_MOVING_ALONE if static_names else UNKNOWN_SHARE_MOVING
+    if rest.mover is not None and rest.moving > max(of_floor * floor_square, share * explained):
+        return rest.mover
+    of_floor = UNKNOWN_OF_FLOOR_STATIC if static_names else UNKNOWN_OF_FLOOR
+    share = UNKNOWN_SHARE_STATIC if static_names else UNKNOWN_SHARE_FORM
+    much = rest.beyond > max(of_floor * floor_square, share * (rest.beyond + explained))
+    return rest.learner if rest.static_only and much else None
 
 
 def _without_effect(streams: Streams, before: Mapping[str, Ceiling], gate: Gate) -> Verdict:
@@ -227,26 +233,43 @@ def detectable(streams: Streams, gate: Gate) -> float:
     return float(max(by_chance, np.sqrt(gate.smallest(0.0))))
 
 
-def _predictable(
-    streams: Streams, chosen: Fit, after: Mapping[str, Ceiling], explained: float
-) -> tuple[float, float, Ceiling | None]:
-    """What a learner still predicts of what the effects leave: mean square, share of all explainable, who."""
-    best = max(after.values(), key=lambda c: c.gain, default=None)
-    if best is None or best.gain <= 0:
-        return 0.0, 0.0, None
+@dataclass(frozen=True)
+class Leftovers:
+    """What learners still predict of what the effects leave, as mean squares.
+
+    `beyond` by the best of them, `learner`, if that is clear; `moving` by the best that knows more than the
+    pressures, `mover`, over what they alone predict, if that is clear. `static_only`: the pressures carry most
+    of it.
+    """
+
+    learner: Ceiling | None = None
+    beyond: float = 0.0
+    static_only: bool = False
+    mover: Ceiling | None = None
+    moving: float = 0.0
+
+
+def _leftovers(streams: Streams, chosen: Fit, after: Mapping[str, Ceiling], explained: float) -> Leftovers:
     left = streams.residual - chosen.heldout
-    beyond = square_of(streams, left) - square_of(streams, left - best.heldout)
-    share = beyond / (beyond + max(explained, 0.0)) if beyond > 0 else 0.0
+
+    def beyond(learner: Ceiling) -> float:
+        return square_of(streams, left) - square_of(streams, left - learner.heldout)
+
+    best = max(after.values(), key=lambda c: c.gain, default=None)
+    if best is None or best.gain <= 0 or beyond(best) <= 0:
+        return Leftovers()
     few = int(streams.index.max()) + 1 < FEW_CAPTURES
-    clear = best.gain > (CEILING_SE_FEW if few else CEILING_SE) * _se(best.gains)
+    static = after.get(STATIC)
+    static_only = static is not None and static.gain > 0.7 * best.gain
     # what lives in a few long holds fills few blocks
-    clear = clear or (not few and share > LARGE_SHARE and best.gain > _se(best.gains))
-    return (beyond, share, best) if clear and share > 0 else (0.0, 0.0, None)
-
-
-def _static_only(after: Mapping[str, Ceiling], learner: Ceiling | None) -> bool:
-    """Whether the pressures alone carry most of what is still predictable."""
-    return learner is not None and STATIC in after and after[STATIC].gain > 0.7 * learner.gain
+    local = (
+        not few and beyond(best) > LARGE_SHARE * (beyond(best) + explained) and best.gain > _se(best.gains)
+    )
+    clear = local or best.gain > (CEILING_SE_FEW if few else CEILING_SE) * _se(best.gains)
+    rest = Leftovers(best, beyond(best), static_only) if clear else Leftovers()
+    moving = 0.0 if best is static else beyond(best) - (max(beyond(static), 0.0) if static else 0.0)
+    moves = (local and not static_only) or best.gain > (CEILING_SE_FEW if few else MOVES_SE) * _se(best.gains)
+    return replace(rest, mover=best, moving=moving) if moving > 0 and moves else rest
 
 
 def _learnt(streams: Streams, learner: Ceiling) -> float:

@@ -35,7 +35,13 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
         ),  # on the whole problem every form of the leak loses out of sample
         ("confounded", 80004, "confounded"),  # two pressures in all: history and pressure are one
         ("pair", 90014, "multiple"),  # the leak's values change when the stiffening comes in
+        ("pair", 210006, "multiple"),  # one stiffening for each chamber follows contact and coupling, nearly
+        ("pair", 200002, "multiple"),  # the drift's form alone is another than beside the shape at rest
+        ("pair", 200013, "multiple"),  # a drift that becomes nothing had kept the tension out
+        ("pair", 200014, "multiple"),  # a warm-up that is nearly static, behind a regulator
         ("deleted", 0, "unknown"),
+        ("deleted", 200004, "unknown"),  # a static name, and a little that moves
+        ("unlisted", 200007, "unknown"),  # a name that moves, and more that moves
     ],
 )
 def test_the_verdict_is_right(name: str, seed: int, verdict: str, tmp_path: Path) -> None:
@@ -48,9 +54,9 @@ def test_the_verdict_is_right(name: str, seed: int, verdict: str, tmp_path: Path
         summary["effects"],
         summary["rivals"],
     )
-    if truth["effects"] and not truth["without"] and verdict != "confounded":
+    if verdict in ("identified", "multiple"):
         assert summary["drop"] > 0.8
-    assert summary["error"]["floor"] == pytest.approx(truth["floor"], rel=0.5)
+    assert summary["error"]["floor"] == pytest.approx(truth["floor"], rel=0.6)
 
 
 def test_noise_cannot_answer_a_fine_question(tmp_path: Path) -> None:

@@ -1,0 +1,115 @@
+"""Effects that live in history or time: how far they go on the whole problem, and which had been overlooked."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from labrig.diagnosis._candidates import Candidate, Fit, clear, fit, lay_out, square_of, stays_plausible
+from labrig.diagnosis._gate import (
+    MAX_EFFECTS,
+    SMALLEST_OF_FLOOR,
+    SMALLEST_SHARE,
+    Gate,
+    Ground,
+    earns,
+    rules_the_hold,
+)
+from labrig.diagnosis._streams import Streams
+from labrig.effects import Effect
+
+TIE_SHARE = 0.03
+CLEARLY_SE = 2.0
+GOOD_FORM = 0.97
+
+
+def moves(effect: Effect, streams: Streams) -> bool:
+    """Whether an effect must show beside a static map on this campaign."""
+    return effect.beyond_static == "always" or (
+        effect.beyond_static == "if reversed" and streams.context.reverses
+    )
+
+
+def on_whole(streams: Streams, moving: Fit, whole: Mapping[str, list[Candidate]]) -> Fit:
+    """The same effects on the whole problem, in the forms that do best there together."""
+    forms = [[*lay_out(streams, p.effect, [p.variant]), *whole.get(p.effect.name, ())] for p in moving.parts]
+    chosen = fit([own[0] for own in forms])
+    for _ in range(2):
+        for i, own in enumerate(forms):
+            options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
+            good = [f for f in options if stays_plausible(f)] or options
+            top = max(f.score.gain for f in good)
+            least = top - (1 - GOOD_FORM) * abs(top)
+            chosen = min((f for f in good if f.score.gain >= least), key=left_by)
+    return chosen
+
+
+def left_by(chosen: Fit) -> float:
+    """Held-out mean square that a fit leaves, in the units of the observables."""
+    streams = chosen.columns.streams
+    return square_of(streams, streams.residual - chosen.heldout)
+
+
+def large_enough(chosen: Fit, gate: Gate) -> Fit | None:
+    """Leave out what, static part included, is too small to matter beside what a static map leaves."""
+    gate = replace(gate, of_floor=SMALLEST_OF_FLOOR)
+    kept = []
+    for i, part in enumerate(chosen.parts):
+        streams = part.columns.streams
+        size = square_of(streams, part.columns.field(chosen.own(i)))
+        if size >= gate.smallest(SMALLEST_SHARE) or (size >= gate.smallest(0.0) and rules_the_hold(part)):
+            kept.append(part)
+    return fit(kept) if kept else None
+
+
+def better_moving(
+    chosen: Fit | None, moving: Fit | None, whole: Mapping[str, list[Candidate]], own: Ground, ground: Ground
+) -> tuple[Fit, Fit] | None:
+    """A moving effect that had been overlooked: beside what was chosen, or in the place of what is static there.
+
+    One that is nearly static itself (a warm-up that is soon over) shows little beside a static map, on its `own`
+    ground, but what it shows there must still be clear; on the whole problem, on `ground`, it must do clearly
+    better. Returned with those that move already, on its own ground and on the whole problem.
+    """
+    if chosen is None:
+        return None
+    standing = [part for part in moving.parts if part.effect.name in chosen.names] if moving else []
+    names = {part.effect.name for part in standing}
+    fixed = [part for part in chosen.parts if part.effect.name in names]
+    static = [part for part in chosen.parts if part.effect.name not in names]
+    if not static:
+        return None
+    before = fit(standing).score.gains if standing else 0.0
+    best: tuple[Fit, Candidate, bool] | None = None
+    for name, forms in whole.items():
+        if name in chosen.names:
+            continue
+        alone = fit([*standing, own.found[name][0]]).score.gains - before
+        if not clear(alone, own.streams.base_squares):
+            continue
+        for form in forms:
+            for rest in [static, *([p for p in static if p is not one] for one in static), []]:
+                option = fit([*fixed, form, *rest])
+                if best is not None and option.score.gain <= best[0].score.gain:
+                    continue
+                if _does_better(ground, chosen, option, added=rest is static):
+                    best = option, form, rest is static
+    if best is None or not stays_plausible(best[0], len(fixed)):
+        return None
+    _, form, added = best
+    start: Fit | None = fit([*fixed, form])
+    if not added:
+        start = large_enough(start, own.gate)
+    if start is None or form.effect.name not in start.names:
+        return None
+    return fit([*standing, own.found[form.effect.name][0]]), start
+
+
+def _does_better(ground: Ground, chosen: Fit, option: Fit, added: bool) -> bool:
+    """Clearly, and by enough: as every addition must where one is `added`, by more than a tie where one is replaced."""
+    ahead = option.score.gains - chosen.score.gains
+    if added:
+        se = np.sqrt(len(ahead)) * ahead.std(ddof=1)
+        fits = len(option.parts) <= MAX_EFFECTS
+        return fits and ahead.sum() > CLEARLY_SE * se and earns(ground, chosen, option)
+    return ahead.sum() > TIE_SHARE * chosen.score.gain and clear(ahead, ground.streams.base_squares)
