@@ -7,6 +7,11 @@ import sys
 import pytest
 import yaml
 
+from labrig import open_run
+from labrig.effects import rows_of
+from labrig.model import Model
+from labrig.model._simulator import SimulatorModel
+
 EVERYTHING = {
     "rig.yaml", "model.yaml", "sealed.json", "run", "compare.json", "diagnosis.json", "report.html", "demo.rrd",
 }  # fmt: skip
@@ -69,7 +74,10 @@ def test_other_effects(tmp_path, hide):
 
 @pytest.mark.slow
 def test_nothing_is_nothing(tmp_path):
-    """A rig that hides nothing ends in nothing_missing, the model stays as it is, and an older demo too."""
+    """A rig that hides nothing ends in nothing_missing, the model stays as it is, and an older demo too.
+
+    Its run gives the moduli that the demo's model was calibrated to.
+    """
     (tmp_path / "labrig-demo").mkdir()
     (tmp_path / "labrig-demo" / "mine.txt").write_text("keep")
     ran = labrig(tmp_path, "demo", "--hide", "nothing")
@@ -79,6 +87,13 @@ def test_nothing_is_nothing(tmp_path):
     assert json.loads((folder / "diagnosis.json").read_text())["verdict"] == "nothing_missing"
     assert {entry.name for entry in folder.iterdir()} == EVERYTHING
     assert "nothing is added: the model stays as it is" in ran.stdout
+    believed = yaml.safe_load((folder / "model.yaml").read_text())["base"]["parameters"]
+    fresh = "base: {kind: simulator, rig: rig.yaml, calibrated: [modulus_1_kpa, modulus_2_kpa]}\n"
+    (folder / "fresh.yaml").write_text(fresh)
+    rows = rows_of(open_run(folder / "run"))
+    fitted = Model.load(folder / "fresh.yaml").predictor(rows).base
+    assert isinstance(fitted, SimulatorModel)
+    assert fitted.values == pytest.approx(believed, rel=0.01)
 
 
 def test_an_unknown_effect(tmp_path):
