@@ -35,8 +35,9 @@ def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
     if not listed:
         return shell
     if len(listed) != len(shell.chamber_names):
+        other = "" if "shell" in (rig.get("simulated") or {}) else "; simulated.shell names another shell"
         raise LabrigError(
-            f"rig: chambers: shell '{shell.name}' has {len(shell.chamber_names)}, the rig names {len(listed)}"
+            f"rig: chambers: shell '{shell.name}' has {len(shell.chamber_names)}, the rig names {len(listed)}{other}"
         )
     content = shell.content()
     for chamber, wanted in zip(content["chambers"], listed, strict=True):
