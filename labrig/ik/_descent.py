@@ -20,7 +20,7 @@ History = tuple[tuple[float, float], ...]
 NOWHERE = "the target lies nowhere opposite the surface: is it the right one, and its unit right?"
 
 _LEAST_DAMPING = 1e-7
-_FEW_TRIES, _TRIES = 2, 5
+_FEW_TRIES, _TRIES = 2, 4
 _FINE_DAMPING = 0.03
 _EVEN_MM = 1.0
 """Distances well below this count by their squares, larger ones by their size."""
@@ -32,7 +32,7 @@ _NEAR_LIMIT = 0.1
 """Share of its range within which a chamber's limit is tried."""
 _PROGRESS, _PATIENCE = 1e-3, 2
 """So many steps in a row that each take less than this share of the mean distance away end the search."""
-_STILL = 1e-3
+_STILL = 2e-3
 """A step that promises less than this share is not tried."""
 _FAR = 0.08
 """Share of the target's size from which on a distance does not count for more."""
@@ -124,7 +124,7 @@ class State:
         from labrig.surface._coarse import match
         from labrig.surface._kernels import vertex_normals
 
-        few = np.ascontiguousarray(goal.few[0].T)
+        few = np.ascontiguousarray(goal.few[0][:, ::2].T)
         moved, index, square = np.empty_like(few), np.empty(len(few), np.int64), np.empty(len(few))
         match(few, self.rotation, self.translation, np.ascontiguousarray(self.points.T), moved, index, square)
         normal = vertex_normals(self.points, triangles)[index]

@@ -1,13 +1,14 @@
 """Inverse kinematics of one model: starts where they are needed, the search, and what it says of the result."""
 
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
 from labrig.ik._descent import FAR_AWAY, NOWHERE, Descent, History, Pose, State
-from labrig.ik._evaluate import ShapeModel, evaluator
+from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
 from labrig.ik._poses import lies_near, likeliest, spread_actuations
 from labrig.ik._result import IkResult
 from labrig.surface import Mesh, Target, grid
@@ -47,8 +48,8 @@ class Solver:
             raise LabrigError(f"chamber {worst}: the rig's limits and the model's have nothing in common")
         uv, self.triangles = grid(samples, samples)
         self.uv = _MARGIN + (1.0 - 2.0 * _MARGIN) * uv
-        self.evaluate = evaluator(model, self.uv)
         self.half_kpa = 0.5 * (self.low + self.high)
+        self.evaluate = _Begun(evaluator(model, self.uv), self.half_kpa)
         self.half_shape = self._shape(self.half_kpa)
         self.descent = Descent(self.evaluate, self.low, self.high, self.half_shape.vertices_mm.mean(axis=0))
 
@@ -155,6 +156,22 @@ class Solver:
             inverted=inverted,
             gap_facts=(placed, influence, limits),
         )
+
+
+class _Begun:
+    """An evaluator that keeps what it gave at the pressures that searches begin with."""
+
+    def __init__(self, evaluate: Evaluator, pressure_kpa: Floats) -> None:
+        self._evaluate, self._pressure = evaluate, pressure_kpa
+        self._given = evaluate(pressure_kpa)
+
+    def __call__(self, pressure_kpa: Floats) -> tuple[Floats, NDArray[Any]]:
+        if np.array_equal(pressure_kpa, self._pressure):
+            return self._given
+        return self._evaluate(pressure_kpa)
+
+    def points(self, pressure_kpa: Floats) -> NDArray[Any]:
+        return self._evaluate.points(pressure_kpa)
 
 
 def _deviations(H: Floats, variance: float, chambers: int) -> Floats:
