@@ -34,8 +34,9 @@ UNKNOWN_OF_FLOOR_MOVING = 0.05
 UNKNOWN_SHARE_MOVING = 0.03
 UNKNOWN_OF_FLOOR_MOVING_ALONE = 0.03
 UNKNOWN_SHARE_MOVING_ALONE = 0.008
-UNKNOWN_OF_FLOOR_STATIC = 0.25
-UNKNOWN_SHARE_STATIC = 0.025
+STATIC_SE = 2.5
+UNKNOWN_OF_FLOOR_STATIC = 0.06
+UNKNOWN_SHARE_STATIC = 0.018
 UNKNOWN_SHARE_FORM = 0.8
 
 
@@ -192,7 +193,7 @@ def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: flo
     What depends on history or time cannot be the misfit of names that are static: hardly any of it is borne
     beside them. A name that moves may be wrong in form by some hundredths of what is explained. What is static
     beside a name that moves may be the base's own error of form; beside names that are static themselves a
-    quarter of the floor says that they are wrong.
+    quarter of the floor (root mean square) says that they are wrong.
     """
     static_names = all(p.effect.beyond_static == "no" for p in chosen.parts)
     of_floor = UNKNOWN_OF_FLOOR_MOVING_ALONE if static_names else UNKNOWN_OF_FLOOR_MOVING
@@ -202,7 +203,11 @@ def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: flo
     of_floor = UNKNOWN_OF_FLOOR_STATIC if static_names else UNKNOWN_OF_FLOOR
     share = UNKNOWN_SHARE_STATIC if static_names else UNKNOWN_SHARE_FORM
     much = rest.beyond > max(of_floor * floor_square, share * (rest.beyond + explained))
-    return rest.learner if rest.static_only and much else None
+    if rest.learner is None or not rest.static_only or not much:
+        return None
+    return (
+        rest.learner if not static_names or rest.learner.gain > STATIC_SE * _se(rest.learner.gains) else None
+    )
 
 
 def _without_effect(streams: Streams, before: Mapping[str, Ceiling], gate: Gate) -> Verdict:
