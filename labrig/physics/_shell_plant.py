@@ -285,11 +285,19 @@ def _cached(content: dict[str, Any], shapes: int) -> Simulations:
     from labrig.physics._shell import load_shell
 
     _LOG.warning("labrig: solving %d shapes of shell %s for the simulated rig, once", shapes, content["name"])
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".making-") as making:
+    with _making(folder.parent) as making:
         made = simulate(load_shell(content), Path(making) / "set", shapes, jacobians=True, workers=1)
         try:
             (Path(making) / "set").replace(folder)
-        except OSError:  # another process was quicker
-            _LOG.debug("labrig: %s is there already", folder)
+        except OSError:  # another process was quicker, or nothing can be kept
+            _LOG.debug("labrig: %s is there already, or cannot be written", folder)
     return made
+
+
+def _making(beside: Path) -> tempfile.TemporaryDirectory:
+    """A folder to make something in: beside where it will lie, or anywhere if nothing can be written there."""
+    try:
+        beside.mkdir(parents=True, exist_ok=True)
+        return tempfile.TemporaryDirectory(dir=beside, prefix=".making-")
+    except OSError:
+        return tempfile.TemporaryDirectory()

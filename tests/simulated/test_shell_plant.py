@@ -268,6 +268,16 @@ def test_the_plants_shapes_are_solved_once(cache, caplog):
     assert caplog.messages == ["labrig: solving 32 shapes of shell membrane4 for the simulated rig, once"]
 
 
+def test_a_cache_that_cannot_be_written_is_none(tmp_path, monkeypatch):
+    """Without a place to keep anything the plant and its model work all the same."""
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("LABRIG_CACHE", str(tmp_path / "file" / "cache"))
+    monkeypatch.setattr("labrig.physics._shell_surface._LONG_S", 0.0)
+    body = load_body(rig(plant={**PLANT, "shapes": 16}))
+    assert np.isfinite(body.shape_mm(body.deflection_mm(np.full(4, 20.0)))).all()
+    assert np.isfinite(ShellSurface(body.shell).predict(np.full(4, 20.0))).all()
+
+
 @pytest.mark.parametrize("effect", ["creep", "coupling", "gravity"])
 def test_hidden_effects_live_in_it(cache, effect):
     """An effect hidden in a shell's plant changes the settled markers by about its amplitude."""
