@@ -23,7 +23,7 @@ SMALLEST_OF_REST = 0.6
 SMALLEST_SHARE_OF_REST = 0.04
 RULES_SHARE = 0.5
 STATIC_SHARE_FIRST = 0.3
-STATIC_SHARE_NEXT = 0.85
+STATIC_SHARE_NEXT = 0.95
 
 
 @dataclass(frozen=True)
@@ -82,10 +82,12 @@ def fall(streams: Streams, before: Fit | None, after: Fit) -> float:
     return left - square_of(streams, streams.residual - after.heldout)
 
 
-def fits_form(streams: Streams, before: Fit | None, after: Fit) -> bool:
+def fits_form(streams: Streams, before: Fit | None, after: Fit, needed: float | None = None) -> bool:
     """Whether a static effect explains most of what any static map of the pressures could.
 
-    If it does not, it is no more than a part of a base of wrong form, and its name would mislead.
+    If it does not, it is no more than a part of a base of wrong form, and its name would mislead. A form that is right
+    does as well as a learner, which has to find it from the same captures, or better; the first one may do worse, for
+    what comes later. `needed` is the share that is asked for, if not that.
     """
     if streams.as_features or after.parts[-1].effect.beyond_static != "no":
         return True
@@ -94,8 +96,8 @@ def fits_form(streams: Streams, before: Fit | None, after: Fit) -> bool:
     if not learnt:
         return True
     possible = square_of(streams, left) - square_of(streams, left - learnt[STATIC].heldout)
-    needed = STATIC_SHARE_FIRST if before is None else STATIC_SHARE_NEXT
-    return fall(streams, before, after) >= needed * possible
+    usual = STATIC_SHARE_FIRST if before is None else STATIC_SHARE_NEXT
+    return fall(streams, before, after) >= (usual if needed is None else needed) * possible
 
 
 def everywhere(before: Fit | None, after: Fit) -> bool:

@@ -18,6 +18,8 @@ CLEARLY_SE = 2.0
 WORSE_BLOCKS = 0.17
 OWN_OF_FLOOR = 0.55
 OPPOSED_COSINE = -0.6
+BEYOND_LEARNER = 1.3
+"""How much more than a smooth map of the pressures the two must explain of what one leaves."""
 FORMS = 3
 
 
@@ -38,7 +40,7 @@ def two_kinds(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]],
             option = fit([*kept, *pair])
             if option.score.gain > best.score.gain and _earn(ground, chosen, option, fixed):
                 best = option
-    return best if best is chosen or fits_form(ground.streams, chosen, best) else chosen
+    return best if best is chosen or fits_form(ground.streams, chosen, best, BEYOND_LEARNER) else chosen
 
 
 def _earn(ground: Ground, chosen: Fit, option: Fit, fixed: int) -> bool:

@@ -20,6 +20,9 @@ ALIKE_SHARE = 0.02
 ALIKE_COSINE = 0.95
 IMITATES_WIDTH = 1.5
 EQUAL_SHARE = 0.005
+FORM_COSINE = 0.9
+FORM_SHARE = 0.35
+FORM_Z = 2.5
 EQUAL_Z = 1.5
 SAME_SHARE = 0.0003
 CEILING_SE = 1.6
@@ -42,7 +45,11 @@ UNKNOWN_SHARE_FORM = 0.8
 
 @dataclass(frozen=True)
 class Rival:
-    """Another effect in the place of `instead_of`: how far behind it is, as a z-score and a share."""
+    """Another effect in the place of `instead_of`: how far behind it is, as a z-score and a share.
+
+    `design` says where the campaign cannot tell them apart but by the form of a curve: `levels`, no chamber was at
+    more than two pressures; `holds`, hardly anything was actuated, so time in hold and time in session are one.
+    """
 
     effect: str
     instead_of: str
@@ -50,6 +57,7 @@ class Rival:
     share: float
     cosine: float
     wider: float
+    design: Literal["", "levels", "holds"] = ""
 
     @property
     def alike(self) -> bool:
@@ -61,6 +69,15 @@ class Rival:
         same_shape = abs(self.cosine) > ALIKE_COSINE
         if self.imitates:
             return False
+        if self.design == "levels" and same_shape and self.share < EQUAL_SHARE:
+            return True
+        if (
+            self.design == "holds"
+            and abs(self.cosine) > FORM_COSINE
+            and self.z < FORM_Z
+            and self.share < FORM_SHARE
+        ):
+            return True
         if same_shape and (self.share < SAME_SHARE or (self.share < EQUAL_SHARE and self.z < EQUAL_Z)):
             return True
         return self.z < 1.0 and self.share < (3 * ALIKE_SHARE if same_shape else ALIKE_SHARE)
@@ -92,22 +109,28 @@ def rivals_of(searched: Search) -> list[Rival]:
     """
     if searched.chosen is None:
         return []
-    on_off = _on_off(searched.static_ground.streams)
-    static = searched.found if on_off else searched.static_ground.found
+    design = _design(searched.static_ground.streams)
+    static = searched.found if design else searched.static_ground.found
     if searched.moving is None:
-        return _rivals(searched.chosen, static, 0)
+        return _rivals(searched.chosen, static, 0, design)
     kept = set(searched.chosen.names)
     fixed = sum(name in kept for name in searched.moving.names)
-    own = [r for r in _rivals(searched.moving, searched.moving_ground.found, 0) if r.instead_of in kept]
-    return own + _rivals(searched.chosen, static, fixed)
+    own = [
+        r for r in _rivals(searched.moving, searched.moving_ground.found, 0, design) if r.instead_of in kept
+    ]
+    return own + _rivals(searched.chosen, static, fixed, design)
 
 
-def _on_off(streams: Streams) -> bool:
-    """Whether no chamber was at more than two pressures."""
-    return max(len(np.unique(np.round(x, 2))) for x in streams.context.rows.fraction.T) <= 2
+def _design(streams: Streams) -> Literal["", "levels", "holds"]:
+    rows = streams.context.rows
+    if len(np.unique(rows.event)) < FEW_HOLDS:
+        return "holds"
+    return "levels" if max(len(np.unique(np.round(x, 2))) for x in rows.fraction.T) <= 2 else ""
 
 
-def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> list[Rival]:
+def _rivals(
+    chosen: Fit, found: Mapping[str, list[Candidate]], first: int, design: Literal["", "levels", "holds"]
+) -> list[Rival]:
     out = []
     for i in range(first, len(chosen.parts)):
         rest = [p for j, p in enumerate(chosen.parts) if j != i]
@@ -118,7 +141,7 @@ def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int) -> li
             if name in taken:
                 continue
             fits = sorted((fit([*rest, c]) for c in forms), key=lambda f: -f.score.gain)
-            each = [_compare(name, chosen, i, worth, option) for option in fits]
+            each = [replace(_compare(name, chosen, i, worth, option), design=design) for option in fits]
             out.append(next((r for r in each if r.alike), each[0]))
     return out
 
@@ -173,7 +196,7 @@ def decide(
     alike = [r for r in compared if r.alike]
     if alike:
         names = tuple(dict.fromkeys(r.effect for r in sorted(alike, key=lambda r: r.z)))
-        by_design = _on_off(streams) or int(streams.index.max()) + 1 < FEW_HOLDS
+        by_design = bool(_design(streams))
         return Verdict(
             "confounded",
             chosen.names,
