@@ -92,6 +92,7 @@ def simulate(
     _one_of("build", build, ("full", "published"))
     _one_of("up", up, ("z", "y"))
     _one_of("scan-unit", scan_unit, ("mm", "cm", "m", "inch"))
+    _not_somebodys(out / "rig.yaml")
     content, folder = _simulated_rig(rig, surface, seed)
     options = TwinOptions(
         host=host,
@@ -240,16 +241,21 @@ def _record_session(config: Any, out: Path, clock: Any, seconds: float) -> None:
             device.close()
 
 
+def _not_somebodys(file: Path) -> None:
+    """Raise `LabrigError` for a rig file that a person wrote."""
+    from labrig._errors import LabrigError
+
+    if file.exists() and not file.read_text(encoding="utf-8").startswith("# Written by `labrig rig "):
+        raise LabrigError(f"{file} is somebody's own: choose another folder with -o")
+
+
 def _write_rig(out: Path, content: dict[str, Any], command: str) -> Path:
     import yaml
-
-    from labrig._errors import LabrigError
 
     out.mkdir(parents=True, exist_ok=True)
     file = out / "rig.yaml"
     head = _WRITTEN.format(command=command)
-    if file.exists() and not file.read_text(encoding="utf-8").startswith("# Written by `labrig rig "):
-        raise LabrigError(f"{file} is somebody's own: choose another folder with -o")
+    _not_somebodys(file)
     text = head + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, default_flow_style=None)
     temporary = file.with_suffix(".yaml.part")
     temporary.write_text(text, encoding="utf-8")
