@@ -128,7 +128,7 @@ def p9(bench: Bench, count: int) -> list[list[str]]:
     longer = np.median(np.array(both["paper_time_s"]) / np.array(both["ours_time_s"]))
     paper = f"{np.mean(both['paper_time_s']):.2f} s on average ({asked} of them), {longer:.0f} times labrig's (median)"
     closer = np.mean(np.array(both["ours_mean_mm"]) < np.array(both["paper_mean_mm"]))
-    distance = f"{np.mean(both['paper_mean_mm']):.2f} mm; labrig's are closer on {closer:.0%}"
+    distance = f"{np.mean(both['paper_mean_mm']):.2f} mm; labrig's are closer on {closer:.1%}"
     return [
         [
             "P9",
