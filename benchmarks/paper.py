@@ -1,9 +1,11 @@
 """The source paper's experiments on the simulated rig, beside the paper's own figures.
 
-    python benchmarks/paper.py [P1 P2 ... FORWARD] [--seeds 3] [--networks] [--simulations FOLDER] [--out RESULTS.md]
+    python benchmarks/paper.py [P1 ... P9 FORWARD] [--seeds 3] [--networks] [--simulations FOLDER] [--bodies BODIES.npz]
+        [--out RESULTS.md]
 
 P1-P6 need the `learn` extra. What was simulated, captured and measured is kept in benchmarks/out/paper and used
 again; tables of the experiments that were run, now or before, go to the sections "Paper P1-P6" and "Forward model".
+P7, P8 and P9 are one run, of paper_shapes.py.
 """
 
 import argparse
@@ -19,6 +21,8 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parent))
 
+import paper_shapes
+from _ik.setup import Bench as ShapeBench
 from _paper import fixed, forward
 from _paper.rig import Bench
 
@@ -33,29 +37,34 @@ EXPERIMENTS: dict[str, Callable[[Bench, int], dict[str, Any]]] = {
     "P6": fixed.p6,
     "FORWARD": forward.compare,
 }
+SHAPES = ("P7", "P8", "P9")
+PAPERS_BODIES = 24
 PAPER, MODEL = "## Paper P1–P6", "## Forward model"
 
 
 def main() -> None:
     """Run the experiments that were asked for, and write what is known of all of them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("experiments", nargs="*", default=list(EXPERIMENTS))
+    parser.add_argument("experiments", nargs="*", default=[*EXPERIMENTS, *SHAPES])
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--simulations", type=Path, help="a folder of labrig simulate, with --jacobians")
     parser.add_argument("--networks", action="store_true", help="FORWARD: labrig's network ensembles as well")
+    parser.add_argument("--bodies", type=Path, help="P7-P9: a file with grid_mm (B, rows, columns, 3)")
     parser.add_argument("--folder", type=Path, default=Path("benchmarks/out/paper"))
     parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     bench = Bench(given.folder, given.workers, given.simulations, given.networks)
-    for name in given.experiments:
+    asked = [name.upper() for name in given.experiments]
+    if set(asked) & set(SHAPES):
+        shapes = ShapeBench(given.folder.parent / "ik", given.bodies, given.workers)
+        paper_shapes.measure(shapes, PAPERS_BODIES, given.out)
+    for name in [name for name in asked if name not in SHAPES]:
         started = time.perf_counter()
-        result = EXPERIMENTS[name.upper()](bench, given.seeds)
+        result = EXPERIMENTS[name](bench, given.seeds)
         result["seconds"] = round(time.perf_counter() - started, 1)
-        (given.folder / f"{name.upper()}.json").write_text(
-            json.dumps(result, indent=1) + "\n", encoding="utf-8"
-        )
+        (given.folder / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
         print(f"{name}: {result['seconds']:.0f} s")
         for line in _lines(result):
             print(line)

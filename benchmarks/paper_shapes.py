@@ -1,6 +1,7 @@
 """The source paper's P7-P9, shapes that are asked for and realised, on the simulated torso: writes "Paper P7–P9".
 
     python benchmarks/paper_shapes.py [--bodies BODIES.npz] [--paper 24] [--out benchmarks/RESULTS.md]
+    python benchmarks/paper.py P7 [--bodies BODIES.npz]    # the same
 
 Uses what benchmarks/ik.py keeps in benchmarks/out/ik. Times are processor times of one core.
 """
@@ -34,10 +35,14 @@ def main() -> None:
     """Run the three and write the section."""
     parser = asked_for(__doc__.splitlines()[0], "bodies for the paper's own search")
     given = parser.parse_args()
-    given.folder.mkdir(parents=True, exist_ok=True)
-    bench = Bench(given.folder, given.bodies, given.workers)
+    measure(Bench(given.folder, given.bodies, given.workers), given.paper, given.out)
+
+
+def measure(bench: Bench, paper: int, out: Path) -> None:
+    """P7-P9, the paper's own search on `paper` bodies, into the section of the results in `out`."""
+    bench.folder.mkdir(parents=True, exist_ok=True)
     every = bench.bodies()
-    rows = [*p7(bench), *p9(bench, given.paper)]
+    rows = [*p7(bench), *p9(bench, paper)]
     lines = [
         "`python benchmarks/paper_shapes.py`: shell `torso`, plant on a finer mesh with parameters 15 % off, model "
         f"with a warp learned from 40 captures; {len(every)} synthetic bodies (the paper: CAESAR scans, another rig). "
@@ -48,12 +53,9 @@ def main() -> None:
         f"P8, three bodies realised on the rig and scanned, mm: mean / 95 % / maximum; refined with at most {REFINE} "
         "scans more. The paper shows error maps; `labrig validate` draws the same.",
         "",
-        *markdown(
-            ["target", "model", "predicted", "realised", "realised – predicted", "refined (scans more)"],
-            p8(bench),
-        ),
+        *markdown(P8_COLUMNS, p8(bench)),
     ]
-    write_section(given.out, HEADING, lines)
+    write_section(out, HEADING, lines)
 
 
 def p7(bench: Bench) -> list[list[str]]:
