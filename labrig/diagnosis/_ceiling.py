@@ -12,7 +12,7 @@ from scipy.spatial.distance import cdist
 
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context
-from labrig.effects._rows import Floats
+from labrig.effects._rows import Floats, Ints
 
 _MOST_ROWS = 700
 _RIDGES = (0.01, 0.1, 1.0)
@@ -43,25 +43,30 @@ def ceiling(streams: Streams, context: Context, left: Floats, only: str | None =
         rows = np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).astype(int))
     out = {}
     for name, features in sets.items():
-        kernel = _kernel(features, features[rows])
-        best: Ceiling | None = None
-        for ridge in _RIDGES:
-            predicted = np.zeros_like(target)
-            for g in range(streams.n_groups):
-                train = streams.row_group[rows] != g
-                test = streams.row_group == g
-                if not train.any() or not test.any():
-                    continue
-                K = kernel[rows[train]][:, train]
-                factor = cho_factor(K + ridge * np.eye(len(K)))
-                predicted[test] = kernel[test][:, train] @ cho_solve(factor, target[rows[train]])
-            field = streams.lift(predicted) @ streams.patterns
-            gains = _gains(streams, left, field)
-            if best is None or gains.sum() > best.gain:
-                best = Ceiling(name, gains, field)
-        if best is not None:
-            out[name] = best
+        kernels = [_kernel(features, features[rows])]
+        if name == STATIC:
+            kernels.append(_additive(features, features[rows]))
+        for kernel in kernels:
+            for ridge in _RIDGES:
+                field = streams.lift(_heldout(streams, kernel, ridge, target, rows)) @ streams.patterns
+                gains = _gains(streams, left, field)
+                if name not in out or gains.sum() > out[name].gain:
+                    out[name] = Ceiling(name, gains, field)
     return out
+
+
+def _heldout(streams: Streams, kernel: Floats, ridge: float, target: Floats, rows: Ints) -> Floats:
+    """What kernel ridge regression on `rows` predicts of each block without it, (F, r)."""
+    predicted = np.zeros_like(target)
+    for g in range(streams.n_groups):
+        train = streams.row_group[rows] != g
+        test = streams.row_group == g
+        if not train.any() or not test.any():
+            continue
+        K = kernel[rows[train]][:, train]
+        factor = cho_factor(K + ridge * np.eye(len(K)))
+        predicted[test] = kernel[test][:, train] @ cho_solve(factor, target[rows[train]])
+    return predicted
 
 
 def _gains(streams: Streams, left: Floats, field: Floats) -> Floats:
@@ -128,3 +133,8 @@ def _kernel(a: Floats, b: Floats) -> Floats:
     d = max(a.shape[1], 1)
     square = cdist(a, b, "sqeuclidean") / d
     return 1.0 + (a @ b.T) / d + 2 * np.exp(-square / 2) + np.exp(-square / 0.4)
+
+
+def _additive(a: Floats, b: Floats) -> Floats:
+    """A kernel of sums of parabolas, one of each covariate: what chambers do one by one, each in its own pattern."""
+    return 1.0 + (a @ b.T + 0.5 * (a**2 @ (b**2).T)) / max(a.shape[1], 1)
