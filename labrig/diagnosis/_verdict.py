@@ -206,7 +206,8 @@ def decide(
             compared=tuple(compared),
         )
     name: Name = "identified" if len(chosen.parts) == 1 else "multiple"
-    sure = probability.of_names(left, gate.base_square, gate.floor_square)
+    moving = all(p.effect.beyond_static != "no" for p in chosen.parts)
+    sure = probability.of_names(left, gate.base_square, gate.floor_square, moving)
     return Verdict(name, chosen.names, sure, (), warnings=tuple(warnings), compared=tuple(compared))
 
 
