@@ -204,13 +204,18 @@ def _other_forms(
     forms: Mapping[str, list[Candidate]],
     leave: int | None = None,
 ) -> list[Fit]:
-    """`_options` where a fixed part, which had stood for what is now added, takes another of its `forms`."""
+    """`_options` where a fixed part takes another of its `forms`.
+
+    For an addition (nothing is to `leave`) only forms that do worse without it: the fixed part had stood for what is
+    now added. One that does better by itself would lend the addition its own gain.
+    """
     best_forms = {name: own[:1] for name, own in found.items()}
     out = []
     for i, part in enumerate(chosen.parts[:fixed]):
         for form in forms.get(part.effect.name, ()):
             changed = fit([*chosen.parts[:i], form, *chosen.parts[i + 1 :]])
-            out += _options(changed, best_forms, leave)
+            if leave is not None or changed.score.gain < chosen.score.gain:
+                out += _options(changed, best_forms, leave)
     return out
 
 

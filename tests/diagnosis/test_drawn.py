@@ -40,7 +40,7 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
         ("pair", 210006, "multiple"),  # one stiffening for each chamber follows contact and coupling, nearly
         ("pair", 200002, "multiple"),  # the drift's form alone is another than beside the shape at rest
         ("pair", 200013, "multiple"),  # a drift that becomes nothing had kept the tension out
-        ("pair", 200014, "multiple"),  # a warm-up that is nearly static, behind a regulator
+        ("pair", 210019, "multiple"),  # a warm-up that is nearly static, beside a coupling
         ("deleted", 0, "unknown"),
         ("deleted", 200004, "unknown"),  # a static name, and a little that moves
         ("unlisted", 200007, "unknown"),  # a name that moves, and more that moves
