@@ -70,8 +70,8 @@ def read_file(path: str | Path) -> tuple[dict[str, Any], Arrays]:
         raise LabrigError(f"{path}: does not exist; make it with: labrig train") from error
     except OSError as error:
         raise LabrigError(f"{path}: can't be read ({error.strerror or error})") from error
-    # zipfile says NotImplementedError for a compression that it does not know
-    except (zipfile.BadZipFile, zlib.error, ValueError, EOFError, KeyError, NotImplementedError) as error:
+    # zipfile says RuntimeError, or a child of it, for what is encrypted or packed in a way that it does not know
+    except (zipfile.BadZipFile, zlib.error, ValueError, EOFError, KeyError, RuntimeError) as error:
         what = "is not a learned model of labrig's" if isinstance(error, zipfile.BadZipFile) else "is damaged"
         raise LabrigError(f"{path}: {what} ({' '.join(str(error).split())})") from error
     return facts, arrays

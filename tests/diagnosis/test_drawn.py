@@ -41,6 +41,12 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
         ("pair", 200002, "multiple"),  # the drift's form alone is another than beside the shape at rest
         ("pair", 200013, "multiple"),  # a drift that becomes nothing had kept the tension out
         ("pair", 210019, "multiple"),  # a warm-up that is nearly static, beside a coupling
+        (
+            "pair",
+            210014,
+            "multiple",
+        ),  # beside a coupling the friction takes a form of its own for each chamber
+        ("structural", 101004, "identified"),  # chambers of the base in other places are no regulator
         ("deleted", 0, "unknown"),
         ("deleted", 200004, "unknown"),  # a static name, and a little that moves
         ("unlisted", 200007, "unknown"),  # a name that moves, and more that moves
@@ -56,7 +62,7 @@ def test_the_verdict_is_right(name: str, seed: int, verdict: str, tmp_path: Path
         summary["effects"],
         summary["rivals"],
     )
-    if verdict in ("identified", "multiple"):
+    if verdict in ("identified", "multiple") and not truth["structural"]:
         assert summary["drop"] > 0.8
     assert summary["error"]["floor"] == pytest.approx(truth["floor"], rel=0.6)
 

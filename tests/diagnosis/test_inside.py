@@ -1,12 +1,11 @@
 """Effects inside a simulator's mechanics: a parameter that is off is named, measured, and right beyond the data."""
 
-from importlib.resources import files
+from collections.abc import Callable
 from pathlib import Path
 from runpy import run_path
 
 import numpy as np
 import pytest
-import yaml
 
 from labrig.diagnosis import compare, diagnose
 from labrig.model import Model
@@ -25,22 +24,11 @@ def measured(known: Shell, true: Shell, pressure_kpa: np.ndarray, seed: int):
 
 @pytest.mark.slow
 def test_a_tighter_sheet_is_named_and_right_beyond_the_data(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    small_rig: Callable[[int], None],
 ) -> None:
     """A pre-stretch that the simulator does not have is found as such, and ends most of the error, also at
     pressures that no capture had."""
-    monkeypatch.chdir(tmp_path)
-    shell = yaml.safe_load((files("labrig.physics") / "shells" / "membrane4.yaml").read_text("utf-8"))
-    shell["control_points"] = [12, 12]
-    Path("small.yaml").write_text(yaml.safe_dump(shell))
-    rig = {
-        "name": "small",
-        "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
-        "pressure": {"kind": "simulated"},
-        "mocap": {"kind": "simulated"},
-        "simulated": {"shell": "small.yaml"},
-    }
-    Path("rig.yaml").write_text(yaml.safe_dump(rig))
+    small_rig(12)
     Path("model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n")
     known = load_shell("small.yaml")
     true = known.changed(prestretch_1=known.parameters["prestretch_1"].value + SURPLUS)
