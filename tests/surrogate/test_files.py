@@ -106,6 +106,19 @@ def test_pickles_are_not_loaded(path):
         load_model(path)
 
 
+@pytest.mark.parametrize(("flag", "method"), [(1, None), (0, 99)])
+def test_encrypted_and_strangely_packed_files(path, flag, method):
+    """An entry that is encrypted, or packed in a way that nobody knows, is one line as any other damage."""
+    whole = bytearray(path.read_bytes())
+    for signature, where in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        start = whole.index(signature) + where
+        whole[start] |= flag
+        whole[start + 2] = whole[start + 2] if method is None else method
+    path.write_bytes(whole)
+    with pytest.raises(LabrigError, match="is damaged"):
+        load_forward(path)
+
+
 def test_foreign_and_missing_files(tmp_path):
     """A file of another kind, and one that is not there, are named."""
     other = tmp_path / "x.pt"
