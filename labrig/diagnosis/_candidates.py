@@ -144,11 +144,16 @@ def _along(columns: Columns, beta: Floats, term: Term) -> bool:
 
 def clear(gains: Floats, base: Floats) -> bool:
     """Whether gains are more than their standard error, as they are or each as a share of its block's square."""
-    for each in (gains, gains / np.maximum(base, 1e-300)):
-        n = len(each)
-        if each.sum() > CLEAR_SE * np.sqrt(n / max(n - 1, 1) * np.sum((each - each.mean()) ** 2)):
-            return True
-    return False
+    return clearly(gains, base, CLEAR_SE)
+
+
+def clearly(gains: Floats, base: Floats, least: float) -> bool:
+    """Whether gains are more than `least` standard errors, as they are or each as a share of its block's `base`."""
+    n = len(gains)
+    return any(
+        each.sum() > least * np.sqrt(n / max(n - 1, 1) * np.sum((each - each.mean()) ** 2))
+        for each in (gains, gains / np.maximum(base, 1e-300))
+    )
 
 
 def relative(gains: Floats, base: Floats) -> float:

@@ -77,7 +77,7 @@ def diagnose(
     searched = search(streams, effects, gate)
     found, chosen = searched.found, searched.chosen
     before = ceiling(streams, context, base_left)
-    after = ceiling(streams, context, streams.residual - chosen.heldout) if chosen else before
+    after = ceiling(streams, context, searched.left) if chosen else before
     verdict = decide(streams, searched, before, after, gate)
     return _result(
         streams, context, floor, dropped, found, chosen, before, after, verdict, gate, model, effects

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from labrig.diagnosis._base_form import as_good, beside_form, is_wrong, on
 from labrig.diagnosis._candidates import (
     Candidate,
     Fit,
@@ -57,7 +58,9 @@ class Search:
     """What the search found.
 
     `found` are the forms of every effect on the whole problem, for the ranking; `chosen` the effects that
-    earned a place, `moving` the first of them that were chosen beside a static map, on their own ground.
+    earned a place, `moving` the first of them that were chosen beside a static map, on their own ground. `judged` are
+    the chosen on `static_ground`: another than the whole problem where the base is `wrong_form`, which is then the
+    base's own to explain.
     """
 
     found: dict[str, list[Candidate]]
@@ -65,6 +68,14 @@ class Search:
     moving: Fit | None
     moving_ground: Ground
     static_ground: Ground
+    judged: Fit | None
+    wrong_form: bool = False
+
+    @property
+    def left(self) -> Floats:
+        """What the judged effects, and the base's own form, leave out of sample, (S, K)."""
+        streams = self.static_ground.streams
+        return streams.residual - (self.judged.heldout if self.judged else streams.nothing)
 
 
 def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Search:
@@ -94,7 +105,36 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
     if better is not None:
         moving = better[0]
         chosen = _forward(static_ground, better[1], signs, _forms_of(streams, moving, found, whole))
-    return Search({**whole, **static_found}, chosen, moving, moving_ground, static_ground)
+    found = {**whole, **static_found}
+    again = _beside_wrong_form(static_ground, chosen, moving, signs)
+    if again is not None and chosen is not None:
+        standing = [p.effect.name in (moving.names if moving else ()) for p in chosen.parts]
+        both = two_kinds(static_ground, chosen, static_found, sum(standing), 0.0) if len(standing) - sum(standing) == 1 else chosen
+        if both is not chosen and as_good(both, again[0].streams, again[1]):
+            chosen, again = both, None
+    if again is None:
+        return Search(found, chosen, moving, moving_ground, static_ground, chosen)
+    static_ground, judged = again
+    return Search(found, on(streams, judged), moving, moving_ground, static_ground, judged, wrong_form=True)
+
+
+def _beside_wrong_form(
+    ground: Ground, chosen: Fit | None, moving: Fit | None, signs: Floats
+) -> tuple[Ground, Fit | None] | None:
+    """Where the base's own form is wrong, the static effects chosen beside that; with the ground that it makes."""
+    names = set(moving.names) if moving else set()
+    kept = [part for part in chosen.parts if part.effect.name in names] if chosen else []
+    if chosen is None or len(kept) == len(chosen.parts):
+        return None
+    beside, start = beside_form(ground.streams), fit(kept) if kept else None
+    if beside is None or not is_wrong(chosen, start, beside, ground.gate.floor_square):
+        return None
+    start = on(beside, start)
+    left = square_of(beside, beside.residual - (start.heldout if start else beside.nothing))
+    found, null = explore(beside, beside.context, ground.effects, signs)
+    gate = replace(ground.gate, base_square=left, of_floor=SMALLEST_BESIDE)
+    new = Ground(beside, ground.effects, found, null, gate)
+    return new, _forward(new, start, signs, {})
 
 
 def _forms_of(
@@ -149,7 +189,9 @@ def _forward(
     chosen, still = _prune(ground, chosen, fixed)
     if still < fixed:
         return _forward(ground, chosen, signs, forms, still)
-    chosen = _reform(chosen, forms, fixed)
+    reformed = _reform(chosen, forms, fixed)
+    if reformed is not chosen:
+        chosen = _simplest(ground, _swap(reformed, found, fixed), found, fixed, forms)
     if len(chosen.parts) != fixed + 1 or len(chosen.parts) >= MAX_EFFECTS:
         return chosen
     both = _simplest(ground, two_kinds(ground, chosen, found, fixed), found, fixed, forms)

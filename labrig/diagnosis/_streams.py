@@ -186,7 +186,7 @@ class Streams:
             return None
         columns = np.column_stack([np.ones(len(x)), *(x**k for k in range(1, degree + 1))])
         static = np.concatenate(
-            [_per_capture(columns, self.index), np.zeros((len(self.keep), columns.shape[1]))]
+            [per_capture(columns, self.index), np.zeros((len(self.keep), columns.shape[1]))]
         )
         both = static if self.declared is None else np.column_stack([self.declared, static])
         return replace(self, declared=both, as_features=True)
@@ -287,7 +287,7 @@ def build_streams(
     )
     patterns = _patterns(stacked, weight)
     if declared is not None:
-        constant = [_per_capture(declared, index)] if use_means else []
+        constant = [per_capture(declared, index)] if use_means else []
         declared = np.concatenate([*constant, np.zeros((len(keep), declared.shape[1]))])
     first = np.searchsorted(rows.capture, captures)
     modes = [np.moveaxis(context.jacobian[first], 2, 1)]
@@ -320,7 +320,7 @@ def _blurred(noise: Floats, residual: Floats) -> Floats:
     return np.sqrt(noise**2 + (FORM * size) ** 2)
 
 
-def _per_capture(values: Floats, index: Ints) -> Floats:
+def per_capture(values: Floats, index: Ints) -> Floats:
     """One row per capture of what is the same in all its rows."""
     out = np.zeros((int(index.max()) + 1, values.shape[1]))
     out[index] = values

@@ -23,7 +23,13 @@ BEYOND_LEARNER = 1.3
 FORMS = 3
 
 
-def two_kinds(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
+def two_kinds(
+    ground: Ground,
+    chosen: Fit,
+    found: Mapping[str, list[Candidate]],
+    fixed: int,
+    beyond_learner: float = BEYOND_LEARNER,
+) -> Fit:
     """The best two effects of different kinds in the place of the one after the `fixed` parts, if any earn it."""
     kept = chosen.parts[:fixed]
     taken = {part.effect.name for part in kept}
@@ -40,7 +46,7 @@ def two_kinds(ground: Ground, chosen: Fit, found: Mapping[str, list[Candidate]],
             option = fit([*kept, *pair])
             if option.score.gain > best.score.gain and _earn(ground, chosen, option, fixed):
                 best = option
-    return best if best is chosen or fits_form(ground.streams, chosen, best, BEYOND_LEARNER) else chosen
+    return best if best is chosen or fits_form(ground.streams, chosen, best, beyond_learner) else chosen
 
 
 def _earn(ground: Ground, chosen: Fit, option: Fit, fixed: int) -> bool:

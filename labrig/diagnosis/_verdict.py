@@ -12,13 +12,16 @@ from labrig.diagnosis._ceiling import STATIC, Ceiling
 from labrig.diagnosis._gate import Gate, similarity
 from labrig.diagnosis._search import Search
 from labrig.diagnosis._streams import Streams
+from labrig.diagnosis._together import CARRIED_BY, together
 from labrig.effects._rows import Floats
 
 Name = Literal["nothing_missing", "identified", "multiple", "confounded", "unknown", "underpowered"]
 
 ALIKE_SHARE = 0.02
 ALIKE_COSINE = 0.95
+ALIKE_Z_CAPTURES = 1.5
 IMITATES_WIDTH = 1.5
+MUCH_WIDER = 3.0
 EQUAL_SHARE = 0.005
 FORM_COSINE = 0.9
 FORM_SHARE = 0.35
@@ -45,7 +48,7 @@ UNKNOWN_SHARE_FORM = 0.8
 
 @dataclass(frozen=True)
 class Rival:
-    """Another effect in the place of `instead_of`: how far behind it is, as a z-score and a share.
+    """Another effect in the place of `instead_of`: how far behind it is, as z-scores by block and by capture, and a share.
 
     `design` says where the campaign cannot tell them apart but by the form of a curve: `levels`, no chamber was at
     more than two pressures; `holds`, hardly anything was actuated, so time in hold and time in session are one.
@@ -57,6 +60,7 @@ class Rival:
     share: float
     cosine: float
     wider: float
+    z_captures: float = 0.0
     design: Literal["", "levels", "holds"] = ""
 
     @property
@@ -80,6 +84,8 @@ class Rival:
             return True
         if same_shape and (self.share < SAME_SHARE or (self.share < EQUAL_SHARE and self.z < EQUAL_Z)):
             return True
+        if self.wider > MUCH_WIDER or self.z_captures > ALIKE_Z_CAPTURES:
+            return False
         return self.z < 1.0 and self.share < (3 * ALIKE_SHARE if same_shape else ALIKE_SHARE)
 
     @property
@@ -107,18 +113,18 @@ def rivals_of(searched: Search) -> list[Rival]:
     In the place of a static one those that move stand too where no chamber was at more than two pressures:
     history and pressure are one there.
     """
-    if searched.chosen is None:
+    if searched.judged is None:
         return []
     design = _design(searched.static_ground.streams)
-    static = searched.found if design else searched.static_ground.found
+    static = searched.found if design and not searched.wrong_form else searched.static_ground.found
     if searched.moving is None:
-        return _rivals(searched.chosen, static, 0, design)
-    kept = set(searched.chosen.names)
+        return _rivals(searched.judged, static, 0, design)
+    kept = set(searched.judged.names)
     fixed = sum(name in kept for name in searched.moving.names)
     own = [
         r for r in _rivals(searched.moving, searched.moving_ground.found, 0, design) if r.instead_of in kept
     ]
-    return own + _rivals(searched.chosen, static, fixed, design)
+    return own + _rivals(searched.judged, static, fixed, design)
 
 
 def _design(streams: Streams) -> Literal["", "levels", "holds"]:
@@ -156,7 +162,14 @@ def _compare(name: str, chosen: Fit, i: int, worth: float, option: Fit) -> Rival
     share = behind.sum() / worth if worth > 0 else 1.0
     wider = option.parts[-1].freedom / part.freedom
     cosine = similarity(chosen, i, option)
-    return Rival(name, part.effect.name, float(z), float(share), cosine, wider)
+    each = _by_capture(option) - _by_capture(chosen)
+    by_capture = float(each.sum() / max(np.sqrt(len(each)) * each.std(), 1e-300))
+    return Rival(name, part.effect.name, float(z), float(share), cosine, wider, by_capture)
+
+
+def _by_capture(chosen: Fit) -> Floats:
+    streams = chosen.columns.streams
+    return np.bincount(streams.source, weights=streams.square(streams.residual - chosen.heldout))
 
 
 def decide(
@@ -172,21 +185,18 @@ def decide(
     """
     chosen = searched.chosen
     if chosen is None:
-        return _without_effect(streams, before, gate)
+        return _of_wrong_form() if searched.wrong_form else _without_effect(streams, before, gate)
     compared = rivals_of(searched)
     left = square_of(streams, streams.residual - chosen.heldout)
     explained = max(gate.base_square - left, 0.0)
-    rest = _leftovers(streams, chosen, after, explained)
+    rest = _leftovers(streams, searched.left, after, explained)
     carrier = _unknown(chosen, rest, explained, gate.floor_square)
-    if carrier is not None:
-        return Verdict(
-            "unknown",
-            (),
-            probability.UNKNOWN,
-            tuple(chosen.names),
-            carrier.covariates,
-            compared=tuple(compared),
-        )
+    carried_by = carrier.covariates if carrier else ""
+    if not carried_by and searched.judged and (other := together(searched.judged)):
+        carried_by = CARRIED_BY if other.matters(gate.floor_square, explained) else ""
+    if carried_by:
+        names, seen = tuple(chosen.names), tuple(compared)
+        return Verdict("unknown", (), probability.UNKNOWN, names, carried_by, compared=seen)
     warnings: list[str] = []
     if rest.learner is not None and rest.beyond > UNKNOWN_OF_FLOOR * gate.floor_square:
         warnings.append(
@@ -234,6 +244,11 @@ def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: flo
     )
 
 
+def _of_wrong_form() -> Verdict:
+    """What names could follow only as the base's own error of form is none of theirs."""
+    return Verdict("unknown", (), probability.UNKNOWN, (), STATIC)
+
+
 def _without_effect(streams: Streams, before: Mapping[str, Ceiling], gate: Gate) -> Verdict:
     """No named effect came in: unknown if a learner sees structure, else nothing missing or underpowered."""
     best = max(before.values(), key=lambda c: c.gain, default=None)
@@ -278,9 +293,7 @@ class Leftovers:
     moving: float = 0.0
 
 
-def _leftovers(streams: Streams, chosen: Fit, after: Mapping[str, Ceiling], explained: float) -> Leftovers:
-    left = streams.residual - chosen.heldout
-
+def _leftovers(streams: Streams, left: Floats, after: Mapping[str, Ceiling], explained: float) -> Leftovers:
     def beyond(learner: Ceiling) -> float:
         return square_of(streams, left) - square_of(streams, left - learner.heldout)
 

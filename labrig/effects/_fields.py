@@ -59,6 +59,18 @@ def _places(context: Context) -> Floats:
     return where - where.mean(axis=(0, 1)) if len(rows.markers) else where
 
 
+def overlap(context: Context) -> Floats:
+    """How much two chambers move the same observables: |J_i| . |J_j|, rows summing to one, shape (C, C)."""
+    reach = np.abs(context.jacobian).mean(axis=0)
+    norm = np.linalg.norm(reach, axis=0)
+    reach = reach / np.where(norm > 0, norm, 1.0)
+    near = reach.T @ reach
+    np.fill_diagonal(near, 0.0)
+    near = np.where(near > 0.05 * near.max(), near, 0.0)
+    total = near.sum(axis=1, keepdims=True)
+    return near / np.where(total > 0, total, 1.0)
+
+
 def term_width(term: Term, n_observables: int) -> int:
     """How many coefficients a term has when its pattern is free over all observables."""
     if term.kind == "frame":

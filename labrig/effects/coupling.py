@@ -7,6 +7,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._fields import overlap
 from labrig.effects._rows import Floats
 
 
@@ -70,18 +71,6 @@ class Coupling(Effect):
         x = context.rows.fraction
         near = overlap(context)
         return ("product of neighbouring pressures", "1", ((x @ near) * x).sum(axis=1) / len(near))
-
-
-def overlap(context: Context) -> Floats:
-    """How much two chambers move the same observables: |J_i| . |J_j|, rows summing to one, shape (C, C)."""
-    reach = np.abs(context.jacobian).mean(axis=0)
-    norm = np.linalg.norm(reach, axis=0)
-    reach = reach / np.where(norm > 0, norm, 1.0)
-    near = reach.T @ reach
-    np.fill_diagonal(near, 0.0)
-    near = np.where(near > 0.05 * near.max(), near, 0.0)
-    total = near.sum(axis=1, keepdims=True)
-    return near / np.where(total > 0, total, 1.0)
 
 
 def neighbour_pairs(near: Floats) -> list[tuple[int, int]]:

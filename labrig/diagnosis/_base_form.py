@@ -1,0 +1,74 @@
+"""A base whose own form is wrong: each chamber moves the surface, but not in the pattern that the base says.
+
+Patches that are placed a little otherwise, a law of the wrong curve: such an error is a function of each chamber's
+deflection, free in its pattern over the observables, and nothing when vented. A static name can follow it far enough to
+be taken for its cause, and it can hide which name is right. So where it shows beside the names that were found, static
+ones are sought again beside it: what a place, a pair or a limit does is not of that form, and stands out clearly.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labrig.diagnosis._candidates import Fit, clearly, fit, lay_out, square_of
+from labrig.diagnosis._streams import Streams, per_capture
+from labrig.effects._rows import Floats
+
+OBSERVABLES_PER_CHAMBER = 4
+CAPTURES_PER_CHAMBER = 5
+CLEARLY_SE = 2.0
+SMALLEST_OF_FLOOR = 0.015
+LARGE_OF_FLOOR = 0.06
+
+
+def beside_form(streams: Streams) -> Streams | None:
+    """The same with the chambers' deflections, free in their patterns, as the base's own.
+
+    None where a static base has them already, where there are too few captures for it, or too few observables: beside a
+    single force nothing would be left of a pressure.
+    """
+    context = streams.context
+    C, K = context.deflection.shape[1], streams.residual.shape[1]
+    n = int(streams.index.max()) + 1
+    known = context.base_kind == "static" or streams.as_features or not streams.use_means
+    if known or n < CAPTURES_PER_CHAMBER * C or K < OBSERVABLES_PER_CHAMBER * C:
+        return None
+    form = np.concatenate([per_capture(context.deflection, streams.index), np.zeros((len(streams.keep), C))])
+    both = form if streams.declared is None else np.column_stack([streams.declared, form])
+    return replace(streams, declared=both)
+
+
+def on(streams: Streams, parts: "Fit | None") -> Fit | None:
+    """The same effects in the same forms on other streams; None where nothing of them is left."""
+    if parts is None:
+        return None
+    made = [lay_out(streams, part.effect, [part.variant]) for part in parts.parts]
+    kept = [own[0] for own in made if own]
+    return fit(kept) if kept else None
+
+
+def is_wrong(chosen: Fit, moving: Fit | None, beside: Streams, floor_square: float) -> bool:
+    """Whether an error of form, with the `chosen` names or in the place of the static ones, does clearly better."""
+    streams = chosen.columns.streams
+    before = streams.residual - chosen.heldout
+    for parts in (chosen, moving):
+        same = on(beside, parts)
+        after = beside.residual - (same.heldout if same else beside.nothing)
+        ahead = _by_block(streams, before) - _by_block(streams, after)
+        falls = square_of(streams, before) - square_of(streams, after)
+        large = falls > LARGE_OF_FLOOR * floor_square
+        if falls > SMALLEST_OF_FLOOR * floor_square and clearly(ahead, streams.base_squares, 1.0 if large else CLEARLY_SE):
+            return True
+    return False
+
+
+def as_good(chosen: Fit, beside: Streams, judged: Fit | None) -> bool:
+    """Whether names alone leave no more than those `judged` with an error of form beside them."""
+    streams = chosen.columns.streams
+    after = beside.residual - (judged.heldout if judged else beside.nothing)
+    return bool(streams.square(streams.residual - chosen.heldout).sum() <= streams.square(after).sum())
+
+
+def _by_block(streams: Streams, left: Floats) -> Floats:
+    each = streams.square(left)
+    return np.array([each[own].sum() for own in streams.blocks])

@@ -1,0 +1,71 @@
+"""What chambers do to each other beside a name of each chamber's own pressure.
+
+A gain, an offset and a curve for every chamber can follow what its neighbours do to it on average, and leave only a
+few hundredths of the error: too little for a learner of patterns, which must find them first. But where each chamber
+moves the surface is known, so a learner need only find by how much, for each pressure of its neighbours. What it adds
+is no misfit of a law of the chamber's own pressure.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labrig.diagnosis._candidates import Fit, clearly, square_of
+from labrig.diagnosis._columns import columns_of, join
+from labrig.diagnosis._score import score
+from labrig.effects import Context, Term, Variant
+from labrig.effects._fields import overlap
+from labrig.effects._rows import Floats
+
+CARRIED_BY = "the pressures of neighbouring chambers together"
+CLEARLY_SE = 2.5
+BETTER_BLOCKS = 0.8
+SMALLEST_OF_FLOOR = 0.015
+SMALLEST_SHARE = 0.005
+
+
+@dataclass(frozen=True)
+class Together:
+    """What the learner adds: by block of the held-out score (G,), beside what each had, and as a fall of the mean square."""
+
+    gains: Floats
+    base: Floats
+    fall: float
+
+    def matters(self, floor_square: float, explained: float) -> bool:
+        """Whether it is clear, in nearly every block, and large enough beside what the names explain."""
+        clear = clearly(self.gains, self.base, CLEARLY_SE)
+        large = self.fall > max(SMALLEST_OF_FLOOR * floor_square, SMALLEST_SHARE * explained)
+        return clear and large and (self.gains > 0).mean() >= BETTER_BLOCKS
+
+
+def together(chosen: Fit) -> Together | None:
+    """Fit each chamber's response to its neighbours' pressures beside the `chosen`.
+
+    None where nothing could come of it: a single chamber, no name of a chamber's own pressure, or one of pressures
+    together among the names already.
+    """
+    static = [part.effect for part in chosen.parts if part.effect.beyond_static == "no"]
+    kinds = {effect.shows_in for effect in static}
+    streams = chosen.columns.streams
+    if "own pressure" not in kinds or "pressures together" in kinds:
+        return None
+    term = _neighbours(streams.context)
+    if term is None:
+        return None
+    columns = join([*(part.columns for part in chosen.parts), columns_of(streams, Variant("together", (term,)))])
+    both = Fit(chosen.parts, columns, score(columns))
+    before, after = (square_of(streams, streams.residual - f.heldout) for f in (chosen, both))
+    return Together(both.score.gains - chosen.score.gains, streams.base_squares, before - after)
+
+
+def _neighbours(context: Context) -> Term | None:
+    """One column for each chamber and each neighbour that moves the same observables: u_i x_j, on chamber i."""
+    u, x, near = context.rows.actuation, context.rows.fraction, overlap(context)
+    pairs = np.argwhere(near > 0)
+    if not len(pairs):
+        return None
+    feature = np.zeros((*u.shape, len(pairs)))
+    for q, (i, j) in enumerate(pairs):
+        feature[:, i, q] = u[:, i] * x[:, j]
+    return Term("response", "pressure", feature)
