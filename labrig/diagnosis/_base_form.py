@@ -6,11 +6,14 @@ be taken for its cause, and it can hide which name is right. So where it shows b
 ones are sought again beside it: what a place, a pair or a limit does is not of that form, and stands out clearly.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Fit, clearly, fit, lay_out, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, clearly, fit, lay_out, square_of
+from labrig.diagnosis._columns import columns_of
+from labrig.diagnosis._gate import Ground
 from labrig.diagnosis._streams import Streams, per_capture
 from labrig.effects._rows import Floats
 
@@ -19,6 +22,7 @@ CAPTURES_PER_CHAMBER = 5
 CLEARLY_SE = 2.0
 SMALLEST_OF_FLOOR = 0.015
 LARGE_OF_FLOOR = 0.06
+OWN_SHARE = 0.25
 
 
 def beside_form(streams: Streams) -> Streams | None:
@@ -60,6 +64,19 @@ def is_wrong(chosen: Fit, moving: Fit | None, beside: Streams, floor_square: flo
         if falls > SMALLEST_OF_FLOOR * floor_square and clearly(ahead, streams.base_squares, 1.0 if large else CLEARLY_SE):
             return True
     return False
+
+
+def large_beside(judged: Fit, ground: Ground, moving: Sequence[Candidate]) -> bool:
+    """Whether the static effects that were `judged` make up much of what the base leaves, the `moving` put aside."""
+    streams = ground.streams
+    left = streams.residual - (fit(moving).heldout if moving else streams.nothing)
+    own = np.zeros_like(left)
+    names = {part.effect.name for part in moving}
+    for i, part in enumerate(judged.parts):
+        if part.effect.name not in names:
+            own += columns_of(streams, part.variant).field(judged.own(i))
+    possible = square_of(streams, left) - ground.gate.floor_square
+    return square_of(streams, own) >= OWN_SHARE * possible
 
 
 def as_good(chosen: Fit, beside: Streams, judged: Fit | None) -> bool:

@@ -5,7 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Candidate, Fit, clear, fit, lay_out, square_of, stays_plausible
+from labrig.diagnosis._candidates import (
+    Candidate,
+    Fit,
+    clear,
+    clearly,
+    fit,
+    lay_out,
+    square_of,
+    stays_plausible,
+)
 from labrig.diagnosis._gate import (
     MAX_EFFECTS,
     SMALLEST_OF_FLOOR,
@@ -21,6 +30,8 @@ from labrig.effects import Effect
 TIE_SHARE = 0.03
 CLEARLY_SE = 2.0
 GOOD_FORM = 0.97
+AS_GOOD_SHARE = 0.05
+BETTER_BLOCKS = 0.66
 
 
 def moves(effect: Effect, streams: Streams) -> bool:
@@ -69,7 +80,8 @@ def better_moving(
 
     One that is nearly static itself (a warm-up that is soon over) shows little beside a static map, on its `own`
     ground, but what it shows there must still be clear; on the whole problem, on `ground`, it must do clearly
-    better. Returned with those that move already, on its own ground and on the whole problem.
+    better. Where it is quite clear on its own ground, which no static effect can explain, it need only do as well, with
+    fewer coefficients. Returned with those that move already, on its own ground and on the whole problem.
     """
     if chosen is None:
         return None
@@ -80,29 +92,34 @@ def better_moving(
     if not static:
         return None
     before = fit(standing).score.gains if standing else 0.0
-    best: tuple[Fit, Candidate, bool] | None = None
+    best: tuple[Fit, Fit, Candidate, bool] | None = None
+    most = 0.0
     for name, forms in whole.items():
         if name in chosen.names:
             continue
-        alone = fit([*standing, own.found[name][0]]).score.gains - before
+        there = max((fit([*standing, form]) for form in own.found[name]), key=lambda f: f.score.gain)
+        alone = there.score.gains - before
         if not clear(alone, own.streams.base_squares):
             continue
+        shown = clearly(alone, own.streams.base_squares, CLEARLY_SE) and (alone > 0).mean() >= BETTER_BLOCKS
         for form in forms:
             for rest in [static, *([p for p in static if p is not one] for one in static), []]:
-                option = fit([*fixed, form, *rest])
-                if best is not None and option.score.gain <= best[0].score.gain:
+                option, added = fit([*fixed, form, *rest]), rest is static
+                both = option.score.gain + alone.sum()
+                if best is not None and both <= most:
                     continue
-                if _does_better(ground, chosen, option, added=rest is static):
-                    best = option, form, rest is static
+                as_well = shown and not added and _does_as_well(chosen, option, float(alone.sum()))
+                if as_well or _does_better(ground, chosen, option, added):
+                    best, most = (option, there, form, added), both
     if best is None or not stays_plausible(best[0], len(fixed)):
         return None
-    _, form, added = best
+    _, there, form, added = best
     start: Fit | None = fit([*fixed, form])
     if not added:
         start = large_enough(start, own.gate)
     if start is None or form.effect.name not in start.names:
         return None
-    return fit([*standing, own.found[form.effect.name][0]]), start
+    return there, start
 
 
 def _does_better(ground: Ground, chosen: Fit, option: Fit, added: bool) -> bool:
@@ -113,3 +130,10 @@ def _does_better(ground: Ground, chosen: Fit, option: Fit, added: bool) -> bool:
         fits = len(option.parts) <= MAX_EFFECTS
         return fits and ahead.sum() > CLEARLY_SE * se and earns(ground, chosen, option)
     return ahead.sum() > TIE_SHARE * chosen.score.gain and clear(ahead, ground.streams.base_squares)
+
+
+def _does_as_well(chosen: Fit, option: Fit, beside_static: float) -> bool:
+    """With fewer coefficients, and behind by little: by less than what it explains `beside_static` maps."""
+    behind = chosen.score.gain - option.score.gain
+    fewer = sum(part.freedom for part in option.parts) < sum(part.freedom for part in chosen.parts)
+    return fewer and behind <= min(beside_static, AS_GOOD_SHARE * chosen.score.gain)

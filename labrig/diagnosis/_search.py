@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labrig.diagnosis._base_form import as_good, beside_form, is_wrong, on
+from labrig.diagnosis._base_form import as_good, beside_form, is_wrong, large_beside, on
 from labrig.diagnosis._candidates import (
     Candidate,
     Fit,
@@ -134,7 +134,8 @@ def _beside_wrong_form(
     found, null = explore(beside, beside.context, ground.effects, signs)
     gate = replace(ground.gate, base_square=left, of_floor=SMALLEST_BESIDE)
     new = Ground(beside, ground.effects, found, null, gate)
-    return new, _forward(new, start, signs, {})
+    judged = _forward(new, start, signs, {})
+    return new, judged if judged and large_beside(judged, ground, kept) else start
 
 
 def _forms_of(

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 import labrig.diagnosis._probability as probability
+from labrig.diagnosis._base_form import beside_form, on
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import STATIC, Ceiling
 from labrig.diagnosis._gate import Gate, similarity
@@ -44,6 +45,10 @@ STATIC_SE = 2.5
 UNKNOWN_OF_FLOOR_STATIC = 0.06
 UNKNOWN_SHARE_STATIC = 0.018
 UNKNOWN_SHARE_FORM = 0.8
+MUCH_OF_FLOOR = 0.35
+MUCH_SHARE = 0.25
+UNEXPLAINED_OF_FLOOR = 1.0
+NOTHING_LOGGED = "nothing that was logged"
 
 
 @dataclass(frozen=True)
@@ -192,6 +197,8 @@ def decide(
     rest = _leftovers(streams, searched.left, after, explained)
     carrier = _unknown(chosen, rest, explained, gate.floor_square)
     carried_by = carrier.covariates if carrier else ""
+    if not carried_by and _much_is_left(searched, explained, gate.floor_square):
+        carried_by = NOTHING_LOGGED
     if not carried_by and searched.judged and (other := together(searched.judged)):
         carried_by = CARRIED_BY if other.matters(gate.floor_square, explained) else ""
     if carried_by:
@@ -244,6 +251,25 @@ def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: flo
     )
 
 
+def _much_is_left(searched: Search, explained: float, floor_square: float) -> bool:
+    """Whether what stays above the floor, an error of form of the base put aside, is large beside what is explained.
+
+    What cannot be predicted from what was logged is no misfit of a name's form, nor is it noise, which the floor has. A
+    static base has too little form of its own to say so, and a slip leaves the block that it fell in.
+    """
+    chosen = searched.chosen
+    assert chosen is not None
+    streams, left = chosen.columns.streams, searched.left
+    if streams.context.base_kind == "static" or any(part.effect.scans for part in chosen.parts):
+        return False
+    least = floor_square + max(MUCH_OF_FLOOR * floor_square, MUCH_SHARE * explained)
+    if square_of(streams, left) <= least:
+        return False
+    beside = None if searched.wrong_form else beside_form(streams)
+    same = on(beside, chosen) if beside else None
+    return same is None or square_of(streams, beside.residual - same.heldout) > least
+
+
 def _of_wrong_form() -> Verdict:
     """What names could follow only as the base's own error of form is none of theirs."""
     return Verdict("unknown", (), probability.UNKNOWN, (), STATIC)
@@ -257,6 +283,9 @@ def _without_effect(streams: Streams, before: Mapping[str, Ceiling], gate: Gate)
         explained = gate.base_square - left
         if explained > max(gate.smallest(0.1), UNKNOWN_OF_FLOOR * gate.floor_square):
             return Verdict("unknown", (), probability.UNKNOWN, (), best.covariates)
+    large = gate.base_square > (1.0 + UNEXPLAINED_OF_FLOOR) * gate.floor_square
+    if large and streams.context.base_kind != "static":
+        return Verdict("unknown", (), probability.UNKNOWN, (), NOTHING_LOGGED)
     smallest = detectable(streams, gate)
     if gate.tolerance is not None and smallest > gate.tolerance:
         note = (

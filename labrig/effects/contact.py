@@ -46,6 +46,10 @@ class Contact(Effect):
                 yield Variant(
                     "per chamber", (Term.per_chamber("stopped", beyond, chambers),), {"limit": limit}
                 )
+                for c, chamber in enumerate(chambers):
+                    alone = np.where(np.arange(len(chambers)) == c, beyond, 0.0)
+                    if (alone < 0).any():
+                        yield Variant(f"{chamber} alone", (Term.common("stopped", alone),), {"limit": limit})
         for limit in context.grid("limit", (0.3, 0.45, 0.6, 0.75)):
             beyond = -np.maximum(context.deflection - limit, 0.0) * context.span
             if (beyond < 0).mean() >= 0.02 and len(chambers) > 1:

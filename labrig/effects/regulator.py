@@ -32,16 +32,19 @@ class Regulator(Effect):
         if not context.moves:
             return
         u = context.rows.actuation
-        one = np.ones_like(u)
         chambers = context.rows.chambers
         yield Variant("gain", (Term.common("gain", u),))
-        yield Variant("gain and offset", (Term.common("gain", u), Term.common("offset", one)))
         if len(chambers) > 1:
             yield Variant("gain per chamber", (Term.per_chamber("gain", u, chambers),))
-            yield Variant(
-                "gain and offset per chamber",
-                (Term.per_chamber("gain", u, chambers), Term.per_chamber("offset", one, chambers)),
-            )
+        # a chamber that is vented is open to the room, whatever its regulator or sensor would hold
+        open_at_zero = (np.abs(u - context.vented) > 1e-9 * context.span).astype(float)
+        for form, one in (("", np.ones_like(u)), (", open when vented", open_at_zero)):
+            if form and one.all():
+                continue
+            yield Variant(f"gain and offset{form}", (Term.common("gain", u), Term.common("offset", one)))
+            if len(chambers) > 1:
+                terms = (Term.per_chamber("gain", u, chambers), Term.per_chamber("offset", one, chambers))
+                yield Variant(f"gain and offset per chamber{form}", terms)
         for band in context.grid("band", (0.03, 0.08)):
             lost = -np.clip(u, -band * context.span, band * context.span)
             yield Variant("dead band", (Term.common("dead_band", lost),), {"band": band})
