@@ -13,6 +13,7 @@ from labrig.effects import Context, Effect, Term, Variant
 from labrig.effects._fields import contribution, term_width
 from labrig.effects._rows import Floats
 
+BEST_FORMS = 2
 KEPT_FORMS = 4
 DRAWS = 299
 CLEAR_SE = 1.0
@@ -31,6 +32,18 @@ class Candidate:
     def freedom(self) -> int:
         """How many coefficients the form has; a free pattern has one for each observable."""
         return sum(term_width(t, self.columns.streams.residual.shape[1]) for t in self.variant.terms)
+
+
+    @property
+    def alike_in_all(self) -> bool:
+        """Whether what lives in each chamber by itself is taken as the same in several."""
+        return any(
+            term.kind == "pressure"
+            and term.feature.shape[2] == 1
+            and self.effect.parameter(term.parameter).per == "chamber"
+            and np.abs(term.feature).any(axis=(0, 2)).sum() > 1
+            for term in self.variant.terms
+        )
 
 
 @dataclass(frozen=True)
@@ -87,11 +100,19 @@ def explore(
             if not plausible(effect, variant, columns, scored):
                 continue
             kept.append(Candidate(effect, variant, columns, scored))
-        kept.sort(key=lambda c: -c.score.gain)
         if kept:
-            narrowest = min(kept, key=lambda c: c.freedom)
-            found[name] = [c for i, c in enumerate(kept) if i < KEPT_FORMS or c is narrowest]
+            found[name] = _best_forms(kept)
     return found, largest
+
+
+def _best_forms(scored: list[Candidate]) -> list[Candidate]:
+    """The best few, the best of each of the few best kinds of form, and the narrowest; best first."""
+    scored = sorted(scored, key=lambda c: -c.score.gain)
+    of_kind: dict[str, Candidate] = {}
+    for candidate in scored:
+        of_kind.setdefault(candidate.variant.form, candidate)
+    kept = [*scored[:BEST_FORMS], *list(of_kind.values())[:KEPT_FORMS], min(scored, key=lambda c: c.freedom)]
+    return [c for c in scored if any(c is other for other in kept)]
 
 
 def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score) -> bool:

@@ -49,6 +49,7 @@ SAME_SHAPE = 0.95
 SAME_OF_FLOOR = 0.1
 SAME_SE = 1.5
 SIMPLER = 3.0
+NATURAL_SE = 1.5
 MUCH_SIMPLER = 8.0
 SMALLEST_BESIDE = 0.2
 
@@ -188,17 +189,51 @@ def _forward(
     if chosen is None:
         return None
     chosen, still = _prune(ground, chosen, fixed)
+    reformed = _reform(chosen, forms, still)
+    if reformed is not chosen:
+        chosen = _simplest(ground, _swap(reformed, found, still), found, still, forms)
+        chosen, still = _prune(ground, chosen, still)
     if still < fixed:
         return _forward(ground, chosen, signs, forms, still)
-    reformed = _reform(chosen, forms, fixed)
-    if reformed is not chosen:
-        chosen = _simplest(ground, _swap(reformed, found, fixed), found, fixed, forms)
-    if len(chosen.parts) != fixed + 1 or len(chosen.parts) >= MAX_EFFECTS:
-        return chosen
-    both = _simplest(ground, two_kinds(ground, chosen, found, fixed), found, fixed, forms)
-    # where two of one kind do as well, the second is a misfit of form
-    kinds = {part.effect.shows_in for part in both.parts[fixed:]}
-    return both if len(kinds) == len(both.parts) - fixed else chosen
+    if len(chosen.parts) == fixed + 1 and len(chosen.parts) < MAX_EFFECTS:
+        both = _simplest(ground, two_kinds(ground, chosen, found, fixed), found, fixed, forms)
+        # where two of one kind do as well, the second is a misfit of form
+        kinds = {part.effect.shows_in for part in both.parts[fixed:]}
+        chosen = both if len(kinds) == len(both.parts) - fixed else chosen
+    exchanged = _in_best_forms(ground, chosen, fixed)
+    if exchanged is not chosen:
+        chosen = _simplest(ground, exchanged, found, fixed, forms)
+    return _natural(chosen, found, fixed)
+
+
+def _in_best_forms(ground: Ground, chosen: Fit, fixed: int) -> Fit:
+    """One exchange more, for any form of any effect: those kept did best alone, and another stands beside them now."""
+    streams, best = ground.streams, chosen
+    for i in range(fixed, len(chosen.parts)) if len(chosen.parts) > 1 else ():
+        rest = fit([p for j, p in enumerate(chosen.parts) if j != i])
+        left = replace(streams, residual=streams.residual - rest.columns.field(rest.score.beta))
+        again, _ = explore(left, streams.context, ground.effects, draw_signs(streams.n_groups, draws=0))
+        kept = [(forms[0].effect, [c.variant for c in forms]) for forms in again.values()]
+        found = {effect.name: lay_out(streams, effect, variants) for effect, variants in kept}
+        best = max(best, _swap(chosen, found, fixed, only=i), key=lambda f: f.score.gain)
+    return best
+
+
+def _natural(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
+    """Where two tie, the one that is of one piece: what lives in each chamber by itself is seldom alike in all."""
+    for i in range(fixed, len(chosen.parts)):
+        if not chosen.parts[i].alike_in_all:
+            continue
+        for option in _options(chosen, found, leave=i):
+            behind = chosen.score.gains - option.score.gains
+            se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
+            near = behind.sum() <= min(NATURAL_SE * se, SAME_SHARE * chosen.score.gain)
+            other = option.parts[-1]
+            if not near or other.alike_in_all or other.freedom > chosen.parts[i].freedom:
+                continue
+            if similarity(chosen, i, option) > SAME_SHAPE and stays_plausible(option, fixed):
+                return option
+    return chosen
 
 
 def _reform(chosen: Fit, forms: Mapping[str, list[Candidate]], fixed: int) -> Fit:
@@ -314,11 +349,11 @@ def _simplest(
     return chosen
 
 
-def _swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
-    """Exchange one effect, or its form, for another as long as the joint score rises clearly."""
-    for _ in range(4):
+def _swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int, only: int | None = None) -> Fit:
+    """Exchange one effect (`only` the one of that number), or its form, as long as the joint score rises clearly."""
+    for _ in range(4 if only is None else 1):
         better = chosen
-        for i in range(fixed, len(chosen.parts)):
+        for i in range(fixed, len(chosen.parts)) if only is None else (only,):
             for option in _options(chosen, found, leave=i):
                 rises = option.score.gains - better.score.gains
                 same = option.parts[-1].effect.name == chosen.parts[i].effect.name

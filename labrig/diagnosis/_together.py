@@ -20,8 +20,10 @@ from labrig.effects._rows import Floats
 CARRIED_BY = "the pressures of neighbouring chambers together"
 CLEARLY_SE = 2.5
 BETTER_BLOCKS = 0.8
+CLEARLY_SE_EVERYWHERE = 1.5
+EVERYWHERE = 0.99
 SMALLEST_OF_FLOOR = 0.015
-SMALLEST_SHARE = 0.005
+SMALLEST_SHARE = 0.003
 
 
 @dataclass(frozen=True)
@@ -33,10 +35,12 @@ class Together:
     fall: float
 
     def matters(self, floor_square: float, explained: float) -> bool:
-        """Whether it is clear, in nearly every block, and large enough beside what the names explain."""
-        clear = clearly(self.gains, self.base, CLEARLY_SE)
+        """Whether it is clear, in nearly every block or in all, and large enough beside what the names explain."""
+        better = float((self.gains > 0).mean())
+        clear = better >= BETTER_BLOCKS and clearly(self.gains, self.base, CLEARLY_SE)
+        clear = clear or (better >= EVERYWHERE and clearly(self.gains, self.base, CLEARLY_SE_EVERYWHERE))
         large = self.fall > max(SMALLEST_OF_FLOOR * floor_square, SMALLEST_SHARE * explained)
-        return clear and large and (self.gains > 0).mean() >= BETTER_BLOCKS
+        return clear and large
 
 
 def together(chosen: Fit) -> Together | None:

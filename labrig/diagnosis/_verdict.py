@@ -55,6 +55,7 @@ NOTHING_LOGGED = "nothing that was logged"
 class Rival:
     """Another effect in the place of `instead_of`: how far behind it is, as z-scores by block and by capture, and a share.
 
+    It is not `natural` where it has what lives in each chamber the same in all, and the one in whose place it stands has not.
     `design` says where the campaign cannot tell them apart but by the form of a curve: `levels`, no chamber was at
     more than two pressures; `holds`, hardly anything was actuated, so time in hold and time in session are one.
     """
@@ -66,6 +67,7 @@ class Rival:
     cosine: float
     wider: float
     z_captures: float = 0.0
+    natural: bool = True
     design: Literal["", "levels", "holds"] = ""
 
     @property
@@ -76,7 +78,7 @@ class Rival:
         marker in place of a shifted frame) is no rival: it contains the simpler one.
         """
         same_shape = abs(self.cosine) > ALIKE_COSINE
-        if self.imitates:
+        if self.imitates or not self.natural:
             return False
         if self.design == "levels" and same_shape and self.share < EQUAL_SHARE:
             return True
@@ -169,7 +171,8 @@ def _compare(name: str, chosen: Fit, i: int, worth: float, option: Fit) -> Rival
     cosine = similarity(chosen, i, option)
     each = _by_capture(option) - _by_capture(chosen)
     by_capture = float(each.sum() / max(np.sqrt(len(each)) * each.std(), 1e-300))
-    return Rival(name, part.effect.name, float(z), float(share), cosine, wider, by_capture)
+    natural = part.alike_in_all or not option.parts[-1].alike_in_all
+    return Rival(name, part.effect.name, float(z), float(share), cosine, wider, by_capture, natural)
 
 
 def _by_capture(chosen: Fit) -> Floats:

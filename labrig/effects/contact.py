@@ -25,6 +25,7 @@ class Contact(Effect):
         Parameter(
             "limit", "1", 0.0, 1.0, meaning="where the limit lies, fraction of the range (or of the travel)"
         ),
+        Parameter("chamber", "1", 0.0, meaning="the only chamber that is stopped, counted from 0"),
     )
     reference = (
         "P. Wriggers, Computational Contact Mechanics, 2nd ed. Springer 2006, ch. 2 (unilateral contact)"
@@ -46,10 +47,11 @@ class Contact(Effect):
                 yield Variant(
                     "per chamber", (Term.per_chamber("stopped", beyond, chambers),), {"limit": limit}
                 )
-                for c, chamber in enumerate(chambers):
+                for c in context.grid("chamber", range(len(chambers))):
                     alone = np.where(np.arange(len(chambers)) == c, beyond, 0.0)
                     if (alone < 0).any():
-                        yield Variant(f"{chamber} alone", (Term.common("stopped", alone),), {"limit": limit})
+                        shape = {"limit": limit, "chamber": float(c)}
+                        yield Variant("one chamber", (Term.common("stopped", alone),), shape)
         for limit in context.grid("limit", (0.3, 0.45, 0.6, 0.75)):
             beyond = -np.maximum(context.deflection - limit, 0.0) * context.span
             if (beyond < 0).mean() >= 0.02 and len(chambers) > 1:
