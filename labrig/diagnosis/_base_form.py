@@ -60,8 +60,8 @@ def is_wrong(chosen: Fit, moving: Fit | None, beside: Streams, floor_square: flo
         after = beside.residual - (same.heldout if same else beside.nothing)
         ahead = _by_block(streams, before) - _by_block(streams, after)
         falls = square_of(streams, before) - square_of(streams, after)
-        large = falls > LARGE_OF_FLOOR * floor_square
-        if falls > SMALLEST_OF_FLOOR * floor_square and clearly(ahead, streams.base_squares, 1.0 if large else CLEARLY_SE):
+        least = 1.0 if falls > LARGE_OF_FLOOR * floor_square else CLEARLY_SE
+        if falls > SMALLEST_OF_FLOOR * floor_square and clearly(ahead, streams.base_squares, least):
             return True
     return False
 

@@ -33,7 +33,6 @@ class Candidate:
         """How many coefficients the form has; a free pattern has one for each observable."""
         return sum(term_width(t, self.columns.streams.residual.shape[1]) for t in self.variant.terms)
 
-
     @property
     def alike_in_all(self) -> bool:
         """Whether what lives in each chamber by itself is taken as the same in several."""

@@ -12,6 +12,16 @@ from labrig.effects._rows import Floats, Ints
 
 
 @dataclass(frozen=True)
+class Split:
+    """Gram matrix (Q, Q) and products with the residual (Q,): of the blocks fitted to, and of the one left out."""
+
+    gram: Floats
+    product: Floats
+    own_gram: Floats
+    own_product: Floats
+
+
+@dataclass(frozen=True)
 class Columns:
     """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields."""
 
@@ -34,14 +44,55 @@ class Columns:
     def _whole(self) -> tuple[Floats, Floats]:
         return self._sums(self.X, self.E, self.streams.residual, self.streams.projected, None)
 
-    def fold_sums(self, fold: int) -> tuple[Floats, Floats]:
-        """As `sums`, the base's own parameters fitted without the block `fold`."""
+    def held_out(self, fold: int) -> "Split":
+        """The sums over all blocks but `fold`, and over that one, the base's own parameters fitted without it."""
         s = self.streams
+        if s.declared is not None and s.calibrated is None and not self.X.shape[2] and not s.as_features:
+            return self._fields_held_out(fold)
         if s.declared is None:
-            return self._beside_calibrated(*self._whole, fold)
-        residual, projected = s.fold_residuals[fold]
-        sums = self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected, fold)
-        return self._beside_calibrated(*sums, fold)
+            G, c = self._beside_calibrated(*self._whole, fold)
+        else:
+            residual, projected = s.fold_residuals[fold]
+            sums = self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected, fold)
+            G, c = self._beside_calibrated(*sums, fold)
+        return Split(G.sum(axis=0) - G[fold], c.sum(axis=0) - c[fold], G[fold], c[fold])
+
+    def _fields_held_out(self, fold: int) -> "Split":
+        """The same for fields alone, from sums that are made once for all folds.
+
+        With Z the fields and the residual, D the declared regressors and B their coefficients, fitted to the other
+        blocks, the sums of Z - D B are Z'Z - Z'D B - B'D'Z + B'D'D B, for each observable with its own weights.
+        """
+        square, cross, common = self._field_sums
+        gram = self.streams.declared_sums
+        B = self.streams.declared_inverses[fold] @ (common.sum(axis=0) - common[fold])
+
+        def of(square: Floats, cross: Floats, gram: Floats) -> Floats:
+            n = B.shape[-1]
+            both = cross.reshape(-1, n).T @ B.reshape(-1, n)
+            return square - both - both.T + B.reshape(-1, n).T @ (gram @ B).reshape(-1, n)
+
+        train = of(*(x.sum(axis=0) - x[fold] for x in (square, cross, gram)))
+        own = of(square[fold], cross[fold], gram[fold])
+        return Split(train[:-1, :-1], train[:-1, -1], own[:-1, :-1], own[:-1, -1])
+
+    @cached_property
+    def _field_sums(self) -> tuple[Floats, Floats, Floats]:
+        """Per block, of the fields and the residual Z (S, K, Q + 1): Z'WZ (G, Q + 1, Q + 1), and D'WZ for each
+        observable (G, K, d, Q + 1) with its own weights W and with the common ones.
+        """
+        s = self.streams
+        Z = np.concatenate([self.E, s.residual[:, :, None]], axis=2)
+        square, cross, common = [], [], []
+        for own, (weighted, alike) in zip(s.blocks, s.declared_weighted, strict=True):
+            z = Z[own]
+            square.append(
+                (s.weight[own][:, :, None] * z).reshape(-1, z.shape[2]).T @ z.reshape(-1, z.shape[2])
+            )
+            of_each = np.ascontiguousarray(z.transpose(1, 0, 2))
+            cross.append(weighted @ of_each)
+            common.append(alike @ of_each)
+        return np.array(square), np.array(cross), np.array(common)
 
     def _beside_calibrated(self, G: Floats, c: Floats, without: int | None) -> tuple[Floats, Floats]:
         """Sums of these columns alone: the calibrated parameters, which come last, are fitted to the other blocks."""
@@ -143,7 +194,8 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
     used = np.flatnonzero(np.abs(X).sum(axis=(0, 2)) > 0) if parts else np.zeros(0, dtype=np.int64)
     E = np.concatenate(fields, axis=2) if fields else np.zeros((S, K, 0))
     X = X[:, used]
-    if streams.declared is not None and X.shape[2] and not streams.constant_modes[used].all():
+    nonlinear = not streams.as_features and not streams.constant_modes.all()
+    if streams.declared is not None and X.shape[2] and (nonlinear or not streams.constant_modes[used].all()):
         moved = np.einsum("suq,suk->skq", X, streams.modes[:, used][streams.source], optimize=True)
         E = np.concatenate([moved, E], axis=2)
         X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.diagnosis._columns import Columns
+from labrig.diagnosis._columns import Columns, Split
 from labrig.effects._rows import Floats
 
 RIDGES = (1e-3, 0.03, 0.3)
@@ -45,7 +45,7 @@ def score(columns: Columns) -> Score:
         G, c = columns.sums
         results = [_leave_out(G, c, ridge) for ridge in ridges]
     else:
-        folds = [columns.fold_sums(f) for f in range(columns.streams.n_groups)]
+        folds = [columns.held_out(f) for f in range(columns.streams.n_groups)]
         results = [_leave_out_each(folds, ridge) for ridge in ridges]
         G, c = columns.sums
     best = int(np.argmax([gains.sum() for gains, _ in results]))
@@ -79,12 +79,10 @@ def _leave_out(G: Floats, c: Floats, ridge: float) -> tuple[Floats, Floats]:
     return _gains(G, c, beta), beta
 
 
-def _leave_out_each(folds: list[tuple[Floats, Floats]], ridge: float) -> tuple[Floats, Floats]:
-    seen = np.stack([G.sum(axis=0) - G[f] for f, (G, _) in enumerate(folds)])
-    target = np.stack([c.sum(axis=0) - c[f] for f, (_, c) in enumerate(folds)])
+def _leave_out_each(folds: list[Split], ridge: float) -> tuple[Floats, Floats]:
+    seen, target = np.stack([f.gram for f in folds]), np.stack([f.product for f in folds])
     beta = (_inverse(seen, ridge) @ target[..., None])[..., 0]
-    own = np.stack([G[f] for f, (G, _) in enumerate(folds)])
-    return _gains(own, np.stack([c[f] for f, (_, c) in enumerate(folds)]), beta), beta
+    return _gains(np.stack([f.own_gram for f in folds]), np.stack([f.own_product for f in folds]), beta), beta
 
 
 def _gains(G: Floats, c: Floats, beta: Floats) -> Floats:

@@ -8,8 +8,6 @@ then sought in what that leaves, and must explain most of what any static map co
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from labrig.diagnosis._base_form import as_good, beside_form, is_wrong, large_beside, on
 from labrig.diagnosis._candidates import (
     Candidate,
@@ -22,6 +20,7 @@ from labrig.diagnosis._candidates import (
     square_of,
     stays_plausible,
 )
+from labrig.diagnosis._exchange import in_best_forms, natural, options_of, other_forms, reform, simplest, swap
 from labrig.diagnosis._gate import (
     MAX_EFFECTS,
     SIGNIFICANT,
@@ -36,21 +35,13 @@ from labrig.diagnosis._gate import (
     p_of_best,
     p_of_search,
     rules_the_hold,
-    similarity,
 )
-from labrig.diagnosis._moving import better_moving, large_enough, left_by, moves, on_whole
+from labrig.diagnosis._moving import better_moving, large_enough, moves, on_whole
 from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._two_kinds import two_kinds
 from labrig.effects import Effect
 from labrig.effects._rows import Floats
 
-SAME_SHARE = 0.015
-SAME_SHAPE = 0.95
-SAME_OF_FLOOR = 0.1
-SAME_SE = 1.5
-SIMPLER = 3.0
-NATURAL_SE = 1.5
-MUCH_SIMPLER = 8.0
 SMALLEST_BESIDE = 0.2
 
 
@@ -110,7 +101,11 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
     again = _beside_wrong_form(static_ground, chosen, moving, signs)
     if again is not None and chosen is not None:
         standing = [p.effect.name in (moving.names if moving else ()) for p in chosen.parts]
-        both = two_kinds(static_ground, chosen, static_found, sum(standing), 0.0) if len(standing) - sum(standing) == 1 else chosen
+        both = (
+            two_kinds(static_ground, chosen, static_found, sum(standing), 0.0)
+            if len(standing) - sum(standing) == 1
+            else chosen
+        )
         if both is not chosen and as_good(both, again[0].streams, again[1]):
             chosen, again = both, None
     if again is None:
@@ -185,66 +180,35 @@ def _forward(
             break
         if not fits_form(ground.streams, chosen, best):
             break
-        chosen = _simplest(ground, _swap(best, found, fixed), found, fixed, forms)
+        chosen = simplest(ground, swap(best, found, fixed), found, fixed, forms)
     if chosen is None:
         return None
     chosen, still = _prune(ground, chosen, fixed)
-    reformed = _reform(chosen, forms, still)
+    chosen = _settle(ground, chosen, found, still, forms)
+    chosen, still = _prune(ground, chosen, still)
+    return _forward(ground, chosen, signs, forms, still) if still < fixed else chosen
+
+
+def _settle(
+    ground: Ground,
+    chosen: Fit,
+    found: Mapping[str, list[Candidate]],
+    fixed: int,
+    forms: Mapping[str, list[Candidate]],
+) -> Fit:
+    """The same effects in better forms, two of different kinds for one that followed both, ties to the natural one."""
+    reformed = reform(chosen, forms, fixed)
     if reformed is not chosen:
-        chosen = _simplest(ground, _swap(reformed, found, still), found, still, forms)
-        chosen, still = _prune(ground, chosen, still)
-    if still < fixed:
-        return _forward(ground, chosen, signs, forms, still)
+        chosen = simplest(ground, swap(reformed, found, fixed), found, fixed, forms)
     if len(chosen.parts) == fixed + 1 and len(chosen.parts) < MAX_EFFECTS:
-        both = _simplest(ground, two_kinds(ground, chosen, found, fixed), found, fixed, forms)
+        both = simplest(ground, two_kinds(ground, chosen, found, fixed), found, fixed, forms)
         # where two of one kind do as well, the second is a misfit of form
         kinds = {part.effect.shows_in for part in both.parts[fixed:]}
         chosen = both if len(kinds) == len(both.parts) - fixed else chosen
-    exchanged = _in_best_forms(ground, chosen, fixed)
+    exchanged = in_best_forms(ground, chosen, fixed)
     if exchanged is not chosen:
-        chosen = _simplest(ground, exchanged, found, fixed, forms)
-    return _natural(chosen, found, fixed)
-
-
-def _in_best_forms(ground: Ground, chosen: Fit, fixed: int) -> Fit:
-    """One exchange more, for any form of any effect: those kept did best alone, and another stands beside them now."""
-    streams, best = ground.streams, chosen
-    for i in range(fixed, len(chosen.parts)) if len(chosen.parts) > 1 else ():
-        rest = fit([p for j, p in enumerate(chosen.parts) if j != i])
-        left = replace(streams, residual=streams.residual - rest.columns.field(rest.score.beta))
-        again, _ = explore(left, streams.context, ground.effects, draw_signs(streams.n_groups, draws=0))
-        kept = [(forms[0].effect, [c.variant for c in forms]) for forms in again.values()]
-        found = {effect.name: lay_out(streams, effect, variants) for effect, variants in kept}
-        best = max(best, _swap(chosen, found, fixed, only=i), key=lambda f: f.score.gain)
-    return best
-
-
-def _natural(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
-    """Where two tie, the one that is of one piece: what lives in each chamber by itself is seldom alike in all."""
-    for i in range(fixed, len(chosen.parts)):
-        if not chosen.parts[i].alike_in_all:
-            continue
-        for option in _options(chosen, found, leave=i):
-            behind = chosen.score.gains - option.score.gains
-            se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
-            near = behind.sum() <= min(NATURAL_SE * se, SAME_SHARE * chosen.score.gain)
-            other = option.parts[-1]
-            if not near or other.alike_in_all or other.freedom > chosen.parts[i].freedom:
-                continue
-            if similarity(chosen, i, option) > SAME_SHAPE and stays_plausible(option, fixed):
-                return option
-    return chosen
-
-
-def _reform(chosen: Fit, forms: Mapping[str, list[Candidate]], fixed: int) -> Fit:
-    """The same effects, the fixed ones in the forms that do clearly best beside the others."""
-    for i in range(fixed if len(chosen.parts) > fixed else 0):
-        for form in forms.get(chosen.parts[i].effect.name, ()):
-            option = fit([*chosen.parts[:i], form, *chosen.parts[i + 1 :]])
-            rises = option.score.gains - chosen.score.gains
-            if rises.sum() > np.sqrt(len(rises)) * rises.std(ddof=1) and stays_plausible(option):
-                chosen = option
-    return chosen
+        chosen = simplest(ground, exchanged, found, fixed, forms)
+    return natural(chosen, found, fixed)
 
 
 def _look_again(
@@ -267,103 +231,18 @@ def _look_again(
     return out
 
 
-def _options(chosen: Fit | None, found: Mapping[str, list[Candidate]], leave: int | None = None) -> list[Fit]:
-    parts = list(chosen.parts) if chosen else []
-    if leave is not None:
-        parts = parts[:leave] + parts[leave + 1 :]
-    taken = {p.effect.name for p in parts}
-    return [fit([*parts, c]) for name, forms in found.items() if name not in taken for c in forms]
-
-
-def _other_forms(
-    chosen: Fit,
-    found: Mapping[str, list[Candidate]],
-    fixed: int,
-    forms: Mapping[str, list[Candidate]],
-    leave: int | None = None,
-) -> list[Fit]:
-    """`_options` where a fixed part takes another of its `forms`.
-
-    For an addition (nothing is to `leave`) only forms that do worse without it: the fixed part had stood for what is
-    now added. One that does better by itself would lend the addition its own gain.
-    """
-    best_forms = {name: own[:1] for name, own in found.items()}
-    out = []
-    for i, part in enumerate(chosen.parts[:fixed]):
-        for form in forms.get(part.effect.name, ()):
-            changed = fit([*chosen.parts[:i], form, *chosen.parts[i + 1 :]])
-            if leave is not None or changed.score.gain < chosen.score.gain:
-                out += _options(changed, best_forms, leave)
-    return out
-
-
 def _best_addition(
     chosen: Fit | None, found: Mapping[str, list[Candidate]], fixed: int, forms: Mapping[str, list[Candidate]]
 ) -> Fit | None:
     """The best of all plausible additions; how far the `fixed` parts went had been settled on their own ground."""
-    options = [f for f in _options(chosen, found) if stays_plausible(f, fixed)]
+    options = [f for f in options_of(chosen, found) if stays_plausible(f, fixed)]
     best = max(options, key=lambda f: f.score.gain, default=None)
     if chosen is None or best is None:
         return best
-    for option in _other_forms(chosen, found, fixed, forms):
+    for option in other_forms(chosen, found, fixed, forms):
         if option.score.gain > best.score.gain and stays_plausible(option):
             best = option
     return best
-
-
-def _simplest(
-    ground: Ground,
-    chosen: Fit,
-    found: Mapping[str, list[Candidate]],
-    fixed: int,
-    forms: Mapping[str, list[Candidate]],
-) -> Fit:
-    """Where other effects do as well with fewer coefficients, the one with the fewest takes the place."""
-    for i in range(fixed, len(chosen.parts)):
-        part = chosen.parts[i]
-        rest = [p for j, p in enumerate(chosen.parts) if j != i]
-        worth = chosen.score.gain - (fit(rest).score.gain if rest else 0.0)
-        best = chosen
-        others = _other_forms(chosen, found, fixed, forms, leave=i)
-        for option in [*_options(chosen, found, leave=i), *others]:
-            behind = chosen.score.gains - option.score.gains
-            se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
-            worse = left_by(option) - left_by(chosen)
-            free = part.freedom >= min(
-                ground.streams.residual.shape[1], MUCH_SIMPLER * option.parts[-1].freedom
-            )
-            same = worse <= SAME_OF_FLOOR * ground.gate.floor_square and behind.sum() <= SAME_SHARE * worth
-            same = same and (free or behind.sum() <= SAME_SE * se)
-            tied = behind.sum() <= se or (same and similarity(chosen, i, option) > SAME_SHAPE)
-            holder = part if best is chosen else best.parts[-1]
-            simpler = SIMPLER * option.parts[-1].freedom <= holder.freedom
-            if (
-                tied
-                and simpler
-                and option.parts[-1].effect.name != part.effect.name
-                and stays_plausible(option, fixed)
-            ):
-                best = option
-        if best is not chosen:
-            return best
-    return chosen
-
-
-def _swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int, only: int | None = None) -> Fit:
-    """Exchange one effect (`only` the one of that number), or its form, as long as the joint score rises clearly."""
-    for _ in range(4 if only is None else 1):
-        better = chosen
-        for i in range(fixed, len(chosen.parts)) if only is None else (only,):
-            for option in _options(chosen, found, leave=i):
-                rises = option.score.gains - better.score.gains
-                same = option.parts[-1].effect.name == chosen.parts[i].effect.name
-                se = 0.0 if same else float(np.sqrt(len(rises)) * rises.std(ddof=1))
-                if rises.sum() > se and stays_plausible(option, fixed):
-                    better = option
-        if better is chosen:
-            return chosen
-        chosen = better
-    return chosen
 
 
 def _prune(ground: Ground, chosen: Fit, fixed: int) -> tuple[Fit, int]:

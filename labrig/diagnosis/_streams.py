@@ -222,6 +222,32 @@ class Streams:
         return self._fittings[without]
 
     @cached_property
+    def declared_weighted(self) -> list[tuple[Floats, Floats]]:
+        """Per block, the base's own regressors by their weights: (K, d, S) for each observable, (d, S) in common."""
+        assert self.declared is not None
+        D, common = self.declared.T, self.weight.max(axis=1)
+        return [
+            (D[None, :, own] * self.weight[own].T[:, None], D[:, own] * common[own]) for own in self.blocks
+        ]
+
+    @cached_property
+    def declared_sums(self) -> Floats:
+        """Gram matrices of the base's own regressors, for each block and observable, (G, K, d, d)."""
+        assert self.declared is not None
+        each = zip(self.blocks, self.declared_weighted, strict=True)
+        return np.array([weighted @ self.declared[own] for own, (weighted, _) in each])
+
+    @cached_property
+    def declared_inverses(self) -> list[Floats]:
+        """Inverses of the regressors' common Gram matrix over all blocks but each one, (d, d)."""
+        assert self.declared is not None
+        each = [
+            alike @ self.declared[own]
+            for own, (_, alike) in zip(self.blocks, self.declared_weighted, strict=True)
+        ]
+        return [np.linalg.pinv(np.sum(each, axis=0) - one, rcond=1e-12, hermitian=True) for one in each]
+
+    @cached_property
     def _fittings(self) -> dict[int | None, Floats]:
         return {}
 

@@ -19,16 +19,18 @@ from labrig.effects._rows import Floats
 
 CARRIED_BY = "the pressures of neighbouring chambers together"
 CLEARLY_SE = 2.5
-BETTER_BLOCKS = 0.8
+OFTEN = 0.8
+NEARLY_EVERYWHERE = 0.9
 CLEARLY_SE_EVERYWHERE = 1.5
 EVERYWHERE = 0.99
 SMALLEST_OF_FLOOR = 0.015
 SMALLEST_SHARE = 0.003
+LARGE_SHARE = 0.02
 
 
 @dataclass(frozen=True)
 class Together:
-    """What the learner adds: by block of the held-out score (G,), beside what each had, and as a fall of the mean square."""
+    """What the learner adds: by block of the held-out score (G,), each block's `base`, the fall of the mean square."""
 
     gains: Floats
     base: Floats
@@ -37,7 +39,8 @@ class Together:
     def matters(self, floor_square: float, explained: float) -> bool:
         """Whether it is clear, in nearly every block or in all, and large enough beside what the names explain."""
         better = float((self.gains > 0).mean())
-        clear = better >= BETTER_BLOCKS and clearly(self.gains, self.base, CLEARLY_SE)
+        least = NEARLY_EVERYWHERE if self.fall < LARGE_SHARE * explained else OFTEN
+        clear = better >= least and clearly(self.gains, self.base, CLEARLY_SE)
         clear = clear or (better >= EVERYWHERE and clearly(self.gains, self.base, CLEARLY_SE_EVERYWHERE))
         large = self.fall > max(SMALLEST_OF_FLOOR * floor_square, SMALLEST_SHARE * explained)
         return clear and large
@@ -57,7 +60,9 @@ def together(chosen: Fit) -> Together | None:
     term = _neighbours(streams.context)
     if term is None:
         return None
-    columns = join([*(part.columns for part in chosen.parts), columns_of(streams, Variant("together", (term,)))])
+    columns = join(
+        [*(part.columns for part in chosen.parts), columns_of(streams, Variant("together", (term,)))]
+    )
     both = Fit(chosen.parts, columns, score(columns))
     before, after = (square_of(streams, streams.residual - f.heldout) for f in (chosen, both))
     return Together(both.score.gains - chosen.score.gains, streams.base_squares, before - after)

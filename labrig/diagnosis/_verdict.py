@@ -53,9 +53,9 @@ NOTHING_LOGGED = "nothing that was logged"
 
 @dataclass(frozen=True)
 class Rival:
-    """Another effect in the place of `instead_of`: how far behind it is, as z-scores by block and by capture, and a share.
+    """Another effect in the place of `instead_of`: how far behind it is, as z-scores (blocks, captures) and as a share.
 
-    It is not `natural` where it has what lives in each chamber the same in all, and the one in whose place it stands has not.
+    It is not `natural` where it has what lives in each chamber the same in all, and the other has not.
     `design` says where the campaign cannot tell them apart but by the form of a curve: `levels`, no chamber was at
     more than two pressures; `holds`, hardly anything was actuated, so time in hold and time in session are one.
     """
@@ -177,7 +177,8 @@ def _compare(name: str, chosen: Fit, i: int, worth: float, option: Fit) -> Rival
 
 def _by_capture(chosen: Fit) -> Floats:
     streams = chosen.columns.streams
-    return np.bincount(streams.source, weights=streams.square(streams.residual - chosen.heldout))
+    each = streams.square(streams.residual - chosen.heldout)
+    return np.bincount(streams.source, weights=each).astype(float)
 
 
 def decide(
@@ -269,8 +270,9 @@ def _much_is_left(searched: Search, explained: float, floor_square: float) -> bo
     if square_of(streams, left) <= least:
         return False
     beside = None if searched.wrong_form else beside_form(streams)
-    same = on(beside, chosen) if beside else None
-    return same is None or square_of(streams, beside.residual - same.heldout) > least
+    if beside is None or (same := on(beside, chosen)) is None:
+        return True
+    return square_of(streams, beside.residual - same.heldout) > least
 
 
 def _of_wrong_form() -> Verdict:
