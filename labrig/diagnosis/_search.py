@@ -99,15 +99,16 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
         chosen = _forward(static_ground, better[1], signs, _forms_of(streams, moving, found, whole))
     found = {**whole, **static_found}
     again = _beside_wrong_form(static_ground, chosen, moving, signs)
-    if again is not None and chosen is not None:
-        standing = [p.effect.name in (moving.names if moving else ()) for p in chosen.parts]
+    if chosen is not None and again is not None:
+        names = moving.names if moving else ()
+        fixed = sum(part.effect.name in names for part in chosen.parts)
         both = (
-            two_kinds(static_ground, chosen, static_found, sum(standing), 0.0)
-            if len(standing) - sum(standing) == 1
+            two_kinds(static_ground, chosen, static_found, fixed, 0.0)
+            if len(chosen.parts) == fixed + 1
             else chosen
         )
         if both is not chosen and as_good(both, again[0].streams, again[1]):
-            chosen, again = both, None
+            chosen, again = _settle(static_ground, both, static_found, fixed, {}), None
     if again is None:
         return Search(found, chosen, moving, moving_ground, static_ground, chosen)
     static_ground, judged = again
