@@ -13,7 +13,7 @@ import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, clearly, fit, lay_out, square_of
 from labrig.diagnosis._columns import columns_of
-from labrig.diagnosis._gate import Ground
+from labrig.diagnosis._gate import Gate, Ground
 from labrig.diagnosis._streams import Streams, per_capture
 from labrig.effects._rows import Floats
 
@@ -22,7 +22,9 @@ CAPTURES_PER_CHAMBER = 5
 CLEARLY_SE = 2.0
 SMALLEST_OF_FLOOR = 0.015
 LARGE_OF_FLOOR = 0.06
+SMALLEST_SHARE = 0.005
 OWN_SHARE = 0.25
+NEARLY_ALL = 0.1
 
 
 def beside_form(streams: Streams) -> Streams | None:
@@ -51,17 +53,22 @@ def on(streams: Streams, parts: "Fit | None") -> Fit | None:
     return fit(kept) if kept else None
 
 
-def is_wrong(chosen: Fit, moving: Fit | None, beside: Streams, floor_square: float) -> bool:
-    """Whether an error of form, with the `chosen` names or in the place of the static ones, does clearly better."""
+def is_wrong(chosen: Fit, moving: Fit | None, beside: Streams, gate: Gate) -> bool:
+    """Whether an error of form, with the `chosen` names or in the place of the static ones, does clearly better.
+
+    It must be of some size beside the floor, and beside what is explained: no name's form is quite right.
+    """
     streams = chosen.columns.streams
     before = streams.residual - chosen.heldout
+    explained = max(gate.base_square - square_of(streams, before), 0.0)
+    smallest = max(SMALLEST_OF_FLOOR * gate.floor_square, SMALLEST_SHARE * explained)
     for parts in (chosen, moving):
         same = on(beside, parts)
         after = beside.residual - (same.heldout if same else beside.nothing)
         ahead = _by_block(streams, before) - _by_block(streams, after)
         falls = square_of(streams, before) - square_of(streams, after)
-        least = 1.0 if falls > LARGE_OF_FLOOR * floor_square else CLEARLY_SE
-        if falls > SMALLEST_OF_FLOOR * floor_square and clearly(ahead, streams.base_squares, least):
+        least = 1.0 if falls > LARGE_OF_FLOOR * gate.floor_square else CLEARLY_SE
+        if falls > smallest and clearly(ahead, streams.base_squares, least):
             return True
     return False
 
@@ -77,6 +84,17 @@ def large_beside(judged: Fit, ground: Ground, moving: Sequence[Candidate]) -> bo
             own += columns_of(streams, part.variant).field(judged.own(i))
     possible = square_of(streams, left) - ground.gate.floor_square
     return square_of(streams, own) >= OWN_SHARE * possible
+
+
+def is_nearly_all(chosen: Fit, left_by_form: float, gate: Gate) -> bool:
+    """Whether names of the chambers' own pressures, and nothing else, explain nearly all that a form could.
+
+    Such a name is of that form itself, so it can't stand beside it; as the smaller one it goes before.
+    """
+    streams = chosen.columns.streams
+    left = square_of(streams, streams.residual - chosen.heldout)
+    own = all(part.effect.shows_in == "own pressure" for part in chosen.parts)
+    return own and left - left_by_form <= NEARLY_ALL * max(gate.base_square - left_by_form, 0.0)
 
 
 def as_good(chosen: Fit, beside: Streams, judged: Fit | None) -> bool:

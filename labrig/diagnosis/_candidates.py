@@ -13,7 +13,7 @@ from labrig.effects import Context, Effect, Term, Variant
 from labrig.effects._fields import contribution, term_width
 from labrig.effects._rows import Floats
 
-BEST_FORMS = 2
+BEST_FORMS = 4
 KEPT_FORMS = 4
 DRAWS = 299
 CLEAR_SE = 1.0

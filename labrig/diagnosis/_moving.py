@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -32,6 +33,17 @@ CLEARLY_SE = 2.0
 GOOD_FORM = 0.97
 AS_GOOD_SHARE = 0.05
 BETTER_BLOCKS = 0.66
+FEW_HOLDS = 6
+
+Design = Literal["", "levels", "holds"]
+
+
+def design_of(streams: Streams) -> Design:
+    """Whether a campaign cannot tell some causes apart: two `levels` of pressure at most, or hardly any `holds`."""
+    rows = streams.context.rows
+    if len(np.unique(rows.event)) < FEW_HOLDS:
+        return "holds"
+    return "levels" if max(len(np.unique(np.round(x, 2))) for x in rows.fraction.T) <= 2 else ""
 
 
 def moves(effect: Effect, streams: Streams) -> bool:
@@ -93,7 +105,7 @@ def better_moving(
         return None
     before = fit(standing).score.gains if standing else 0.0
     best: tuple[Fit, Fit, Candidate, bool] | None = None
-    most = 0.0
+    most, design = 0.0, design_of(ground.streams)
     for name, forms in whole.items():
         if name in chosen.names:
             continue
@@ -101,7 +113,11 @@ def better_moving(
         alone = there.score.gains - before
         if not clear(alone, own.streams.base_squares):
             continue
-        shown = clearly(alone, own.streams.base_squares, CLEARLY_SE) and (alone > 0).mean() >= BETTER_BLOCKS
+        shown = (
+            not design
+            and clearly(alone, own.streams.base_squares, CLEARLY_SE)
+            and (alone > 0).mean() >= BETTER_BLOCKS
+        )
         for form in forms:
             for rest in [static, *([p for p in static if p is not one] for one in static), []]:
                 option, added = fit([*fixed, form, *rest]), rest is static

@@ -8,7 +8,7 @@ then sought in what that leaves, and must explain most of what any static map co
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from labrig.diagnosis._base_form import as_good, beside_form, is_wrong, large_beside, on
+from labrig.diagnosis._base_form import as_good, beside_form, is_nearly_all, is_wrong, large_beside, on
 from labrig.diagnosis._candidates import (
     Candidate,
     Fit,
@@ -124,7 +124,7 @@ def _beside_wrong_form(
     if chosen is None or len(kept) == len(chosen.parts):
         return None
     beside, start = beside_form(ground.streams), fit(kept) if kept else None
-    if beside is None or not is_wrong(chosen, start, beside, ground.gate.floor_square):
+    if beside is None or not is_wrong(chosen, start, beside, ground.gate):
         return None
     start = on(beside, start)
     left = square_of(beside, beside.residual - (start.heldout if start else beside.nothing))
@@ -132,7 +132,10 @@ def _beside_wrong_form(
     gate = replace(ground.gate, base_square=left, of_floor=SMALLEST_BESIDE)
     new = Ground(beside, ground.effects, found, null, gate)
     judged = _forward(new, start, signs, {})
-    return new, judged if judged and large_beside(judged, ground, kept) else start
+    if judged is None or not large_beside(judged, ground, kept):
+        alone = start is None and is_nearly_all(chosen, left, ground.gate)
+        judged = on(beside, chosen) if alone else start
+    return new, judged
 
 
 def _forms_of(

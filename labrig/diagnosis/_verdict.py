@@ -11,6 +11,7 @@ from labrig.diagnosis._base_form import beside_form, on
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import STATIC, Ceiling
 from labrig.diagnosis._gate import Gate, similarity
+from labrig.diagnosis._moving import Design, design_of
 from labrig.diagnosis._search import Search
 from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._together import CARRIED_BY, together
@@ -32,7 +33,6 @@ SAME_SHARE = 0.0003
 CEILING_SE = 1.6
 CEILING_SE_FEW = 2.5
 FEW_CAPTURES = 60
-FEW_HOLDS = 6
 LEARNT_Z = 4.0
 LARGE_SHARE = 0.25
 MOVES_SE = 2.2
@@ -68,7 +68,7 @@ class Rival:
     wider: float
     z_captures: float = 0.0
     natural: bool = True
-    design: Literal["", "levels", "holds"] = ""
+    design: Design = ""
 
     @property
     def alike(self) -> bool:
@@ -122,7 +122,7 @@ def rivals_of(searched: Search) -> list[Rival]:
     """
     if searched.judged is None:
         return []
-    design = _design(searched.static_ground.streams)
+    design = design_of(searched.static_ground.streams)
     static = searched.found if design and not searched.wrong_form else searched.static_ground.found
     if searched.moving is None:
         return _rivals(searched.judged, static, 0, design)
@@ -134,16 +134,7 @@ def rivals_of(searched: Search) -> list[Rival]:
     return own + _rivals(searched.judged, static, fixed, design)
 
 
-def _design(streams: Streams) -> Literal["", "levels", "holds"]:
-    rows = streams.context.rows
-    if len(np.unique(rows.event)) < FEW_HOLDS:
-        return "holds"
-    return "levels" if max(len(np.unique(np.round(x, 2))) for x in rows.fraction.T) <= 2 else ""
-
-
-def _rivals(
-    chosen: Fit, found: Mapping[str, list[Candidate]], first: int, design: Literal["", "levels", "holds"]
-) -> list[Rival]:
+def _rivals(chosen: Fit, found: Mapping[str, list[Candidate]], first: int, design: Design) -> list[Rival]:
     out = []
     for i in range(first, len(chosen.parts)):
         rest = [p for j, p in enumerate(chosen.parts) if j != i]
@@ -217,7 +208,7 @@ def decide(
     alike = [r for r in compared if r.alike]
     if alike:
         names = tuple(dict.fromkeys(r.effect for r in sorted(alike, key=lambda r: r.z)))
-        by_design = bool(_design(streams))
+        by_design = bool(design_of(streams))
         return Verdict(
             "confounded",
             chosen.names,
@@ -228,7 +219,9 @@ def decide(
         )
     name: Name = "identified" if len(chosen.parts) == 1 else "multiple"
     moving = all(p.effect.beyond_static != "no" for p in chosen.parts)
-    sure = probability.of_names(left, gate.base_square, gate.floor_square, moving)
+    sure = probability.of_names(
+        square_of(streams, searched.left), gate.base_square, gate.floor_square, moving
+    )
     return Verdict(name, chosen.names, sure, (), warnings=tuple(warnings), compared=tuple(compared))
 
 
@@ -264,7 +257,11 @@ def _much_is_left(searched: Search, explained: float, floor_square: float) -> bo
     chosen = searched.chosen
     assert chosen is not None
     streams, left = chosen.columns.streams, searched.left
-    if streams.context.base_kind == "static" or any(part.effect.scans for part in chosen.parts):
+    if (
+        streams.context.base_kind == "static"
+        or any(part.effect.scans for part in chosen.parts)
+        or design_of(streams)
+    ):
         return False
     least = floor_square + max(MUCH_OF_FLOOR * floor_square, MUCH_SHARE * explained)
     if square_of(streams, left) <= least:
@@ -288,15 +285,16 @@ def _without_effect(streams: Streams, before: Mapping[str, Ceiling], gate: Gate)
         explained = gate.base_square - left
         if explained > max(gate.smallest(0.1), UNKNOWN_OF_FLOOR * gate.floor_square):
             return Verdict("unknown", (), probability.UNKNOWN, (), best.covariates)
-    large = gate.base_square > (1.0 + UNEXPLAINED_OF_FLOOR) * gate.floor_square
-    if large and streams.context.base_kind != "static":
-        return Verdict("unknown", (), probability.UNKNOWN, (), NOTHING_LOGGED)
     smallest = detectable(streams, gate)
     if gate.tolerance is not None and smallest > gate.tolerance:
         note = (
             f"the smallest effect that these data could show is {smallest:.3g}, above the tolerance asked for"
         )
         return Verdict("underpowered", (), probability.UNDERPOWERED, warnings=(note,))
+    unexplained = gate.base_square - gate.floor_square
+    least = max(UNEXPLAINED_OF_FLOOR * gate.floor_square, gate.tolerance**2 if gate.tolerance else 0.0)
+    if unexplained > least and streams.context.base_kind != "static":
+        return Verdict("unknown", (), probability.UNKNOWN, (), NOTHING_LOGGED)
     return Verdict("nothing_missing", (), probability.NOTHING)
 
 
