@@ -46,6 +46,13 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
             210014,
             "multiple",
         ),  # beside a coupling the friction takes a form of its own for each chamber
+        ("pair", 320009, "multiple"),  # the limit's form is another beside the coupling than alone
+        ("pair", 320013, "multiple"),  # a gain alike in all chambers does as well as a tension
+        (
+            "single-1",
+            300009,
+            "identified",
+        ),  # a gain for each chamber follows the creep, but not within the holds
         ("structural", 101004, "identified"),  # chambers of the base in other places are no regulator
         ("deleted", 0, "unknown"),
         ("deleted", 200004, "unknown"),  # a static name, and a little that moves

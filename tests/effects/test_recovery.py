@@ -226,6 +226,31 @@ def test_rest_shape(make_lab) -> None:
     assert values["offset"] == pytest.approx(off, abs=0.15)
 
 
+def test_contact_of_one_chamber(make_lab) -> None:
+    """A chamber that alone meets an elastic stop is found with its number; its neighbours go on."""
+    lab = make_lab(captures=80)
+    low, high = np.zeros_like(lab.u[..., 1]), lab.u[..., 1].copy()
+    for _ in range(50):
+        middle = (low + high) / 2
+        too_far = middle + 0.35 * np.maximum(middle - 33.0, 0.0) ** 1.5 > lab.u[..., 1]
+        low, high = np.where(too_far, low, middle), np.where(too_far, middle, high)
+    u = lab.u.copy()
+    u[..., 1] = low
+    result, values = found(lab, lab.predict(u), "contact")
+    assert result.summary["ranking"][0]["form"] == "one chamber"
+    assert (values["chamber"], values["limit"]) == (1.0, pytest.approx(33.0 / 60.0, abs=0.12))
+
+
+def test_regulator_of_a_vented_chamber(make_lab) -> None:
+    """An offset that a chamber open to the room does not have is fitted to the held ones alone."""
+    lab = make_lab(captures=80)
+    lab.commanded[::4, 0] = lab.commanded[1::4, 1] = lab.commanded[2::4, 2] = 0.0
+    held = 3.0 * np.tanh(lab.u / 2.0)
+    result, values = found(lab, lab.predict(1.03 * lab.u + held), "regulator")
+    assert result.summary["ranking"][0]["form"].endswith("open when vented")
+    assert values["offset"] == pytest.approx(3.0, abs=0.7)
+
+
 def test_tension(make_lab) -> None:
     """A membrane mounted a fifth tighter pushes back with its deflection: the pressure that it takes is missing."""
     lab = make_lab(bent=2.0)
