@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.diagnosis._ceiling import NOTHING_LOGGED
 from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
 from labrig.diagnosis._experiment_plan import Limits, Point, Probe, repeat_labels
 from labrig.diagnosis._experiment_probes import by_hand, canonical, on_few_levels
@@ -231,10 +232,11 @@ def _unnamed(
 ) -> Experiment:
     """The experiment for an error that has no name yet, or that the data are too few to show."""
     points, owner = points_of(choice)
+    unseen = found.get("carried_by") in (None, "", NOTHING_LOGGED)
     probes = [
         {
             "probe": probe.name,
-            "separates": str(found.get("carried_by") or "what was not looked at yet"),
+            "separates": "what was not looked at yet" if unseen else str(found["carried_by"]),
             "shows": probe.separates,
             "times": times,
             "minutes": times * probe.seconds(problem.limits) / 60,
@@ -242,7 +244,7 @@ def _unnamed(
         }
         for probe, times, gain in zip(choice.probes, choice.times, gains, strict=True)
     ]
-    if found.get("carried_by"):
+    if not unseen:
         why = (
             f"what is unexplained is carried by {found['carried_by']}: these probes go where a smooth function of it "
             "is least known"

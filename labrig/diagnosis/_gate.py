@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from labrig.diagnosis._blocks import MAX_GROUPS
 from labrig.diagnosis._candidates import Candidate, Fit, clear, explore, fit, relative, square_of
 from labrig.diagnosis._ceiling import STATIC, ceiling
 from labrig.diagnosis._score import null_gains, score
-from labrig.diagnosis._streams import MAX_GROUPS, Streams
+from labrig.diagnosis._streams import Streams
 from labrig.effects import Effect
 from labrig.effects._rows import Floats
 

@@ -9,7 +9,7 @@ import numpy as np
 import labrig.diagnosis._probability as probability
 from labrig.diagnosis._base_form import beside_form, on
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
-from labrig.diagnosis._ceiling import STATIC, Ceiling
+from labrig.diagnosis._ceiling import NOTHING_LOGGED, STATIC, Ceiling
 from labrig.diagnosis._gate import Gate, similarity
 from labrig.diagnosis._moving import Design, design_of
 from labrig.diagnosis._search import Search
@@ -48,7 +48,6 @@ UNKNOWN_SHARE_FORM = 0.8
 MUCH_OF_FLOOR = 0.35
 MUCH_SHARE = 0.25
 UNEXPLAINED_OF_FLOOR = 1.0
-NOTHING_LOGGED = "nothing that was logged"
 
 
 @dataclass(frozen=True)
@@ -199,7 +198,7 @@ def decide(
     if carried_by:
         names, seen = tuple(chosen.names), tuple(compared)
         return Verdict("unknown", (), probability.UNKNOWN, names, carried_by, compared=seen)
-    warnings: list[str] = []
+    warnings = _of_the_base(searched, left)
     if rest.learner is not None and rest.beyond > UNKNOWN_OF_FLOOR * gate.floor_square:
         warnings.append(
             f"beside {' and '.join(chosen.names)}, a smooth function of {rest.learner.covariates} would explain "
@@ -246,6 +245,18 @@ def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: flo
     return (
         rest.learner if not static_names or rest.learner.gain > STATIC_SE * _se(rest.learner.gains) else None
     )
+
+
+def _of_the_base(searched: Search, left: float) -> list[str]:
+    """What is to be said of an error of form that was put aside, where there is one."""
+    assert searched.chosen is not None
+    more = left - square_of(searched.chosen.columns.streams, searched.left)
+    if not searched.wrong_form or more <= 0:
+        return []
+    return [
+        f"beside {' and '.join(searched.chosen.names)} the base is wrong in form: chambers move the surface in other "
+        f"patterns than it says, by {np.sqrt(more):.3g} root mean square"
+    ]
 
 
 def _much_is_left(searched: Search, explained: float, floor_square: float) -> bool:

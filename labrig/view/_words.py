@@ -146,9 +146,16 @@ def _why(summary: dict[str, Any]) -> str:
             return f"The model is off by {base} and {floor_words}; an effect of the size that matters could hide in it."
         case "unknown":
             ceiling = amount(summary, "ceiling")
+            nearest = [str(name) for name in summary.get("rivals", [])]
+            follow = (
+                f" {listed(nearest).capitalize()} may follow a part of it, and leave too much."
+                if nearest
+                else ""
+            )
             return (
-                f"The model is off by {base}; named effects bring it to {model}, but a learner that may use everything "
-                f"that was logged reaches {ceiling}, and {floor_words}. " + _where(summary)
+                f"The model is off by {base}, and {floor_words}. What no name explains is carried by "
+                f"{summary.get('carried_by') or 'something that was not logged'}; a learner that may use everything "
+                f"that was logged reaches {ceiling}.{follow} " + _where(summary)
             ).strip()
     effects = [str(name) for name in summary.get("effects", [])]
     added = f"with {listed(effects)} added" if effects else "with the best candidate added"
