@@ -121,12 +121,14 @@ def _beside_wrong_form(
     """Where the base's own form is wrong, the static effects chosen beside that; with the ground that it makes."""
     names = set(moving.names) if moving else set()
     kept = [part for part in chosen.parts if part.effect.name in names] if chosen else []
-    if chosen is None or len(kept) == len(chosen.parts):
+    if chosen is None:
         return None
     beside, start = beside_form(ground.streams), fit(kept) if kept else None
     if beside is None or not is_wrong(chosen, start, beside, ground.gate):
         return None
     start = on(beside, start)
+    if start is not None and len(kept) == len(chosen.parts):
+        return replace(ground, streams=beside, found={}), start
     left = square_of(beside, beside.residual - (start.heldout if start else beside.nothing))
     found, null = explore(beside, beside.context, ground.effects, signs)
     gate = replace(ground.gate, base_square=left, of_floor=SMALLEST_BESIDE)
