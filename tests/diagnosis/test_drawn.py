@@ -46,6 +46,8 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
             210014,
             "multiple",
         ),  # beside a coupling the friction takes a form of its own for each chamber
+        ("pair", 300006, "multiple"),  # a loop of a free pattern does as well as the friction
+        ("pair", 90015, "multiple"),  # creep is a tie by block with the drift, not by capture
         ("pair", 320009, "multiple"),  # the limit's form is another beside the coupling than alone
         ("pair", 320013, "multiple"),  # a gain alike in all chambers does as well as a tension
         (
