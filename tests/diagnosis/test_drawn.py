@@ -50,6 +50,7 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
         ("pair", 90015, "multiple"),  # creep is a tie by block with the drift, not by capture
         ("pair", 320009, "multiple"),  # the limit's form is another beside the coupling than alone
         ("pair", 320013, "multiple"),  # a gain alike in all chambers does as well as a tension
+        ("pair", 300008, "multiple"),  # the same, and a little better
         (
             "single-1",
             300009,
