@@ -45,6 +45,10 @@ class Candidate:
         )
 
 
+Forms = Mapping[str, list[Candidate]]
+"""The forms of some effects, best first, by the effect's name."""
+
+
 @dataclass(frozen=True)
 class Fit:
     """Several effects fitted together."""

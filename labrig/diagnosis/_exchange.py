@@ -1,11 +1,10 @@
 """Exchanges among effects that have come in: for another name, another form, or a simpler one that does as well."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Candidate, Fit, draw_signs, explore, fit, lay_out, stays_plausible
+from labrig.diagnosis._candidates import Fit, Forms, draw_signs, explore, fit, lay_out, stays_plausible
 from labrig.diagnosis._gate import Ground, similarity
 from labrig.diagnosis._moving import left_by
 
@@ -18,9 +17,7 @@ MUCH_SIMPLER = 8.0
 NATURAL_SE = 1.5
 
 
-def options_of(
-    chosen: Fit | None, found: Mapping[str, list[Candidate]], leave: int | None = None
-) -> list[Fit]:
+def options_of(chosen: Fit | None, found: Forms, leave: int | None = None) -> list[Fit]:
     parts = list(chosen.parts) if chosen else []
     if leave is not None:
         parts = parts[:leave] + parts[leave + 1 :]
@@ -30,9 +27,9 @@ def options_of(
 
 def other_forms(
     chosen: Fit,
-    found: Mapping[str, list[Candidate]],
+    found: Forms,
     fixed: int,
-    forms: Mapping[str, list[Candidate]],
+    forms: Forms,
     leave: int | None = None,
 ) -> list[Fit]:
     """`options_of` where a fixed part takes another of its `forms`.
@@ -50,7 +47,7 @@ def other_forms(
     return out
 
 
-def swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int, only: int | None = None) -> Fit:
+def swap(chosen: Fit, found: Forms, fixed: int, only: int | None = None) -> Fit:
     """Exchange one effect (`only` the one of that number), or its form, as long as the joint score rises clearly."""
     for _ in range(4 if only is None else 1):
         better = chosen
@@ -67,13 +64,7 @@ def swap(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int, only: in
     return chosen
 
 
-def simplest(
-    ground: Ground,
-    chosen: Fit,
-    found: Mapping[str, list[Candidate]],
-    fixed: int,
-    forms: Mapping[str, list[Candidate]],
-) -> Fit:
+def simplest(ground: Ground, chosen: Fit, found: Forms, fixed: int, forms: Forms) -> Fit:
     """Where other effects do as well with fewer coefficients, the one with the fewest takes the place."""
     for i in range(fixed, len(chosen.parts)):
         part = chosen.parts[i]
@@ -105,7 +96,7 @@ def simplest(
     return chosen
 
 
-def reform(chosen: Fit, forms: Mapping[str, list[Candidate]], fixed: int) -> Fit:
+def reform(chosen: Fit, forms: Forms, fixed: int) -> Fit:
     """The same effects, the fixed ones in the forms that do clearly best beside the others."""
     for i in range(fixed if len(chosen.parts) > fixed else 0):
         for form in forms.get(chosen.parts[i].effect.name, ()):
@@ -129,7 +120,7 @@ def in_best_forms(ground: Ground, chosen: Fit, fixed: int) -> Fit:
     return best
 
 
-def natural(chosen: Fit, found: Mapping[str, list[Candidate]], fixed: int) -> Fit:
+def natural(chosen: Fit, found: Forms, fixed: int) -> Fit:
     """Where two tie, the one that is of one piece: what lives in each chamber by itself is seldom alike in all."""
     for i in range(fixed, len(chosen.parts)):
         if not chosen.parts[i].alike_in_all:

@@ -12,6 +12,7 @@ from labrig.diagnosis._base_form import as_good, beside_form, is_nearly_all, is_
 from labrig.diagnosis._candidates import (
     Candidate,
     Fit,
+    Forms,
     change_of,
     draw_signs,
     explore,
@@ -98,17 +99,7 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
         moving = better[0]
         chosen = _forward(static_ground, better[1], signs, _forms_of(streams, moving, found, whole))
     found = {**whole, **static_found}
-    again = _beside_wrong_form(static_ground, chosen, moving, signs)
-    if chosen is not None and again is not None:
-        names = moving.names if moving else ()
-        fixed = sum(part.effect.name in names for part in chosen.parts)
-        both = (
-            two_kinds(static_ground, chosen, static_found, fixed, 0.0)
-            if len(chosen.parts) == fixed + 1
-            else chosen
-        )
-        if both is not chosen and as_good(both, again[0].streams, again[1]):
-            chosen, again = _settle(static_ground, both, static_found, fixed, {}), None
+    chosen, again = _beside_wrong_form(static_ground, chosen, moving, signs)
     if again is None:
         return Search(found, chosen, moving, moving_ground, static_ground, chosen)
     static_ground, judged = again
@@ -117,18 +108,21 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
 
 def _beside_wrong_form(
     ground: Ground, chosen: Fit | None, moving: Fit | None, signs: Floats
-) -> tuple[Ground, Fit | None] | None:
-    """Where the base's own form is wrong, the static effects chosen beside that; with the ground that it makes."""
-    names = set(moving.names) if moving else set()
-    kept = [part for part in chosen.parts if part.effect.name in names] if chosen else []
+) -> tuple[Fit | None, tuple[Ground, Fit | None] | None]:
+    """What is chosen; and where the base's own form is wrong, the ground beside that with what was chosen there.
+
+    Two static names that leave no more than the error of form would go before it.
+    """
     if chosen is None:
-        return None
+        return None, None
+    names = moving.names if moving else ()
+    kept = [part for part in chosen.parts if part.effect.name in names]
     beside, start = beside_form(ground.streams), fit(kept) if kept else None
     if beside is None or not is_wrong(chosen, start, beside, ground.gate):
-        return None
+        return chosen, None
     start = on(beside, start)
     if start is not None and len(kept) == len(chosen.parts):
-        return replace(ground, streams=beside, found={}), start
+        return chosen, (replace(ground, streams=beside, found={}), start)
     left = square_of(beside, beside.residual - (start.heldout if start else beside.nothing))
     found, null = explore(beside, beside.context, ground.effects, signs)
     gate = replace(ground.gate, base_square=left, of_floor=SMALLEST_BESIDE)
@@ -137,14 +131,18 @@ def _beside_wrong_form(
     if judged is None or not large_beside(judged, ground, kept):
         alone = start is None and is_nearly_all(chosen, left, ground.gate)
         judged = on(beside, chosen) if alone else start
-    return new, judged
+    if len(chosen.parts) == len(kept) + 1:
+        both = two_kinds(ground, chosen, ground.found, len(kept), 0.0)
+        if both is not chosen and as_good(both, beside, judged):
+            return _settle(ground, both, ground.found, len(kept), {}), None
+    return chosen, (new, judged)
 
 
 def _forms_of(
     streams: Streams,
     moving: Fit | None,
-    found: Mapping[str, list[Candidate]],
-    whole: Mapping[str, list[Candidate]],
+    found: Forms,
+    whole: Forms,
 ) -> dict[str, list[Candidate]]:
     """The forms, on the whole problem, of the effects in `moving`: those that did best there or on their own ground."""
     out = {}
@@ -160,7 +158,7 @@ def _forward(
     ground: Ground,
     start: Fit | None,
     signs: Floats,
-    forms: Mapping[str, list[Candidate]],
+    forms: Forms,
     fixed: int | None = None,
 ) -> Fit | None:
     """Forward selection on one ground; the first `fixed` parts stay (left out: those of `start`).
@@ -195,13 +193,7 @@ def _forward(
     return _forward(ground, chosen, signs, forms, still) if still < fixed else chosen
 
 
-def _settle(
-    ground: Ground,
-    chosen: Fit,
-    found: Mapping[str, list[Candidate]],
-    fixed: int,
-    forms: Mapping[str, list[Candidate]],
-) -> Fit:
+def _settle(ground: Ground, chosen: Fit, found: Forms, fixed: int, forms: Forms) -> Fit:
     """The same effects in better forms, two of different kinds for one that followed both, ties to the natural one."""
     reformed = reform(chosen, forms, fixed)
     if reformed is not chosen:
@@ -217,9 +209,7 @@ def _settle(
     return natural(chosen, found, fixed)
 
 
-def _look_again(
-    streams: Streams, chosen: Fit, found: Mapping[str, list[Candidate]]
-) -> dict[str, list[Candidate]]:
+def _look_again(streams: Streams, chosen: Fit, found: Forms) -> dict[str, list[Candidate]]:
     """New forms of the effects that are found by scanning the residuals, now that `chosen` explains some."""
     scanning = [
         forms[0].effect for name, forms in found.items() if forms[0].effect.scans and name not in chosen.names
@@ -237,9 +227,7 @@ def _look_again(
     return out
 
 
-def _best_addition(
-    chosen: Fit | None, found: Mapping[str, list[Candidate]], fixed: int, forms: Mapping[str, list[Candidate]]
-) -> Fit | None:
+def _best_addition(chosen: Fit | None, found: Forms, fixed: int, forms: Forms) -> Fit | None:
     """The best of all plausible additions; how far the `fixed` parts went had been settled on their own ground."""
     options = [f for f in options_of(chosen, found) if stays_plausible(f, fixed)]
     best = max(options, key=lambda f: f.score.gain, default=None)

@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 
 import labrig.diagnosis._probability as probability
-from labrig.diagnosis._base_form import beside_form, on
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import NOTHING_LOGGED, STATIC, Ceiling
 from labrig.diagnosis._gate import Gate, similarity
@@ -275,12 +274,7 @@ def _much_is_left(searched: Search, explained: float, floor_square: float) -> bo
     ):
         return False
     least = floor_square + max(MUCH_OF_FLOOR * floor_square, MUCH_SHARE * explained)
-    if square_of(streams, left) <= least:
-        return False
-    beside = None if searched.wrong_form else beside_form(streams)
-    if beside is None or (same := on(beside, chosen)) is None:
-        return True
-    return square_of(streams, beside.residual - same.heldout) > least
+    return square_of(streams, left) > least
 
 
 def _of_wrong_form() -> Verdict:

@@ -1,5 +1,6 @@
 """A base of wrong form: its own error put aside, names that stand beside it stay, and no others."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +77,8 @@ def laid_out(make_lab) -> tuple[Streams, Columns]:
     streams, context, _, _ = prepare(rows_of(lab.dataset(values)), lab.model())
     beside = beside_form(streams)
     assert beside is not None
+    uneven = np.random.default_rng(1).uniform(0.2, 2.0, (len(beside.weight), 1))
+    beside = replace(beside, weight=uneven * beside.weight)
     variants = [next(iter(get(name).variants(context))) for name in ("regulator", "coupling", "frame")]
     return beside, join([columns_of(beside, variant) for variant in variants])
 
