@@ -37,6 +37,7 @@ from labrig.diagnosis._gate import (
     p_of_search,
     rules_the_hold,
 )
+from labrig.diagnosis._limit import limit_beside, stands
 from labrig.diagnosis._moving import better_moving, large_enough, moves, on_whole
 from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._two_kinds import two_kinds
@@ -203,6 +204,7 @@ def _settle(ground: Ground, chosen: Fit, found: Forms, fixed: int, forms: Forms)
         # where two of one kind do as well, the second is a misfit of form
         kinds = {part.effect.shows_in for part in both.parts[fixed:]}
         chosen = both if len(kinds) == len(both.parts) - fixed else chosen
+    chosen = simplest(ground, limit_beside(ground, chosen, found, fixed), found, fixed, forms)
     exchanged = in_best_forms(ground, chosen, fixed)
     if exchanged is not chosen:
         chosen = simplest(ground, exchanged, found, fixed, forms)
@@ -255,7 +257,7 @@ def _prune(ground: Ground, chosen: Fit, fixed: int) -> tuple[Fit, int]:
             chosen, fixed = rest[lost.index(min(lost))], fixed - 1
             continue
         weakest = max(rest[fixed:], key=lambda f: f.score.gain, default=None)
-        if weakest is None or earns(ground, weakest, chosen):
+        if weakest is None or earns(ground, weakest, chosen) or stands(weakest, chosen):
             break
         chosen = weakest
     return chosen, fixed

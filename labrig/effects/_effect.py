@@ -16,7 +16,10 @@ Kind = Literal["pressure", "pattern", "frame", "field"]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One physical quantity of an effect: its unit, its bounds, and whether each chamber has its own."""
+    """One physical quantity of an effect: its unit, its bounds, and whether each chamber has its own.
+
+    `least`: what it is at least where the effect acts at all. A fitted value far below is another law's misfit.
+    """
 
     name: str
     unit: str
@@ -24,6 +27,7 @@ class Parameter:
     high: float = np.inf
     per: Literal["one", "chamber", "marker"] = "one"
     meaning: str = ""
+    least: float = 0.0
 
 
 @dataclass(frozen=True)

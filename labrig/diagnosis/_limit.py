@@ -1,0 +1,93 @@
+"""A limit beside a law of the chambers' own pressures.
+
+A curve for every chamber can follow a law and a limit together, and what the limit adds to it looks like a misfit of
+form. But a limit that is met is met hard: beyond it a chamber loses much of its motion, while the kinks that a misfit
+asks for lose some hundredths. So an effect whose parameter is at least so large wherever it acts may come in beside a
+law, or with another law in the place of the one that followed both, however little more the two explain.
+"""
+
+import numpy as np
+
+from labrig.diagnosis._candidates import Candidate, Fit, Forms, clearly, fit, lay_out, stays_plausible
+from labrig.diagnosis._columns import order_of
+from labrig.diagnosis._gate import Ground
+from labrig.effects._rows import Floats
+
+LEAST_SHARE = 0.008
+CLEARLY_SE = 2.0
+BETTER_BLOCKS = 0.66
+SIMPLER = 3.0
+LAWS = 3
+
+
+def limit_beside(ground: Ground, chosen: Fit, found: Forms, fixed: int) -> Fit:
+    """The best law and limit in the place of the one law after the `fixed` parts, if any earn it."""
+    kept, law = chosen.parts[:fixed], chosen.parts[-1]
+    taken = {part.effect.name for part in kept}
+    if len(chosen.parts) != fixed + 1 or not _is_law(law):
+        return chosen
+    laws = [law]
+    for name, forms in found.items():
+        if name not in taken and _is_law(forms[0]):
+            laws += [*forms[:LAWS], min(forms, key=lambda c: c.freedom)]
+    limits = [
+        limit
+        for name, effect in ground.effects.items()
+        if name not in taken and any(parameter.least > 0 for parameter in effect.parameters)
+        for limit in lay_out(ground.streams, effect, list(effect.variants(ground.streams.context)))
+    ]
+    best = chosen
+    for one in laws:
+        for limit in limits:
+            if one.effect.name == limit.effect.name:
+                continue
+            option = fit([*kept, one, limit])
+            if option.score.gain > best.score.gain and _earns(ground, chosen, option, fixed):
+                best = option
+    return best
+
+
+def stands(before: Fit, after: Fit) -> bool:
+    """Whether `after` has a limit, or a law beside one, more than `before`: clear, and more than some thousandths."""
+    more = after.score.gains - before.score.gains
+    streams = after.columns.streams
+    laws = [i for i, part in enumerate(after.parts) if part.effect.shows_in == "own pressure"]
+    hard = any(is_hard(after, i) for i in laws)
+    large = more.sum() >= LEAST_SHARE * after.score.gain
+    return hard and large and clearly(more, streams.base_squares, CLEARLY_SE) and bool((more > 0).mean() >= BETTER_BLOCKS)
+
+
+def _is_law(part: Candidate) -> bool:
+    effect = part.effect
+    return effect.shows_in == "own pressure" and effect.beyond_static == "no" and not effect.scans
+
+
+def _earns(ground: Ground, chosen: Fit, option: Fit, fixed: int) -> bool:
+    """Whether the two are clearly ahead, or no worse with far fewer coefficients, and the limit is hard."""
+    ahead = option.score.gains - chosen.score.gains
+    kept = fit(chosen.parts[:fixed]).score.gain if fixed else 0.0
+    n = len(ahead)
+    se = float(np.sqrt(n) * ahead.std(ddof=1))
+    clear = clearly(ahead, ground.streams.base_squares, CLEARLY_SE) and (ahead > 0).mean() >= BETTER_BLOCKS
+    clear = clear and ahead.sum() > LEAST_SHARE * (chosen.score.gain - kept)
+    freedom = sum(part.freedom for part in option.parts[fixed:])
+    simpler = SIMPLER * freedom <= chosen.parts[-1].freedom and ahead.sum() > -se
+    return (clear or simpler) and is_hard(option, fixed + 1) and stays_plausible(option, fixed)
+
+
+def is_hard(chosen: Fit, i: int) -> bool:
+    """Whether the i-th part is as large, where it acts, as it is at least wherever it acts at all."""
+    part = chosen.parts[i]
+    if len(part.variant.terms) != 1:
+        return False
+    least = part.effect.parameter(part.variant.terms[0].parameter).least
+    return least > 0 and _where_it_acts(chosen, i) >= least
+
+
+def _where_it_acts(chosen: Fit, i: int) -> float:
+    """Mean of the part's coefficients, each counted by how much it changes the observables."""
+    own = order_of([part.columns for part in chosen.parts])[i]
+    beta = chosen.score.beta[own]
+    gram = chosen.columns.sums[0].sum(axis=0)
+    weight = np.diag(gram)[own] * beta**2
+    return float((weight * beta).sum() / max(weight.sum(), 1e-300))
