@@ -6,11 +6,14 @@ asks for lose some hundredths. So an effect whose parameter is at least so large
 law, or with another law in the place of the one that followed both, however little more the two explain.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, Forms, clearly, fit, lay_out, stays_plausible
 from labrig.diagnosis._columns import order_of
 from labrig.diagnosis._gate import Ground
+from labrig.diagnosis._score import score
 from labrig.effects._rows import Floats
 
 LEAST_SHARE = 0.008
@@ -18,6 +21,7 @@ CLEARLY_SE = 2.0
 BETTER_BLOCKS = 0.66
 SIMPLER = 3.0
 LAWS = 3
+LIMITS = 5
 
 
 def limit_beside(ground: Ground, chosen: Fit, found: Forms, fixed: int) -> Fit:
@@ -38,13 +42,19 @@ def limit_beside(ground: Ground, chosen: Fit, found: Forms, fixed: int) -> Fit:
     ]
     best = chosen
     for one in laws:
-        for limit in limits:
-            if one.effect.name == limit.effect.name:
-                continue
+        for limit in _best_in_rest(fit([*kept, one]), limits):
             option = fit([*kept, one, limit])
             if option.score.gain > best.score.gain and _earns(ground, chosen, option, fixed):
                 best = option
     return best
+
+
+def _best_in_rest(before: Fit, limits: list[Candidate]) -> list[Candidate]:
+    """The few that do best in what `before` leaves; another effect than its law."""
+    streams = before.columns.streams
+    left = replace(streams, residual=streams.residual - before.columns.field(before.score.beta))
+    others = [limit for limit in limits if limit.effect.name != before.names[-1]]
+    return sorted(others, key=lambda c: -score(replace(c.columns, streams=left)).gain)[:LIMITS]
 
 
 def stands(before: Fit, after: Fit) -> bool:

@@ -46,6 +46,7 @@ UNKNOWN_SHARE_STATIC = 0.018
 UNKNOWN_SHARE_FORM = 0.8
 MUCH_OF_FLOOR = 0.35
 MUCH_SHARE = 0.25
+THE_WORST = 0.2
 UNEXPLAINED_OF_FLOOR = 1.0
 
 
@@ -262,7 +263,8 @@ def _much_is_left(searched: Search, explained: float, floor_square: float) -> bo
     """Whether what stays above the floor, an error of form of the base put aside, is large beside what is explained.
 
     What cannot be predicted from what was logged is no misfit of a name's form, nor is it noise, which the floor has. A
-    static base has too little form of its own to say so, and a slip leaves the block that it fell in.
+    static base has too little form of its own to say so, and a slip leaves the block that it fell in. It must be large
+    without the worst fifth of the captures, too: the few long holds that name a leak are what its form misses most.
     """
     chosen = searched.chosen
     assert chosen is not None
@@ -274,7 +276,10 @@ def _much_is_left(searched: Search, explained: float, floor_square: float) -> bo
     ):
         return False
     least = floor_square + max(MUCH_OF_FLOOR * floor_square, MUCH_SHARE * explained)
-    return square_of(streams, left) > least
+    each = np.bincount(streams.source, weights=streams.square(left))
+    usual = (each <= np.quantile(each, 1 - THE_WORST))[streams.source][:, None]
+    without = replace(streams, weight=np.where(usual, streams.weight, 0.0))
+    return min(square_of(streams, left), square_of(without, left)) > least
 
 
 def _of_wrong_form() -> Verdict:
