@@ -44,7 +44,7 @@ def prepare(rows: Rows, model: Model) -> tuple[Streams, Context, Floor, int]:
         context = context.thin(keep)
         declared = None if declared is None else declared[keep]
         calibrated = None if calibrated is None else calibrated[keep]
-    residual, dropped = clean(context.residual, context.rows.capture)
+    residual, dropped = clean(context)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
     floor = noise_floor(context, residual, lost)
     return build_streams(context, floor, residual, declared, calibrated), context, floor, dropped
@@ -206,7 +206,7 @@ def _jackknife(streams: Streams, alone: Fit, square: float) -> Floats:
 
 def _rows_left(context: Context, streams: Streams) -> Floats:
     """Measured minus base for each row, outliers as NaN, (F, K)."""
-    residual, _ = clean(context.residual, context.rows.capture)
+    residual, _ = clean(context)
     return residual
 
 

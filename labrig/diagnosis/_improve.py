@@ -32,7 +32,7 @@ def compare(runs: "Sequence[Dataset] | Dataset", model: Model) -> Result:
     Raises `LabrigError` when the runs and the model do not fit together.
     """
     streams, context, floor, dropped = prepare(rows_from(runs), model)
-    residual, _ = clean(context.residual, context.rows.capture)
+    residual, _ = clean(context)
     places = where(context, residual, floor, streams.counted)
     error = {
         "model": np.sqrt(square_of(streams, streams.residual)),
@@ -88,7 +88,7 @@ def improve(
     improved = model
     for entry in entries:
         improved = improved.with_effect(entry)
-    residual, _ = clean(context.residual, context.rows.capture)
+    residual, _ = clean(context)
     places = where(context, residual, floor, streams.counted)
     steps = [("base", float(np.sqrt(base_square)))]
     for i in range(len(effects)):

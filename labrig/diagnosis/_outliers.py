@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._spectrum import fill
+from labrig.effects import Context
 from labrig.effects._rows import Floats, Ints
 
 FORM = 0.03
@@ -13,28 +14,43 @@ _FAR = 8.0
 _MOST_FAR = 0.2
 _SMOOTH_RANK = 10
 _STAYS = 4
+_BESIDE = 5
+_MISTAKEN = 2
+"""How many of the neighbours may be mistaken themselves, on either side."""
+_FAR_FROM_NEIGHBOURS = 4.0
+_NEAREST = 8
+_WITNESSES = 3
+_DECADE = 2.3
 _PULLED = 0.2
 
 
-def clean(residual: Floats, capture: Ints) -> tuple[Floats, int]:
-    """Drop entries that lie far from what their neighbours in time and space say; returns how many.
+def clean(context: Context) -> tuple[Floats, int]:
+    """The base's residual (F, K) without the entries far from what their neighbours in time and space say; how many.
 
     Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has
-    low rank, a mistaken marker has not); with few, against the running median along the campaign. Captures
-    and rows are looked at in turn, since a mistake may last for a whole hold or for one frame.
+    low rank, a mistaken marker has not); with few, against the neighbours along the campaign, unless others at the same
+    pressures and time in hold say the same. Captures and rows are looked at in turn, since a mistake may last for a
+    whole hold or for one frame.
     """
+    at = np.column_stack([context.rows.fraction, np.log1p(np.maximum(context.elapsed_s, 0.0)) / _DECADE])
+    return _clean(context.residual, context.rows.capture, at)
+
+
+def _clean(residual: Floats, capture: Ints, at: Floats) -> tuple[Floats, int]:
     if len(np.unique(capture)) < 6 and len(residual) < 20:
         return residual, 0
     seen = np.isfinite(residual).any(axis=0)
     if not seen.all():
         rows = residual.copy()
-        rows[:, seen], dropped = clean(residual[:, seen], capture)
+        rows[:, seen], dropped = _clean(residual[:, seen], capture, at)
         return rows, dropped
     captures, index = np.unique(capture, return_inverse=True)
-    rows = np.where(_passing(_far(residual), index), np.nan, residual)
+    rows = np.where(_passing(_far(residual, at, index), index), np.nan, residual)
     means, _ = capture_means(rows, capture)
     if len(captures) >= 6:
-        rows = np.where(_passing(_far(means), np.arange(len(captures)))[index], np.nan, rows)
+        own = np.arange(len(captures))
+        held_at, _ = capture_means(at, capture)
+        rows = np.where(_passing(_far(means, held_at, own), own)[index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
 
 
@@ -52,18 +68,18 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
     return far & ~stays[index]
 
 
-def _far(values: Floats) -> NDArray[np.bool_]:
-    """Which entries are far from what the others say, (n, K)."""
-    if values.shape[1] >= 8 and len(values) >= 12:
-        off = np.abs(values - _smooth(values))
-    else:
-        off = np.abs(values - _running_median(fill(values)))
+def _far(values: Floats, at: Floats, index: Ints) -> NDArray[np.bool_]:
+    """Which entries are far from what the others say, (n, K); measured `at` (n, q), in the captures `index` (n,)."""
     _, spread = _middle_and_spread(values)
+    if values.shape[1] < 8 or len(values) < 12:
+        far = _far_from_neighbours(values, spread)
+        return far & ~_believed(values, far, at, index)
+    off = np.abs(values - _smooth(values))
     bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), FORM * spread)
-    if values.shape[1] >= 8:  # a mistake pulls the fit of its neighbours along a little
-        bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
+    # a mistake pulls the fit of its neighbours along a little
+    bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
     structure = bad.mean(axis=1) > _MOST_FAR
-    return bad & ~structure[:, None] if values.shape[1] >= 8 else bad
+    return bad & ~structure[:, None]
 
 
 def _middle_and_spread(values: Floats) -> tuple[Floats, Floats]:
@@ -93,9 +109,22 @@ def _smooth(values: Floats) -> Floats:
     return expected
 
 
-def _running_median(values: Floats, half: int = 3) -> Floats:
-    """Median of the neighbours along the campaign, with the spread of the values added as slack."""
-    padded = np.pad(values, ((half, half), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
-    low, high = np.quantile(windows, [0.15, 0.85], axis=-1)
-    return np.clip(values, low - (high - low), high + (high - low))
+def _far_from_neighbours(values: Floats, spread: Floats) -> NDArray[np.bool_]:
+    """Which lie outside of what those before and after them say, by much more than these differ from each other."""
+    padded = np.pad(fill(values), ((_BESIDE, _BESIDE), (0, 0)), mode="edge")
+    windows = np.sort(np.lib.stride_tricks.sliding_window_view(padded, 2 * _BESIDE + 1, axis=0), axis=-1)
+    low, middle, high = (windows[..., i] for i in (_MISTAKEN, _BESIDE, -1 - _MISTAKEN))
+    usual = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    off = np.abs(values - np.clip(values, 2 * low - high, 2 * high - low))
+    return off > _FAR_FROM_NEIGHBOURS * np.maximum(usual, FORM * spread)
+
+
+def _believed(values: Floats, far: NDArray[np.bool_], at: Floats, index: Ints) -> NDArray[np.bool_]:
+    """Which of those that are `far` say what several of the nearest in other captures say: a limit is met by few."""
+    out = np.zeros_like(far)
+    off = values - np.nanmedian(values, axis=0)
+    for i, k in np.argwhere(far):
+        others = np.flatnonzero((index != index[i]) & np.isfinite(values[:, k]))
+        near = others[np.argsort(np.abs(at[others] - at[i]).sum(axis=1), kind="stable")[:_NEAREST]]
+        out[i, k] = (off[near, k] * np.sign(off[i, k]) > 0.5 * np.abs(off[i, k])).sum() >= _WITNESSES
+    return out

@@ -202,7 +202,7 @@ def test_outliers_go_and_a_slip_stays(make_lab) -> None:
     values[25:, :, 21:24] += 4.0
     data, model = lab.dataset(values), lab.model()
     rows = rows_of(data)
-    cleaned, dropped = clean(model.context(rows).residual, rows.capture)
+    cleaned, dropped = clean(model.context(rows))
     gone = np.isnan(cleaned).reshape(40, 3, 36)
     assert all(gone[entry] for entry in bad)
     assert gone[17, :, 12:15].all()
@@ -221,7 +221,7 @@ def test_a_large_effect_is_no_outlier(make_lab) -> None:
     values = lab.predict(u) + lab.noise()
     values[20:] += 3.0
     rows = rows_of(lab.dataset(values))
-    _, dropped = clean(lab.model().context(rows).residual, rows.capture)
+    _, dropped = clean(lab.model().context(rows))
     assert dropped <= 0.005 * values.size
 
 
