@@ -139,6 +139,8 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         parameter = effect.parameter(term.parameter)
         if term.kind == "pattern" and parameter.low >= 0 and not _along(columns, scored.beta[own], term):
             return False
+        if parameter.least > 0 and not _as_large(columns, scored, own, parameter.least):
+            return False
         if term.kind in {"pattern", "frame"}:
             continue
         variance = np.diag(scored.covariance)[own]
@@ -154,6 +156,17 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         if value < parameter.low - 2 * sd or value > parameter.high + 2 * sd:
             return False
     return True
+
+
+def _as_large(columns: Columns, scored: Score, own: slice, least: float) -> bool:
+    """Whether the values, where they act, are at least so large, or within two standard errors of it."""
+    weight = np.diag(columns.sums[0].sum(axis=0))[own] * scored.beta[own] ** 2
+    if weight.sum() <= 0:
+        return False
+    jack = scored.fold_beta[:, own] @ weight / weight.sum()
+    n = len(jack)
+    sd = float(np.sqrt((n - 1) / n * np.sum((jack - jack.mean()) ** 2)))
+    return float(scored.beta[own] @ weight / weight.sum()) >= least - 2 * sd
 
 
 def _along(columns: Columns, beta: Floats, term: Term) -> bool:

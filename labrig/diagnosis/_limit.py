@@ -58,11 +58,13 @@ def _best_in_rest(before: Fit, limits: list[Candidate]) -> list[Candidate]:
 
 
 def stands(before: Fit, after: Fit) -> bool:
-    """Whether `after` has a limit, or a law beside one, more than `before`: clear, and more than some thousandths."""
+    """Whether `after` has a hard limit more than `before`, clearly, and it explains more than some thousandths.
+
+    The other way round a law may be no more than what a limit's own form misses: it has to earn its place as any does.
+    """
     more = after.score.gains - before.score.gains
     streams = after.columns.streams
-    laws = [i for i, part in enumerate(after.parts) if part.effect.shows_in == "own pressure"]
-    hard = any(is_hard(after, i) for i in laws)
+    hard = any(is_hard(after, i) for i, part in enumerate(after.parts) if part.effect.name not in before.names)
     large = more.sum() >= LEAST_SHARE * after.score.gain
     return hard and large and clearly(more, streams.base_squares, CLEARLY_SE) and bool((more > 0).mean() >= BETTER_BLOCKS)
 
