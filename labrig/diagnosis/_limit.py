@@ -12,7 +12,7 @@ import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, Forms, clearly, fit, lay_out, stays_plausible
 from labrig.diagnosis._columns import order_of
-from labrig.diagnosis._gate import Ground
+from labrig.diagnosis._gate import MAX_EFFECTS, Ground
 from labrig.diagnosis._score import score
 from labrig.effects._rows import Floats
 
@@ -25,12 +25,11 @@ LIMITS = 5
 
 
 def limit_beside(ground: Ground, chosen: Fit, found: Forms, fixed: int) -> Fit:
-    """The best law and limit in the place of the one law after the `fixed` parts, if any earn it."""
-    kept, law = chosen.parts[:fixed], chosen.parts[-1]
+    """The best law and limit in the place of the laws after the `fixed` parts, if any earn it."""
+    kept, laws = list(chosen.parts[:fixed]), list(chosen.parts[fixed:])
     taken = {part.effect.name for part in kept}
-    if len(chosen.parts) != fixed + 1 or not _is_law(law):
+    if not laws or len(kept) + 2 > MAX_EFFECTS or not all(_is_law(part) for part in laws):
         return chosen
-    laws = [law]
     for name, forms in found.items():
         if name not in taken and _is_law(forms[0]):
             laws += [*forms[:LAWS], min(forms, key=lambda c: c.freedom)]
@@ -64,9 +63,16 @@ def stands(before: Fit, after: Fit) -> bool:
     """
     more = after.score.gains - before.score.gains
     streams = after.columns.streams
-    hard = any(is_hard(after, i) for i, part in enumerate(after.parts) if part.effect.name not in before.names)
+    hard = any(
+        is_hard(after, i) for i, part in enumerate(after.parts) if part.effect.name not in before.names
+    )
     large = more.sum() >= LEAST_SHARE * after.score.gain
-    return hard and large and clearly(more, streams.base_squares, CLEARLY_SE) and bool((more > 0).mean() >= BETTER_BLOCKS)
+    return (
+        hard
+        and large
+        and clearly(more, streams.base_squares, CLEARLY_SE)
+        and bool((more > 0).mean() >= BETTER_BLOCKS)
+    )
 
 
 def _is_law(part: Candidate) -> bool:
@@ -82,8 +88,8 @@ def _earns(ground: Ground, chosen: Fit, option: Fit, fixed: int) -> bool:
     se = float(np.sqrt(n) * ahead.std(ddof=1))
     clear = clearly(ahead, ground.streams.base_squares, CLEARLY_SE) and (ahead > 0).mean() >= BETTER_BLOCKS
     clear = clear and ahead.sum() > LEAST_SHARE * (chosen.score.gain - kept)
-    freedom = sum(part.freedom for part in option.parts[fixed:])
-    simpler = SIMPLER * freedom <= chosen.parts[-1].freedom and ahead.sum() > -se
+    freedom = [sum(part.freedom for part in one.parts[fixed:]) for one in (option, chosen)]
+    simpler = SIMPLER * freedom[0] <= freedom[1] and ahead.sum() > -se
     return (clear or simpler) and is_hard(option, fixed + 1) and stays_plausible(option, fixed)
 
 

@@ -23,6 +23,7 @@ from labrig.diagnosis._gate import (
     Gate,
     Ground,
     earns,
+    fall,
     rules_the_hold,
 )
 from labrig.diagnosis._streams import Streams
@@ -92,8 +93,9 @@ def better_moving(
 
     One that is nearly static itself (a warm-up that is soon over) shows little beside a static map, on its `own`
     ground, but what it shows there must still be clear; on the whole problem, on `ground`, it must do clearly
-    better. Where it is quite clear on its own ground, which no static effect can explain, it need only do as well, with
-    fewer coefficients. Returned with those that move already, on its own ground and on the whole problem.
+    better. Where it is quite clear on its own ground, which no static effect can explain, and the error there falls in
+    its own units too, it need only do as well, with fewer coefficients. Returned with those that move already, on its
+    own ground and on the whole problem.
     """
     if chosen is None:
         return None
@@ -117,6 +119,7 @@ def better_moving(
             not design
             and clearly(alone, own.streams.base_squares, CLEARLY_SE)
             and (alone > 0).mean() >= BETTER_BLOCKS
+            and fall(own.streams, fit(standing) if standing else None, there) > 0
         )
         for form in forms:
             for rest in [static, *([p for p in static if p is not one] for one in static), []]:

@@ -19,7 +19,13 @@ class Contact(Effect):
     acts_on = "mechanics"
     parameters = (
         Parameter(
-            "stopped", "1", 0.0, 1.5, "chamber", "share of the motion beyond the limit that is lost", least=0.25
+            "stopped",
+            "1",
+            0.0,
+            1.5,
+            "chamber",
+            "share of the motion beyond the limit that is lost",
+            least=0.25,
         ),
         Parameter(
             "stiffness", "kPa/mm", -100.0, 1000.0, meaning="surplus of the simulator's contact stiffness"
