@@ -14,7 +14,6 @@ from labrig.diagnosis._candidates import Candidate, Fit, Forms, clearly, fit, la
 from labrig.diagnosis._columns import order_of
 from labrig.diagnosis._gate import MAX_EFFECTS, Ground
 from labrig.diagnosis._score import score
-from labrig.effects._rows import Floats
 
 LEAST_SHARE = 0.008
 CLEARLY_SE = 2.0

@@ -40,6 +40,7 @@ from labrig.diagnosis._gate import (
 from labrig.diagnosis._limit import limit_beside, stands
 from labrig.diagnosis._moving import better_moving, large_enough, moves, on_whole
 from labrig.diagnosis._streams import Streams
+from labrig.diagnosis._together import with_named
 from labrig.diagnosis._two_kinds import two_kinds
 from labrig.effects import Effect
 from labrig.effects._rows import Floats
@@ -102,6 +103,7 @@ def search(streams: Streams, effects: Mapping[str, Effect], gate: Gate) -> Searc
     found = {**whole, **static_found}
     chosen, again = _beside_wrong_form(static_ground, chosen, moving, signs)
     if again is None:
+        chosen = with_named(static_ground, chosen) if chosen else None
         return Search(found, chosen, moving, moving_ground, static_ground, chosen)
     static_ground, judged = again
     return Search(found, on(streams, judged), moving, moving_ground, static_ground, judged, wrong_form=True)

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Fit, clearly, square_of
+from labrig.diagnosis._candidates import Fit, clearly, fit, square_of, stays_plausible
 from labrig.diagnosis._columns import columns_of, join
+from labrig.diagnosis._gate import MAX_EFFECTS, Ground
 from labrig.diagnosis._score import score
 from labrig.effects import Context, Term, Variant
 from labrig.effects._fields import overlap
@@ -26,6 +27,7 @@ EVERYWHERE = 0.99
 SMALLEST_OF_FLOOR = 0.015
 SMALLEST_SHARE = 0.003
 LARGE_SHARE = 0.02
+MOST = 0.5
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,22 @@ def together(chosen: Fit) -> Together | None:
     both = Fit(chosen.parts, columns, score(columns))
     before, after = (square_of(streams, streams.residual - f.heldout) for f in (chosen, both))
     return Together(both.score.gains - chosen.score.gains, streams.base_squares, before - after)
+
+
+def with_named(ground: Ground, chosen: Fit) -> Fit:
+    """The `chosen` and an effect of pressures together, where neighbours matter and it explains most of what they do."""
+    left = square_of(ground.streams, ground.streams.residual - chosen.heldout)
+    learnt = together(chosen) if len(chosen.parts) < MAX_EFFECTS else None
+    if learnt is None or not learnt.matters(ground.gate.floor_square, max(ground.gate.base_square - left, 0.0)):
+        return chosen
+    best = chosen
+    for forms in ground.found.values():
+        for form in forms if forms[0].effect.shows_in == "pressures together" else ():
+            option = fit([*chosen.parts, form])
+            gain = option.score.gain - chosen.score.gain
+            if gain >= MOST * learnt.gains.sum() and option.score.gain > best.score.gain and stays_plausible(option):
+                best = option
+    return best
 
 
 def _neighbours(context: Context) -> Term | None:
