@@ -10,6 +10,7 @@ from labrig.diagnosis._moving import left_by
 
 SAME_SHARE = 0.015
 SAME_SHAPE = 0.95
+SAME_FIELD = 0.99
 SAME_OF_FLOOR = 0.1
 SAME_SE = 1.5
 SIMPLER = 3.0
@@ -81,7 +82,11 @@ def simplest(ground: Ground, chosen: Fit, found: Forms, fixed: int, forms: Forms
             )
             same = worse <= SAME_OF_FLOOR * ground.gate.floor_square and behind.sum() <= SAME_SHARE * worth
             same = same and (free or behind.sum() <= SAME_SE * se)
-            tied = behind.sum() <= se or (same and similarity(chosen, i, option) > SAME_SHAPE)
+            like = similarity(chosen, i, option)
+            tied = behind.sum() <= se or (same and like > SAME_SHAPE)
+            # beside another the worth of each is small, and so is a share of it; the same field is the same
+            near = behind.sum() <= SAME_SHARE * chosen.score.gain
+            tied = tied or (free and like > SAME_FIELD and near)
             holder = part if best is chosen else best.parts[-1]
             simpler = SIMPLER * option.parts[-1].freedom <= holder.freedom
             if (

@@ -71,17 +71,23 @@ def together(chosen: Fit) -> Together | None:
 
 
 def with_named(ground: Ground, chosen: Fit) -> Fit:
-    """The `chosen` and an effect of pressures together, where neighbours matter and it explains most of what they do."""
+    """The `chosen` and an effect of pressures together, where it explains most of what neighbours do."""
     left = square_of(ground.streams, ground.streams.residual - chosen.heldout)
     learnt = together(chosen) if len(chosen.parts) < MAX_EFFECTS else None
-    if learnt is None or not learnt.matters(ground.gate.floor_square, max(ground.gate.base_square - left, 0.0)):
+    if learnt is None or not learnt.matters(
+        ground.gate.floor_square, max(ground.gate.base_square - left, 0.0)
+    ):
         return chosen
     best = chosen
     for forms in ground.found.values():
         for form in forms if forms[0].effect.shows_in == "pressures together" else ():
             option = fit([*chosen.parts, form])
             gain = option.score.gain - chosen.score.gain
-            if gain >= MOST * learnt.gains.sum() and option.score.gain > best.score.gain and stays_plausible(option):
+            if (
+                gain >= MOST * learnt.gains.sum()
+                and option.score.gain > best.score.gain
+                and stays_plausible(option)
+            ):
                 best = option
     return best
 
