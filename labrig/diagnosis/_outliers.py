@@ -20,6 +20,7 @@ _MISTAKEN = 2
 _FAR_FROM_NEIGHBOURS = 4.0
 _NEAREST = 8
 _WITNESSES = 3
+_NEAR = 0.1
 _DECADE = 2.3
 _PULLED = 0.2
 
@@ -120,11 +121,17 @@ def _far_from_neighbours(values: Floats, spread: Floats) -> NDArray[np.bool_]:
 
 
 def _believed(values: Floats, far: NDArray[np.bool_], at: Floats, index: Ints) -> NDArray[np.bool_]:
-    """Which of those that are `far` say what several of the nearest in other captures say: a limit is met by few."""
+    """Which of those that are `far` say what the nearest in other captures say, at one of the pressures or that time.
+
+    One coordinate is enough: a limit is met by one chamber, and a leak seen in the long holds.
+    """
     out = np.zeros_like(far)
     off = values - np.nanmedian(values, axis=0)
     for i, k in np.argwhere(far):
         others = np.flatnonzero((index != index[i]) & np.isfinite(values[:, k]))
-        near = others[np.argsort(np.abs(at[others] - at[i]).sum(axis=1), kind="stable")[:_NEAREST]]
-        out[i, k] = (off[near, k] * np.sign(off[i, k]) > 0.5 * np.abs(off[i, k])).sum() >= _WITNESSES
+        alike = off[others, k] * np.sign(off[i, k]) > 0.5 * np.abs(off[i, k])
+        for coordinate in at.T:
+            away = np.abs(coordinate[others] - coordinate[i])
+            near = np.argsort(away, kind="stable")[:_NEAREST]
+            out[i, k] |= (alike[near] & (away[near] <= _NEAR)).sum() >= _WITNESSES
     return out

@@ -51,6 +51,16 @@ def judged(name: str, seed: int, folder: Path, **extra: Any) -> tuple[dict[str, 
         ("pair", 320009, "multiple"),  # the limit's form is another beside the coupling than alone
         ("pair", 320013, "multiple"),  # a gain alike in all chambers does as well as a tension
         ("pair", 300008, "multiple"),  # the same, and a little better
+        ("pair", 300054, "multiple"),  # a curve for each chamber follows a regulator and a limit
+        ("pair", 300335, "multiple"),  # eighteen coefficients in the place of a tension and a limit
+        ("pair", 300103, "multiple"),  # two laws in the place of a tension and a limit
+        ("pair", 300175, "multiple"),  # plays that do as well, but lower no error beside a static map
+        ("pair", 300005, "multiple"),  # a coupling of which a stiffening leaves only what neighbours show
+        ("pair", 300116, "multiple"),  # beside a coupling the regulator's field is that of a tension
+        ("single-1", 410107, "identified"),  # a limit that is met softly is no stiffening as well
+        ("force", 410008, "identified"),  # a limit that stops little is no rival of a stiffening
+        ("force", 400001, "identified"),  # a few long holds are what a leak's form misses most
+        ("force", 400024, "identified"),  # two mistaken values in a row
         (
             "single-1",
             300009,

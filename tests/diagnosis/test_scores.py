@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, prepare
-from labrig.diagnosis._candidates import Candidate, draw_signs, explore, fit, relative
+from labrig.diagnosis._candidates import Candidate, draw_signs, explore, fit, lay_out, plausible, relative
 from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, order_of
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._score import null_gains, score
@@ -223,6 +223,46 @@ def test_a_large_effect_is_no_outlier(make_lab) -> None:
     rows = rows_of(lab.dataset(values))
     _, dropped = clean(lab.model().context(rows))
     assert dropped <= 0.005 * values.size
+
+
+def test_two_mistakes_in_a_row_of_a_few_observables_go(make_lab) -> None:
+    """Neighbours that are mistaken themselves do not make a mistake believed, be they rows or whole captures."""
+    lab = make_lab(captures=40, markers=1)
+    values = lab.predict(lab.u) + lab.noise()
+    values[5, 1, 0] += 25.0
+    values[6, 0, 0] += 30.0
+    values[20:22, :, 1] -= 28.0
+    cleaned, dropped = clean(lab.model().context(rows_of(lab.dataset(values))))
+    gone = np.isnan(cleaned).reshape(40, 3, 3)
+    assert gone[5, 1, 0] and gone[6, 0, 0] and gone[20:22, :, 1].all()
+    assert dropped <= 8 + 0.01 * gone.size
+
+
+def test_what_others_at_the_same_pressures_say_is_believed(make_lab) -> None:
+    """A limit that a few captures meet, one here and one there, is no mistake of those captures."""
+    lab = make_lab(captures=60, markers=1)
+    seldom = np.arange(60) % 12 == 5
+    lab.commanded[:, 0] = np.where(seldom, 58.0, np.minimum(lab.commanded[:, 0], 40.0))
+    values = lab.predict(lab.u) + lab.noise()
+    values[seldom] -= 9.0
+    cleaned, _ = clean(lab.model().context(rows_of(lab.dataset(values))))
+    assert not np.isnan(cleaned).reshape(60, 3, 3)[seldom].any()
+    values[30] -= 9.0
+    cleaned, _ = clean(lab.model().context(rows_of(lab.dataset(values))))
+    assert np.isnan(cleaned).reshape(60, 3, 3)[30].all()
+
+
+@pytest.mark.parametrize(("stopped", "is_one"), [(0.6, True), (0.03, False)])
+def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_one: bool) -> None:
+    """A kink that takes a few hundredths of the motion, however clear, is another law's misfit and no limit."""
+    lab = make_lab(captures=60, markers=6)
+    u = lab.u
+    u[:, :, 0] -= stopped * np.maximum(u[:, :, 0] - 40.0, 0.0) ** 1.2
+    streams, context, _, _ = prepare(rows_of(lab.dataset(lab.predict(u) + 0.01 * lab.noise())), lab.model())
+    contact = get("contact")
+    forms = {c.variant.key: c for c in lay_out(streams, contact, list(contact.variants(context)))}
+    best = forms["one chamber limit=0.7 chamber=0"]
+    assert plausible(contact, best.variant, best.columns, best.score) is is_one
 
 
 def test_blocks_are_sessions_or_stretches(make_lab) -> None:
