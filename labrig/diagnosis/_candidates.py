@@ -11,7 +11,7 @@ from labrig.diagnosis._score import Score, null_gains, score
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Term, Variant
 from labrig.effects._fields import contribution, term_width
-from labrig.effects._rows import Floats
+from labrig.effects._rows import Floats, Ints
 
 BEST_FORMS = 4
 KEPT_FORMS = 4
@@ -160,13 +160,17 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
 
 def _as_large(columns: Columns, scored: Score, own: slice, least: float) -> bool:
     """Whether the values, where they act, are at least so large, or within two standard errors of it."""
-    weight = np.diag(columns.sums[0].sum(axis=0))[own] * scored.beta[own] ** 2
-    if weight.sum() <= 0:
-        return False
-    jack = scored.fold_beta[:, own] @ weight / weight.sum()
-    n = len(jack)
-    sd = float(np.sqrt((n - 1) / n * np.sum((jack - jack.mean()) ** 2)))
-    return float(scored.beta[own] @ weight / weight.sum()) >= least - 2 * sd
+    weight = acting(columns, scored.beta, own)
+    each = scored.fold_beta[:, own] @ weight
+    n = len(each)
+    sd = float(np.sqrt((n - 1) / n * np.sum((each - each.mean()) ** 2)))
+    return float(scored.beta[own] @ weight) >= least - 2 * sd
+
+
+def acting(columns: Columns, beta: Floats, own: slice | Ints) -> Floats:
+    """Weights that sum to one: how much each of the `own` columns, times its coefficient, changes the observables."""
+    weight = np.diag(columns.sums[0].sum(axis=0))[own] * beta[own] ** 2
+    return weight / max(float(weight.sum()), 1e-300)
 
 
 def _along(columns: Columns, beta: Floats, term: Term) -> bool:

@@ -10,15 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Candidate, Fit, Forms, clearly, fit, lay_out, stays_plausible
+from labrig.diagnosis._candidates import Candidate, Fit, Forms, acting, clearly, fit, lay_out, stays_plausible
 from labrig.diagnosis._columns import order_of
+from labrig.diagnosis._exchange import SIMPLER
 from labrig.diagnosis._gate import MAX_EFFECTS, Ground
 from labrig.diagnosis._score import score
 
 LEAST_SHARE = 0.008
 CLEARLY_SE = 2.0
 BETTER_BLOCKS = 0.66
-SIMPLER = 3.0
 LAWS = 3
 LIMITS = 5
 
@@ -98,13 +98,5 @@ def is_hard(chosen: Fit, i: int) -> bool:
     if len(part.variant.terms) != 1:
         return False
     least = part.effect.parameter(part.variant.terms[0].parameter).least
-    return least > 0 and _where_it_acts(chosen, i) >= least
-
-
-def _where_it_acts(chosen: Fit, i: int) -> float:
-    """Mean of the part's coefficients, each counted by how much it changes the observables."""
     own = order_of([part.columns for part in chosen.parts])[i]
-    beta = chosen.score.beta[own]
-    gram = chosen.columns.sums[0].sum(axis=0)
-    weight = np.diag(gram)[own] * beta**2
-    return float((weight * beta).sum() / max(weight.sum(), 1e-300))
+    return least > 0 and float(acting(chosen.columns, chosen.score.beta, own) @ chosen.own(i)) >= least
