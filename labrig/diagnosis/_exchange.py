@@ -74,31 +74,31 @@ def simplest(ground: Ground, chosen: Fit, found: Forms, fixed: int, forms: Forms
         best = chosen
         others = other_forms(chosen, found, fixed, forms, leave=i)
         for option in [*options_of(chosen, found, leave=i), *others]:
-            behind = chosen.score.gains - option.score.gains
-            se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
-            worse = left_by(option) - left_by(chosen)
-            free = part.freedom >= min(
-                ground.streams.residual.shape[1], MUCH_SIMPLER * option.parts[-1].freedom
-            )
-            same = worse <= SAME_OF_FLOOR * ground.gate.floor_square and behind.sum() <= SAME_SHARE * worth
-            same = same and (free or behind.sum() <= SAME_SE * se)
-            like = similarity(chosen, i, option)
-            tied = behind.sum() <= se or (same and like > SAME_SHAPE)
-            # beside another the worth of each is small, and so is a share of it; the same field is the same
-            near = behind.sum() <= SAME_SHARE * chosen.score.gain
-            tied = tied or (free and like > SAME_FIELD and near)
-            holder = part if best is chosen else best.parts[-1]
-            simpler = SIMPLER * option.parts[-1].freedom <= holder.freedom
-            if (
-                tied
-                and simpler
-                and option.parts[-1].effect.name != part.effect.name
-                and stays_plausible(option, fixed)
-            ):
+            new, holder = option.parts[-1], part if best is chosen else best.parts[-1]
+            if new.effect.name == part.effect.name or SIMPLER * new.freedom > holder.freedom:
+                continue
+            if _ties(ground, chosen, i, option, worth) and stays_plausible(option, fixed):
                 best = option
         if best is not chosen:
             return best
     return chosen
+
+
+def _ties(ground: Ground, chosen: Fit, i: int, option: Fit, worth: float) -> bool:
+    """Whether the last part of `option` does as well as the i-th of `chosen`, which is `worth` so much gain there."""
+    behind = chosen.score.gains - option.score.gains
+    se = float(np.sqrt(len(behind)) * behind.std(ddof=1))
+    if behind.sum() <= se:
+        return True
+    much_simpler = MUCH_SIMPLER * option.parts[-1].freedom
+    free = chosen.parts[i].freedom >= min(ground.streams.residual.shape[1], much_simpler)
+    like = similarity(chosen, i, option)
+    # beside another the worth of each is small, and so is a share of it; the same field is the same
+    if free and like > SAME_FIELD and behind.sum() <= SAME_SHARE * chosen.score.gain:
+        return True
+    if like <= SAME_SHAPE or behind.sum() > SAME_SHARE * worth or not (free or behind.sum() <= SAME_SE * se):
+        return False
+    return left_by(option) - left_by(chosen) <= SAME_OF_FLOOR * ground.gate.floor_square
 
 
 def reform(chosen: Fit, forms: Forms, fixed: int) -> Fit:
