@@ -254,6 +254,17 @@ def test_what_others_at_the_same_pressures_say_is_believed(make_lab) -> None:
     assert np.isnan(cleaned).reshape(60, 3, 3)[30].all()
 
 
+def test_what_other_long_holds_say_is_believed(make_lab) -> None:
+    """What is far off late in every long hold, and nowhere else, is no mistake of those rows."""
+    lab = make_lab(captures=60, markers=1, long_s=LONG_S)
+    values = lab.predict(lab.u) + lab.noise()
+    late = np.isfinite(lab.hold_s) & (lab.hold_s >= 30.0)
+    values[late] -= 9.0
+    rows = rows_of(lab.dataset(values))
+    cleaned, _ = clean(lab.model().context(rows))
+    assert not np.isnan(cleaned)[rows.hold_s >= 30.0].any()
+
+
 @pytest.mark.parametrize(("stopped", "is_one"), [(0.6, True), (0.03, False)])
 def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_one: bool) -> None:
     """A kink that takes a few hundredths of the motion, however clear, is another law's misfit and no limit."""
