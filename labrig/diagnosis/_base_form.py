@@ -24,7 +24,8 @@ SMALLEST_OF_FLOOR = 0.015
 LARGE_OF_FLOOR = 0.06
 SMALLEST_SHARE = 0.005
 OWN_SHARE = 0.25
-NEARLY_ALL = 0.1
+NEARLY_ALL = 0.2
+FORM_RIDGE = 0.03
 
 
 def beside_form(streams: Streams) -> Streams | None:
@@ -41,7 +42,9 @@ def beside_form(streams: Streams) -> Streams | None:
         return None
     form = np.concatenate([per_capture(context.deflection, streams.index), np.zeros((len(streams.keep), C))])
     both = form if streams.declared is None else np.column_stack([streams.declared, form])
-    return replace(streams, declared=both)
+    shrunk = np.zeros(both.shape[1])
+    shrunk[-C:] = FORM_RIDGE
+    return replace(streams, declared=both, shrunk=shrunk)
 
 
 def on(streams: Streams, parts: "Fit | None") -> Fit | None:

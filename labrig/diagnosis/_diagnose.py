@@ -11,6 +11,7 @@ from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._gate import Gate
 from labrig.diagnosis._outliers import clean
+from labrig.diagnosis._own_form import without_ties
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._result import Result
@@ -74,7 +75,7 @@ def diagnose(
     base_left = streams.residual - streams.nothing
     floor_square = float(np.mean(floor.row[streams.counted] ** 2))
     gate = Gate(floor_square, square_of(streams, base_left), tolerance)
-    searched = search(streams, effects, gate)
+    searched = without_ties(search(streams, effects, gate))
     found, chosen = searched.found, searched.chosen
     before = ceiling(streams, context, base_left)
     after = ceiling(streams, context, searched.left) if chosen else before

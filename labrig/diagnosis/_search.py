@@ -55,7 +55,7 @@ class Search:
     `found` are the forms of every effect on the whole problem, for the ranking; `chosen` the effects that
     earned a place, `moving` the first of them that were chosen beside a static map, on their own ground. `judged` are
     the chosen on `static_ground`: another than the whole problem where the base is `wrong_form`, which is then the
-    base's own to explain.
+    base's own to explain; several laws `could_be` that error of form, where they tie.
     """
 
     found: dict[str, list[Candidate]]
@@ -65,6 +65,7 @@ class Search:
     static_ground: Ground
     judged: Fit | None
     wrong_form: bool = False
+    could_be: tuple[str, ...] = ()
 
     @property
     def left(self) -> Floats:

@@ -55,7 +55,8 @@ class Streams:
     `weight` (S, K) is 1 / noise^2, 0 where nothing was seen; `residual` (S, K); `modes` (captures, m, K);
     `group` (S,) is which block is left out with it; `source` (S,) its capture, as an index. The base's own parameters
     are `declared` (S, D), regressors of every observable on its own, and `calibrated` (S, K, D), fields that all
-    observables share; both are refitted beside every effect.
+    observables share; both are refitted beside every effect. `shrunk` (D,) draws coefficients of `declared` towards
+    zero: a ridge, in units of the regressor's own square over all rows.
     """
 
     context: Context
@@ -74,6 +75,7 @@ class Streams:
     row_group: Ints
     as_features: bool = False
     calibrated: Floats | None = None
+    shrunk: Floats | None = None
 
     @property
     def n_groups(self) -> int:
@@ -212,10 +214,19 @@ class Streams:
             if self.as_features:
                 ridge = _STATIC_RIDGE * np.diag(np.square(A).sum(axis=0))
                 solved = np.linalg.solve(A.T @ A + ridge + 1e-12 * np.eye(A.shape[1]), A.T)
+            elif self.shrunk is not None:
+                solved = np.linalg.pinv(A.T @ A + self._shrinking, rcond=1e-12, hermitian=True) @ A.T
             else:
                 solved = np.linalg.pinv(A, rcond=1e-9)
             self._fittings[without] = solved * w
         return self._fittings[without]
+
+    @cached_property
+    def _shrinking(self) -> Floats:
+        """What is added to the Gram matrix of the base's own regressors, (D, D)."""
+        assert self.declared is not None
+        assert self.shrunk is not None
+        return np.diag(self.shrunk * (self.weight.max(axis=1) @ np.square(self.declared)))
 
     @cached_property
     def declared_weighted(self) -> list[tuple[Floats, Floats]]:
@@ -241,7 +252,8 @@ class Streams:
             alike @ self.declared[own]
             for own, (_, alike) in zip(self.blocks, self.declared_weighted, strict=True)
         ]
-        return [np.linalg.pinv(np.sum(each, axis=0) - one, rcond=1e-12, hermitian=True) for one in each]
+        total = np.sum(each, axis=0) + (0.0 if self.shrunk is None else self._shrinking)
+        return [np.linalg.pinv(total - one, rcond=1e-12, hermitian=True) for one in each]
 
     @cached_property
     def _fittings(self) -> dict[int | None, Floats]:

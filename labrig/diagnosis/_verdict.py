@@ -44,6 +44,8 @@ STATIC_SE = 2.5
 UNKNOWN_OF_FLOOR_STATIC = 0.06
 UNKNOWN_SHARE_STATIC = 0.018
 UNKNOWN_SHARE_FORM = 0.8
+UNKNOWN_OF_FLOOR_BESIDE_FORM = 0.2
+UNKNOWN_SHARE_BESIDE_FORM = 0.15
 MUCH_OF_FLOOR = 0.35
 MUCH_SHARE = 0.25
 THE_WORST = 0.2
@@ -189,7 +191,7 @@ def decide(
     left = square_of(streams, streams.residual - chosen.heldout)
     explained = max(gate.base_square - left, 0.0)
     rest = _leftovers(streams, searched.left, after, explained)
-    carrier = _unknown(chosen, rest, explained, gate.floor_square)
+    carrier = _unknown(chosen, rest, explained, gate.floor_square, searched.wrong_form)
     carried_by = carrier.covariates if carrier else ""
     if not carried_by and _much_is_left(searched, explained, gate.floor_square):
         carried_by = NOTHING_LOGGED
@@ -224,7 +226,9 @@ def decide(
     return Verdict(name, chosen.names, sure, (), warnings=tuple(warnings), compared=tuple(compared))
 
 
-def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: float) -> Ceiling | None:
+def _unknown(
+    chosen: Fit, rest: "Leftovers", explained: float, floor_square: float, wrong_form: bool
+) -> Ceiling | None:
     """The learner that predicts too much of what the effects leave for a misfit of form, if one does.
 
     What depends on history or time cannot be the misfit of names that are static: hardly any of it is borne
@@ -239,6 +243,8 @@ def _unknown(chosen: Fit, rest: "Leftovers", explained: float, floor_square: flo
         return rest.mover
     of_floor = UNKNOWN_OF_FLOOR_STATIC if static_names else UNKNOWN_OF_FLOOR
     share = UNKNOWN_SHARE_STATIC if static_names else UNKNOWN_SHARE_FORM
+    if static_names and wrong_form:
+        of_floor, share = UNKNOWN_OF_FLOOR_BESIDE_FORM, UNKNOWN_SHARE_BESIDE_FORM
     much = rest.beyond > max(of_floor * floor_square, share * (rest.beyond + explained))
     if rest.learner is None or not rest.static_only or not much:
         return None
@@ -253,9 +259,10 @@ def _of_the_base(searched: Search, left: float) -> list[str]:
     more = left - square_of(searched.chosen.columns.streams, searched.left)
     if not searched.wrong_form or more <= 0:
         return []
+    named = f" (as well {' or '.join(searched.could_be)}: not told apart here)" if searched.could_be else ""
     return [
         f"beside {' and '.join(searched.chosen.names)} the base is wrong in form: chambers move the surface in other "
-        f"patterns than it says, by {np.sqrt(more):.3g} root mean square"
+        f"patterns than it says, by {np.sqrt(more):.3g} root mean square{named}"
     ]
 
 
