@@ -149,3 +149,11 @@ def make_base(recipe: dict[str, Any]) -> Callable[[Array], Array]:
         return right + error["scale"] * (wrong(actuation) - right)
 
     return predict
+
+
+def own_error(recipe: dict[str, Any], pressure: Array) -> float:
+    """Root mean square of what is wrong in the form of a recipe's base at pressures (F, C); no effect takes it away."""
+    if not recipe.get("error"):
+        return 0.0
+    right = make_base({**recipe, "error": None})(pressure)
+    return float(np.sqrt(np.mean((make_base(recipe)(pressure) - right) ** 2)))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivers.simulated import Programme, calibrate, run_programme
 from drivers.simulated.hidden import EFFECTS, UNLISTED, Hidden, Setting
 from labrig._errors import LabrigError
-from labrig.bench._bodies import BenchBody, make_base, make_body, observed
+from labrig.bench._bodies import BenchBody, make_body, observed, own_error
 from labrig.bench._classes import CLASSES, FAMILIES, Draw, pick
 from labrig.bench._dataset import to_dataset
 from labrig.bench._noise import Spoil, spoil
@@ -162,9 +162,7 @@ def _base(
     form = "spread" if what.body["kind"] == "surface" and random.random() < 0.5 else "law"
     error = {"form": form, "seed": int(random.integers(10_000)), "scale": 1.0}
     recipe = {"body": what.body, "error": error}
-    right = make_base({"body": what.body, "error": None})
-    size = np.sqrt(np.mean((make_base(recipe)(programme.command_kpa) - right(programme.command_kpa)) ** 2))
-    error["scale"] = float(what.structural * floor / size)
+    error["scale"] = float(what.structural * floor / own_error(recipe, programme.command_kpa))
     return recipe
 
 

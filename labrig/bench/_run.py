@@ -12,6 +12,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.bench._bodies import own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
@@ -93,9 +94,7 @@ def _fresh(campaign: Campaign, path: Path, improved: Any) -> dict[str, Any] | No
         return None
     how = campaign.truth["spoil"]
     floor = float(np.hypot(how["capture"], how["row"] / np.sqrt(np.mean(np.bincount(rows.capture)))))
-    best = float(
-        np.hypot(floor, campaign.truth["structural"])
-    )  # no effect takes away a wrong form of the base
+    best = float(np.hypot(floor, own_error(campaign.truth["base"], rows.actuation)))
     drop = _drop(base, model, best) if base > 1.1 * best else None  # nothing to speak of was to be won
     return {"base": base, "model": model, "floor": floor, "drop": drop}
 

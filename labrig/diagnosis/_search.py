@@ -207,7 +207,9 @@ def _settle(ground: Ground, chosen: Fit, found: Forms, fixed: int, forms: Forms)
         # where two of one kind do as well, the second is a misfit of form
         kinds = {part.effect.shows_in for part in both.parts[fixed:]}
         chosen = both if len(kinds) == len(both.parts) - fixed else chosen
-    chosen = simplest(ground, limit_beside(ground, chosen, found, fixed), found, fixed, forms)
+    limited = limit_beside(ground, chosen, found, fixed)
+    if limited is not chosen:
+        chosen = simplest(ground, limited, found, fixed, forms)
     exchanged = in_best_forms(ground, chosen, fixed)
     if exchanged is not chosen:
         chosen = simplest(ground, exchanged, found, fixed, forms)
