@@ -27,10 +27,10 @@ def limit_beside(ground: Ground, chosen: Fit, found: Forms, fixed: int) -> Fit:
     """The best law and limit in the place of the laws after the `fixed` parts, if any earn it."""
     kept, laws = list(chosen.parts[:fixed]), list(chosen.parts[fixed:])
     taken = {part.effect.name for part in kept}
-    if not laws or len(kept) + 2 > MAX_EFFECTS or not all(_is_law(part) for part in laws):
+    if not laws or len(kept) + 2 > MAX_EFFECTS or not all(is_law(part) for part in laws):
         return chosen
     for name, forms in found.items():
-        if name not in taken and _is_law(forms[0]):
+        if name not in taken and is_law(forms[0]):
             laws += [*forms[:LAWS], min(forms, key=lambda c: c.freedom)]
     limits = [
         limit
@@ -55,6 +55,12 @@ def _best_in_rest(before: Fit, limits: list[Candidate]) -> list[Candidate]:
     return sorted(others, key=lambda c: -score(replace(c.columns, streams=left)).gain)[:LIMITS]
 
 
+def is_law(part: Candidate) -> bool:
+    """Whether a part is a law of each chamber's own pressure, whatever came before."""
+    effect = part.effect
+    return effect.shows_in == "own pressure" and effect.beyond_static == "no" and not effect.scans
+
+
 def stands(before: Fit, after: Fit) -> bool:
     """Whether `after` has a hard limit more than `before`, clearly, and it explains more than some thousandths.
 
@@ -72,11 +78,6 @@ def stands(before: Fit, after: Fit) -> bool:
         and clearly(more, streams.base_squares, CLEARLY_SE)
         and bool((more > 0).mean() >= BETTER_BLOCKS)
     )
-
-
-def _is_law(part: Candidate) -> bool:
-    effect = part.effect
-    return effect.shows_in == "own pressure" and effect.beyond_static == "no" and not effect.scans
 
 
 def _earns(ground: Ground, chosen: Fit, option: Fit, fixed: int) -> bool:

@@ -7,7 +7,8 @@ own pressure is an error of the base that these data have no name for. What stan
 from dataclasses import replace
 
 from labrig.diagnosis._base_form import NEARLY_ALL, beside_form, on
-from labrig.diagnosis._candidates import Candidate, fit, square_of
+from labrig.diagnosis._candidates import fit, square_of
+from labrig.diagnosis._limit import is_law
 from labrig.diagnosis._search import Search
 from labrig.diagnosis._verdict import rivals_of
 
@@ -15,7 +16,7 @@ from labrig.diagnosis._verdict import rivals_of
 def without_ties(searched: Search) -> Search:
     """What was found without a law that ties with others and with the base's own error of form."""
     chosen = searched.chosen
-    laws = [part for part in chosen.parts if _is_law(part)] if chosen else []
+    laws = [part for part in chosen.parts if is_law(part)] if chosen else []
     if chosen is None or searched.wrong_form or len(laws) != 1 or len(chosen.parts) == 1:
         return searched
     streams = chosen.columns.streams
@@ -29,7 +30,7 @@ def without_ties(searched: Search) -> Search:
     if by_form - by_law > NEARLY_ALL * (without - by_law):
         return searched
     alike = [rival for rival in rivals_of(searched) if rival.alike]
-    names = {part.effect.name for forms in searched.found.values() for part in forms if _is_law(part)}
+    names = {part.effect.name for forms in searched.found.values() for part in forms if is_law(part)}
     tied = alike and all(r.instead_of == laws[0].effect.name and r.effect in names for r in alike)
     if not tied:
         return searched
@@ -42,12 +43,4 @@ def without_ties(searched: Search) -> Search:
         judged=judged,
         wrong_form=True,
         could_be=could_be,
-    )
-
-
-def _is_law(part: Candidate) -> bool:
-    effect = part.effect
-    hard = any(parameter.least > 0 for parameter in effect.parameters)
-    return (
-        effect.shows_in == "own pressure" and effect.beyond_static == "no" and not effect.scans and not hard
     )

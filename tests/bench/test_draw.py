@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from labrig._errors import LabrigError
-from labrig.bench import CLASSES, Campaign, draw, make_base, write_campaign
+from labrig.bench import CLASSES, Campaign, draw, make_base, own_error, write_campaign
 
 
 def _residual(campaign: Campaign) -> np.ndarray:
@@ -87,6 +87,8 @@ def test_a_structural_error_has_one_to_two_floors() -> None:
         right = make_base({**campaign.base, "error": None})(pressure)
         size = np.sqrt(np.mean((make_base(campaign.base)(pressure) - right) ** 2)) / campaign.truth["floor"]
         assert 0.9 < size < 2.2
+        assert own_error(campaign.base, pressure) == pytest.approx(size * campaign.truth["floor"])
+        assert own_error({**campaign.base, "error": None}, pressure) == 0.0
 
 
 def test_deleting_what_is_hidden_makes_unknown_the_right_answer() -> None:

@@ -34,6 +34,7 @@ def verdict_of(name: str, seed: int, folder: Path) -> tuple[dict[str, Any], dict
         ("structural", 300035),  # beside a leak what is static is the base's own
         ("structural", 400028),  # beside a creep the form is put aside too
         ("structural", 310021),  # a drift that gravity has made nothing
+        ("structural", 430046),  # a frame that patterns too free had followed
         ("unlisted", 310016),  # a stand that gives way: nothing stands beside its form but a little coupling
         ("unlisted", 310001),  # a lens that a drift had followed
         ("pair", 300016),  # two names that leave no more than an error of form would
@@ -116,6 +117,33 @@ def test_a_gain_of_the_form_explains_nothing_beside_it(make_lab) -> None:
     best = lay_out(beside, regulator, list(regulator.variants(context)))[0]
     alone = max(score(columns_of(streams, variant)).gain for variant in regulator.variants(context))
     assert best.score.gain < 0.01 * alone
+
+
+def test_a_form_says_little_where_a_chamber_was_hardly_used(make_lab) -> None:
+    """A pattern that only a few captures show does not make what is left out of them wildly wrong."""
+    lab = make_lab(captures=60, markers=6, repeats=False)
+    lab.commanded[:, 2] *= 0.02
+    lab.commanded[20:25, 2] *= 50.0
+    values = lab.predict(lab.u) + lab.noise()
+    streams, _, _, _ = prepare(rows_of(lab.dataset(values)), lab.model())
+    beside = beside_form(streams)
+    assert beside is not None
+    kept, free = (
+        np.square(s.residual - s.nothing)[s.weight > 0].mean() for s in (beside, replace(beside, shrunk=None))
+    )
+    alone = np.square(streams.residual)[streams.weight > 0].mean()
+    assert kept < 1.3 * alone
+    assert free > 2.0 * alone
+
+
+def test_a_law_without_a_name_is_the_bases_own(tmp_path: Path) -> None:
+    """Where laws tie with each other and with an error of form, what stands beside them is the answer, and they are
+    in the warning.
+    """
+    truth, summary = verdict_of("structural", 430021, tmp_path)
+    assert summary["verdict"] == "identified"
+    assert summary["effects"] == truth["effects"] == ["delay"]
+    assert any("as well regulator or stiffening: not told apart here" in said for said in summary["warnings"])
 
 
 def test_one_force_has_no_form_of_its_own(make_lab) -> None:
