@@ -3,7 +3,7 @@
 A gain, an offset and a curve for every chamber can follow what its neighbours do to it on average, and leave only a
 few hundredths of the error: too little for a learner of patterns, which must find them first. But where each chamber
 moves the surface is known, so a learner need only find by how much, for each pressure of its neighbours. What it adds
-is no misfit of a law of the chamber's own pressure.
+is no misfit of a law of the chamber's own pressure, which is fitted beside it.
 """
 
 from dataclasses import dataclass
@@ -62,12 +62,19 @@ def together(chosen: Fit) -> Together | None:
     term = _neighbours(streams.context)
     if term is None:
         return None
-    columns = join(
-        [*(part.columns for part in chosen.parts), columns_of(streams, Variant("together", (term,)))]
-    )
-    both = Fit(chosen.parts, columns, score(columns))
-    before, after = (square_of(streams, streams.residual - f.heldout) for f in (chosen, both))
-    return Together(both.score.gains - chosen.score.gains, streams.base_squares, before - after)
+    own = _with(chosen, _own(streams.context))
+    both = _with(chosen, _own(streams.context), term)
+    best = max(chosen, own, key=lambda f: f.score.gain)
+    before, after = (square_of(streams, streams.residual - f.heldout) for f in (best, both))
+    return Together(both.score.gains - best.score.gains, streams.base_squares, before - after)
+
+
+def _with(chosen: Fit, *terms: Term) -> Fit:
+    """The same with columns that no effect has."""
+    streams = chosen.columns.streams
+    parts = [part.columns for part in chosen.parts]
+    columns = join([*parts, columns_of(streams, Variant("together", terms))])
+    return Fit(chosen.parts, columns, score(columns))
 
 
 def with_named(ground: Ground, chosen: Fit) -> Fit:
@@ -90,6 +97,14 @@ def with_named(ground: Ground, chosen: Fit) -> Fit:
             ):
                 best = option
     return best
+
+
+def _own(context: Context) -> Term:
+    """Two columns for each chamber, u_i and u_i x_i: a name may say too little of its own pressure."""
+    u, x = context.rows.actuation, context.rows.fraction
+    each = np.eye(u.shape[1])
+    feature = np.concatenate([u[:, :, None] * each, (u * x)[:, :, None] * each], axis=2)
+    return Term("response", "pressure", feature)
 
 
 def _neighbours(context: Context) -> Term | None:

@@ -259,10 +259,13 @@ def _of_the_base(searched: Search, left: float) -> list[str]:
     more = left - square_of(searched.chosen.columns.streams, searched.left)
     if not searched.wrong_form or more <= 0:
         return []
-    named = f" (as well {' or '.join(searched.could_be)}: not told apart here)" if searched.could_be else ""
+    how = "chambers move the surface in other patterns than it says"
+    if searched.could_be:
+        laws = " or ".join(searched.could_be)
+        how = f"chambers answer to their own pressures otherwise than it says ({laws}: not told apart here)"
     return [
-        f"beside {' and '.join(searched.chosen.names)} the base is wrong in form: chambers move the surface in other "
-        f"patterns than it says, by {np.sqrt(more):.3g} root mean square{named}"
+        f"beside {' and '.join(searched.chosen.names)} the base is wrong in form: {how}, "
+        f"by {np.sqrt(more):.3g} root mean square"
     ]
 
 
