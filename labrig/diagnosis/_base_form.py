@@ -13,7 +13,7 @@ import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, clearly, fit, lay_out, square_of
 from labrig.diagnosis._columns import columns_of
-from labrig.diagnosis._gate import Gate, Ground
+from labrig.diagnosis._gate import Gate, Ground, fits_form
 from labrig.diagnosis._streams import Streams, per_capture
 from labrig.effects._rows import Floats
 
@@ -26,18 +26,21 @@ SMALLEST_SHARE = 0.005
 OWN_SHARE = 0.25
 NEARLY_ALL = 0.15
 FORM_RIDGE = 0.03
+AHEAD_OF_FORM = 0.15
+AHEAD_SHARE = 0.85
 
 
 def beside_form(streams: Streams) -> Streams | None:
     """The same with the chambers' deflections, free in their patterns, as the base's own.
 
-    None where a static base has them already, where there are too few captures for it, or too few observables: beside a
-    single force nothing would be left of a pressure.
+    None where a static base or these streams have them already, where there are too few captures for it, or too few
+    observables: beside a single force nothing would be left of a pressure.
     """
     context = streams.context
     C, K = context.deflection.shape[1], streams.residual.shape[1]
     n = int(streams.index.max()) + 1
-    known = context.base_kind == "static" or streams.as_features or not streams.use_means
+    known = context.base_kind == "static" or streams.as_features or streams.shrunk is not None
+    known = known or not streams.use_means
     if known or n < CAPTURES_PER_CHAMBER * C or K < OBSERVABLES_PER_CHAMBER * C:
         return None
     form = np.concatenate([per_capture(context.deflection, streams.index), np.zeros((len(streams.keep), C))])
@@ -105,6 +108,21 @@ def as_good(chosen: Fit, beside: Streams, judged: Fit | None) -> bool:
     streams = chosen.columns.streams
     after = beside.residual - (judged.heldout if judged else beside.nothing)
     return bool(streams.square(streams.residual - chosen.heldout).sum() <= streams.square(after).sum())
+
+
+def beats_form(ground: Ground, before: Fit | None, after: Fit) -> bool:
+    """Whether `after` leaves clearly less than an error of form would in the place of what it has more than `before`.
+
+    Then it is no part of such an error, though a learner may still see what its own form misses.
+    """
+    beside = beside_form(ground.streams)
+    if beside is None or after.parts[-1].effect.beyond_static != "no":
+        return False
+    same = on(beside, before)
+    by_form = square_of(beside, beside.residual - (same.heldout if same else beside.nothing))
+    left = square_of(ground.streams, ground.streams.residual - after.heldout)
+    ahead = by_form - left > AHEAD_OF_FORM * ground.gate.floor_square
+    return ahead and fits_form(ground.streams, before, after, AHEAD_SHARE)
 
 
 def _by_block(streams: Streams, left: Floats) -> Floats:

@@ -8,7 +8,15 @@ then sought in what that leaves, and must explain most of what any static map co
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from labrig.diagnosis._base_form import as_good, beside_form, is_nearly_all, is_wrong, large_beside, on
+from labrig.diagnosis._base_form import (
+    as_good,
+    beats_form,
+    beside_form,
+    is_nearly_all,
+    is_wrong,
+    large_beside,
+    on,
+)
 from labrig.diagnosis._candidates import (
     Candidate,
     Fit,
@@ -186,7 +194,7 @@ def _forward(
             p = p if p <= SIGNIFICANT else p_of_best(ground, best, signs)
         if p > SIGNIFICANT and not clear_locally(ground, chosen, best) and not everywhere(chosen, best):
             break
-        if not fits_form(ground.streams, chosen, best):
+        if not fits_form(ground.streams, chosen, best) and not beats_form(ground, chosen, best):
             break
         chosen = simplest(ground, swap(best, found, fixed), found, fixed, forms)
     if chosen is None:

@@ -35,7 +35,10 @@ def verdict_of(name: str, seed: int, folder: Path) -> tuple[dict[str, Any], dict
         ("structural", 400028),  # beside a creep the form is put aside too
         ("structural", 310021),  # a drift that gravity has made nothing
         ("structural", 430046),  # a frame that patterns too free had followed
-        ("structural", 431023),  # a tension, and no coupling that what each chamber's own law lacks could be taken for
+        (
+            "structural",
+            431023,
+        ),  # a tension, and no coupling that what each chamber's own law lacks could be taken for
         ("unlisted", 310016),  # a stand that gives way: nothing stands beside its form but a little coupling
         ("unlisted", 310001),  # a lens that a drift had followed
         ("pair", 300016),  # two names that leave no more than an error of form would
