@@ -3,7 +3,8 @@
 A gain, an offset and a curve for every chamber can follow what its neighbours do to it on average, and leave only a
 few hundredths of the error: too little for a learner of patterns, which must find them first. But where each chamber
 moves the surface is known, so a learner need only find by how much, for each pressure of its neighbours. What it adds
-is no misfit of a law of the chamber's own pressure, which is fitted beside it.
+is no misfit of a law of the chamber's own pressure: where a name is one for all chambers, such a law is fitted beside
+it.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 from labrig.diagnosis._candidates import Fit, clearly, fit, square_of, stays_plausible
 from labrig.diagnosis._columns import columns_of, join
 from labrig.diagnosis._gate import MAX_EFFECTS, Ground
+from labrig.diagnosis._limit import is_law
 from labrig.diagnosis._score import score
 from labrig.effects import Context, Term, Variant
 from labrig.effects._fields import overlap
@@ -62,11 +64,13 @@ def together(chosen: Fit) -> Together | None:
     term = _neighbours(streams.context)
     if term is None:
         return None
-    own = _with(chosen, _own(streams.context))
-    both = _with(chosen, _own(streams.context), term)
-    best = max(chosen, own, key=lambda f: f.score.gain)
-    before, after = (square_of(streams, streams.residual - f.heldout) for f in (best, both))
-    return Together(both.score.gains - best.score.gains, streams.base_squares, before - after)
+    # a name that is one for all chambers says too little of each
+    each = sum(part.freedom for part in chosen.parts if is_law(part)) >= len(streams.context.rows.chambers)
+    own = [] if each else [_own(streams.context)]
+    one = _with(chosen, *own) if own else chosen
+    both = _with(chosen, *own, term)
+    before, after = (square_of(streams, streams.residual - f.heldout) for f in (one, both))
+    return Together(both.score.gains - one.score.gains, streams.base_squares, before - after)
 
 
 def _with(chosen: Fit, *terms: Term) -> Fit:
@@ -100,7 +104,7 @@ def with_named(ground: Ground, chosen: Fit) -> Fit:
 
 
 def _own(context: Context) -> Term:
-    """Two columns for each chamber, u_i and u_i x_i: a name may say too little of its own pressure."""
+    """Two columns for each chamber, u_i and u_i x_i."""
     u, x = context.rows.actuation, context.rows.fraction
     each = np.eye(u.shape[1])
     feature = np.concatenate([u[:, :, None] * each, (u * x)[:, :, None] * each], axis=2)
