@@ -65,6 +65,14 @@ def test_a_diagnosis_that_crashes_is_a_wrong_answer(monkeypatch: pytest.MonkeyPa
     assert record["right"] is False
 
 
+def test_no_effect_has_to_take_away_what_is_wrong_in_the_form_of_the_base() -> None:
+    """A fresh programme's best is the noise and the base's own error there: the right name goes all the way to it."""
+    record = _run.run_one("structural", 430004, baselines=False)
+    assert record["answer"]["effects"] == ["coupling"]
+    assert record["fresh"]["model"] > 2.0 * record["fresh"]["floor"]
+    assert record["fresh"]["drop"] > 0.9
+
+
 def test_one_campaign_is_drawn_diagnosed_and_judged() -> None:
     """A record holds truth, answer, baselines and figures, and is plain JSON."""
     record = _run.run_one("force", 0)
