@@ -113,8 +113,11 @@ def as_good(chosen: Fit, beside: Streams, judged: Fit | None) -> bool:
 def beats_form(ground: Ground, before: Fit | None, after: Fit) -> bool:
     """Whether `after` leaves clearly less than an error of form would in the place of what it has more than `before`.
 
-    Then it is no part of such an error, though a learner may still see what its own form misses.
+    Then it is no part of such an error, though a learner may still see what its own form misses. Where that error was
+    put aside already, most of what any static map could explain is enough.
     """
+    if ground.streams.shrunk is not None:
+        return fits_form(ground.streams, before, after, AHEAD_SHARE)
     beside = beside_form(ground.streams)
     if beside is None or after.parts[-1].effect.beyond_static != "no":
         return False
