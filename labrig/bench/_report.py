@@ -82,7 +82,7 @@ def lines(summary: dict[str, Any]) -> list[str]:
         box = summary["black_box_fresh_drop"]
         beside = "" if box is None else f" (black box: {box['p10']:.2f}, median {box['median']:.2f})"
         out.append(
-            "Drop of the error on a fresh programme, where the verdict was right: tenth percentile "
+            "Drop of the error on a fresh programme, where the effects were named rightly: tenth percentile "
             f"{fresh['p10']:.2f}, median {fresh['median']:.2f} over {fresh['campaigns']} campaigns{beside}."
         )
     if summary["failures"]:

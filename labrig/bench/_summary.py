@@ -35,7 +35,7 @@ def summarise(records: list[dict[str, Any]]) -> dict[str, Any]:
             "brier": brier(probability, right) if known else None,
             "ece": calibration_error(probability, right) if known else None,
         },
-        "fresh_drop": _low([_fresh(r) for r in records if r["right"] and r["truth"]["effects"]]),
+        "fresh_drop": _low([_fresh(r) for r in records if r["right"] and _names(r)]),
         "black_box_fresh_drop": _low(
             [_fresh(r["baselines"]["black box"]) for r in records if _boxed(r) and r["truth"]["effects"]]
         ),
@@ -97,6 +97,11 @@ def _baseline(name: str, records: list[dict[str, Any]]) -> dict[str, Any]:
         "false_alarms": None if nameless else sum(b["false_alarm"] for b in found) / len(found),
         "fresh_drop": _low([_fresh(b) for b in found]),
     }
+
+
+def _names(record: dict[str, Any]) -> bool:
+    """Whether the answer says what is missing: `confounded` says that it does not know yet."""
+    return record["answer"]["verdict"] in ("identified", "multiple")
 
 
 def _fresh(record: dict[str, Any]) -> float | None:

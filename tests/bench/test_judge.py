@@ -101,6 +101,19 @@ def test_a_summary_counts_by_class() -> None:
                 "baselines": {"bic": {"answer": answer, "right": False, "false_alarm": False}},
             }
         )
+    rivals = {"verdict": "confounded", "effects": ["creep"], "rivals": ["drift"], "probability": 0.95}
+    open_one = {
+        "truth": _truth("confounded", "creep"),
+        "answer": rivals,
+        "right": True,
+        "fresh": {"drop": 0.1},
+    }
+    summary = summarise([*records, {**records[0], **open_one, "key": "confounded:0"}])
+    assert summary["fresh_drop"] == {
+        "campaigns": 8,
+        "median": 0.95,
+        "p10": 0.95,
+    }  # what is open adds nothing yet
     summary = summarise(records)
     entry = summary["classes"]["single-2"]
     assert entry["right"] == 0.8
