@@ -68,15 +68,16 @@ def blind(
 
     names = list(CLASSES) if classes == "all" else _names(classes)
     todo = plan(names, count, seed)
+    asked = {f"{name}:{one}" for name, one in todo}
     console = Console()
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("campaigns", total=len(todo))
         if resume:
-            wanted = {f"{name}:{one}" for name, one in todo}
-            progress.advance(task, sum(r["key"] in wanted for r in read_records(out)))
+            progress.advance(task, sum(r["key"] in asked for r in read_records(out)))
         for _ in run_blind(todo, out, jobs, resume, baselines, tuple(_names(without)), cluster):
             progress.advance(task)
-    summary = summarise(read_records(out))
+    records = read_records(out)
+    summary = summarise(records)
     write_report(summary, out)
     for part in tables(summary):
         console.print(part)
@@ -86,7 +87,9 @@ def blind(
     if results is not None:
         which = "" if classes == "all" else f" --classes {','.join(names)}"
         each = f" --n {count}" if count else ""
-        write_results(summary, results, f"`labrig bench blind{which}{each} --seed {seed}`")
+        others = {r["truth"]["class"] for r in records if r["key"] not in asked}
+        more = f", and more of {', '.join(sorted(others))} with `--resume`" if others else ""
+        write_results(summary, results, f"`labrig bench blind{which}{each} --seed {seed}`{more}")
 
 
 @bench.command("settle")

@@ -18,6 +18,7 @@ from labrig.bench import (
     write_speed,
 )
 from labrig.bench._baselines import bic, f_test
+from labrig.cli import main
 
 
 def _record(name: str, seed: int, *_: object) -> dict:
@@ -51,6 +52,19 @@ def test_a_benchmark_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pyte
     again = [record["key"] for record in run_blind(todo, tmp_path, jobs=1, resume=True)]
     assert again == ["null:2", "null-slow:0", "null-slow:1", "null-slow:2"]
     assert len(read_records(tmp_path)) == 6
+
+
+def test_figures_say_how_they_came_about(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A class that was taken further with --resume is named beside the command that is written to the results."""
+    monkeypatch.setattr(_run, "run_one", _record)
+    results = tmp_path / "RESULTS.md"
+    words = ["bench", "blind", "-o", str(tmp_path / "out"), "--jobs", "1", "--results", str(results)]
+    for more in (["--classes", "null,force", "--n", "2"], ["--classes", "force", "--n", "3", "--resume"]):
+        with pytest.raises(SystemExit) as end:
+            main([*words, *more])
+        assert not end.value.code
+    how = "`labrig bench blind --classes force --n 3 --seed 0`, and more of null with `--resume`"
+    assert how in results.read_text(encoding="utf-8").splitlines()
 
 
 def test_a_diagnosis_that_crashes_is_a_wrong_answer(monkeypatch: pytest.MonkeyPatch) -> None:
