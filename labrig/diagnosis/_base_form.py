@@ -13,7 +13,7 @@ import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, clearly, fit, lay_out, square_of
 from labrig.diagnosis._columns import columns_of
-from labrig.diagnosis._gate import Gate, Ground, fits_form
+from labrig.diagnosis._gate import Gate, Ground
 from labrig.diagnosis._streams import Streams, per_capture
 from labrig.effects._rows import Floats
 
@@ -110,22 +110,23 @@ def as_good(chosen: Fit, beside: Streams, judged: Fit | None) -> bool:
     return bool(streams.square(streams.residual - chosen.heldout).sum() <= streams.square(after).sum())
 
 
-def beats_form(ground: Ground, before: Fit | None, after: Fit) -> bool:
-    """Whether `after` leaves clearly less than an error of form would in the place of what it has more than `before`.
+def share_needed(ground: Ground, before: Fit | None, after: Fit) -> float | None:
+    """How much of what any static map explains `after` must explain (for `fits_form`); None for as much as is usual.
 
-    Then it is no part of such an error, though a learner may still see what its own form misses. Where that error was
-    put aside already, most of what any static map could explain is enough.
+    What comes in beside others and leaves clearly less than an error of form would in its place is no part of such an
+    error, though a learner may still see what its own form misses. Where that error was put aside, nothing can be.
     """
+    if before is None or after.parts[-1].effect.beyond_static != "no":
+        return None
     if ground.streams.shrunk is not None:
-        return fits_form(ground.streams, before, after, AHEAD_SHARE)
+        return AHEAD_SHARE
     beside = beside_form(ground.streams)
-    if beside is None or after.parts[-1].effect.beyond_static != "no":
-        return False
+    if beside is None:
+        return None
     same = on(beside, before)
     by_form = square_of(beside, beside.residual - (same.heldout if same else beside.nothing))
     left = square_of(ground.streams, ground.streams.residual - after.heldout)
-    ahead = by_form - left > AHEAD_OF_FORM * ground.gate.floor_square
-    return ahead and fits_form(ground.streams, before, after, AHEAD_SHARE)
+    return AHEAD_SHARE if by_form - left > AHEAD_OF_FORM * ground.gate.floor_square else None
 
 
 def _by_block(streams: Streams, left: Floats) -> Floats:

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 from labrig.diagnosis._base_form import (
     as_good,
-    beats_form,
     beside_form,
     is_nearly_all,
     is_wrong,
     large_beside,
     on,
+    share_needed,
 )
 from labrig.diagnosis._candidates import (
     Candidate,
@@ -194,7 +194,7 @@ def _forward(
             p = p if p <= SIGNIFICANT else p_of_best(ground, best, signs)
         if p > SIGNIFICANT and not clear_locally(ground, chosen, best) and not everywhere(chosen, best):
             break
-        if not fits_form(ground.streams, chosen, best) and not beats_form(ground, chosen, best):
+        if not fits_form(ground.streams, chosen, best, share_needed(ground, chosen, best)):
             break
         chosen = simplest(ground, swap(best, found, fixed), found, fixed, forms)
     if chosen is None:
