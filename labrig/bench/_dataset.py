@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.bench._bodies import BenchBody
+from labrig.bench._nature import Rig
 from labrig.bench._programmes import Plan
 
 if TYPE_CHECKING:
@@ -22,11 +22,8 @@ def _padded(rows: Array, counts: NDArray[np.int64]) -> Array:
     return out
 
 
-def to_dataset(
-    body: BenchBody, plan: Plan, measured: Array, max_kpa: float, random: np.random.Generator
-) -> "xr.Dataset":
-    """The Dataset of a plan and its measured positions (R, M, A); half of the campaigns have pressure
-    sensors.
+def to_dataset(rig: Rig, plan: Plan, measured: Array, random: np.random.Generator) -> "xr.Dataset":
+    """The Dataset of a plan and what was measured (R, K); half of the campaigns have pressure sensors.
 
     Sensors sit at the regulators, so they read what was commanded. Between sessions whose pressures are
     `released` or `unknown` no event is logged.
@@ -37,17 +34,18 @@ def to_dataset(
     since = np.concatenate(plan.capture_rows_s)
     commanded = np.array(plan.capture_kpa)
     session = np.array([f"s{k + 1}" for k in plan.capture_session])
-    events = _events(plan)
-    event_time = np.array([t for t, _, _ in events])
+    logged = np.array(plan.command_logged)
+    event_time = np.array([t for t, _ in plan.commands])[logged]
+    event_session = np.array([f"s{k + 1}" for k in plan.command_session])[logged]
     coords = {
         "capture": np.arange(plan.captures),
-        "chamber": list(body.chamber_names),
-        "chamber_min": ("chamber", np.zeros(len(body.chamber_names))),
-        "chamber_max": ("chamber", np.full(len(body.chamber_names), max_kpa)),
+        "chamber": list(rig.chambers),
+        "chamber_min": ("chamber", np.zeros(len(rig.chambers))),
+        "chamber_max": ("chamber", np.array(rig.high_kpa, dtype=float)),
         "session": ("capture", session),
         "repeat": ("capture", np.array(plan.capture_repeat, dtype=str)),
         "event_of": ("capture", np.searchsorted(event_time, np.array(plan.capture_s) + 1e-9) - 1),
-        "event_session": ("event", np.array([f"s{k + 1}" for _, _, k in events])),
+        "event_session": ("event", event_session),
     }
     hold = _padded(since, counts)
     data = {
@@ -56,7 +54,7 @@ def to_dataset(
         "time_s": (("capture", "time"), hold + np.array(plan.capture_s)[:, None]),
         "settled": (("capture", "time"), np.isfinite(hold)),
         "event_time_s": ("event", event_time),
-        "event_commanded": (("event", "chamber"), np.array([p for _, p, _ in events])),
+        "event_commanded": (("event", "chamber"), np.array([p for _, p in plan.commands])[logged]),
     }
     if random.random() < 0.5:
         read = commanded[:, None, :] + 0.05 * random.normal(size=(*hold.shape, commanded.shape[1]))
@@ -65,23 +63,34 @@ def to_dataset(
             np.where(np.isfinite(hold)[..., None], read, np.nan),
         )
     rows = _padded(measured, counts)
-    if len(body.axes) == 3:
-        coords |= {"marker": list(body.marker_names), "axis": ["x", "y", "z"]}
-        data["position_mm"] = (("capture", "time", "marker", "axis"), rows)
-        data["rest_mm"] = (("marker", "axis"), body.rest_mm)
+    if in_space(rig):
+        coords |= {"marker": list(rig.marker_names), "axis": ["x", "y", "z"]}
+        data["position_mm"] = (
+            ("capture", "time", "marker", "axis"),
+            rows.reshape(*hold.shape, len(rig.marker_names), 3),
+        )
+        data["rest_mm"] = (("marker", "axis"), rig.rest_mm)
     else:
+        seen = rig.observables
         coords |= {
-            "observable": list(body.marker_names),
-            "unit": ("observable", [body.unit]),
-            "marker_of": ("observable", [""]),
-            "axis_of": ("observable", [""]),
+            "observable": [o.name for o in seen],
+            "unit": ("observable", [o.unit for o in seen]),
+            "marker_of": ("observable", [rig.marker_names[o.marker] if o.marker >= 0 else "" for o in seen]),
+            "axis_of": ("observable", ["xyz"[o.axis] if o.axis >= 0 else "" for o in seen]),
         }
-        data["observed"] = (("capture", "time", "observable"), rows[..., 0])
-    if len(set(plan.session_tilt_deg)) > 1:
-        tilt = np.array(plan.session_tilt_deg)[plan.capture_session]
-        coords |= {"covariate": ["tilt"], "covariate_unit": ("covariate", ["deg"])}
-        value = np.where(np.isfinite(hold), tilt[:, None], np.nan)
-        data["covariates"] = (("capture", "time", "covariate"), value[..., None])
+        data["observed"] = (("capture", "time", "observable"), rows)
+    logs = {"tilt": ("deg", plan.session_tilt_deg), "payload": ("kg", plan.session_payload_kg)}
+    logs = {name: log for name, log in logs.items() if len(set(log[1])) > 1}
+    if logs:
+        coords |= {
+            "covariate": list(logs),
+            "covariate_unit": ("covariate", [unit for unit, _ in logs.values()]),
+        }
+        value = np.array([each for _, each in logs.values()]).T[plan.capture_session]
+        data["covariates"] = (
+            ("capture", "time", "covariate"),
+            np.where(np.isfinite(hold)[..., None], value[:, None, :], np.nan),
+        )
     attrs = {"run": "", "source": "table", "between_sessions": plan.between_sessions, "units": "kPa"}
     dataset = xr.Dataset(data, coords=coords, attrs=attrs)
     for name in ("commanded", "event_commanded", "measured"):
@@ -90,20 +99,7 @@ def to_dataset(
     return dataset
 
 
-def _events(plan: Plan) -> list[tuple[float, Array, int]]:
-    """Actuations that a log would show: time, pressures, session; releases between sessions are not logged."""
-    starts = np.array([plan.capture_s[plan.capture_session.index(k)] for k in range(plan.session + 1)])
-    ends = np.array(
-        [
-            max(t for t, s in zip(plan.capture_s, plan.capture_session, strict=True) if s == k)
-            for k in range(plan.session + 1)
-        ]
-    )
-    events = []
-    for time_s, pressure in plan.commands:
-        session = int(np.searchsorted(starts, time_s + 6.0, side="right")) - 1
-        session = max(session, 0)
-        between = session < plan.session and time_s > ends[session] and not pressure.any()
-        if not between:
-            events.append((time_s, pressure, session))
-    return events
+def in_space(rig: Rig) -> bool:
+    """Whether the observables are all markers, one after the other, along all three axes."""
+    places = [(o.marker, o.axis) for o in rig.observables]
+    return places == [(m, a) for m in range(len(rig.marker_names)) for a in range(3)]

@@ -1,40 +1,36 @@
-"""Drawing a blind campaign: chance picks a body, a programme, what is hidden, and what spoils the
-measurement.
-"""
+"""Drawing a blind campaign: chance picks a rig, a programme, what is hidden, and what spoils the measurement."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivers.simulated import Programme, calibrate, run_programme
-from drivers.simulated.hidden import EFFECTS, UNLISTED, Hidden, Setting
 from labrig._errors import LabrigError
-from labrig.bench._bodies import BenchBody, make_body, observed, own_error
-from labrig.bench._classes import CLASSES, FAMILIES, Draw, pick
+from labrig.bench._bases import chambers_own_law, draw_base
+from labrig.bench._classes import CLASSES, CONFOUNDED, FAMILIES, Kind, family_of
 from labrig.bench._dataset import to_dataset
+from labrig.bench._halves import half_of, make_rig
+from labrig.bench._hide import FEW, Hidden, has, hide, pick_effects, pick_laws, pick_rig
+from labrig.bench._nature import Array, Path, Rig, simulate
 from labrig.bench._noise import Spoil, spoil
-from labrig.bench._programmes import Plan, make_plan
+from labrig.bench._path import PAUSE_S, make_path
+from labrig.bench._programmes import DESIGNS, Plan, make_plan
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
-
-MAX_KPA = 60.0
-PAUSE_S = 600.0
+_SAME_EFFECTS, _OTHER_EFFECTS = 12, 20  # how often laws, rig and programme are drawn again, and then effects
+_TILTED, _LOADED = 0.15, 0.1  # campaigns with a base that is turned, with weights, whatever is hidden
 
 
 @dataclass
 class Campaign:
     """A blind campaign.
 
-    `dataset` is the campaign and `fresh` another of the same rig, with a programme of its own, recorded
-    after it (both as docs/reference/dataset.md has them); `base` is the recipe of the base model (for
-    `make_base`), or None where the base is a static map of degree 1; `truth` says what is hidden and what a
-    right answer is.
+    `dataset` is the campaign and `fresh` another of the same rig, with a programme of its own (both as
+    docs/reference/dataset.md has them); `base` is the recipe of the base model (for `make_base`), or None where the
+    base is a static map of degree 1; `truth` says what is hidden and what a right answer is.
     """
 
     dataset: "xr.Dataset"
@@ -43,159 +39,169 @@ class Campaign:
     truth: dict[str, Any] = field(default_factory=dict)
     later: "Callable[[Plan, int], xr.Dataset] | None" = field(default=None, repr=False, compare=False)
     """Measures another plan on the same rig, vented for `PAUSE_S` after the campaign; an int seeds its noise."""
+    parts: dict[str, Array] = field(default_factory=dict, repr=False, compare=False)
+    """By effect, what it alone changes (R, K) at the rows of `dataset`, capture by capture, without noise."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: all but what only the process that drew it needs."""
+        return {**self.__dict__, "later": None, "parts": {}}
 
 
-def draw(name: str, seed: int, without: tuple[str, ...] = (), captures: int | None = None) -> Campaign:
-    """The campaign of a class (see `CLASSES`) and a seed; the same two give the same campaign.
+@dataclass(frozen=True)
+class Drawn:
+    """What chance picked for one campaign, apart from noise and base."""
+
+    recipe: dict[str, Any]
+    rig: Rig
+    design: str
+    plan: Plan
+    path: Path
+    hidden: list[Hidden]
+    how: Spoil
+    floor: float
+    tilted: bool
+    loaded: bool
+
+    @property
+    def laws(self) -> list[tuple[Any, float]]:
+        """The laws and their strengths, as `simulate` wants them."""
+        return [(h.law, h.strength) for h in self.hidden]
+
+
+def draw(
+    name: str,
+    seed: int,
+    half: str = "development",
+    without: tuple[str, ...] = (),
+    captures: int | None = None,
+) -> Campaign:
+    """The campaign of a class (see `CLASSES`), a seed and a half; the same three give the same campaign.
 
     `without`: effects that the library will not have; where one of them is hidden, unknown is the right
     answer. `captures`: about how many, in place of what chance says.
     """
     if name not in CLASSES:
         raise LabrigError(f"bench: there is no class '{name}' (known: {', '.join(CLASSES)})")
-    random = np.random.default_rng([seed, *name.encode()])
-    what = pick(name, random)
-    what.captures = captures or what.captures
-    body = make_body(what.body)
-    max_kpa = np.full(len(body.chamber_names), MAX_KPA)
-    plan = make_plan(what.design, random, max_kpa, what.captures, what.repeats, what.tilted, what.long_share)
-    programme = _programme(plan)
-    rows = float(np.mean([len(r) for r in plan.capture_rows_s]))
-    floor = what.spoil.floor(rows)
-    hidden, sizes = _hide(what, body, max_kpa, programme, floor, random)
-    base = _base(what, body, programme, floor, random)
-
-    dataset = _measure(body, hidden, plan, programme, what.spoil, random)
+    random = np.random.default_rng([seed, *f"{half}/{name}".encode()])
+    what = _pick(name, half, captures, random)
+    kind, rig, plan, floor = CLASSES[name], what.rig, what.plan, what.floor
+    pressure = np.array([p for _, p in plan.commands])
+    structural = float(random.uniform(*kind.structural))
+    if kind.static:
+        base = {**what.recipe, "kind": "exact", "seed": 0}
+    else:
+        base = draw_base(what.recipe, pressure, floor, random, structural)
+    dataset = _measure(what, plan, what.path, what.how, random)
     dataset.attrs["start_s"] = 0.0
-    again = make_plan("holds", random, max_kpa, 120, repeats=False, long_share=0.15)
-    clean = Spoil(row=what.spoil.row, capture=what.spoil.capture)
-    fresh = _measure(body, hidden, again, _programme(again), clean, random)
+    again = make_plan(
+        "holds", random, rig.high_kpa, 120, False, what.tilted, long_share=0.15, loaded=what.loaded
+    )
+    clean = Spoil(row=what.how.row, capture=what.how.capture)
+    fresh = _measure(what, again, make_path(again), clean, random)
 
-    effects = [effect.name for effect in hidden]
+    effects = [h.effect for h in what.hidden]
+    deleted = {*without, *(family_of(effects[0]) if kind.deleted else ())}
     truth = {
         "class": name,
+        "half": half,
         "seed": seed,
         "effects": effects,
-        "verdict": _right_verdict(name, effects, without),
-        "also": _also(base),
-        "without": sorted({*without, *what.without}),
-        "amplitudes": dict(zip(effects, sizes, strict=True)),
-        "strengths": {effect.name: float(effect.strength) for effect in hidden},
+        "laws": [type(h.law).__name__ for h in what.hidden],
+        "rig": what.recipe["rig"],
+        "base_kind": "static" if kind.static else base["kind"],
+        "verdict": _right_verdict(kind, effects, deleted),
+        "also": _also(base, pressure) if structural else [],
+        "without": sorted(deleted),
+        "amplitudes": {h.effect: h.floors for h in what.hidden},
+        "strengths": {h.effect: h.strength for h in what.hidden},
         "floor": floor,
-        "structural": what.structural * floor,
-        "unit": body.unit,
-        "body": what.body,
+        "structural": structural * floor,
+        "unit": rig.observables[0].unit,
         "design": what.design,
         "captures": plan.captures,
-        "spoil": what.spoil.as_dict(),
+        "spoil": what.how.as_dict(),
         "base": base,
     }
-    if truth["without"] and truth["verdict"] == "identified":
-        truth["verdict"] = "unknown" if set(effects) & set(truth["without"]) else "identified"
 
     def later(after: Plan, seed: int) -> "xr.Dataset":
-        return _later(body, hidden, plan, after, clean, np.random.default_rng([seed, 13]))
+        path = make_path(after, before=plan)
+        measured = _measure(what, after, path, clean, np.random.default_rng([seed, 13]))
+        measured.attrs["start_s"] = plan.time_s + PAUSE_S
+        return measured
 
-    return Campaign(dataset, fresh, None if what.static else base, truth, later)
+    nothing = simulate(rig, [], what.path)
+    parts = {h.effect: simulate(rig, [(h.law, h.strength)], what.path) - nothing for h in what.hidden}
+    return Campaign(dataset, fresh, None if kind.static else base, truth, later, parts)
 
 
-def _right_verdict(name: str, effects: list[str], without: tuple[str, ...]) -> str:
+def _pick(name: str, half: str, captures: int | None, random: np.random.Generator) -> Drawn:
+    kind = CLASSES[name]
+    for _ in range(_OTHER_EFFECTS):
+        design = str(random.choice(list(CONFOUNDED) if kind.confounded else list(DESIGNS)))
+        effects = pick_effects(kind, half_of(half), design, random)
+        for _ in range(_SAME_EFFECTS):
+            drawn = _attempt(kind, half, effects, design, captures, random)
+            if drawn is not None:
+                return drawn
+    raise LabrigError(f"bench: chance finds no campaign of class '{name}' in the half '{half}'")
+
+
+def _attempt(
+    kind: Kind, half: str, effects: list[str], design: str, captures: int | None, random: np.random.Generator
+) -> Drawn | None:
+    """Laws, a rig, a programme and parameters for effects; None where they do not go together."""
+    laws = pick_laws(effects, half_of(half), random)
+    needs = frozenset().union(*(law.needs for law in laws))
+    recipe = pick_rig(half, needs, kind.static, design == "one_hold", random)
+    if recipe is None:
+        return None
+    rig = make_rig(recipe)
+    if design == "one_hold" and "drift" in effects and len(rig.observables) > FEW:
+        return None  # many markers show that it is not the chambers that drift
+    tilted = "tilt" in needs or bool(random.random() < (0.5 if "gravity" in effects else _TILTED))
+    loaded = "payload" in needs or bool(random.random() < _LOADED)
+    count, repeats = int(random.integers(60, 301)), bool(random.random() < 0.75)
+    if kind.confounded:
+        count, repeats, tilted, loaded = min(count, 120), False, False, False
+    long_share = float(random.uniform(0.05, 0.2))
+    plan = make_plan(design, random, rig.high_kpa, captures or count, repeats, tilted, long_share, loaded)
+    path = make_path(plan)
+    if not needs <= has(rig, path):
+        return None
+    how = Spoil(
+        row=rig.noise,
+        capture=rig.noise * float(random.uniform(0.6, 1.2)),
+        uneven=float(random.choice([0.0, 0.4])),
+        occlusion=float(random.choice([0.0, 0.03, 0.08])),
+        outliers=float(random.choice([0.0, 0.002, 0.005])),
+    )
+    floor = how.floor(float(np.mean([len(r) for r in plan.capture_rows_s])))
+    if kind.slow:
+        how = Spoil(**{**how.as_dict(), "common": kind.slow * floor})
+    wanted = [float(random.uniform(*kind.floors)) for _ in laws]
+    hidden = hide(laws, wanted, rig, path, floor, kind.static, random)
+    if hidden is None:
+        return None
+    return Drawn(recipe, rig, design, plan, path, hidden, how, floor, tilted, loaded)
+
+
+def _right_verdict(kind: Kind, effects: list[str], deleted: set[str]) -> str:
     if not effects:
         return "nothing_missing"
-    if CLASSES[name].confounded:
-        return "confounded"
-    if set(effects) & ({*UNLISTED} | set(without)):
+    if kind.outside or set(effects) & deleted:
         return "unknown"
+    if kind.confounded:
+        return "confounded"
     return "identified" if len(effects) == 1 else "multiple"
 
 
-def _also(base: dict[str, Any]) -> list[str]:
+def _also(base: dict[str, Any], pressure: Array) -> list[str]:
     """Names that a wrong law of the base's chambers may rightly go by: it is an error of compliance."""
-    wrong_law = base["error"] and base["error"]["form"] == "law"
+    wrong_law = chambers_own_law(base, pressure)
     return sorted({*FAMILIES["pressure"], *FAMILIES["limit"]}) if wrong_law else []
 
 
-def _programme(plan: Plan) -> Programme:
-    start = np.repeat(plan.capture_s, [len(r) for r in plan.capture_rows_s])
-    tilt = np.repeat(
-        np.array(plan.session_tilt_deg)[plan.capture_session], [len(r) for r in plan.capture_rows_s]
-    )
-    return Programme(
-        command_s=np.array([t for t, _ in plan.commands]),
-        command_kpa=np.array([p for _, p in plan.commands]),
-        row_s=start + np.concatenate(plan.capture_rows_s),
-        tilt_deg=tilt,
-    )
-
-
-def _hide(
-    what: Draw,
-    body: BenchBody,
-    max_kpa: Array,
-    programme: Programme,
-    floor: float,
-    random: np.random.Generator,
-) -> tuple[list[Hidden], list[float]]:
-    """The hidden effects, each of its size on this very programme; one that cannot reach it is drawn again."""
-    hidden, sizes = [], []
-    for name, floors in zip(what.effects, what.floors, strict=True):
-        for attempt in range(8):
-            child = np.random.default_rng(random.integers(2**63))
-            effect = EFFECTS[name](Setting(body, max_kpa, float(programme.row_s[-1]), child))
-            wanted = floors * floor
-            reached = calibrate(body, effect, wanted, programme, lambda position: observed(body, position))
-            if abs(reached / wanted - 1.0) < 0.05:
-                break
-            if attempt == 7:
-                raise LabrigError(f"bench: {name} cannot reach {wanted:.3g} {body.unit} in this campaign")
-        hidden.append(effect)
-        sizes.append(reached / floor)
-    return hidden, sizes
-
-
-def _base(
-    what: Draw, body: BenchBody, programme: Programme, floor: float, random: np.random.Generator
-) -> dict[str, Any]:
-    """The base's recipe; a structural error is scaled to `what.structural` floors over this programme."""
-    if not what.structural:
-        return {"body": what.body, "error": None}
-    form = "spread" if what.body["kind"] == "surface" and random.random() < 0.5 else "law"
-    error = {"form": form, "seed": int(random.integers(10_000)), "scale": 1.0}
-    recipe = {"body": what.body, "error": error}
-    error["scale"] = float(what.structural * floor / own_error(recipe, programme.command_kpa))
-    return recipe
-
-
-def _later(
-    body: BenchBody, hidden: list[Hidden], before: Plan, after: Plan, how: Spoil, random: np.random.Generator
-) -> "xr.Dataset":
-    """The dataset of a plan that follows another one after a pause; its own clock starts at zero."""
-    start_s = before.time_s + PAUSE_S
-    programme = _programme(after)
-    zeros = np.zeros_like(programme.command_kpa[:1])
-    first = np.array([p for _, p in before.commands])
-    whole = Programme(
-        command_s=np.concatenate(
-            [[t for t, _ in before.commands], [before.time_s], programme.command_s + start_s]
-        ),
-        command_kpa=np.concatenate([first, zeros, programme.command_kpa]),
-        row_s=programme.row_s + start_s,
-        tilt_deg=programme.tilt_deg,
-    )
-    measured = _measure(body, hidden, after, whole, how, random)
-    measured.attrs["start_s"] = start_s
-    return measured
-
-
-def _measure(
-    body: BenchBody,
-    hidden: list[Hidden],
-    plan: Plan,
-    programme: Programme,
-    how: Spoil,
-    random: np.random.Generator,
-) -> "xr.Dataset":
-    _, position = run_programme(body, hidden, programme)
+def _measure(what: Drawn, plan: Plan, path: Path, how: Spoil, random: np.random.Generator) -> "xr.Dataset":
+    true = simulate(what.rig, what.laws, path)
     capture = np.repeat(np.arange(plan.captures), [len(r) for r in plan.capture_rows_s])
-    measured = spoil(position[..., list(body.axes)], capture, how, random)
-    return to_dataset(body, plan, measured, MAX_KPA, random)
+    return to_dataset(what.rig, plan, spoil(true, what.rig, capture, how, random), random)

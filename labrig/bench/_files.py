@@ -67,9 +67,10 @@ def table(dataset: "xr.Dataset") -> "pd.DataFrame":
         for c, name in enumerate(chambers):
             columns[f"read_{name}"] = np.round(dataset["measured"].values[capture, row, c], 3)
     for column, value in _observables(dataset):
-        columns[column] = np.round(value[capture, row], 4)
+        columns[column] = np.round(value[capture, row], 6)
     if "covariates" in dataset:
-        columns["tilt"] = dataset["covariates"].values[capture, row, 0]
+        for k, name in enumerate(dataset["covariate"].values):
+            columns[str(name)] = dataset["covariates"].values[capture, row, k]
     frame = pd.concat([pd.DataFrame(columns), _silent_events(dataset)], ignore_index=True)
     return frame.sort_values(["t", "capture"], kind="stable", ignore_index=True)
 
@@ -136,14 +137,22 @@ def mapping_of(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
             m: {"rest": [round(float(x), 4) for x in rest[k]]} for k, m in enumerate(markers)
         }
     else:
-        units = dataset["unit"].values
-        mapping["observables"] = [
-            {"column": str(o), "name": str(o), "unit": str(units[k])}
-            for k, o in enumerate(dataset["observable"].values)
-        ]
+        mapping["observables"] = [_single(dataset, k) for k in range(dataset.sizes["observable"])]
     if "covariates" in dataset:
-        mapping["covariates"] = [{"column": "tilt", "name": "tilt", "unit": "deg"}]
+        mapping["covariates"] = [
+            {"column": str(name), "name": str(name), "unit": str(unit)}
+            for name, unit in zip(dataset["covariate"].values, dataset["covariate_unit"].values, strict=True)
+        ]
     return mapping
+
+
+def _single(dataset: "xr.Dataset", k: int) -> dict[str, str]:
+    """How a mapping has the k-th observable of a campaign without whole positions."""
+    name, unit, marker, axis = (
+        str(dataset[c].values[k]) for c in ("observable", "unit", "marker_of", "axis_of")
+    )
+    entry = {"column": name, "name": name, "unit": unit}
+    return {**entry, "marker": marker, "axis": axis} if marker else entry
 
 
 def _yaml(content: dict[str, Any]) -> str:

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.bench._nature import Rig
+
 Array = NDArray[np.float64]
 
 
@@ -44,28 +46,41 @@ def _slow(random: np.random.Generator, captures: int, axes: int, memory: float =
     return series
 
 
-def spoil(true: Array, capture: NDArray[np.int64], how: Spoil, random: np.random.Generator) -> Array:
-    """Measured positions (R, M, A), NaN where out of sight, for true ones; `capture` (R,) numbers their
-    holds.
+def spoil(
+    true: Array, rig: Rig, capture: NDArray[np.int64], how: Spoil, random: np.random.Generator
+) -> Array:
+    """Measured observables (R, K), NaN where out of sight, for true ones; `capture` (R,) numbers their holds.
+
+    A marker is hidden, or jumps, with all its axes; an observable that is no marker's stays in sight.
     """
-    rows, markers, axes = true.shape
+    rows, observables = true.shape
     captures = int(capture.max()) + 1
+    owner, of_marker = _owners(rig)
+    _, axis = np.unique([o.axis for o in rig.observables], return_inverse=True)
+    owners = int(owner.max()) + 1
     swell = 1.0 + how.uneven * np.sin(
         2.0 * np.pi * (np.arange(rows) / rows * random.uniform(0.5, 2.0) + random.random())
     )
-    measured = true + how.row * swell[:, None, None] * random.normal(size=true.shape)
-    measured += (how.capture * random.normal(size=(captures, markers, axes)))[capture]
+    measured = true + how.row * swell[:, None] * random.normal(size=true.shape)
+    measured += (how.capture * random.normal(size=(captures, observables)))[capture]
     if how.common:
-        measured += how.common * _slow(random, captures, axes)[capture][:, None, :]
+        measured += how.common * _slow(random, captures, int(axis.max()) + 1)[capture][:, axis]
     if how.outliers:
-        whole = random.random((captures, markers)) < 0.5 * how.outliers
-        bad = whole[capture] | (random.random((rows, markers)) < 0.5 * how.outliers)
-        size = max(how.capture, how.row) * random.uniform(20.0, 200.0, (captures, markers, 1))
-        jump = size * random.normal(size=(captures, markers, axes))
-        measured += np.where(bad[..., None], jump[capture], 0.0)
-    if how.occlusion and markers > 1:
-        share = random.uniform(0.2, 2.0, markers)
-        hidden = random.random((captures, markers)) < how.occlusion * share / share.mean()
-        blink = random.random((rows, markers)) < 0.1 * how.occlusion
-        measured[hidden[capture] | blink] = np.nan
+        whole = random.random((captures, owners)) < 0.5 * how.outliers
+        bad = whole[capture] | (random.random((rows, owners)) < 0.5 * how.outliers)
+        size = max(how.capture, how.row) * random.uniform(20.0, 200.0, (captures, owners))
+        jump = size[:, owner] * random.normal(size=(captures, observables))
+        measured += np.where(bad[:, owner], jump[capture], 0.0)
+    if how.occlusion and of_marker.sum() > 1:
+        share = random.uniform(0.2, 2.0, owners)
+        hidden = random.random((captures, owners)) < how.occlusion * share / share.mean()
+        blink = random.random((rows, owners)) < 0.1 * how.occlusion
+        measured[((hidden[capture] | blink) & of_marker)[:, owner]] = np.nan
     return measured
+
+
+def _owners(rig: Rig) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Which thing each observable (K,) belongs to, a marker or itself, and which of the things are markers."""
+    names = [o.marker if o.marker >= 0 else -1 - k for k, o in enumerate(rig.observables)]
+    things, owner = np.unique(names, return_inverse=True)
+    return owner, things >= 0

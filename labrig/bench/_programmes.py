@@ -22,12 +22,15 @@ class Plan:
     session: int = 0
     between_sessions: str = "unknown"
     commands: list[tuple[float, Array]] = field(default_factory=list)
+    command_session: list[int] = field(default_factory=list)
+    command_logged: list[bool] = field(default_factory=list)
     capture_s: list[float] = field(default_factory=list)
     capture_kpa: list[Array] = field(default_factory=list)
     capture_session: list[int] = field(default_factory=list)
     capture_repeat: list[str] = field(default_factory=list)
     capture_rows_s: list[Array] = field(default_factory=list)
     session_tilt_deg: list[float] = field(default_factory=lambda: [0.0])
+    session_payload_kg: list[float] = field(default_factory=lambda: [0.0])
 
     def capture(self, pressure_kpa: Array, hold_s: float, rows: int, repeat: str = "") -> None:
         """Actuate, and look at `rows` moments of the hold, evenly spaced or (long holds) in ever longer
@@ -37,7 +40,7 @@ class Plan:
             rows_s = np.geomspace(FIRST_ROW_S, hold_s - 0.2, rows)
         else:
             rows_s = np.linspace(FIRST_ROW_S, hold_s - 0.2, rows)
-        self.commands.append((self.time_s, pressure_kpa))
+        self._command(pressure_kpa, logged=True)
         self.capture_s.append(self.time_s)
         self.capture_kpa.append(pressure_kpa)
         self.capture_session.append(self.session)
@@ -45,13 +48,21 @@ class Plan:
         self.capture_rows_s.append(rows_s)
         self.time_s += hold_s
 
-    def next_session(self, pause_s: float, released: bool, tilt_deg: float = 0.0) -> None:
-        """End a session; in between the pressures are released or held."""
+    def next_session(
+        self, pause_s: float, released: bool, tilt_deg: float = 0.0, payload_kg: float = 0.0
+    ) -> None:
+        """End a session; in between the pressures are released (no log says so) or held."""
         if released:
-            self.commands.append((self.time_s, np.zeros_like(self.max_kpa)))
+            self._command(np.zeros_like(self.max_kpa), logged=False)
         self.time_s += pause_s
         self.session += 1
         self.session_tilt_deg.append(tilt_deg)
+        self.session_payload_kg.append(payload_kg)
+
+    def _command(self, pressure_kpa: Array, logged: bool) -> None:
+        self.commands.append((self.time_s, pressure_kpa))
+        self.command_session.append(self.session)
+        self.command_logged.append(logged)
 
     @property
     def captures(self) -> int:
@@ -143,18 +154,19 @@ def make_plan(
     repeats: bool = True,
     tilted: bool = False,
     long_share: float = 0.12,
+    loaded: bool = False,
 ) -> Plan:
-    """A plan of about `captures` captures; `tilted` turns the base from session to session.
+    """A plan of about `captures` captures; from session to session `tilted` turns the base, `loaded` hangs weights on.
 
     Designs: holds, walk, sweeps, sessions (three or four of those, minutes apart); and two that cannot tell
     some effects apart: one_hold (a single actuation watched for long), and one_level (one set of pressures,
     on and off, in holds of one length).
     """
     plan = Plan(random, np.asarray(max_kpa, dtype=float))
-    if design in _ONE_SESSION and not tilted:
+    if design in _ONE_SESSION and not (tilted or loaded):
         _ONE_SESSION[design](plan, captures, repeats, long_share)
-    elif design == "sessions" or (tilted and design in _ONE_SESSION):
-        _sessions(plan, design, captures, repeats, long_share, tilted)
+    elif design == "sessions" or design in _ONE_SESSION:
+        _sessions(plan, design, captures, repeats, long_share, tilted, loaded)
     elif design == "one_hold":
         _one_hold(plan, captures)
     elif design == "one_level":
@@ -169,7 +181,9 @@ def make_plan(
     return plan
 
 
-def _sessions(plan: Plan, design: str, captures: int, repeats: bool, long_share: float, tilted: bool) -> None:
+def _sessions(
+    plan: Plan, design: str, captures: int, repeats: bool, long_share: float, tilted: bool, loaded: bool
+) -> None:
     random = plan.random
     count = int(random.integers(3, 5))
     plan.between_sessions = str(random.choice(["released", "held", "unknown"]))
@@ -179,7 +193,8 @@ def _sessions(plan: Plan, design: str, captures: int, repeats: bool, long_share:
         _ONE_SESSION[part](plan, max(captures // count, 8), repeats, long_share)
         if session + 1 < count:
             tilt = float(random.choice([30.0, 60.0, 90.0, -45.0])) if tilted else 0.0
-            plan.next_session(float(random.uniform(300.0, 2400.0)), released, tilt)
+            payload = float(random.choice([0.02, 0.05, 0.1, 0.2])) if loaded else 0.0
+            plan.next_session(float(random.uniform(300.0, 2400.0)), released, tilt, payload)
 
 
 def _one_hold(plan: Plan, captures: int) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
-from labrig.bench._bodies import own_error
+from labrig.bench._bases import own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
@@ -26,7 +26,7 @@ def run_one(name: str, seed: int, baselines: bool = True, without: tuple[str, ..
     """Draw, diagnose and judge one campaign; the record is plain JSON. A crash is an answer too, a wrong
     one.
     """
-    campaign = draw(name, seed, without)
+    campaign = draw(name, seed, without=without)
     truth = {
         k: campaign.truth[k] for k in ("class", "seed", "effects", "verdict", "design", "captures", "floor")
     }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.bench._draw import MAX_KPA, Campaign, draw
+from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._judge import is_right
 from labrig.bench._programmes import Plan
@@ -107,7 +107,7 @@ def _holds(
     from labrig import LabrigError
     from labrig.diagnosis import propose_experiment
 
-    chambers = campaign.dataset.sizes["chamber"]
+    high = campaign.dataset["chamber_max"].values
     if strategy == "chosen":
         try:
             experiment = propose_experiment(runs, model, summary=summary)
@@ -116,17 +116,17 @@ def _holds(
         return [(experiment.limits.actuation(p.share), p.hold_s) for p in experiment.points]
     random = np.random.default_rng([seed, taken, len(strategy)])
     if strategy == "random":
-        unit = random.random((MOST, chambers + 1))
+        unit = random.random((MOST, len(high) + 1))
     else:
         from scipy.stats import qmc
 
-        unit = qmc.Halton(chambers + 1, scramble=True, rng=random).random(MOST)
+        unit = qmc.Halton(len(high) + 1, scramble=True, rng=random).random(MOST)
     hold_s = _SHORTEST_S * (_LONGEST_S / _SHORTEST_S) ** unit[:, -1]
-    return [(HIGHEST * MAX_KPA * u[:-1], float(h)) for u, h in zip(unit, hold_s, strict=True)]
+    return [(HIGHEST * high * u[:-1], float(h)) for u, h in zip(unit, hold_s, strict=True)]
 
 
 def _measured(campaign: Campaign, holds: list[tuple[Array, float]], seed: int) -> "xr.Dataset":
-    plan = Plan(np.random.default_rng(seed), np.full(campaign.dataset.sizes["chamber"], MAX_KPA))
+    plan = Plan(np.random.default_rng(seed), campaign.dataset["chamber_max"].values)
     for pressure, hold_s in holds:
         plan.capture(pressure, max(hold_s, 2.5), 6 if hold_s > 15 else 4)
     assert campaign.later is not None

@@ -1,0 +1,127 @@
+"""Base models of blind campaigns: what a laboratory believes of its rig before it has measured.
+
+A recipe is plain data: {half, rig, rig_seed, linear, kind, seed, scale, points, form}. Kinds:
+
+    exact    the rig itself, with nothing hidden
+    clipped  the same, at pressures clipped to the limits: a difference across a limit sees half a slope
+    learnt   interpolated between `points` settled states of the rig
+    wrong    wrong in `form` (one of its half's), by `scale`
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.bench._halves import half_of, make_rig
+from labrig.bench._nature import Array, Rig
+from labrig.bench._size import strength_for
+
+Predict = Callable[[Array], Array]
+
+KINDS = {"exact": 0.6, "clipped": 0.25, "learnt": 0.15}
+"""How often a base is of which kind."""
+LEARNT_FLOORS = 0.5
+"""A learnt base is off by less than this, in floors: it gets more points until it is."""
+_MOST_POINTS = 400
+_MOST_WRONG = 50.0
+
+
+def make_base(recipe: dict[str, Any]) -> Predict:
+    """The base model (F, C) -> (F, K) of a recipe."""
+    rig = make_rig(recipe)
+    high, kind = np.asarray(rig.high_kpa, dtype=float), recipe["kind"]
+    if kind == "exact":
+        return lambda actuation: rig.settled(np.asarray(actuation, dtype=float))
+    if kind == "clipped":
+        return lambda actuation: rig.settled(np.clip(np.asarray(actuation, dtype=float), 0.0, high))
+    if kind == "learnt":
+        return _learnt(rig, recipe["points"], recipe["seed"])
+    if kind == "wrong":
+        wrong = _wrong(rig, recipe)
+        return lambda actuation: wrong(np.asarray(actuation, dtype=float), recipe["scale"])
+    raise LabrigError(f"bench: there is no base '{kind}' (exact, clipped, learnt or wrong)")
+
+
+def own_error(recipe: dict[str, Any], pressure: Array) -> float:
+    """Root mean square of what a recipe's base itself has wrong at pressures (F, C); no effect takes it away."""
+    pressure = np.asarray(pressure, dtype=float)
+    if recipe["kind"] == "exact":
+        return 0.0
+    return _rms(make_base(recipe)(pressure) - make_rig(recipe).settled(pressure))
+
+
+def draw_base(
+    rig_recipe: dict[str, Any], pressure: Array, floor: float, random: np.random.Generator, structural: float
+) -> dict[str, Any]:
+    """A recipe of a base for a rig; with `structural`, wrong in form by that many floors at pressures (F, C)."""
+    recipe = {**rig_recipe, "kind": "exact", "seed": int(random.integers(2**31))}
+    if structural:
+        return _draw_wrong(recipe, pressure, structural * floor, random)
+    kind = str(random.choice(list(KINDS), p=list(KINDS.values())))
+    if kind == "learnt":
+        points = int(random.integers(40, 81))
+        while points <= _MOST_POINTS:
+            learnt = {**recipe, "kind": kind, "points": points}
+            if own_error(learnt, pressure) < LEARNT_FLOORS * floor:
+                return learnt
+            points = int(1.5 * points)
+        return recipe  # nobody would have learnt this rig from so few points
+    return {**recipe, "kind": kind}
+
+
+def _draw_wrong(recipe: dict[str, Any], pressure: Array, wanted: float, random: np.random.Generator) -> dict:
+    forms = list(half_of(recipe["half"]).wrong)
+    for _ in range(8):
+        wrong = {
+            **recipe,
+            "kind": "wrong",
+            "form": str(random.choice(forms)),
+            "seed": int(random.integers(2**31)),
+        }
+        rig = make_rig(wrong)
+        right, predict = rig.settled(pressure), _wrong(rig, wrong)
+        scale = strength_for(lambda s: _rms(predict(pressure, s) - right), wanted, _MOST_WRONG)  # noqa: B023
+        if scale is not None:
+            return {**wrong, "scale": scale}
+    raise LabrigError(f"bench: no base of the rig {recipe['rig']} can be wrong by {wanted:.3g}")
+
+
+def chambers_own_law(recipe: dict[str, Any], pressure: Array) -> bool:
+    """Whether most of what a base has wrong is a function of each chamber's own pressure, acting where it acts.
+
+    An effect of the pressures (regulator, tension, stiffening) or of a limit may then rightly be named for it.
+    """
+    rig = make_rig(recipe)
+    pressure = np.asarray(pressure, dtype=float)
+    left = make_base(recipe)(pressure) - rig.settled(pressure)
+    high = np.asarray(rig.high_kpa, dtype=float)
+    columns = []
+    for c, step in enumerate(np.diag(1e-3 * high)):
+        slope = (rig.settled(pressure + step) - rig.settled(pressure - step)) / 2e-3
+        x = pressure[:, c] / high[c]
+        columns += [(slope * (x**k)[:, None]).ravel() for k in (1, 2, 3, 4)]
+    X = np.stack(columns, axis=1)
+    fit = X @ np.linalg.lstsq(X, left.ravel(), rcond=None)[0]
+    return bool(np.sum((left.ravel() - fit) ** 2) < 0.3 * np.sum(left**2))
+
+
+def _wrong(rig: Rig, recipe: dict[str, Any]) -> Callable[[Array, float], Array]:
+    form = half_of(recipe["half"]).wrong[recipe["form"]]
+    return form(rig, np.random.default_rng(recipe["seed"]))
+
+
+def _learnt(rig: Rig, points: int, seed: int) -> Predict:
+    """A cubic spline through settled states, which are spread as a Latin hypercube over all pressures."""
+    from scipy.interpolate import RBFInterpolator
+    from scipy.stats import qmc
+
+    high = np.asarray(rig.high_kpa, dtype=float)
+    unit = qmc.LatinHypercube(len(high), rng=np.random.default_rng(seed)).random(points)
+    spline = RBFInterpolator(unit, rig.settled(unit * high), kernel="cubic", degree=1)
+    return lambda actuation: spline(np.asarray(actuation, dtype=float) / high)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

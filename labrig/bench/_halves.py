@@ -1,0 +1,56 @@
+"""The halves of the benchmark by name, and rigs from plain data."""
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.bench._nature import Array, Half, Rig
+
+HALVES = ("development", "exam")
+LOADED: dict[str, Half] = {}
+"""Halves that are in use; others are imported when they are asked for."""
+
+
+def half_of(name: str) -> Half:
+    """The half of that name."""
+    if name not in LOADED:
+        if name not in HALVES:
+            raise LabrigError(f"bench: there is no half '{name}' (known: {', '.join(HALVES)})")
+        LOADED[name] = getattr(import_module(f"labrig.bench.{name}"), name.upper())
+    return LOADED[name]
+
+
+def make_rig(recipe: dict[str, Any]) -> Rig:
+    """The rig of a recipe {half, rig, rig_seed, linear}; with `linear`, a map of degree 1 is the whole of it."""
+    half = half_of(recipe["half"])
+    if recipe["rig"] not in half.rigs:
+        raise LabrigError(f"bench: the half {half.name} has no rig '{recipe['rig']}'")
+    rig = half.rigs[recipe["rig"]](np.random.default_rng(recipe["rig_seed"]))
+    return Linear(rig) if recipe.get("linear") else rig
+
+
+class Linear(Rig):
+    """A rig whose walls give way, and whose observables follow them, in proportion."""
+
+    kind = "linear"
+
+    def __init__(self, rig: Rig) -> None:
+        self.kind = rig.kind  # pyright: ignore[reportAttributeAccessIssue]
+        self.chambers, self.high_kpa = rig.chambers, rig.high_kpa
+        self.observables, self.marker_names = rig.observables, rig.marker_names
+        self.rest_mm, self.noise = rig.rest_mm, rig.noise
+        half = np.diag(0.5 * self.high_kpa)  # each chamber alone, half full
+        walls = rig.deflection(half)
+        self._give = np.linalg.solve(half, walls)
+        self._rest = rig.at_rest
+        self._reach = np.linalg.lstsq(walls, rig.shape(walls) - self._rest, rcond=None)[0]
+
+    def deflection(self, kpa: Array) -> Array:
+        """How far each chamber's wall gives way, (T, C)."""
+        return np.asarray(np.asarray(kpa, dtype=float) @ self._give, dtype=float)
+
+    def shape(self, deflection: Array) -> Array:
+        """The observables (T, K)."""
+        return self._rest + deflection @ self._reach
