@@ -4,8 +4,10 @@ from labrig.bench._bases import make_base, own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_campaign, write_model
-from labrig.bench._judge import brier, calibration_error, is_right, wilson
-from labrig.bench._report import lines, tables, write_report, write_results
+from labrig.bench._halves import HALVES, half_of, make_rig
+from labrig.bench._intervals import newcombe, wilson
+from labrig.bench._judge import brier, calibration_error, is_right
+from labrig.bench._report import lines, tables, write_report, write_results, wrong_lines
 from labrig.bench._run import plan, read_records, run_blind, run_one
 from labrig.bench._settle import run_settle, settle, settle_records, settle_rows, write_settle
 from labrig.bench._speed import speed_table, time_diagnosis, write_speed
@@ -13,13 +15,17 @@ from labrig.bench._summary import summarise
 
 __all__ = [
     "CLASSES",
+    "HALVES",
     "Campaign",
     "brier",
     "calibration_error",
     "draw",
+    "half_of",
     "is_right",
     "lines",
     "make_base",
+    "make_rig",
+    "newcombe",
     "own_error",
     "plan",
     "read_records",
@@ -40,4 +46,5 @@ __all__ = [
     "write_results",
     "write_settle",
     "write_speed",
+    "wrong_lines",
 ]

@@ -49,6 +49,34 @@ def named(answer: dict[str, Any]) -> set[str]:
     return names
 
 
+SURE, POSSIBLE = 0.9, 0.1
+"""An effect is called sure from the first probability on, possible from the second."""
+
+
+def probabilities(answer: dict[str, Any]) -> dict[str, float] | None:
+    """The probability of each effect that was considered; None where the answer does not give any."""
+    entries = answer.get("effects_considered")
+    if entries is None:
+        return None
+    return {entry["effect"]: float(entry["probability"]) for entry in entries}
+
+
+def called(answer: dict[str, Any], least: float) -> set[str] | None:
+    """Effects that an answer gives at least that probability; None where it does not give any."""
+    known = probabilities(answer)
+    return None if known is None else {name for name, probability in known.items() if probability >= least}
+
+
+def wrongly_sure(truth: dict[str, Any], answer: dict[str, Any]) -> set[str]:
+    """Effects that an answer calls sure, by its verdict or by their probability, and that are not there.
+
+    `confounded` names what is possible, so its names are not called sure.
+    """
+    by_verdict = set(answer["effects"]) if answer["verdict"] in ("identified", "multiple") else set()
+    sure = by_verdict | (called(answer, SURE) or set())
+    return sure - set(truth["effects"]) - set(truth.get("also") or [])
+
+
 def brier(probability: Sequence[float], right: Sequence[bool]) -> float:
     """Mean square of (probability - outcome)."""
     return float(np.mean((np.asarray(probability) - np.asarray(right, dtype=float)) ** 2))
@@ -62,16 +90,6 @@ def calibration_error(probability: Sequence[float], right: Sequence[bool], bins:
     which = np.minimum((p * bins).astype(int), bins - 1)
     gaps = [np.sum(which == k) * abs(p[which == k].mean() - y[which == k].mean()) for k in np.unique(which)]
     return float(np.sum(gaps) / len(p))
-
-
-def wilson(successes: int, trials: int, z: float = 1.96) -> tuple[float, float]:
-    """95 % interval of a share (Wilson 1927)."""
-    if trials == 0:
-        return 0.0, 1.0
-    share = successes / trials
-    middle = (share + z * z / (2 * trials)) / (1 + z * z / trials)
-    half = z * np.sqrt(share * (1 - share) / trials + z * z / (4 * trials**2)) / (1 + z * z / trials)
-    return max(0.0, float(middle - half)), min(1.0, float(middle + half))
 
 
 def label(verdict: str, effects: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""The benchmark for people: a table, a confusion matrix as a picture, and a section of RESULTS.md."""
+"""The benchmark for people: tables, confusion matrices as pictures, and a section of RESULTS.md."""
 
 import json
 from pathlib import Path
@@ -11,95 +11,190 @@ if TYPE_CHECKING:
 
 _VERDICTS = ("nothing_missing", "multiple", "confounded", "unknown", "underpowered", "error")
 _HEADING = "## Blind benchmark"
+_MOST_WRONG = 40
+
+Rows = list[list[str]]
 
 
-def _percent(share: float | None) -> str:
-    return "" if share is None else f"{100.0 * share:.1f} %"
+def _percent(figure: dict[str, Any] | float | None) -> str:
+    if figure is None:
+        return ""
+    return f"{100.0 * (figure['value'] if isinstance(figure, dict) else figure):.1f} %"
+
+
+def _interval(figure: dict[str, Any] | None) -> str:
+    return "" if figure is None else f"{100 * figure['low']:.0f}-{100 * figure['high']:.0f}"
 
 
 def _p10(entry: dict[str, float] | None) -> str:
     return "" if entry is None else f"{entry['p10']:.2f}"
 
 
-def rows_of_table(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+def class_rows(classes: dict[str, Any]) -> tuple[list[str], Rows]:
     """Head and rows of the table of classes."""
-    names = sorted({b for c in summary["classes"].values() for b in c["baselines"]})
-    boxed = "black box" in names
-    names = [name for name in names if name != "black box"]
-    head = ["class", "n", "right", "95 %", "named", "alarms", "goal", "fresh drop p10", "s"]
-    head += [f"{name}: right" for name in names] + [f"{name}: alarms" for name in names]
-    head += ["black box: drop p10"] if boxed else []
+    head = [
+        "class",
+        "n",
+        "right",
+        "95 %",
+        "named",
+        "wrong sure",
+        "95 %",
+        "alarms",
+        "95 %",
+        "fresh drop p10",
+        "s",
+    ]
     rows = []
-    for name, entry in summary["classes"].items():
-        low, high = entry["right_interval"]
-        others = entry["baselines"]
-        null = entry["false_alarms"] is not None
-        goal = "" if entry["goal"] is None else f"{entry['goal']}{'' if entry['reached'] else ' (missed)'}"
-        rows.append(
-            [name, str(entry["campaigns"]), _percent(entry["right"]), f"{100 * low:.0f}-{100 * high:.0f}"]
-            + ["" if null else _percent(entry["named_among"]), _percent(entry["false_alarms"]), goal]
-            + [_p10(entry["fresh_drop"]), f"{entry['seconds']:.1f}"]
-            + [_percent(others.get(b, {}).get("right")) for b in names]
-            + [_percent(others.get(b, {}).get("false_alarms")) if null else "" for b in names]
-            + (["" if null else _p10(others.get("black box", {}).get("fresh_drop"))] if boxed else [])
-        )
+    for name, entry in classes.items():
+        row = [name, str(entry["campaigns"]), _percent(entry["right"]), _interval(entry["right"])]
+        row += [_percent(entry["named_among"]), _percent(entry["wrong_sure"]), _interval(entry["wrong_sure"])]
+        row += [_percent(entry["false_alarms"]), _interval(entry["false_alarms"])]
+        rows.append([*row, _p10(entry["fresh_drop"]), f"{entry['seconds']:.1f}"])
     return head, rows
 
 
+def baseline_rows(classes: dict[str, Any]) -> tuple[list[str], Rows]:
+    """Head and rows of the table of other methods; no rows without them."""
+    names = sorted({b for c in classes.values() for b in c["baselines"]})
+    boxed = "black box" in names
+    names = [name for name in names if name != "black box"]
+    head = ["class", *(f"{name}: right" for name in names), *(f"{name}: alarms" for name in names)]
+    head += ["black box: drop p10"] if boxed else []
+    rows = []
+    for name, entry in classes.items():
+        others, null = entry["baselines"], entry["false_alarms"] is not None
+        row = [name] + [_percent(others.get(b, {}).get("right")) for b in names]
+        row += [_percent(others.get(b, {}).get("false_alarms")) if null else "" for b in names]
+        row += (["" if null else _p10(others.get("black box", {}).get("fresh_drop"))]) if boxed else []
+        rows.append(row)
+    return head, rows if len(head) > 1 else []
+
+
+def goal_rows(goals: list[dict[str, Any]]) -> tuple[list[str], Rows]:
+    """Head and rows of the table of goals."""
+    rows = []
+    for goal in goals:
+        figure, percent = goal["figure"], goal["percent"]
+        value = _percent(figure) if percent else f"{figure['value']:.3f}"
+        between = _interval(figure) if percent else f"{figure['low']:.3f}-{figure['high']:.3f}"
+        rows.append([goal["what"], goal["goal"], value, between, str(figure["of"]), goal["status"]])
+    return ["figure", "goal", "value", "95 %", "n", "status"], rows
+
+
+def part_rows(what: list[str], parts: list[dict[str, Any]]) -> tuple[list[str], Rows]:
+    """Head and rows of a table by effect, law, rig or base."""
+    head = [*what, "n", "right", "95 %", "sure", "95 %", "sure or possible", "95 %", "wrong sure", "95 %"]
+    rows = []
+    for part in parts:
+        row = [*part["name"], str(part["right"]["of"])]
+        for key in ("right", "true_sure", "true_possible", "wrong_sure"):
+            row += [_percent(part[key]), _interval(part[key])]
+        rows.append(row)
+    return head, rows
+
+
+def difference_rows(differences: list[dict[str, Any]]) -> tuple[list[str], Rows]:
+    """Head and rows of the table that has the halves side by side."""
+    head = ["class", "development", "95 %", "exam", "95 %", "difference, points", "95 %", "within 5"]
+    rows = []
+    for entry in differences:
+        own, other, by = entry["development"], entry["exam"], entry["difference"]
+        row = [entry["what"], _percent(own), _interval(own), _percent(other), _interval(other)]
+        between = f"{100 * by['low']:+.0f} to {100 * by['high']:+.0f}"
+        rows.append([*row, f"{100 * by['value']:+.1f}", between, entry["status"]])
+    return head, rows
+
+
+def sections(summary: dict[str, Any]) -> list[tuple[str, list[str], Rows]]:
+    """Title, head and rows of every table that has rows."""
+    out = []
+    for half, own in summary["halves"].items():
+        out += [
+            (f"{half}: {own['campaigns']} campaigns", *class_rows(own["classes"])),
+            (f"{half}: goals", *goal_rows(own["goals"])),
+            (f"{half}: by hidden effect, where it can be named", *part_rows(["effect"], own["effects"])),
+        ]
+        for key, what in (("laws", ["effect", "law"]), ("rigs", ["rig"]), ("bases", ["base"])):
+            if key in own:
+                out.append((f"{half}: by {what[-1]}", *part_rows(what, own[key])))
+        out.append((f"{half}: the same with other methods", *baseline_rows(own["classes"])))
+    if "difference" in summary:
+        out.append(("right verdicts: development minus exam", *difference_rows(summary["difference"])))
+    return [(title, head, rows) for title, head, rows in out if rows]
+
+
 def tables(summary: dict[str, Any]) -> list["Table"]:
-    """The figures of all classes, and those of the baselines, for a terminal."""
+    """All figures for a terminal."""
     from rich.table import Table
 
-    head, rows = rows_of_table(summary)
-    own = head.index("s") + 1
-    parts = [
-        (f"{summary['campaigns']} blind campaigns", list(range(own))),
-        ("The same with other methods", [0, *range(own, len(head))]),
-    ]
     out = []
-    for title, columns in parts:
-        if len(columns) == 1:
-            continue
-        part = Table(title=title)
-        for column in columns:
-            part.add_column(head[column], justify="left" if head[column] in ("class", "goal") else "right")
+    for title, head, rows in sections(summary):
+        table = Table(title=title)
+        for column in head:
+            left = column in ("class", "figure", "goal", "effect", "law", "rig", "base", "status")
+            table.add_column(column, justify="left" if left else "right")
         for row in rows:
-            part.add_row(*(row[column] for column in columns))
-        out.append(part)
+            table.add_row(*row)
+        out.append(table)
     return out
 
 
 def lines(summary: dict[str, Any]) -> list[str]:
-    """What is true of the whole benchmark, in a few lines."""
-    calibration, fresh = summary["calibration"], summary["fresh_drop"]
+    """What is true of a whole half, in a few lines."""
     out = []
-    if calibration["ece"] is not None:
-        out.append(
-            f"Probability of the verdict: ECE {calibration['ece']:.3f}, Brier {calibration['brier']:.3f} "
-            f"over {calibration['campaigns']} campaigns."
-        )
-    if fresh is not None:
-        box = summary["black_box_fresh_drop"]
-        beside = "" if box is None else f" (black box: {box['p10']:.2f}, median {box['median']:.2f})"
-        out.append(
-            "Drop of the error on a fresh programme, where the effects were named rightly: tenth percentile "
-            f"{fresh['p10']:.2f}, median {fresh['median']:.2f} over {fresh['campaigns']} campaigns{beside}."
-        )
-    if summary["failures"]:
-        out.append(f"Failed to answer: {', '.join(summary['failures'])}.")
+    for half, own in summary["halves"].items():
+        totals, said = own["totals"], []
+        for key, what in (("verdict", "verdicts"), ("effect", "effects")):
+            ece, brier = totals[f"{key}_ece"], totals[f"{key}_brier"]
+            if ece is not None:
+                said.append(
+                    f"probability of {what}: ECE {ece['value']:.3f} ({ece['low']:.3f} to {ece['high']:.3f}), "
+                    f"Brier {brier['value']:.3f}"
+                )
+        if totals["fresh_drop_p10"] is not None:
+            p10, median, box = (
+                totals[k] for k in ("fresh_drop_p10", "fresh_drop_median", "black_box_fresh_drop")
+            )
+            beside = "" if box is None else f" (black box: {box['p10']:.2f}, median {box['median']:.2f})"
+            said.append(
+                "drop of the error on a fresh programme, where the effects were named rightly: tenth percentile "
+                f"{p10['value']:.2f} ({p10['low']:.2f} to {p10['high']:.2f}), median {median['value']:.2f} over "
+                f"{p10['of']} campaigns{beside}"
+            )
+        if own["failures"]:
+            said.append(f"{own['failures']} campaigns failed to answer")
+        out += [f"{half}: {one}." for one in said]
     return out
 
 
+def wrong_lines(summary: dict[str, Any]) -> list[str]:
+    """The campaigns that were not answered rightly, one to a line, of the halves of which that may be said."""
+    wrong = [
+        f"{one['key']}: {'+'.join(one['truth']) or 'nothing'} -> {one['answer']}"
+        for own in summary["halves"].values()
+        for entry in own["classes"].values()
+        for one in entry.get("wrong", [])
+    ]
+    more = len(wrong) - _MOST_WRONG
+    return wrong[:_MOST_WRONG] + ([f"and {more} more (summary.json)"] if more > 0 else [])
+
+
 def write_report(summary: dict[str, Any], folder: Path) -> None:
-    """Write summary.json and confusion.png."""
+    """Write summary.json, and confusion.png of each half of which it may be said (exam-confusion.png of the exam)."""
     _replace(folder / "summary.json", json.dumps(summary, indent=1) + "\n")
-    _draw_confusion(summary["confusion"], folder / "confusion.png")
+    for half, own in summary["halves"].items():
+        if own.get("confusion"):
+            name = "confusion.png" if half == "development" else f"{half}-confusion.png"
+            _draw_confusion(own["confusion"], folder / name)
 
 
 def write_results(summary: dict[str, Any], path: Path, how: str) -> None:
     """Put the figures into a Markdown file under "Blind benchmark"; the rest of the file stays as it is."""
-    head, rows = rows_of_table(summary)
-    write_section(path, _HEADING, [how, "", *markdown(head, rows), "", *lines(summary)])
+    below = [how]
+    for title, head, rows in sections(summary):
+        below += ["", f"**{title[0].upper()}{title[1:]}**", "", *markdown(head, rows)]
+    write_section(path, _HEADING, [*below, "", *lines(summary)])
 
 
 def markdown(head: list[str], rows: list[list[str]]) -> list[str]:

@@ -16,21 +16,41 @@ from labrig.bench._bases import own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
-from labrig.bench._judge import is_false_alarm, is_near, is_right
+from labrig.bench._halves import HALVES
+from labrig.bench._judge import is_false_alarm, is_near, is_right, wrongly_sure
 
 RECORDS = "campaigns.jsonl"
 _TIED_TO_A_SESSION = ("drift", "marker_slip")  # what happened in one campaign says nothing of the next
 
 
-def run_one(name: str, seed: int, baselines: bool = True, without: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Draw, diagnose and judge one campaign; the record is plain JSON. A crash is an answer too, a wrong
-    one.
-    """
-    campaign = draw(name, seed, without=without)
-    truth = {
-        k: campaign.truth[k] for k in ("class", "seed", "effects", "verdict", "design", "captures", "floor")
-    }
-    record: dict[str, Any] = {"key": f"{name}:{seed}", "truth": truth}
+_OF_TRUTH = (
+    "class",
+    "half",
+    "seed",
+    "effects",
+    "laws",
+    "rig",
+    "base_kind",
+    "verdict",
+    "also",
+    "without",
+    "design",
+    "captures",
+    "floor",
+)
+
+
+def run_one(
+    name: str,
+    seed: int,
+    half: str = "development",
+    baselines: bool = True,
+    without: tuple[str, ...] = (),
+) -> dict[str, Any]:
+    """Draw, diagnose and judge one campaign; the record is plain JSON. A crash is an answer too, a wrong one."""
+    campaign = draw(name, seed, half, without)
+    truth = {k: campaign.truth[k] for k in _OF_TRUTH}
+    record: dict[str, Any] = {"key": key_of(half, name, seed), "truth": truth}
     with tempfile.TemporaryDirectory(prefix="labrig-bench-", ignore_cleanup_errors=True) as folder:
         path = write_model(campaign, Path(folder))
         began = time.perf_counter()
@@ -49,6 +69,7 @@ def run_one(name: str, seed: int, baselines: bool = True, without: tuple[str, ..
         judged["right"] = is_right(campaign.truth, one)
         judged["near"] = is_near(campaign.truth, one)
         judged["false_alarm"] = is_false_alarm(campaign.truth, one)
+        judged["wrongly_sure"] = sorted(wrongly_sure(campaign.truth, one))
     return record
 
 
@@ -60,6 +81,10 @@ def _ask(campaign: Campaign, path: Path) -> tuple[dict[str, Any], dict[str, Any]
     result = diagnose(campaign.dataset, Model.load(path), without=campaign.truth["without"])
     summary = result.summary
     answer = {k: summary.get(k) for k in ("verdict", "effects", "rivals", "probability", "error")}
+    if (considered := summary.get("effects_considered")) is not None:
+        answer["effects_considered"] = [
+            {k: entry.get(k) for k in ("effect", "probability", "size", "size_sd")} for entry in considered
+        ]
     answer["ranking"] = [
         {k: entry.get(k) for k in ("effect", "heldout_error", "drop", "probability")}
         for entry in (summary.get("ranking") or [])[:5]
@@ -123,31 +148,45 @@ def _baselines(campaign: Campaign, path: Path, seed: int) -> dict[str, Any]:
     return out
 
 
-def plan(classes: Iterable[str], count: int | None, seed: int) -> list[tuple[str, int]]:
-    """(class, seed) of every campaign; without `count`, as many of each class as its figures need."""
-    out = []
-    for name in classes:
-        if name not in CLASSES:
-            raise LabrigError(f"bench: there is no class '{name}' (known: {', '.join(CLASSES)})")
-        out += [(name, seed + k) for k in range(count or CLASSES[name].usual)]
+def key_of(half: str, name: str, seed: int) -> str:
+    """What a campaign is called in the records."""
+    return f"{half}:{name}:{seed}"
+
+
+def plan(
+    classes: Iterable[str], count: int | None, seed: int, halves: Iterable[str] = ("development",)
+) -> list[tuple[str, str, int]]:
+    """(half, class, seed) of every campaign; without `count`, as many of each class as its figures need."""
+    names, out = list(classes), []
+    for half in halves:
+        if half not in HALVES:
+            raise LabrigError(f"bench: there is no half '{half}' (known: {', '.join(HALVES)})")
+        for name in names:
+            if name not in CLASSES:
+                raise LabrigError(f"bench: there is no class '{name}' (known: {', '.join(CLASSES)})")
+            out += [(half, name, seed + k) for k in range(count or CLASSES[name].usual)]
     return out
 
 
 def read_records(folder: Path) -> list[dict[str, Any]]:
-    """The campaigns that are done; a last line that was cut is left out."""
+    """The campaigns that are done; a last line that was cut, and records of the benchmark before it had halves, are
+    left out.
+    """
     path = folder / RECORDS
     records = []
     if path.exists():
         for line in path.read_text(encoding="utf-8").splitlines():
             try:
-                records.append(json.loads(line))
+                record = json.loads(line)
             except json.JSONDecodeError:
                 continue
+            if "half" in record["truth"]:
+                records.append(record)
     return records
 
 
 def run_blind(
-    todo: list[tuple[str, int]],
+    todo: list[tuple[str, str, int]],
     folder: Path,
     jobs: int = 2,
     resume: bool = False,
@@ -167,9 +206,9 @@ def run_blind(
             f"{folder / RECORDS} holds {len(done)} campaigns: add --resume, or take another --out"
         )
     folder.mkdir(parents=True, exist_ok=True)
-    left = [(name, seed) for name, seed in todo if f"{name}:{seed}" not in done]
+    left = [one for one in todo if key_of(*one) not in done]
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
-    tasks = [(name, one, baselines, without) for name, one in left]
+    tasks = [(name, seed, half, baselines, without) for half, name, seed in left]
     with Executor(jobs, cluster) as executor, (folder / RECORDS).open("a", encoding="utf-8") as file:
         for _, record in executor.map(_run_task, tasks):
             file.write(json.dumps(record) + "\n")
@@ -177,6 +216,6 @@ def run_blind(
             yield record
 
 
-def _run_task(task: tuple[str, int, bool, tuple[str, ...]]) -> dict[str, Any]:
+def _run_task(task: tuple[str, int, str, bool, tuple[str, ...]]) -> dict[str, Any]:
     """`run_one` with its arguments in one, as executors hand them out."""
     return run_one(*task)

@@ -17,15 +17,16 @@ app.add_typer(bench, name="bench")
 def draw_campaign(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for table, mapping, model and truth.")],
     class_name: Annotated[
-        str, typer.Option("--class", help="Kind of campaign: null, single-1, ...")
-    ] = "single-2",
+        str, typer.Option("--class", help="Kind of campaign: null, single, ...")
+    ] = "single",
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
+    half: Annotated[str, typer.Option(help="Whose rigs and laws: development or exam.")] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
     """Write one blind campaign as plain files: table.csv, map.yaml, base.py, model.yaml, and truth.json."""
     from labrig.bench import draw, write_campaign
 
-    write_campaign(draw(class_name, seed, captures=captures), out)
+    write_campaign(draw(class_name, seed, half, captures=captures), out)
     typer.echo(
         f"{out}: table.csv, map.yaml, model.yaml (import, then diagnose); truth.json says what is hidden"
     )
@@ -34,6 +35,9 @@ def draw_campaign(
 @bench.command("blind")
 def blind(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
+    half: Annotated[
+        str, typer.Option(help="Whose rigs and laws: development, exam or both.")
+    ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
     count: Annotated[
         int | None, typer.Option("--n", min=1, help="Campaigns of each class; else what its figures need.")
@@ -46,6 +50,10 @@ def blind(
     resume: Annotated[bool, typer.Option("--resume", help="Go on where the folder was left.")] = False,
     without: Annotated[str, typer.Option(help="Effects to delete from the library, with commas.")] = "",
     baselines: Annotated[bool, typer.Option(help="Run the baselines beside it.")] = True,
+    reveal: Annotated[
+        bool,
+        typer.Option("--reveal", help="Say of the exam too what failed, by law and rig: once a release."),
+    ] = False,
     results: Annotated[
         Path | None, typer.Option(help="Markdown file whose section 'Blind benchmark' is to be written.")
     ] = None,
@@ -56,6 +64,7 @@ def blind(
 
     from labrig.bench import (
         CLASSES,
+        HALVES,
         lines,
         plan,
         read_records,
@@ -64,11 +73,14 @@ def blind(
         tables,
         write_report,
         write_results,
+        wrong_lines,
     )
+    from labrig.bench._run import key_of
 
     names = list(CLASSES) if classes == "all" else _names(classes)
-    todo = plan(names, count, seed)
-    asked = {f"{name}:{one}" for name, one in todo}
+    halves = list(HALVES) if half == "both" else [half]
+    todo = plan(names, count, seed, halves)
+    asked = {key_of(*one) for one in todo}
     console = Console()
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("campaigns", total=len(todo))
@@ -77,15 +89,16 @@ def blind(
         for _ in run_blind(todo, out, jobs, resume, baselines, tuple(_names(without)), cluster):
             progress.advance(task)
     records = read_records(out)
-    summary = summarise(records)
+    summary = summarise(records, reveal)
     write_report(summary, out)
     for part in tables(summary):
         console.print(part)
-    for line in lines(summary):
+    for line in [*lines(summary), *wrong_lines(summary)]:
         console.print(line)
-    console.print(f"{out}: campaigns.jsonl, summary.json, confusion.png")
+    drawn = ", ".join(sorted(path.name for path in out.glob("*confusion.png")))
+    console.print(f"{out}: campaigns.jsonl, summary.json" + (f", {drawn}" if drawn else ""))
     if results is not None:
-        which = "" if classes == "all" else f" --classes {','.join(names)}"
+        which = f" --half {half}" + ("" if classes == "all" else f" --classes {','.join(names)}")
         each = f" --n {count}" if count else ""
         others = {r["truth"]["class"] for r in records if r["key"] not in asked}
         more = f", and more of {', '.join(sorted(others))} with `--resume`" if others else ""
@@ -132,7 +145,7 @@ def speed(
         Path | None, typer.Option(help="Markdown file whose section 'Speed of a diagnosis' is to be written.")
     ] = None,
 ) -> None:
-    """Time diagnoses of campaigns of growing size: nine chambers, 34 markers, the whole library."""
+    """Time diagnoses of campaigns of growing size: nine chambers, many markers, the whole library."""
     from rich.console import Console
 
     from labrig._errors import LabrigError
