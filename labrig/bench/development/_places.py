@@ -1,0 +1,108 @@
+"""Where a rig's markers are, how far it moves, and which chambers move the same places."""
+
+import numpy as np
+
+from labrig.bench._nature import Array, Ints, Path, Rig, Setting
+
+
+def columns(rig: Rig) -> Ints:
+    """The column (M, 3) of each marker's x, y, z among the observables, -1 where it is not measured."""
+    out = np.full((len(rig.marker_names), 3), -1)
+    for column, observable in enumerate(rig.observables):
+        if observable.marker >= 0:
+            out[observable.marker, observable.axis] = column
+    return out
+
+
+def positions(rig: Rig, values: Array) -> Array:
+    """The markers (T, M, 3) in mm of observables (T, K): at rest along an axis that is not measured."""
+    assert rig.rest_mm is not None
+    where = columns(rig)
+    out = np.broadcast_to(rig.rest_mm, (len(values), *rig.rest_mm.shape)).copy()
+    out[:, where >= 0] = values[:, where[where >= 0]]
+    return out
+
+
+def moved(rig: Rig, values: Array, points_mm: Array) -> Array:
+    """The observables (T, K) with the markers at `points_mm` (T, M, 3)."""
+    where = columns(rig)
+    out = values.copy()
+    out[:, where[where >= 0]] = points_mm[:, where >= 0]
+    return out
+
+
+def shift(rig: Rig, vector: Array) -> Array:
+    """A shift of everything by `vector` (..., 3), as a change (..., K); what is no marker's takes its first number."""
+    return vector[..., [max(observable.axis, 0) for observable in rig.observables]]
+
+
+def spread(rig: Rig, field_mm: Array) -> Array:
+    """A field of vectors (M, 3) at the markers as a change (K,) of the observables."""
+    return moved(rig, np.zeros((1, len(rig.observables))), field_mm[None])[0]
+
+
+def alone(rig: Rig) -> Array:
+    """What each chamber does alone at full deflection, (C, K)."""
+    return rig.shape(np.eye(len(rig.chambers))) - rig.at_rest
+
+
+def span(rig: Rig) -> float:
+    """How far the observables move at full pressure: the root mean square over them and over the chambers."""
+    return float(np.sqrt(np.mean(alone(rig) ** 2)))
+
+
+def compliance(rig: Rig) -> Array:
+    """How easily each marker moves, (M,): 1 for the most mobile one."""
+    where = columns(rig)
+    each = np.where(where >= 0, alone(rig)[:, where], 0.0)
+    size = np.sqrt(np.sum(each**2, axis=(0, 2)))
+    return size / size.max()
+
+
+def overlap(rig: Rig) -> Array:
+    """How much two chambers move the same observables, (C, C): 1 if all the same, 0 on the diagonal."""
+    size = np.abs(alone(rig))
+    size /= np.linalg.norm(size, axis=1, keepdims=True)
+    out = size @ size.T
+    np.fill_diagonal(out, 0.0)
+    return out
+
+
+def body_mm(rig: Rig) -> tuple[Array, float]:
+    """The centre (3,) of the markers at rest, and the root mean square of their distance from it."""
+    assert rig.rest_mm is not None
+    centre = rig.rest_mm.mean(axis=0)
+    return centre, float(np.sqrt(np.mean(np.sum((rig.rest_mm - centre) ** 2, axis=1))))
+
+
+def smooth_field(setting: Setting) -> Array:
+    """A smooth field of vectors (M, 3) over the markers, drawn by chance: root mean square 1 over its numbers."""
+    rig, random = setting.rig, setting.random
+    centre, radius = body_mm(rig)
+    assert rig.rest_mm is not None
+    phase = (rig.rest_mm - centre) / radius @ random.normal(0, 1.2, (3, 4)) + random.uniform(0, 2 * np.pi, 4)
+    field = np.sin(phase) @ random.normal(size=(4, 3))
+    return field / np.sqrt(np.mean(field**2))
+
+
+def direction(random: np.random.Generator) -> Array:
+    """A direction (3,) drawn by chance."""
+    vector = random.normal(size=3)
+    return vector / np.linalg.norm(vector)
+
+
+def full(rig: Rig, kpa: Array) -> Array:
+    """Pressures as shares (T, C) of the upper limits."""
+    return kpa / rig.high_kpa
+
+
+def reached(rig: Rig, path: Path) -> Array:
+    """The largest deflection (C,) of each chamber on a path, at least a tenth."""
+    return np.maximum(rig.deflection(path.kpa).max(axis=0), 0.1)
+
+
+def some(random: np.random.Generator, count: int, low: float, high: float, share: float = 1.0) -> Array:
+    """Sizes (count,) between low and high; of several, each is zero with probability 1 - share, but never all."""
+    on = random.random(count) < share
+    on[random.integers(count)] = True
+    return np.where(on, random.uniform(low, high, count), 0.0)

@@ -1,0 +1,49 @@
+"""What a body remembers of a campaign: lags, plays, and the path with moments in between.
+
+A path tells the whole story, pauses between sessions included; before its first moment the rig was vented for long.
+"""
+
+import numpy as np
+
+from labrig.bench._nature import Array, Ints, Path
+
+
+def pauses(path: Path) -> Array:
+    """The time (T,) since the moment before, in s."""
+    return np.diff(path.time_s, prepend=path.time_s[0])
+
+
+def steps(drive: Array) -> Array:
+    """The change (T, C) of a drive since the moment before."""
+    return np.diff(drive, axis=0, prepend=np.zeros((1, drive.shape[1])))
+
+
+def finely(path: Path, drive: Array, largest: float) -> tuple[Array, Array, Ints]:
+    """The steps (N, C) and pauses (N,) of a drive cut so that none moves by more, and where the T moments are in N."""
+    whole = steps(drive)
+    parts = np.maximum(1, np.ceil(np.abs(whole).max(axis=1) / largest)).astype(int)
+    of = np.repeat(np.arange(len(parts)), parts)
+    return (whole / parts[:, None])[of], (pauses(path) / parts)[of], np.cumsum(parts) - 1
+
+
+def lagged(path: Path, drive: Array, tau_s: Array) -> Array:
+    """The drive (T, C) as it is after exponential lags: (T, N, C) for `tau_s` (N,), or (N, C) by chamber."""
+    tau = np.maximum(tau_s.reshape(len(tau_s), -1), 1e-9)
+    share = -np.expm1(-pauses(path)[:, None, None] / tau)
+    state = np.zeros((len(tau_s), drive.shape[1]))
+    out = np.empty((len(drive), *state.shape))
+    for i in range(len(drive)):
+        state = state + share[i] * (drive[i] - state)
+        out[i] = state
+    return out
+
+
+def plays(drive: Array, half_width: Array) -> Array:
+    """The drive (T, C) behind plays: (T, N, C) for half widths (N, C)."""
+    state = np.zeros_like(half_width)
+    out = np.empty((len(drive), *state.shape))
+    low, high = drive[:, None] - half_width, drive[:, None] + half_width
+    for i in range(len(drive)):
+        state = np.minimum(np.maximum(state, low[i]), high[i])
+        out[i] = state
+    return out

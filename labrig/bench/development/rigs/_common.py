@@ -1,0 +1,27 @@
+"""What several rigs share: names, and the law of a membrane that stiffens with the cube of its deflection."""
+
+import numpy as np
+
+from labrig.bench._nature import Array, Observable
+
+
+def chambers(count: int) -> tuple[str, ...]:
+    """The names of the chambers: c1, c2, ..."""
+    return tuple(f"c{i + 1}" for i in range(count))
+
+
+def markers(count: int) -> tuple[tuple[str, ...], tuple[Observable, ...]]:
+    """The names of the markers, and their coordinates in mm, marker by marker."""
+    names = tuple(f"m{i + 1}" for i in range(count))
+    return names, tuple(
+        Observable(f"{name}.{'xyz'[axis]}", "mm", i, axis)
+        for i, name in enumerate(names)
+        for axis in range(3)
+    )
+
+
+def cubic_membrane(load: Array, cubic: Array) -> Array:
+    """The deflection d with (1 - cubic) d + cubic d^3 = load: 1 at load 1, and as much the other way below zero."""
+    linear = 1.0 - cubic
+    scale = 2.0 * np.sqrt(linear / (3.0 * cubic))
+    return scale * np.sinh(np.arcsinh(3.0 * load / (linear * scale)) / 3.0)
