@@ -151,7 +151,8 @@ def _single(dataset: "xr.Dataset", k: int) -> dict[str, str]:
     name, unit, marker, axis = (
         str(dataset[c].values[k]) for c in ("observable", "unit", "marker_of", "axis_of")
     )
-    entry = {"column": name, "name": name, "unit": unit}
+    # the px of units is a length on paper (1/96 inch), which an import would turn into millimetres
+    entry = {"column": name, "name": name, "unit": "pixel" if unit == "px" else unit}
     return {**entry, "marker": marker, "axis": axis} if marker else entry
 
 

@@ -49,6 +49,29 @@ class Cell(Pads):
         return deflection @ self.reach
 
 
+class Flat(Pads):
+    """Two chambers, and four markers that a camera sees in its own plane, in pixels."""
+
+    kind = "flat"
+    noise = 0.3
+
+    def __init__(self, random: np.random.Generator) -> None:
+        super().__init__(random)
+        self.chambers, self.high_kpa = ("a", "b"), np.array([60.0, 50.0])
+        self.marker_names = self.marker_names[:4]
+        self.rest_mm = random.uniform(0.0, 100.0, (4, 3)) * [1.0, 1.0, 0.0]
+        self.observables = tuple(
+            Observable(f"{m}.{a}", "px", k, axis)
+            for k, m in enumerate(self.marker_names)
+            for axis, a in enumerate("xy")
+        )
+        self.reach = 4.0 * random.normal(size=(2, 8))
+
+    def shape(self, deflection: Array) -> Array:
+        assert self.rest_mm is not None
+        return 5.0 * self.rest_mm[:, :2].ravel() + deflection @ self.reach
+
+
 class Slow(Law):
     """Walls go on yielding, and forget (one Kelvin-Voigt element)."""
 
@@ -119,7 +142,7 @@ def bent(rig: Rig, random: np.random.Generator):
 
 STUB = Half(
     "development",
-    {"pads": Pads, "cell": Cell},
+    {"pads": Pads, "cell": Cell, "flat": Flat},
     {"creep": [Slow], "regulator": [Gain], "drift": [Wander], "gravity": [Weight]},
     [Tired],
     {"bent": bent},
