@@ -32,8 +32,9 @@ def moved(rig: Rig, values: Array, points_mm: Array) -> Array:
 
 
 def shift(rig: Rig, vector: Array) -> Array:
-    """A shift of everything by `vector` (..., 3), as a change (..., K); what is no marker's takes its first number."""
-    return vector[..., [max(observable.axis, 0) for observable in rig.observables]]
+    """A shift of everything by `vector` (..., 3), as a change (..., K); what is no marker's moves by its length."""
+    along = np.where(vector[..., :1] < 0, -1.0, 1.0) * np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.concatenate([vector, along], axis=-1)[..., [o.axis for o in rig.observables]]
 
 
 def spread(rig: Rig, field_mm: Array) -> Array:

@@ -106,13 +106,14 @@ class Post(Law):
         mobile = np.flatnonzero(length.max(axis=0) >= np.median(length.max(axis=0)))
         marker = int(setting.random.choice(mobile))
         far = way[np.argmax(length[:, marker]), marker]
-        self._way_mm = float(np.linalg.norm(far))
-        self._ahead = far / self._way_mm
+        self._ahead = far / np.linalg.norm(far)
         self._from_mm = rig.rest_mm @ self._ahead
-        beside = rig.rest_mm - rig.rest_mm[marker]
-        beside -= np.outer(beside @ self._ahead, self._ahead)
+        beside = (
+            rig.rest_mm - rig.rest_mm[marker] - np.outer(self._from_mm - self._from_mm[marker], self._ahead)
+        )
         radius_mm = body_mm(rig)[1] * setting.random.uniform(0.3, 1.2)
-        self._tip_mm = np.sum(beside**2, axis=1) / (2 * radius_mm)  # how far the tip has curved away, (M,)
+        self._curved_mm = np.sum(beside**2, axis=1) / (2 * radius_mm)  # how far the tip has curved away, (M,)
+        self._top_mm = float((way @ self._ahead - self._curved_mm).max())
         self._nearer = setting.random.uniform(0.35, 0.8)
 
     def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
@@ -120,5 +121,6 @@ class Post(Law):
             return values
         points = positions(self.rig, values)
         out_mm = points @ self._ahead - self._from_mm
-        past_mm = np.maximum(out_mm - self._way_mm * np.exp(-strength * self._nearer) - self._tip_mm, 0.0)
+        tip_mm = self._top_mm * np.exp(-strength * self._nearer) + self._curved_mm
+        past_mm = np.maximum(out_mm - tip_mm, 0.0)
         return moved(self.rig, values, points - past_mm[..., None] * self._ahead)

@@ -40,23 +40,19 @@ class Preisach(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random = setting.random
-        level = np.linspace(0.03, 1.03, 17)
-        down, up = (a[np.triu_indices(17)] for a in np.meshgrid(level, level, indexing="ij"))
-        centre, half = 0.5 * (up + down), 0.5 * (up - down)
-        middle, wide = random.uniform(0.35, 0.6), random.uniform(0.06, 0.16)
-        density = np.exp(
-            -0.5 * ((centre - middle) / random.uniform(0.2, 0.35)) ** 2 - 0.5 * (half / wide) ** 2
-        )
-        self._down, self._up, self._weight = down[:, None], up[:, None], density / density.sum()
+        size = (400, len(self.rig.chambers))
+        centre = np.abs(random.normal(random.uniform(0.35, 0.6), random.uniform(0.2, 0.35), size))
+        half = np.minimum(np.abs(random.normal(0, random.uniform(0.06, 0.16), size)), centre)
+        self._down, self._up = centre - half, centre + half
         self._share = some(random, len(self.rig.chambers), 0.25, 0.6)
 
     def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
-        on = np.zeros((len(self._weight), deflection.shape[1]), dtype=bool)
+        on = np.zeros(self._up.shape, dtype=bool)
         crowd, seen, now = np.empty_like(deflection), np.full(deflection.shape[1], np.inf), None
         for t, drive in enumerate(deflection):
-            if now is None or np.abs(drive - seen).max() > 1e-4:
+            if now is None or np.abs(drive - seen).max() > 2e-4:
                 on = (on | (drive >= self._up)) & (drive > self._down)
-                seen, now = drive, self._weight @ on
+                seen, now = drive, np.count_nonzero(on, axis=0) / len(on)
             crowd[t] = now
         return deflection + strength * self._share * (crowd - deflection)
 

@@ -48,7 +48,7 @@ class Plate(Rig):
     def shape(self, deflection: Array) -> Array:
         assert self.rest_mm is not None
         height = deflection @ self._bump.T
-        slope = np.einsum("tc,mcx->tmx", deflection, self._slope)
+        slope = np.tensordot(deflection, self._slope, axes=(1, 1))  # (T, M, 2)
         aside = -self._foreshorten * height[..., None] * slope
         moved = np.concatenate([aside, height[..., None]], axis=2)
         return (self.rest_mm + moved).reshape(len(deflection), -1)

@@ -25,11 +25,13 @@ class Shell(Rig):
         self.rest_mm, self._normal = self._on_shell(flat + random.normal(0, 0.02, flat.shape))
         grid = np.stack(np.meshgrid([-0.5, 0, 0.5], [-0.5, 0, 0.5]), axis=-1).reshape(9, 2)
         centre, _ = self._on_shell(grid + random.normal(0, 0.06, grid.shape))
-        self._away_mm = self._tangent(self.rest_mm[:, None] - centre[None])  # (M, 9, 3)
-        self._width_mm = random.uniform(28, 45, 9)
-        self._patch = np.exp(-0.5 * np.sum(self._away_mm**2, axis=2) / self._width_mm**2)  # (M, 9)
-        self._height_mm = random.uniform(15, 28, 9)
-        self._aside = random.uniform(0.1, 0.35, 9)
+        away_mm = self._tangent(self.rest_mm[:, None] - centre[None])  # (M, 9, 3)
+        width_mm = random.uniform(28, 45, 9)
+        height_mm = random.uniform(15, 28, 9) * np.exp(-0.5 * np.sum(away_mm**2, axis=2) / width_mm**2)
+        aside = random.uniform(0.1, 0.35, 9) / width_mm
+        self._height_mm = height_mm.T  # (9, M)
+        self._slope = _flat(-(height_mm / width_mm**2)[..., None] * away_mm)
+        self._aside_mm = _flat((height_mm * aside)[..., None] * away_mm)
         self._foreshorten = random.uniform(0.3, 0.8)
         self._cubic = random.uniform(0.2, 0.65, 9)
 
@@ -51,12 +53,14 @@ class Shell(Rig):
 
     def shape(self, deflection: Array) -> Array:
         assert self.rest_mm is not None
-        weight = self._height_mm * self._patch  # (M, 9) mm
-        height = deflection @ weight.T
-        slope = np.einsum(
-            "tc,mcx->tmx", deflection, -weight[..., None] * self._away_mm / self._width_mm[:, None] ** 2
+        height = (deflection @ self._height_mm)[..., None]
+        slope, aside_mm = (
+            (deflection @ each).reshape(len(deflection), -1, 3) for each in (self._slope, self._aside_mm)
         )
-        aside = (weight * self._aside / self._width_mm)[..., None] * self._away_mm
-        moved = np.einsum("tc,mcx->tmx", deflection, aside)
-        moved += height[..., None] * (self._normal - self._foreshorten * slope)
+        moved = aside_mm + height * (self._normal - self._foreshorten * slope)
         return (self.rest_mm + moved).reshape(len(deflection), -1)
+
+
+def _flat(vectors: Array) -> Array:
+    """Vectors (M, 9, 3) as rows (9, 3 M), by which deflections (T, 9) can be multiplied."""
+    return vectors.swapaxes(0, 1).reshape(vectors.shape[1], -1)
