@@ -20,7 +20,10 @@ from labrig.model._surrogate import SurrogateModel
 
 _FLATTEST = 0.15
 _STEP = 1e-3
-"""Step of the finite differences, fraction of a chamber's range; central, so the error is of its square."""
+"""Step of the finite differences, fraction of a chamber's range; their error is of its square, at the limits too."""
+_CENTRAL = ((1.0, -1.0), (0.0, 0.5, -0.5))
+_UP, _DOWN = ((1.0, 2.0), (-1.5, 2.0, -0.5)), ((-1.0, -2.0), (1.5, -2.0, 0.5))
+"""Two places beside a row, in steps, and the weights of the row and of both in its slope."""
 
 
 class BaseModel(Protocol):
@@ -115,29 +118,45 @@ def build_base(model: ModelFile, folder: Path, rows: Rows) -> BaseModel:
 
 
 def jacobian(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> Floats:
-    """Change of the prediction per unit of actuation, (F, K, C), by central differences.
+    """Change of the prediction per unit of actuation, (F, K, C), by differences that stay within the limits.
 
-    Rows that share an actuation are computed once; a simulator gives its own derivative.
+    Central ones would straddle a limit, where many bases clip: a row within a step of a limit has the slope on the
+    limit's inner side. Rows further outside have central ones. Rows that share an actuation are computed once; a
+    simulator gives its own derivative.
     """
     unique, inverse = np.unique(actuation, axis=0, return_inverse=True)
     inverse = inverse.reshape(-1)
     if isinstance(base, (SimulatorModel, SurrogateModel)):
         return base.slope(unique)[inverse]
     steps = _STEP * (high - low)
-    C = len(steps)
-    moved = np.concatenate([unique + sign * np.diag(steps)[c] for c in range(C) for sign in (1.0, -1.0)])
-    predicted = base.predict(moved).reshape(C, 2, len(unique), -1)
-    J = (predicted[:, 0] - predicted[:, 1]) / (2 * steps)[:, None, None]
-    return np.moveaxis(J, 0, -1)[inverse]
+    inner = np.clip(unique, low, high)
+    at = np.where(np.abs(unique - inner) < steps, inner, unique)
+    up = (at >= low) & (at - steps < low)
+    down = (at <= high) & (at + steps > high)
+    choice = np.select([up, down], [1, 2], 0)
+    beside, weight = (np.array([way[i] for way in (_CENTRAL, _UP, _DOWN)])[choice] for i in (0, 1))
+    moved = [at]
+    for c in range(len(steps)):
+        for side in (0, 1):
+            moved.append(at.copy())
+            moved[-1][:, c] += steps[c] * beside[:, c, side]
+    predicted = base.predict(np.concatenate(moved)).reshape(len(moved), len(at), -1)
+    ways = [predicted[[0, 2 * c + 1, 2 * c + 2]] for c in range(len(steps))]
+    slopes = [np.einsum("pnk,np->nk", ways[c], weight[:, c]) / steps[c] for c in range(len(steps))]
+    return np.stack(slopes, axis=-1)[inverse]
 
 
 @dataclass(frozen=True)
 class Deflection:
-    """How far each chamber alone moves the observables, as a share of its motion at full range."""
+    """How far each chamber alone moves the observables, as a share of its motion at full range.
+
+    `reach` (K, C): the mean size of each observable's slope on the way, per unit of actuation.
+    """
 
     low: Floats
     span: Floats
     curves: Floats
+    reach: Floats
 
     def at(self, actuation: Floats) -> Floats:
         """The share at each actuation, (n, C)."""
@@ -145,7 +164,7 @@ class Deflection:
 
     def slope(self, actuation: Floats) -> Floats:
         """Its derivative by the fraction of the range, (n, C), kept away from zero."""
-        slopes = np.gradient(self.curves, 1 / (GRID - 1), axis=0)
+        slopes = np.gradient(self.curves, 1 / (GRID - 1), axis=0, edge_order=2)
         return np.maximum(self._interpolate(actuation, slopes), _FLATTEST)
 
     def _interpolate(self, actuation: Floats, curves: Floats) -> Floats:
@@ -157,9 +176,10 @@ class Deflection:
 def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
     """Move each chamber alone over its range and see how far the observables go."""
     if isinstance(base, SimulatorModel):
-        return Deflection(low, high - low, solved_curves(base, low, high))
+        return Deflection(low, high - low, *solved_curves(base, low, high))
     vented = np.clip(0.0, low, high)
     curves = np.zeros((GRID, len(low)))
+    reach = []
     for c in range(len(low)):
         grid = np.linspace(low[c], high[c], GRID)
         alone = np.tile(vented, (GRID + 1, 1))
@@ -168,7 +188,8 @@ def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
         moved = np.sqrt(((predicted[:-1] - predicted[-1]) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
         full = np.abs(moved).max()
         curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
-    return Deflection(low, high - low, curves)
+        reach.append(np.abs(np.diff(predicted[:-1], axis=0)).sum(axis=0) / (high[c] - low[c]))
+    return Deflection(low, high - low, curves, np.stack(reach, axis=1))
 
 
 def _load_function(path: Path, name: str) -> Callable[[Floats], Any]:

@@ -130,13 +130,14 @@ class SimulatorModel:
         return np.array([_UNIT * (abs(p.value) or p.high - p.low) for p in own])
 
 
-def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> Floats:
-    """How far each chamber alone moves the observables over its range, as a share of the most, (GRID, C).
+def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """How far each chamber alone moves the observables over its range, as a share of the most, (GRID, C), and the
 
-    From few shapes, which take long, and their slopes.
+    mean size of their slopes on the way, (K, C). From few shapes, which take long, and their slopes.
     """
     vented = np.clip(0.0, low, high)
     curves = np.zeros((GRID, len(low)))
+    reach = []
     for c in range(len(low)):
         few = np.unique([low[c], *(vented[c] + _SOLVED * (high[c] - vented[c]))])
         alone = np.tile(vented, (len(few) + 1, 1))
@@ -151,4 +152,5 @@ def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> Floats:
         moved = CubicHermiteSpline(few, size * sign, steep)(np.linspace(low[c], high[c], GRID))
         full = np.abs(moved).max()
         curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
-    return curves
+        reach.append(np.abs(np.diff(predicted[:-1], axis=0)).sum(axis=0) / (high[c] - low[c]))
+    return curves, np.stack(reach, axis=1)
