@@ -1,14 +1,17 @@
 """Fitted values with their uncertainty, as they go into a model file."""
 
+import re
+
 import numpy as np
 
 from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._columns import coefficients, columns_of, order_of
 from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context, Effect, Term
+from labrig.effects import Context, Effect, Term, Variant
+from labrig.effects._fields import centre_of
 from labrig.effects._rows import Floats, Ints
-from labrig.model import EffectEntry, Value
+from labrig.model import EffectEntry, FittedOn, Value
 
 _ROUNDS = 10
 
@@ -29,17 +32,49 @@ def entry_of(streams: Streams, context: Context, chosen: Fit, i: int, *, refine:
         sd = np.sqrt((n - 1) / n * ((spread - spread.mean(axis=0)) ** 2).sum(axis=0))
         parameters[term.parameter] = _value(context, part.effect, term, each[0][t], sd)
     for name, value in part.variant.shape.items():
-        parameters[name] = Value(value=_round(value), unit=part.effect.parameter(name).unit)
-    return EffectEntry(name=part.effect.name, form=part.variant.form, parameters=parameters)
+        own = part.effect.parameter(name)
+        parameters[name] = Value(value=value if own.given else _round(value), unit=_unit(context, own.unit))
+    return EffectEntry(
+        name=part.effect.name,
+        form=part.variant.form,
+        fitted_on=fitted_on(context, part.effect, part.variant),
+        parameters=parameters,
+    )
+
+
+def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
+    """What the values of a form refer to on this run."""
+    rows = context.rows
+    turns = effect.name == "frame" or any(term.kind == "frame" for term in variant.terms)
+    dated = "since_s" in variant.shape and np.isfinite(rows.start_s)
+    return FittedOn(
+        chambers=list(rows.chambers),
+        low=rows.low.tolist(),
+        high=rows.high.tolist(),
+        centre_mm=centre_of(context).tolist() if turns else None,
+        start_s=rows.start_s if dated else None,
+    )
+
+
+def _unit(context: Context, unit: str) -> str:
+    """The unit of a parameter with those of the run in it."""
+    rows = context.rows
+    moving = [rows.covariates[name].unit for name in context.motion] if "motion" in unit else []
+    own = {
+        "actuation": rows.actuation_unit or "1",
+        "observable": "/".join(dict.fromkeys(rows.unit)),
+        "motion": "/".join(dict.fromkeys(moving)) or "1",
+    }
+    return re.sub("|".join(own), lambda found: own[found[0]], unit)
 
 
 def refined(streams: Streams, context: Context, chosen: Fit, i: int) -> Fit:
     """Move what is not linear in the i-th effect (time constants, widths) to where the joint fit is best."""
     for name in chosen.parts[i].variant.shape:
         start = chosen.parts[i].variant.shape[name]
-        if start <= 0:
-            continue
         parameter = chosen.parts[i].effect.parameter(name)
+        if start <= 0 or parameter.given:
+            continue
         low = max(start / 3, parameter.low, 1e-9)
         high = min(start * 3, parameter.high)
         ratio = (np.sqrt(5) - 1) / 2
@@ -78,11 +113,7 @@ def _own_order(chosen: Fit, i: int) -> Ints:
 
 
 def _value(context: Context, effect: Effect, term: Term, value: Floats, sd: Floats) -> Value:
-    parameter = effect.parameter(term.parameter)
-    unit = {
-        "actuation": context.rows.actuation_unit,
-        "observable": "/".join(dict.fromkeys(context.rows.unit)),
-    }
+    unit = _unit(context, effect.parameter(term.parameter).unit)
     per: list[str] | None = None
     if term.kind == "pattern":
         per = list(context.rows.observables)
@@ -97,12 +128,12 @@ def _value(context: Context, effect: Effect, term: Term, value: Floats, sd: Floa
         return Value(
             value=_round(float(flat_value.reshape(-1)[0])),
             sd=_round(float(flat_sd.reshape(-1)[0])),
-            unit=unit.get(parameter.unit, parameter.unit),
+            unit=unit,
         )
     return Value(
         value=_rounded(flat_value),
         sd=_rounded(flat_sd),
-        unit=unit.get(parameter.unit, parameter.unit),
+        unit=unit,
         per=per,
     )
 

@@ -1,15 +1,25 @@
 """What an effect is given: the rows, the base model's prediction on them, and the history between them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from labrig._errors import LabrigError
 from labrig.effects._rows import Floats, Ints, Rows
 
 LINEAR = 0.03
+
+
+class Alone(Protocol):
+    """How each chamber alone moves the observables over a range, (n, C) at an actuation; see `Context`."""
+
+    @property
+    def reach(self) -> Floats: ...
+    def at(self, actuation: Floats) -> Floats: ...
+    def slope(self, actuation: Floats) -> Floats: ...
 
 
 @dataclass(frozen=True)
@@ -21,7 +31,12 @@ class Context:
     `deflection` (F, C) how far each chamber alone would move the observables (root mean square of its
     displacement), as a share of what it does at full range; `event_deflection` (E, C) the same at each
     event; `deflection_slope` (F, C) its derivative by the fraction of the range, 1 for a linear base; `inside`,
-    for a simulator, the derivative (F, K) by each of its physical parameters.
+    for a simulator, the derivative (F, K) by each of its physical parameters. `reach` (K, C): the mean size of
+    each observable's slope while a chamber alone goes over its range; `alone` works that and the deflections out
+    for another range.
+
+    Where a model's saved effect is evaluated, `saved` is true, `centre` (3,) is the point that its rotations are
+    about, and `began_s` when the run began that its moments are counted from, if they are known.
     """
 
     rows: Rows
@@ -34,6 +49,11 @@ class Context:
     base_kind: str = "python"
     inside: dict[str, Floats] = field(default_factory=dict, repr=False)
     pinned: dict[str, float] = field(default_factory=dict)
+    reach: Floats | None = None
+    alone: Callable[[Floats, Floats], Alone] | None = field(default=None, repr=False, compare=False)
+    saved: bool = False
+    centre: Floats | None = None
+    began_s: float = float("nan")
     _memo: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def pin(self, shape: dict[str, float]) -> "Context":
@@ -43,6 +63,28 @@ class Context:
     def grid(self, name: str, values: Sequence[float]) -> Sequence[float]:
         """The values to try for what is not linear in an effect; a pinned value replaces them all."""
         return (self.pinned[name],) if name in self.pinned else values
+
+    def shows(self, seen: bool) -> bool:
+        """Whether a form is worth yielding: this run shows it, or a saved effect has it, shown or not."""
+        return bool(seen) or self.saved
+
+    def within(self, low: Floats, high: Floats) -> "Context":
+        """The same context where each chamber's range is `low` to `high`, (C,), whatever this run's is."""
+        if np.array_equal(low, self.rows.low) and np.array_equal(high, self.rows.high):
+            return self
+        if self.alone is None:
+            raise LabrigError("the effects were fitted with another range of the pressures than this run's")
+        curves = self.alone(low, high)
+        rows = replace(self.rows, low=low, high=high)
+        return replace(
+            self,
+            rows=rows,
+            deflection=curves.at(rows.actuation),
+            event_deflection=curves.at(rows.event_actuation),
+            deflection_slope=curves.slope(rows.actuation),
+            reach=curves.reach,
+            _memo={"motion": self.motion},
+        )
 
     def thin(self, keep: Ints) -> "Context":
         """Keep some rows only; history and motion stay as the whole campaign had them."""
@@ -181,6 +223,19 @@ class Context:
         """
         return self._lagged(tau_s, self.rows.event_actuation)
 
+    def lagged(self, tau_s: float, u: Floats, rest: float = 0.0) -> Floats:
+        """First-order lag of any drive of the events, (E, C) -> (F, C), which is at `rest` where it began."""
+        t = self.rows.event_time_s
+        at_start = np.zeros_like(u)
+        for e, before in enumerate(self.started):
+            if before < 0:
+                at_start[e] = rest
+            else:
+                decay = np.exp(-max(t[e] - t[before], 0.0) / tau_s)
+                at_start[e] = u[before] + (at_start[before] - u[before]) * decay
+        event = self.rows.event
+        return u[event] + (at_start[event] - u[event]) * np.exp(-self.elapsed_s / tau_s)[:, None]
+
     def _lagged(self, tau_s: float, u: Floats) -> Floats:
         key = ("lagged", tau_s, id(u))
         if key not in self._memo:
@@ -251,7 +306,7 @@ class Context:
                         else np.arange(len(own), dtype=float)
                     )
                     speed[own] = np.gradient(_smooth(cov.values[own]), t)
-            if np.isfinite(speed).all() and np.ptp(speed) > 0:
+            if np.isfinite(speed).all() and self.shows(np.ptp(speed) > 0):
                 out[name] = (speed, float(np.ptp(cov.values)))
         return out
 

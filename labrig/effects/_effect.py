@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from labrig.effects._context import Context
+from labrig.effects._family import Space
 from labrig.effects._rows import Floats
 
 Acts = Literal["pressure", "mechanics", "observation"]
@@ -19,6 +20,8 @@ class Parameter:
     """One physical quantity of an effect: its unit, its bounds, and whether each chamber has its own.
 
     `least`: what it is at least where the effect acts at all. A fitted value far below is another law's misfit.
+    `given`: it is read off the run and saved, not fitted. A unit may have "actuation", "observable" or "motion" (of a
+    logged position) in it, which stand for the run's.
     """
 
     name: str
@@ -28,6 +31,7 @@ class Parameter:
     per: Literal["one", "chamber", "marker"] = "one"
     meaning: str = ""
     least: float = 0.0
+    given: bool = False
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,12 @@ class Effect(ABC):
     @abstractmethod
     def variants(self, context: Context) -> Iterator[Variant]:
         """Yield the forms that this effect may take on `context`, the simplest first."""
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Yield the spaces of functions that the laws of this effect span on `context`: its forms, unless it says more."""
+        from labrig.effects._kin import KIN
+
+        yield from KIN[self.name](context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         """The covariate that betrays it, for plots: name, unit, values (F,)."""

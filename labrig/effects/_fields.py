@@ -12,8 +12,8 @@ from labrig.effects._rows import Floats
 def frame_modes(context: Context) -> Floats:
     """How each observable changes under a small rigid motion of the measuring frame, shape (F, K, 6).
 
-    Columns: translations along x, y, z (mm), then rotations about x, y, z through the markers' centre
-    (rad), to first order: dq = t + w x (q - q0).
+    Columns: translations along x, y, z (mm), then rotations about x, y, z through the centre of the markers at
+    rest (rad), to first order: dq = t + w x (q - q0).
     """
     rows = context.rows
     F, K = context.base.shape
@@ -31,7 +31,7 @@ def frame_modes(context: Context) -> Floats:
 
 
 def scale_mode(context: Context) -> Floats:
-    """How each observable changes when the measuring frame's scale is off, by the markers' centre, (F, K)."""
+    """How each observable changes when the measuring frame's scale is off, about `centre_of`, (F, K)."""
     rows = context.rows
     where = _places(context)
     mode = np.zeros_like(context.base)
@@ -40,28 +40,46 @@ def scale_mode(context: Context) -> Floats:
     return mode
 
 
-def _places(context: Context) -> Floats:
-    """Predicted positions of the markers about their common centre, mm, (F, M, 3)."""
+def centre_of(context: Context) -> Floats:
+    """The mean place of the markers at rest, mm, (3,): measured, else predicted of the vented rig."""
+    if context.centre is not None:
+        return context.centre
     rows = context.rows
-    where = np.zeros((len(context.base), len(rows.markers), 3))
-    for m in range(len(rows.markers)):
-        for a in range(3):
-            own = np.flatnonzero((rows.marker == m) & (rows.axis == a))
-            if (
-                len(own)
-                and rows.rest_mm is not None
-                and m < len(rows.rest_mm)
-                and np.isfinite(rows.rest_mm[m, a])
-            ):
-                where[:, m, a] = rows.rest_mm[m, a] + context.displacement[:, own[0]]
-            elif len(own):
-                where[:, m, a] = context.base[:, own[0]]
-    return where - where.mean(axis=(0, 1)) if len(rows.markers) else where
+    centre = np.zeros(3)
+    for a in range(3):
+        own = np.flatnonzero((rows.axis == a) & (rows.marker >= 0))
+        places = [context.base_vented[k] if _rest(context, k) is None else _rest(context, k) for k in own]
+        centre[a] = np.mean(places) if len(own) else 0.0
+    return centre
+
+
+def _rest(context: Context, observable: int) -> float | None:
+    """Where a marker is at rest along the axis of an observable, mm; None where nobody knows."""
+    rest, marker = context.rows.rest_mm, context.rows.marker[observable]
+    if rest is None or marker >= len(rest):
+        return None
+    place = float(rest[marker, context.rows.axis[observable]])
+    return place if np.isfinite(place) else None
+
+
+def _places(context: Context) -> Floats:
+    """Predicted positions of the markers about their common centre at rest, mm, (F, M, 3)."""
+    rows = context.rows
+    centre = centre_of(context)
+    where = np.tile(-centre, (len(context.base), len(rows.markers), 1))
+    for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
+        rest, a = _rest(context, k), rows.axis[k]
+        moved = context.base[:, k] if rest is None else rest + context.displacement[:, k]
+        where[:, rows.marker[k], a] = moved - centre[a]
+    return where
 
 
 def overlap(context: Context) -> Floats:
-    """How much two chambers move the same observables: |J_i| . |J_j|, rows summing to one, shape (C, C)."""
-    reach = np.abs(context.jacobian).mean(axis=0)
+    """How much two chambers move the same observables: |J_i| . |J_j|, rows summing to one, shape (C, C).
+
+    J is the mean slope of each chamber alone over its range, so that neighbours are the base's and not the run's.
+    """
+    reach = np.abs(context.jacobian).mean(axis=0) if context.reach is None else context.reach
     norm = np.linalg.norm(reach, axis=0)
     reach = reach / np.where(norm > 0, norm, 1.0)
     near = reach.T @ reach

@@ -31,8 +31,13 @@ class Contact(Effect):
             "stiffness", "kPa/mm", -100.0, 1000.0, meaning="surplus of the simulator's contact stiffness"
         ),
         Parameter(
-            "limit", "1", 0.0, 1.0, meaning="where the limit lies, fraction of the range (or of the travel)"
+            "limit",
+            "1",
+            0.0,
+            1.0,
+            meaning="where the limit lies, fraction of the range (or of the deflection at full range)",
         ),
+        Parameter("distance", "observable", 0.0, meaning="how far from the vented place the limit lies"),
         Parameter("chamber", "1", 0.0, meaning="the only chamber that is stopped, counted from 0"),
     )
     reference = (
@@ -42,13 +47,13 @@ class Contact(Effect):
     experiment = "small steps of one chamber around the limit"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        if not context.moves:
+        if not context.shows(context.moves):
             return
         yield from inside(context, stiffness="contact_")
         x, chambers = context.rows.fraction, context.rows.chambers
         for limit in context.grid("limit", (0.4, 0.5, 0.6, 0.7, 0.8, 0.9)):
             beyond = -np.maximum(x - limit, 0.0) * context.span
-            if (beyond < 0).mean() < 0.02:
+            if not context.shows((beyond < 0).mean() >= 0.02):
                 continue
             yield Variant("pressure", (Term.common("stopped", beyond),), {"limit": limit})
             if len(chambers) > 1:
@@ -57,12 +62,12 @@ class Contact(Effect):
                 )
                 for c in context.grid("chamber", range(len(chambers))):
                     alone = np.where(np.arange(len(chambers)) == c, beyond, 0.0)
-                    if (alone < 0).any():
+                    if context.shows((alone < 0).any()):
                         shape = {"limit": limit, "chamber": float(c)}
                         yield Variant("one chamber", (Term.common("stopped", alone),), shape)
         for limit in context.grid("limit", (0.3, 0.45, 0.6, 0.75)):
             beyond = -np.maximum(context.deflection - limit, 0.0) * context.span
-            if (beyond < 0).mean() >= 0.02 and len(chambers) > 1:
+            if context.shows((beyond < 0).mean() >= 0.02) and len(chambers) > 1:
                 yield Variant("deflection", (Term.common("stopped", beyond),), {"limit": limit})
                 yield Variant(
                     "deflection per chamber",
@@ -74,11 +79,12 @@ class Contact(Effect):
     def _positions(self, context: Context) -> Iterator[Variant]:
         """The limit as a distance travelled, and as a wall across each axis."""
         far = float(context.travel.max())
-        if far <= 0:
+        if not context.shows(far > 0):
             return
-        for limit in context.grid("limit", (0.3, 0.45, 0.6, 0.75, 0.9)):
-            scale = np.maximum(0.0, 1 - limit * far / np.maximum(context.travel, 1e-12))
-            yield Variant("travel", (Term.field("stopped", -context.displacement * scale),), {"limit": limit})
+        for distance in context.grid("distance", [share * far for share in (0.3, 0.45, 0.6, 0.75, 0.9)]):
+            scale = np.maximum(0.0, 1 - distance / np.maximum(context.travel, 1e-12))
+            term = Term.field("stopped", -context.displacement * scale)
+            yield Variant("travel", (term,), {"distance": distance})
         for a, letter in enumerate("xyz"):
             own = context.rows.axis == a
             moved = context.displacement[:, own]
@@ -86,14 +92,14 @@ class Contact(Effect):
                 continue
             for side in (1.0, -1.0):
                 reach = float((side * moved).max())
-                if reach < 0.1 * far:
+                if not context.shows(reach >= 0.1 * far):
                     continue
-                for limit in context.grid("limit", (0.4, 0.6, 0.8)):
+                for distance in context.grid("distance", [share * reach for share in (0.4, 0.6, 0.8)]):
                     change = np.zeros_like(context.displacement)
-                    change[:, own] = -side * np.maximum(side * moved - limit * reach, 0.0)
+                    change[:, own] = -side * np.maximum(side * moved - distance, 0.0)
                     sign = "+" if side > 0 else "-"
                     term = Term.field("stopped", change)
-                    yield Variant(f"wall at {sign}{letter}", (term,), {"limit": limit})
+                    yield Variant(f"wall at {sign}{letter}", (term,), {"distance": distance})
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))

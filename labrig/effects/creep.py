@@ -42,23 +42,23 @@ class Creep(Effect):
     beyond_static = "always"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        if not context.has_time or not (context.moves or context.has_holds):
+        if not context.has_time or not context.shows(context.moves or context.has_holds):
             return
         u, chambers = context.rows.actuation, context.rows.chambers
         duration = float(np.nanmax(context.elapsed_s) + np.ptp(context.rows.event_time_s))
         for (name, n), tau in product(ELEMENTS.items(), context.grid("tau_s", TAUS_S)):
-            if tau > duration:
+            if not context.shows(tau <= duration):
                 continue
             chain = [tau * DECADE**i for i in range(n)]
             strain = np.mean([context.relaxed(t) for t in chain], axis=0)
             settled = float(np.mean([-np.expm1(-SETTLE_S / t) for t in chain]))
             for known in context.grid("known", (0.0, settled, 1.0)):
-                if known == 1.0 and tau < SHORTEST_S:
+                if not context.shows(known < 1.0 or tau >= SHORTEST_S):
                     continue
                 change = strain - known * u
                 shape = {"tau_s": tau, "known": known}
                 yield Variant(name, (Term.common("amplitude", change),), shape)
-                if not context.linear and n != 2:
+                if context.shows(not context.linear) and n != 2:
                     inside = np.mean([context.strained(t) for t in chain], axis=0)
                     inside = inside - known * context.deflection * context.span / context.deflection_slope
                     yield Variant(f"{name} of the wall", (Term.common("amplitude", inside),), shape)

@@ -26,7 +26,7 @@ class Delay(Effect):
     beyond_static = "always"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        if not context.has_time or not context.moves:
+        if not context.has_time or not context.shows(context.moves):
             return
         u, chambers = context.rows.actuation, context.rows.chambers
         for tau in context.grid("tau_s", TAUS_S):

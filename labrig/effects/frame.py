@@ -19,7 +19,13 @@ class Frame(Effect):
     acts_on = "observation"
     parameters = (
         Parameter("shift", "mm", meaning="translation along x, y, z"),
-        Parameter("turn", "rad", -0.5, 0.5, meaning="rotation about x, y, z through the markers' centre"),
+        Parameter(
+            "turn",
+            "rad",
+            -0.5,
+            0.5,
+            meaning="rotation about x, y, z through the centre of the markers at rest",
+        ),
         Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
     )
     reference = "K. S. Arun, T. S. Huang, S. D. Blostein, IEEE Trans. PAMI 9 (1987) 698-700"

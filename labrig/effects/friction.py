@@ -21,9 +21,7 @@ class Friction(Effect):
         Parameter("loaded", "1", -1.0, 1.0, "chamber", "held back for each unit of pressure"),
         Parameter("force", "observable", meaning="held back, for each observable"),
         Parameter("force_loaded", "observable", meaning="held back at full pressure, for each observable"),
-        Parameter(
-            "slip_speed", "1", 0.0, 1.0, meaning="speed at which it has its full size, of the median speed"
-        ),
+        Parameter("full_speed", "motion/s", 0.0, meaning="speed at which three quarters of it are reached"),
     )
     reference = (
         "H. Olsson et al., Friction models and friction compensation, Eur. J. Control 4 (1998) 176-195"
@@ -36,16 +34,16 @@ class Friction(Effect):
         load = context.rows.fraction.mean(axis=1)
         for speed, _ in context.motion.values():
             typical = float(np.median(np.abs(speed[speed != 0]))) if (speed != 0).any() else 1.0
-            for share in context.grid("slip_speed", (0.05, 0.2, 0.5)):
-                s = np.tanh(speed / (share * typical))
-                shape = {"slip_speed": share}
+            for full in context.grid("full_speed", [share * typical for share in (0.05, 0.2, 0.5)]):
+                s = np.tanh(speed / full)
+                shape = {"full_speed": full}
                 yield Variant("Coulomb", (Term.pattern("force", -s),), shape)
                 yield Variant(
                     "Coulomb, growing with load",
                     (Term.pattern("force", -s), Term.pattern("force_loaded", -s * load)),
                     shape,
                 )
-        if not context.moves or context.motion:
+        if not context.shows(context.moves and not context.motion):
             return
         against = -context.direction[context.rows.event]
         u, chambers = context.rows.actuation, context.rows.chambers

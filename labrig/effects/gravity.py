@@ -9,7 +9,14 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
-_PAYLOAD = {"kg", "g", "gram", "kilogram", "N", "newton", "mN"}
+_NEWTON = 1 / 9.80665
+_PAYLOAD = {
+    **dict.fromkeys(("kg", "kilogram"), 1.0),
+    **dict.fromkeys(("g", "gram"), 1e-3),
+    **dict.fromkeys(("N", "newton"), _NEWTON),
+    "mN": 1e-3 * _NEWTON,
+}
+"""Units of a payload, in kg (of a force: of the mass that weighs so much)."""
 _ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
 
 
@@ -21,9 +28,13 @@ class Gravity(Effect):
     )
     acts_on = "mechanics"
     parameters = (
-        Parameter("sag", "observable", meaning="sag at the largest payload or tilt, for each observable"),
+        Parameter(
+            "sag", "observable", meaning="sag by sine, cosine of the tilt and alone, for each observable"
+        ),
+        Parameter("payload", "observable/kg", meaning="sag for each kg of payload, for each observable"),
         Parameter("acceleration", "m/s^2", -40.0, 40.0, meaning="surplus of the simulator's gravity"),
         Parameter("weight", "1", meaning="sag of a point for each unit of its compliance, along one axis"),
+        Parameter("load", "1/kg", meaning="the same for each kg of payload"),
     )
     reference = "S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, 2nd ed. 1959"
     signature = (
@@ -33,29 +44,31 @@ class Gravity(Effect):
     shows_in = "place"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        features = []
+        loads, tilts = [], []
         for name, cov in context.rows.covariates.items():
-            known = np.isfinite(cov.values).all() and np.ptp(cov.values) > 0
+            known = np.isfinite(cov.values).all() and context.shows(np.ptp(cov.values) > 0)
             if known and cov.unit in _PAYLOAD and ("load" in name.lower() or "mass" in name.lower()):
-                features.append(cov.values / np.abs(cov.values).max())
+                loads.append(cov.values * _PAYLOAD[cov.unit])
             if known and cov.unit in _ANGLE and name.lower() in {"tilt", "orientation", "angle"}:
                 angle = cov.values * _ANGLE[cov.unit]
-                features += [np.sin(angle), np.cos(angle)]
-        if features:
-            loads = np.stack(features, axis=1)
-            yield Variant("payload or tilt", (Term.pattern("sag", loads),))
+                tilts += [np.sin(angle), np.cos(angle)]
+        compliant = context.rows.rest_mm is not None and context.shows(context.moves)
+        if loads or tilts:
+            yield Variant("payload or tilt", _patterns({"sag": tilts, "payload": loads}))
             if context.base_kind != "static":  # a static map has a constant of its own
-                own = np.column_stack([loads, np.ones(len(loads))])
-                yield Variant("own weight too", (Term.pattern("sag", own),))
-                if context.rows.rest_mm is not None and context.moves:
+                own = _patterns({"sag": [*tilts, np.ones(len(context.base))], "payload": loads})
+                yield Variant("own weight too", own)
+                if compliant:
                     along = np.stack([yielding for _, yielding in self._yielding(context)], axis=-1)
-                    fields = (along[..., None] * own[:, None, None]).reshape(*along.shape[:2], -1)
-                    yield Variant(
-                        "own weight too, more where compliant",
-                        (Term.pattern("sag", own), Term.field("weight", fields)),
-                    )
-            return
-        if context.rows.rest_mm is None or not context.moves:
+                    fields = [
+                        (along[..., None] * term.feature[:, None, None]).reshape(*along.shape[:2], -1)
+                        for term in own
+                    ]
+                    more = [Term.field(n, x) for n, x in zip(("weight", "load"), fields, strict=False)]
+                    yield Variant("own weight too, more where compliant", (*own, *more))
+            if not context.saved:
+                return
+        if not compliant:
             return
         yield from inside(context, acceleration="gravity_")
         for letter, along in self._yielding(context):
@@ -71,3 +84,8 @@ class Gravity(Effect):
         for a, letter in enumerate("xyz"):
             along = np.where(context.rows.axis == a, compliance, 0.0) * context.span.mean()
             yield letter, along
+
+
+def _patterns(features: dict[str, list[Floats]]) -> tuple[Term, ...]:
+    """A free pattern for each parameter that has features at all."""
+    return tuple(Term.pattern(name, np.stack(x, axis=1)) for name, x in features.items() if x)

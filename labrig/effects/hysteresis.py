@@ -29,7 +29,7 @@ class Hysteresis(Effect):
     beyond_static = "if reversed"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        if not context.moves:
+        if not context.shows(context.moves):
             return
         u, chambers = context.rows.actuation, context.rows.chambers
         for r in context.grid("width", WIDTHS):

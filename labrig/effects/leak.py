@@ -31,7 +31,7 @@ class Leak(Effect):
     def variants(self, context: Context) -> Iterator[Variant]:
         u, chambers = context.rows.actuation, context.rows.chambers
         t = context.elapsed_s[:, None]
-        if not np.any(t > 0) or np.ptp(t) <= 0:
+        if not context.shows(np.any(t > 0) and np.ptp(t) > 0):
             return
         for tau in context.grid("tau_s", TAUS_S):
             lost = -u * -np.expm1(-t / tau)

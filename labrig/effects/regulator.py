@@ -29,7 +29,7 @@ class Regulator(Effect):
     experiment = "one chamber at a time over its range against a reference manometer"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        if not context.moves:
+        if not context.shows(context.moves):
             return
         u = context.rows.actuation
         chambers = context.rows.chambers
@@ -39,7 +39,7 @@ class Regulator(Effect):
         # a chamber that is vented is open to the room, whatever its regulator or sensor would hold
         open_at_zero = (np.abs(u - context.vented) > 1e-9 * context.span).astype(float)
         for form, one in (("", np.ones_like(u)), (", open when vented", open_at_zero)):
-            if form and one.all():
+            if form and not context.shows(not one.all()):
                 continue
             yield Variant(f"gain and offset{form}", (Term.common("gain", u), Term.common("offset", one)))
             if len(chambers) > 1:

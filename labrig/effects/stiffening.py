@@ -32,7 +32,7 @@ class Stiffening(Effect):
     experiment = "one chamber swept up and down in small steps over its whole range"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        if not context.moves:
+        if not context.shows(context.moves):
             return
         yield from inside(context, strain="stiffening_")
         u = context.rows.actuation

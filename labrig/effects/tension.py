@@ -25,9 +25,7 @@ class Tension(Effect):
         ),
         Parameter("fading", "1", -1.5, 1.5, meaning="change of the displacement near rest; < 0: tighter"),
         Parameter("prestretch", "1", -0.2, 0.2, meaning="surplus of the simulator's pre-stretch"),
-        Parameter(
-            "fades_at", "1", 0.0, 1.0, meaning="travel at which half of it is left, of the largest travel"
-        ),
+        Parameter("half_at", "observable", 0.0, meaning="travel at which half of the fading is left"),
     )
     reference = "W. B. Fichter, Large deflections of uniformly loaded circular membranes, NASA TP-3658, 1997"
     signature = (
@@ -37,17 +35,17 @@ class Tension(Effect):
 
     def variants(self, context: Context) -> Iterator[Variant]:
         far = float(context.travel.max())
-        if not context.moves or far <= 0:
+        if not context.shows(context.moves and far > 0):
             return
         yield from inside(context, prestretch="prestretch_")
         # a tension T holds back a deflection d with a pressure in proportion to T d (Laplace's law at
         # small slopes); where d is proportional to the pressure this is a gain of the regulator
         back = context.span * context.deflection
-        if not context.linear:
+        if context.shows(not context.linear):
             yield Variant("restoring", (Term.common("pre_stretch", back),))
-        for share in context.grid("fades_at", (0.1, 0.2, 0.4)):
-            held = context.displacement / (1 + (context.travel / (share * far)) ** 2)
-            yield Variant("fading", (Term.field("fading", held),), {"fades_at": share})
+        for half in context.grid("half_at", [share * far for share in (0.1, 0.2, 0.4)]):
+            held = context.displacement / (1 + (context.travel / half) ** 2)
+            yield Variant("fading", (Term.field("fading", held),), {"half_at": half})
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean travel", context.rows.unit[0], context.travel.mean(axis=1))

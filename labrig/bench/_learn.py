@@ -1,0 +1,166 @@
+"""Learning the prior spectra: how large which member of a family is, from laws of the development half.
+
+Each law's change of the observables, without noise, is written in the features of its effect's family; the covariance
+of the coefficients over laws, rigs and campaigns is the prior (empirical Bayes by expectation-maximisation: Dempster,
+Laird, Rubin, J. R. Stat. Soc. B 39 (1977) 1). Every law counts alike. Each member's own size is taken out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from labrig.diagnosis._spectra import BLOCKS, Prior, factor, features_of, prior_of, unlearnt
+from labrig.effects import Context, Effect
+from labrig.effects._family import Space, motion_scale
+from labrig.effects._rows import Floats
+
+MISFIT = 0.05
+"""By this share, root mean square, a law may be off its family: what is smaller isn't written into the spectrum."""
+ROUNDS = 6
+FORGET = 0.1
+"""Share of the covariance that stays what it was before anything was learnt: other laws than those seen exist."""
+_ROWS = 240
+
+
+@dataclass(frozen=True)
+class Example:
+    """One law's change (n,), of unit size, and the columns (n, q) of each space that might hold it, by block."""
+
+    law: str
+    change: Floats
+    spaces: tuple[Space, ...]
+    columns: tuple[dict[str, Floats], ...]
+
+
+def example_of(context: Context, effect: Effect, change: Floats, law: str) -> Example | None:
+    """Lay out what a law changes (F, K) in its effect's family; None where it changes hardly anything."""
+    keep = np.unique(np.linspace(0, len(change) - 1, min(_ROWS, len(change))).astype(int))
+    scale = motion_scale(context)
+    y = np.nan_to_num(change)[keep] / scale
+    size = float(np.sqrt((y**2).mean()))
+    spaces = tuple(s for s in effect.family(context) if s.features and learnable(s))
+    if size <= 0 or not spaces:
+        return None
+    J = (context.jacobian * context.span)[keep] / scale[None, :, None]
+    columns = tuple(_columns(s, J, keep, scale) for s in spaces)
+    return Example(law, (y / size).ravel(), spaces, columns)
+
+
+def learnable(space: Space) -> bool:
+    """Whether a spectrum can be learnt: features of the pressures, or of a few fields that mean the same on every rig."""
+    kinds = {f.kind for f in space.features}
+    return "pattern" not in kinds and space.spectrum not in ("frame by session", "contact post", "marker_slip")
+
+
+def _columns(space: Space, J: Floats, keep: Floats, scale: Floats) -> dict[str, Floats]:
+    """Columns of a space by block: shared (n, a), own (n, C, a), pattern features (F, a)."""
+    n = J.shape[0] * J.shape[1]
+    pressures = [f.values[keep] for f in space.features if f.kind == "pressure"]
+    fields = [(f.values[keep] / scale).ravel() for f in space.features if f.kind == "field"]
+    patterns = [f.values[keep] for f in space.features if f.kind == "pattern"]
+    shared = [np.einsum("nkc,nc->nk", J, p).ravel() for p in pressures] + fields
+    out = {"shared": np.stack(shared, axis=1) if shared else np.zeros((n, 0))}
+    if pressures and J.shape[2] > 1:
+        out["own"] = np.stack([(J * p[:, None, :]).reshape(n, -1) for p in pressures], axis=2)
+    out["pattern"] = np.stack(patterns, axis=1) if patterns else np.zeros((len(keep), 0))
+    return out
+
+
+def learn(examples: Sequence[Example], forget: float = FORGET) -> dict[str, dict]:
+    """The spectra of one effect's spaces, from examples of its laws; JSON-like, as `spectra.json` keeps them."""
+    spectra: dict[str, dict] = {}
+    for _ in range(ROUNDS):
+        found: dict[str, list[tuple[str, Space, dict[str, Floats]]]] = {}
+        for example in examples:
+            i, moments = _best(example, spectra)
+            space = example.spaces[i]
+            found.setdefault(space.spectrum, []).append((example.law, space, moments))
+        spectra = {name: _average(members, forget) for name, members in found.items()}
+    return spectra
+
+
+def _best(example: Example, spectra: dict) -> tuple[int, dict[str, Floats]]:
+    """The space that holds an example best, and the second moments of its coefficients there."""
+    best, out = -np.inf, (0, {})
+    for i, (space, columns) in enumerate(zip(example.spaces, example.columns, strict=True)):
+        value, moments = _fit(example.change, columns, prior_of(space, spectra))
+        if value > best:
+            best, out = value, (i, moments)
+    return out
+
+
+def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats]]:
+    """Log evidence of a change under a prior of unit size, and the second moments of its coefficients by block."""
+    parts, factors = [], []
+    shared = factor(prior.shared, 1e-7)
+    if columns["shared"].shape[1]:
+        parts.append(columns["shared"] @ shared)
+    own = columns.get("own")
+    L = factor(prior.own, 1e-7)
+    if own is not None and L.size:
+        n, C, _ = own.shape
+        parts.append((own @ L).reshape(n, -1))
+    P = columns["pattern"]
+    M = factor(prior.pattern, 1e-7)
+    if P.shape[1]:
+        K = len(y) // len(P)
+        Q = P @ M
+        wide = np.zeros((len(P), K, Q.shape[1], K))
+        wide[:, np.arange(K), :, np.arange(K)] = Q[None]
+        parts.append(wide.reshape(len(y), -1))
+    X = np.concatenate(parts, axis=1)
+    total = float((X**2).sum() / len(y))
+    if total <= 0:
+        return -np.inf, {}
+    X = X / np.sqrt(total)  # a member of unit size
+    n = len(y)
+    noise = MISFIT**2 * n / 400.0  # neighbours say the same: as if 400 numbers were measured
+    A = X.T @ X / noise + np.eye(X.shape[1])
+    c = np.linalg.inv(A)
+    w = c @ (X.T @ y) / noise
+    _, logdet = np.linalg.slogdet(A)
+    value = 0.5 * float(w @ (X.T @ y)) / noise - 0.5 * logdet - 0.5 * float(y @ y) / noise
+    second = np.outer(w, w) + c
+    moments, start = {}, 0
+    a = columns["shared"].shape[1] and shared.shape[1]
+    if a:
+        moments["shared"] = shared @ second[:a, :a] @ shared.T
+        start = a
+    if own is not None and L.size:
+        C, a = own.shape[1], L.shape[1]
+        total_own = sum(second[start + c * a : start + (c + 1) * a, start + c * a : start + (c + 1) * a] for c in range(C))
+        moments["own"] = L @ (total_own / C) @ L.T
+        start += C * a
+    if P.shape[1]:
+        K, q = len(y) // len(P), M.shape[1]
+        tensor = second[start:, start:].reshape(q, K, q, K)
+        moments["pattern"] = M @ (np.einsum("akbk->ab", tensor) / K) @ M.T
+    return value, moments
+
+
+def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: float) -> dict:
+    """Mean covariance over laws, then over a law's examples; each example scaled to one, some of what was believed kept."""
+    out = {}
+    laws = sorted({law for law, _, _ in members})
+    for block in BLOCKS:
+        names = list(dict.fromkeys(n for _, space, _ in members for n in features_of(space, block)))
+        if not names:
+            continue
+        at = {n: i for i, n in enumerate(names)}
+        total, weight = np.zeros((len(names), len(names))), np.zeros((len(names), len(names)))
+        for law, space, moments in members:
+            share = 1.0 / sum(m[0] == law for m in members) / len(laws)
+            own = [at[n] for n in features_of(space, block)]
+            grid = np.ix_(own, own)
+            before = unlearnt(space)
+            belief = {b: getattr(before, b) for b in BLOCKS}
+            trace = sum(np.trace(m) for m in moments.values()) / max(sum(np.trace(m) for m in belief.values()), 1e-300)
+            if block in moments:
+                total[grid] += share * ((1 - forget) * moments[block] + forget * trace * belief[block])
+                weight[grid] += share
+        covariance = total / np.where(weight > 0, weight, 1.0)
+        power, U = np.linalg.eigh((covariance + covariance.T) / 2)
+        covariance = (U * np.maximum(power, 0)) @ U.T
+        out[block] = {"features": names, "covariance": [[float(f"{v:.6g}") for v in row] for row in covariance]}
+    return out

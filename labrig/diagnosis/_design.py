@@ -1,0 +1,236 @@
+"""The design matrix: every space as columns over the observations, under its own prior."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from labrig.diagnosis._observations import Observations
+from labrig.diagnosis._spectra import factor, prior_of
+from labrig.diagnosis._unnamed import slow_noise, unnamed
+from labrig.effects import Context, Effect
+from labrig.effects._family import Space
+from labrig.effects._fields import frame_modes
+from labrig.effects._rows import Floats
+
+SLOW = "slow noise"
+_MOST_COLUMNS = 64
+_MOST_DIRECTIONS = 24
+_LEAST_INFORMATION = 3.0
+_FREE_COLUMNS = 160
+_EVEN = 0.2
+
+
+@dataclass(frozen=True)
+class Block:
+    """The columns of one space: `at` says which; `rms` (q, q) is the mean square that coefficients make, in floors."""
+
+    owner: str
+    space: Space
+    at: slice
+    rms: Floats
+    share: float = 1.0
+    """Prior probability of this space among those of its owner."""
+
+
+@dataclass(frozen=True)
+class FreeBlock:
+    """Regressors (S, g) of a space whose shape over all observables is free, kept as they are (a Kronecker product)."""
+
+    owner: str
+    space: Space
+    G: Floats
+
+
+@dataclass(frozen=True)
+class Design:
+    """All columns `W` (S r, P) along directions `V` (K, r), in floors, each of unit prior variance; every space makes one
+    floor, root mean square, before it is scaled. `free` blocks are patterns over all K observables.
+    """
+
+    observations: Observations
+    V: Floats
+    spread: Floats
+    """Prior variance (r,) of free patterns along each direction; over all observables one on average."""
+    W: Floats
+    blocks: tuple[Block, ...]
+    free: tuple[FreeBlock, ...]
+
+
+def design_of(
+    observations: Observations, effects: Mapping[str, Effect], declared: Floats | None, spectra: dict | None = None
+) -> Design:
+    """Lay out the families of `effects`, what has no name, slow noise, and what the base calls its own."""
+    context = observations.context
+    named = [(name, space) for name, effect in effects.items() for space in effect.family(context)]
+    others = [("?" + space.spectrum, space) for space in unnamed(context)]
+    V, spread = directions(observations, [space for _, space in named])
+    made, free = [], []
+    count: dict[str, int] = {}
+    layout = _Layout(observations, V)
+    for owner, space in [*named, *others]:
+        if owner.startswith("?") and all(f.kind == "pattern" for f in space.features):
+            G = layout.regressors(space)
+            if G.shape[1]:
+                free.append(FreeBlock(owner, space, G))
+            continue
+        columns = layout.columns(space, spectra)
+        if columns is not None:
+            made.append((owner, space, *columns))
+            count[owner] = count.get(owner, 0) + 1
+    slow = layout.slow()
+    made.append((SLOW, Space(SLOW, SLOW, ()), *slow))
+    count[SLOW] = 1
+    if declared is not None:
+        G = observations.whiten @ declared
+        keep = np.abs(G).max(axis=0) > 0
+        free.append(FreeBlock("declared", Space("declared", "declared", ()), G[:, keep]))
+    blocks, start = [], 0
+    for owner, space, W, rms in made:
+        stop = start + W.shape[1]
+        blocks.append(Block(owner, space, slice(start, stop), rms, _share(owner, space, count, context)))
+        start = stop
+    return Design(observations, V, spread, np.concatenate([W for _, _, W, _ in made], axis=1), tuple(blocks), tuple(free))
+
+
+def _share(owner: str, space: Space, count: Mapping[str, int], context: Context) -> float:
+    """Spaces of one owner are equally likely; where they were found by a scan, as likely as each place scanned."""
+    if space.scanned:
+        return 1.0 / space.scanned
+    return 1.0 / count[owner]
+
+
+def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Floats, Floats]:
+    """Orthonormal directions (K, r) over the observables in which everything named lies, and the spread along each (r,).
+
+    What is unnamed spreads over them as what is named does: along how the base moves, above all; a share
+    (`_EVEN`) of it evenly.
+    """
+    context, unit = observations.context, observations.unit
+    rows = context.rows
+    K = len(unit)
+    first = observations.first
+    exact = [(rows.axis == a).astype(float) for a in range(3) if (rows.axis == a).any()] or [np.ones(K)]
+    if (rows.axis >= 0).sum() >= 3:
+        exact += list((frame_modes(context)[first] / unit[None, :, None]).mean(axis=0).T)
+    moved = context.displacement[first] / unit
+    clouds = [np.moveaxis((context.jacobian[first] * context.span) / unit[None, :, None], 2, 1).reshape(-1, K), moved]
+    for space in spaces:
+        for f in space.features:
+            if f.kind != "field":
+                continue
+            values = f.values[first] / unit
+            used = np.abs(values).max(axis=0) > 0
+            if used.sum() <= 3:
+                exact += list(np.eye(K)[np.flatnonzero(used)])
+            else:
+                clouds.append(values[:: max(1, len(values) // 60)])
+    power = np.zeros((K, K))
+    for cloud in clouds:
+        norm = (cloud**2).sum()
+        if norm > 0:
+            power += cloud.T @ cloud / norm / len(clouds)
+    if K <= _MOST_DIRECTIONS:
+        V = np.eye(K)
+    else:
+        Q, R = np.linalg.qr(np.array(exact).T)
+        size = np.abs(np.diag(R))
+        Q = Q[:, size > 1e-6 * size.max()]
+        left = power - Q @ (Q.T @ power)
+        w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
+        need = int(np.clip(min((np.cumsum(w[::-1]) < w.sum() - 0.005).sum() + 1, (w > 1e-4).sum()), 2, _MOST_DIRECTIONS))
+        V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
+    along, turn = np.linalg.eigh(V.T @ power @ V)
+    along = (1 - _EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + _EVEN / len(along)
+    return (V @ turn).astype(np.float32), along * K
+
+
+class _Layout:
+    """Turns features into whitened columns along the directions V."""
+
+    def __init__(self, observations: Observations, V: Floats) -> None:
+        self.observations, self.V = observations, V
+        context = observations.context
+        J = context.jacobian * context.span / observations.unit[None, :, None]
+        first = observations.first
+        self.JV = np.einsum("nkc,kr->nrc", J[first].astype(np.float32), V)[observations.index]
+        self.T = observations.whiten.astype(np.float32)
+
+    def columns(self, space: Space, spectra: dict | None) -> tuple[Floats, Floats] | None:
+        """Whitened columns (S r, q), of one floor in all, rotated to principal axes; and their mean squares (q, q)."""
+        raw = self.raw(space, spectra)
+        if raw is None:
+            return None
+        F, r, _ = raw.shape
+        K = len(self.observations.unit)
+        flat = raw.reshape(F * r, -1)
+        total = float(np.einsum("ij,ij->", flat, flat, dtype=np.float64)) / (F * K)
+        if total <= 0:
+            return None
+        flat = flat / np.sqrt(total).astype(np.float32)
+        W = self.lift(flat.reshape(F, r, -1))
+        power, U = np.linalg.eigh((W.T @ W).astype(np.float64))
+        keep = power > max(_LEAST_INFORMATION, 1e-5 * power[-1])
+        keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
+        if not keep.any():
+            return None
+        U = U[:, keep][:, ::-1]
+        gram = (flat.T @ flat).astype(np.float64) / (F * K)
+        return W @ U.astype(np.float32), U.T @ gram @ U
+
+    def wide(self, space: Space) -> int:
+        """How many columns a space may keep: a free pattern takes one for each direction."""
+        return _FREE_COLUMNS if any(f.kind == "pattern" for f in space.features) else 0
+
+    def raw(self, space: Space, spectra: dict | None) -> Floats | None:
+        """Columns (F, r, q) in floors, each of unit prior variance."""
+        prior = prior_of(space, spectra)
+        unit, V = self.observations.unit, self.V
+        pressures = [f.values for f in space.features if f.kind == "pressure"]
+        fields = [f.values for f in space.features if f.kind == "field"]
+        patterns = [f.values for f in space.features if f.kind == "pattern"]
+        out = []
+        shared = []
+        if pressures:
+            P = np.stack(pressures, axis=2).astype(np.float32)  # (F, C, a)
+            shared.append(np.einsum("nrc,nca->nra", self.JV, P, optimize=True))
+            own = factor(prior.own).astype(np.float32)
+            if own.shape[1] and P.shape[1] > 1:
+                each = P @ own
+                out.append((self.JV[:, :, :, None] * each[:, None]).reshape(len(P), V.shape[1], -1))
+        if fields:
+            shared.append(np.stack([(f / unit).astype(np.float32) @ V for f in fields], axis=2))
+        if shared:
+            out.append(np.concatenate(shared, axis=2) @ factor(prior.shared).astype(np.float32))
+        if patterns:
+            r = V.shape[1]
+            L = factor(prior.pattern)
+            L = L[:, np.argsort(-(L**2).sum(axis=0))][:, : max(1, _FREE_COLUMNS // r)]
+            Q = (np.stack(patterns, axis=1) @ L).astype(np.float32)
+            wide = np.zeros((len(Q), r, Q.shape[1], r), dtype=np.float32)
+            wide[:, np.arange(r), :, np.arange(r)] = Q[None]
+            out.append(wide.reshape(len(Q), r, -1))
+        return np.concatenate(out, axis=2) if out else None
+
+    def lift(self, raw: Floats) -> Floats:
+        """Rows (F, r, q) to observations (S r, q)."""
+        F, r, q = raw.shape
+        return np.asarray(self.T @ raw.reshape(F, r * q)).reshape(-1, q)
+
+    def regressors(self, space: Space) -> Floats:
+        """Regressors (S, g) of free patterns, of one floor in all, as principal axes."""
+        f = np.stack([np.sqrt(q.weight) * q.values / (np.sqrt(np.mean(q.values**2)) + 1e-12) for q in space.features], axis=1)
+        f = f / np.sqrt((f**2).sum() / len(f))
+        G = self.observations.whiten @ f
+        power, U = np.linalg.eigh(G.T @ G)
+        keep = power > max(0.1, 1e-7 * power[-1])
+        return (G @ U[:, keep])[:, ::-1]
+
+    def slow(self) -> tuple[Floats, Floats]:
+        """Slow noise along each axis (of unmarked observables: of all together), one floor."""
+        rows = self.observations.context.rows
+        series = slow_noise(self.observations.context, self.observations.index).astype(np.float32)
+        axes = [rows.axis == a for a in (-1, 0, 1, 2) if (rows.axis == a).any()]
+        raw = np.concatenate([series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2)
+        flat = raw.reshape(-1, raw.shape[2])
+        return self.lift(raw), (flat.T @ flat).astype(np.float64) / (len(raw) * len(self.V))

@@ -1,0 +1,132 @@
+"""Observations: what a campaign says about a model's error, as independent numbers of unit noise."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import helmert
+from scipy.sparse import csr_matrix
+
+from labrig.diagnosis._floor import Floor
+from labrig.effects import Context
+from labrig.effects._rows import Floats, Ints
+
+_FAR = 5.0
+_CROWD = 12
+
+
+@dataclass(frozen=True)
+class Observations:
+    """S independent observations of K observables: captures' means first, then contrasts within their holds.
+
+    `values` (S, K) in units of their own noise; `unit` (K,) is the noise of a mean; `whiten` (S, F) carries rows, in
+    floors, to observations; `capture` (S,) numbers the captures 0..n-1; `index` (F,) that of each row.
+    """
+
+    context: Context
+    floor: Floor
+    unit: Floats
+    values: Floats
+    whiten: csr_matrix
+    capture: Ints
+    index: Ints
+
+    @property
+    def n_captures(self) -> int:
+        """How many captures there are; their means are the first observations."""
+        return int(self.index.max()) + 1
+
+    @cached_property
+    def to_explain(self) -> float:
+        """How much more than noise there is in the rows, root mean square, in floors."""
+        count = np.bincount(self.capture, minlength=self.n_captures)
+        within = float(np.median(self.floor.within / self.unit))
+        means, contrasts = self.values[: self.n_captures], self.values[self.n_captures :]
+        rows = float((count[:, None] * (means**2 - 1)).sum()) + within**2 * float((contrasts**2 - 1).sum())
+        return float(np.sqrt(max(rows / (count.sum() * self.values.shape[1]), 0.0)))
+
+    @property
+    def first(self) -> Ints:
+        """The first row of each capture."""
+        return np.unique(self.index, return_index=True)[1]
+
+
+def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
+    """Turn the base's residual (F, K) into observations; what was not seen is filled by what is like it.
+
+    Within a hold of k rows the k - 1 orthonormal (Helmert) contrasts are free of the capture's own noise; of long
+    records a hold counts as `_CROWD` rows at most, since neighbouring rows say nearly the same.
+    """
+    rows = context.rows
+    unit = np.where(floor.mean > 0, floor.mean, 1.0)
+    within = float(np.median(floor.within / unit))
+    captures, index = np.unique(rows.capture, return_inverse=True)
+    values = believed(residual / unit, index, within)
+    order = np.argsort(index, kind="stable")
+    count = np.bincount(index)
+    start = np.concatenate([[0], np.cumsum(count)])
+    to: list[Ints] = []
+    at: list[Ints] = []
+    weight: list[Floats] = []
+    owner = list(range(len(captures)))
+    row = len(captures)
+    for i, k in enumerate(count):
+        own = order[start[i] : start[i + 1]]
+        at.append(own)
+        to.append(np.full(k, i))
+        weight.append(np.full(k, 1.0 / k))
+        if k > 1 and within > 0:
+            contrasts = helmert(k) / within * min(1.0, np.sqrt(_CROWD / k))
+            at.append(np.tile(own, k - 1))
+            to.append(np.repeat(np.arange(row, row + k - 1), k))
+            weight.append(contrasts.ravel())
+            owner += [i] * (k - 1)
+            row += k - 1
+    whiten = csr_matrix((np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index)))
+    return Observations(context, floor, unit, whiten @ values, whiten, np.array(owner), index)
+
+
+def believed(values: Floats, index: Ints, within: float) -> Floats:
+    """Rows (F, K) in floors without gaps and without single values that neither their hold nor their neighbours believe."""
+    filled = fill_low_rank(values)
+    if values.shape[1] < 12 or within <= 0:
+        return filled
+    count = np.bincount(index)
+    bad = np.zeros(values.shape, dtype=bool)
+    for _ in range(2):
+        filled = fill_low_rank(np.where(bad, np.nan, values))
+        means = np.zeros((len(count), values.shape[1]))
+        np.add.at(means, index, filled)
+        off = filled - (means / count[:, None])[index]
+        spread = 1.4826 * np.median(np.abs(off), axis=1, keepdims=True)
+        clipped = np.clip(off, -_FAR * np.maximum(within, spread), _FAR * np.maximum(within, spread))
+        power, V = np.linalg.eigh(clipped.T @ clipped)
+        rank = int(np.clip((power > 4 * np.median(power)).sum(), 1, 8))
+        left = off - clipped @ V[:, -rank:] @ V[:, -rank:].T
+        far = np.abs(left) > _FAR * np.maximum(within, 1.4826 * np.median(np.abs(left), axis=1, keepdims=True))
+        if not (far & ~bad).any():
+            break
+        bad |= far
+    return filled
+
+
+def fill_low_rank(values: Floats, rank: int = 8, rounds: int = 12) -> Floats:
+    """Fill NaN from the clear, shrunk leading directions of what was seen (F, K)."""
+    missing = ~np.isfinite(values)
+    if not missing.any():
+        return values
+    count = np.maximum((~missing).sum(axis=0), 1)
+    mean = np.where(missing, 0.0, values).sum(axis=0) / count
+    out = np.where(missing, mean, values)
+    if values.shape[1] < 4:
+        return out
+    edge = (1 + np.sqrt(values.shape[1] / len(values))) ** 2 * 1.1
+    for _ in range(rounds):
+        power, V = np.linalg.eigh(out.T @ out)
+        noise = np.median(power)
+        k = min(rank, values.shape[1] // 3, int((power > noise * edge).sum()))
+        if k == 0:
+            return np.where(missing, 0.0, values)
+        shrunk = np.clip(1 - noise / power[-k:], 0, 1)
+        out = np.where(missing, (out @ V[:, -k:]) * shrunk @ V[:, -k:].T, values)
+    return out

@@ -1,0 +1,100 @@
+"""What no name explains: the base's own error of form, and unnamed structure, as spaces on the same scale as effects."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects import Context
+from labrig.effects._family import Space, acting, pattern, pressure
+from labrig.effects._rows import Floats
+
+FORM = "form"
+"""The base's own error of form: each chamber's deflection, in a pattern of its own."""
+
+
+def unnamed(context: Context) -> Iterator[Space]:
+    """The spaces that have no name, each by what carries it; `key` says it in words."""
+    rows = context.rows
+    x, d = rows.fraction, context.deflection
+    F, C = x.shape
+    if context.moves:
+        columns = [pattern(f"deflection {c}", d[:, c]) for c in range(C)]
+        columns += [pattern(f"deflection2 {c}", d[:, c] ** 2, 0.3) for c in range(C)]
+        columns += [pattern(f"pressure {c}", x[:, c], 0.3) for c in range(C)]
+        yield Space(FORM, FORM, acting(columns))
+        yield Space("pressures together", "static", acting(list(_static(x))))
+        yield from _history(context)
+    if context.has_holds:
+        held = np.log1p(context.elapsed_s)
+        held = held - held.mean()
+        columns = [pattern("log time", held), pattern("log time 2", held**2, 0.3)]
+        if context.moves:
+            columns += [pattern(f"log time x {c}", held * x[:, c]) for c in range(C)]
+        yield Space("time in hold", "hold", acting(columns))
+    if np.isfinite(rows.time_s).all() and np.ptp(rows.time_s) > 0:
+        t = (rows.time_s - rows.time_s.min()) / np.ptp(rows.time_s)
+        many = int(np.clip(rows.n_captures // 3, 2, 40))
+        load = x.mean(axis=1)
+        columns = [pattern(f"cosine {k}", np.cos(np.pi * k * t)) for k in range(1, many)]
+        columns += [pattern(f"cosine {k} load", np.cos(np.pi * k * t) * load, 0.5) for k in range(1, many, 2)]
+        yield Space("time", "time", acting(columns))
+
+
+def _static(x: Floats) -> Iterator:
+    C = x.shape[1]
+    for i in range(C):
+        for j in range(i):
+            yield pattern(f"product {i} {j}", x[:, i] * x[:, j])
+        yield pattern(f"hinge {i}", np.maximum(x[:, i] - 0.5, 0), 0.5)
+        yield pattern(f"step {i}", np.tanh((x[:, i] - 0.3) / 0.1), 0.3)
+    random = np.random.default_rng(0)
+    for k in range(16):
+        way = 2 * random.normal(size=C) / np.sqrt(C)
+        yield pattern(f"wave {k}", np.cos(2 * x @ way + random.uniform(0, 2 * np.pi)), 0.3)
+
+
+def _history(context: Context) -> Iterator[Space]:
+    rows = context.rows
+    x, ev = rows.fraction, rows.event
+    before = context.previous / context.span
+    change = np.abs(rows.event_actuation - context.previous) / context.span
+    who = change.argmax(axis=1)
+    last, peak = np.zeros_like(change), np.zeros_like(change)
+    for e, b in enumerate(context.started):
+        if change[e].max() > 1e-9:
+            last[e, who[e]] = 1.0
+        elif b >= 0:
+            last[e] = last[b]
+        fade = 1.0
+        if b >= 0 and context.has_time:
+            fade = np.exp(-max(rows.event_time_s[e] - rows.event_time_s[b], 0) / 60.0)
+        peak[e] = np.maximum(rows.event_actuation[e] / context.span, peak[b] * fade if b >= 0 else 0.0)
+    gap, most, mover = before[ev] - x, peak[ev], last[ev]
+    held = context.elapsed_s[:, None]
+    through = [
+        pressure("peak", most - x),
+        pressure("peak square", most**2 - x**2),
+        pressure("peak load", (most - x) * x),
+        pressure("gap", gap),
+        pressure("gap load", gap * x),
+        pressure("gap size", np.abs(gap), 0.5),
+        pressure("gap fading", gap * np.exp(-held / 10), 0.5),
+        pressure("mover", mover * x, 0.5),
+        pressure("load in hold", x * np.log1p(held), 0.5),
+    ]
+    yield Space("history through the pressures", "through", acting(through))
+    C = x.shape[1]
+    columns = [pattern(f"gap {c}", gap[:, c]) for c in range(C)]
+    columns += [pattern(f"mover {c}", mover[:, c] - mover[:, c].mean()) for c in range(C) if C > 1]
+    columns += [pattern(f"peak {c}", (most - x)[:, c]) for c in range(C)]
+    columns += [pattern(f"direction {c}", context.direction[ev][:, c], 0.5) for c in range(C)]
+    yield Space("history", "history", acting(columns))
+
+
+def slow_noise(context: Context, index: np.ndarray) -> Floats:
+    """Slow noise that all captures share with their neighbours, AR(1) of 0.9 a capture, (F, q) of unit variance."""
+    n = int(index.max()) + 1
+    knots = np.linspace(0, n - 1, int(np.clip(n // 6, 4, 45)))
+    hats = np.clip(1 - np.abs(np.arange(n)[:, None] - knots) / max(knots[1] - knots[0], 1e-9), 0, None)
+    memory = np.exp(-np.abs(knots[:, None] - knots) / 9.5)
+    return (hats @ np.linalg.cholesky(memory + 1e-9 * np.eye(len(knots))))[index]

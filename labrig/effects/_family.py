@@ -1,0 +1,103 @@
+"""An effect as a family of laws: a space of functions with a prior, wide enough for every published law of its kind."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._rows import Floats
+
+FeatureKind = Literal["pressure", "field", "pattern"]
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One direction in which the members of a family differ.
+
+    `kind` says what `values` is, for F rows, K observables, C chambers: `pressure` (F, C), a change of each chamber's
+    pressure as a fraction of its range, one weight common to all chambers and one more for each; `field` (F, K), a
+    change of the observables in their own units, where 1 is of the size of the rig's whole motion; `pattern` (F,), of
+    order one, with a weight for each observable. `weight` is the prior variance of its coefficient before anything
+    was learnt.
+    """
+
+    name: str
+    kind: FeatureKind
+    values: Floats
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Space:
+    """A space of functions with one prior: features, and the name under which their covariance was learnt.
+
+    An effect whose members differ in kind (a limit at one place or another) has several spaces; only one of them holds.
+    """
+
+    key: str
+    spectrum: str
+    features: tuple[Feature, ...]
+    alike: float = 0.7
+    """Share of the variance that all chambers have in common, before anything was learnt."""
+    scanned: int = 0
+    """Among how many places this one was found by a scan of the residuals; 0 where none was."""
+
+
+def motion_scale(context: Context) -> Floats:
+    """The size of the rig's whole motion for each observable, (K,): one number for all that share a unit.
+
+    The root mean square of the predicted displacement; where nothing moves, of what full pressures would do; where the
+    base does not move at all, of the residual.
+    """
+    unit = np.array(context.rows.unit)
+    scale = np.zeros(len(unit))
+    full = (context.jacobian * context.span).sum(axis=2)
+    for name in dict.fromkeys(context.rows.unit):
+        own = unit == name
+        for size in (context.displacement, full, np.nan_to_num(context.residual)):
+            value = float(np.sqrt((size[:, own] ** 2).mean()))
+            if value > 0:
+                break
+        scale[own] = value or 1.0
+    return scale
+
+
+def pressure(name: str, values: Floats, weight: float = 1.0) -> Feature:
+    """A change of each chamber's pressure, fraction of its range, (F, C)."""
+    return Feature(name, "pressure", values, weight)
+
+
+def field(name: str, values: Floats, weight: float = 1.0) -> Feature:
+    """A change of the observables themselves, (F, K)."""
+    return Feature(name, "field", values, weight)
+
+
+def pattern(name: str, values: Floats, weight: float = 1.0) -> Feature:
+    """A change whose shape over the observables is free, (F,)."""
+    return Feature(name, "pattern", values, weight)
+
+
+def acting(features: list[Feature]) -> tuple[Feature, ...]:
+    """Only those features that are not zero everywhere."""
+    return tuple(f for f in features if np.isfinite(f.values).all() and np.abs(f.values).max(initial=0.0) > 1e-12)
+
+
+def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
+    """Slow functions of the session's time, of the time over all sessions and of temperatures: name, values, weight."""
+    rows = context.rows
+    for label, time in (("session", context.session_time_s), ("run", rows.time_s - np.nanmin(rows.time_s))):
+        end = float(np.max(time)) if np.isfinite(time).all() else 0.0
+        if end <= 0 or (label == "run" and len(rows.sessions) < 2):
+            continue
+        t = time / end
+        yield f"{label} linear", t, 1.0
+        yield f"{label} warm-up 0.1", -np.expm1(-t / 0.1), 0.3
+        yield f"{label} warm-up 0.3", -np.expm1(-t / 0.3), 0.5
+        for k in range(1, 9):
+            yield f"{label} cosine {k}", np.cos(np.pi * k * t), 0.3 / k**2
+    for name, cov in rows.covariates.items():
+        warm = cov.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()
+        if warm and np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
+            yield "temperature", (cov.values - cov.values.mean()) / np.ptp(cov.values), 1.0
