@@ -64,7 +64,7 @@ class Context:
         """The values to try for what is not linear in an effect; a pinned value replaces them all."""
         return (self.pinned[name],) if name in self.pinned else values
 
-    def shows(self, seen: bool) -> bool:
+    def shows(self, seen: bool | np.bool_) -> bool:
         """Whether a form is worth yielding: this run shows it, or a saved effect has it, shown or not."""
         return bool(seen) or self.saved
 

@@ -48,8 +48,9 @@ def centre_of(context: Context) -> Floats:
     centre = np.zeros(3)
     for a in range(3):
         own = np.flatnonzero((rows.axis == a) & (rows.marker >= 0))
-        places = [context.base_vented[k] if _rest(context, k) is None else _rest(context, k) for k in own]
-        centre[a] = np.mean(places) if len(own) else 0.0
+        places = [_rest(context, int(k)) for k in own]
+        known = [context.base_vented[k] if p is None else p for k, p in zip(own, places, strict=True)]
+        centre[a] = np.mean(known) if known else 0.0
     return centre
 
 
@@ -68,7 +69,7 @@ def _places(context: Context) -> Floats:
     centre = centre_of(context)
     where = np.tile(-centre, (len(context.base), len(rows.markers), 1))
     for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
-        rest, a = _rest(context, k), rows.axis[k]
+        rest, a = _rest(context, int(k)), rows.axis[k]
         moved = context.base[:, k] if rest is None else rest + context.displacement[:, k]
         where[:, rows.marker[k], a] = moved - centre[a]
     return where

@@ -8,6 +8,15 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
+HOUR_S = 3600.0
+_CELSIUS = {
+    "degC": (0.0, 1.0),
+    "K": (273.15, 1.0),
+    "kelvin": (273.15, 1.0),
+    "degF": (32.0, 5 / 9),
+}
+"""Where 0 degC is on a scale of temperature, and how many kelvin its degree has."""
+
 
 class Drift(Effect):
     name = "drift"
@@ -17,10 +26,17 @@ class Drift(Effect):
     )
     acts_on = "observation"
     parameters = (
-        Parameter("shift", "observable", meaning="shift by the end of the session, for each observable"),
-        Parameter("gain", "1", -1.0, 1.0, meaning="change of the whole displacement by the end"),
-        Parameter("pressure", "actuation", per="chamber", meaning="shift of the pressure zero by the end"),
-        Parameter("warm_up", "1", 0.0, 10.0, meaning="time constant of a warm-up, of the session"),
+        Parameter("shift", "observable", meaning="shift after the warm-up, for each observable"),
+        Parameter("gain", "1", -1.0, 1.0, meaning="change of the whole displacement after the warm-up"),
+        Parameter("pressure", "actuation", per="chamber", meaning="shift of the pressure zero after it"),
+        Parameter("tau_s", "s", 0.0, meaning="time constant of the warm-up"),
+        Parameter("shift_rate", "observable/h", meaning="shift in an hour, for each observable"),
+        Parameter("gain_rate", "1/h", -20.0, 20.0, meaning="change of the whole displacement in an hour"),
+        Parameter("pressure_rate", "actuation/h", per="chamber", meaning="shift of the pressure zero"),
+        Parameter("shift_per_k", "observable/K", meaning="shift for each kelvin, for each observable"),
+        Parameter("gain_per_k", "1/K", -1.0, 1.0, meaning="change of the whole displacement for each kelvin"),
+        Parameter("pressure_per_k", "actuation/K", per="chamber", meaning="shift of the pressure zero"),
+        Parameter("reference", "degC", meaning="the temperature without a shift", given=True),
     )
     reference = "JCGM 200:2012 (VIM), 4.21 instrumental drift"
     signature = "error that follows the time in session (or the temperature), not the pressure or the hold"
@@ -28,35 +44,39 @@ class Drift(Effect):
     beyond_static = "always"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        for form, clock, shape in self._clocks(context):
-            yield Variant(f"{form}, shift", (Term.pattern("shift", clock),), shape)
+        for form, clock, per, shape in self._clocks(context):
+            yield Variant(f"{form}, shift", (Term.pattern(f"shift{per}", clock),), shape)
             if context.rows.rest_mm is not None:
-                yield Variant(f"{form}, frame", (Term("shift", "frame", clock),), shape)
-            if np.ptp(context.displacement) > 0:
-                gain = Term.field("gain", context.displacement * clock[:, None])
+                yield Variant(f"{form}, frame", (Term(f"shift{per}", "frame", clock),), shape)
+            if context.shows(np.ptp(context.displacement) > 0):
+                gain = Term.field(f"gain{per}", context.displacement * clock[:, None])
                 yield Variant(f"{form}, gain", (gain,), shape)
-            if context.moves and len(context.rows.chambers) > 1:
+            if context.shows(context.moves) and len(context.rows.chambers) > 1:
                 zero = np.repeat(clock[:, None], len(context.rows.chambers), axis=1)
-                term = Term.per_chamber("pressure", zero, context.rows.chambers)
+                term = Term.per_chamber(f"pressure{per}", zero, context.rows.chambers)
                 yield Variant(f"{form}, pressure zero", (term,), shape)
 
-    def _clocks(self, context: Context) -> Iterator[tuple[str, Floats, dict[str, float]]]:
+    def _clocks(self, context: Context) -> Iterator[tuple[str, Floats, str, dict[str, float]]]:
+        """What it follows: the form's name, values (F,), how parameters by it end, and what is not linear."""
         t = context.session_time_s
         end = float(t.max())
-        if end > 0:
-            yield "linear", t / end, {}
-            for share in context.grid("warm_up", (0.3, 1.0)):
-                yield "warm-up", -np.expm1(-t / (share * end)), {"warm_up": share}
-            whole = context.rows.time_s - np.nanmin(context.rows.time_s)
-            if whole.max() > 1.5 * end:
-                yield "linear over all sessions", whole / whole.max(), {}
-                for share in context.grid("warm_up", (0.3, 1.0)):
-                    yield "warm-up over all sessions", -np.expm1(-whole / (share * end)), {"warm_up": share}
+        if np.isfinite(context.rows.time_s).all() and context.shows(end > 0):
+            taus = (0.3 * end, end)
+            yield "linear", t / HOUR_S, "_rate", {}
+            for tau in context.grid("tau_s", taus):
+                yield "warm-up", -np.expm1(-t / tau), "", {"tau_s": tau}
+            whole = context.rows.time_s - context.rows.time_s.min()
+            if context.shows(whole.max() > 1.5 * end):
+                yield "linear over all sessions", whole / HOUR_S, "_rate", {}
+                for tau in context.grid("tau_s", taus):
+                    yield "warm-up over all sessions", -np.expm1(-whole / tau), "", {"tau_s": tau}
         for name, cov in context.rows.covariates.items():
-            known = np.isfinite(cov.values)
-            warm = cov.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()
-            if warm and known.all() and np.ptp(cov.values) > 0:
-                yield name, (cov.values - cov.values.mean()) / np.ptp(cov.values), {}
+            warm = cov.unit in _CELSIUS or "temp" in name.lower()
+            if warm and np.isfinite(cov.values).all() and context.shows(np.ptp(cov.values) > 0):
+                zero, kelvin = _CELSIUS.get(cov.unit, (0.0, 1.0))
+                celsius = (cov.values - zero) * kelvin
+                for reference in context.grid("reference", (round(float(celsius.mean()), 3),)):
+                    yield name, celsius - reference, "_per_k", {"reference": reference}
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in session", "s", context.session_time_s)

@@ -32,14 +32,14 @@ class Friction(Effect):
 
     def variants(self, context: Context) -> Iterator[Variant]:
         load = context.rows.fraction.mean(axis=1)
-        for speed, _ in context.motion.values():
+        for name, (speed, _) in context.motion.items():
             typical = float(np.median(np.abs(speed[speed != 0]))) if (speed != 0).any() else 1.0
             for full in context.grid("full_speed", [share * typical for share in (0.05, 0.2, 0.5)]):
                 s = np.tanh(speed / full)
                 shape = {"full_speed": full}
-                yield Variant("Coulomb", (Term.pattern("force", -s),), shape)
+                yield Variant(f"Coulomb along {name}", (Term.pattern("force", -s),), shape)
                 yield Variant(
-                    "Coulomb, growing with load",
+                    f"Coulomb along {name}, growing with load",
                     (Term.pattern("force", -s), Term.pattern("force_loaded", -s * load)),
                     shape,
                 )

@@ -17,6 +17,7 @@ _PAYLOAD = {
     "mN": 1e-3 * _NEWTON,
 }
 """Units of a payload, in kg (of a force: of the mass that weighs so much)."""
+_WHERE_COMPLIANT = {"sag": "weight", "payload": "weight_per_kg", "tilt": "weight_by_tilt"}
 _ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
 
 
@@ -28,13 +29,13 @@ class Gravity(Effect):
     )
     acts_on = "mechanics"
     parameters = (
-        Parameter(
-            "sag", "observable", meaning="sag by sine, cosine of the tilt and alone, for each observable"
-        ),
-        Parameter("payload", "observable/kg", meaning="sag for each kg of payload, for each observable"),
+        Parameter("sag", "observable", meaning="sag under its own weight, for each observable"),
+        Parameter("payload", "observable/kg", meaning="sag under each kg that it carries"),
+        Parameter("tilt", "observable", meaning="sag by the sine and the cosine of the tilt"),
         Parameter("acceleration", "m/s^2", -40.0, 40.0, meaning="surplus of the simulator's gravity"),
         Parameter("weight", "1", meaning="sag of a point for each unit of its compliance, along one axis"),
-        Parameter("load", "1/kg", meaning="the same for each kg of payload"),
+        Parameter("weight_per_kg", "1/kg", meaning="the same for each kg of payload"),
+        Parameter("weight_by_tilt", "1", meaning="the same by the sine and the cosine of the tilt"),
     )
     reference = "S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, 2nd ed. 1959"
     signature = (
@@ -53,26 +54,33 @@ class Gravity(Effect):
                 angle = cov.values * _ANGLE[cov.unit]
                 tilts += [np.sin(angle), np.cos(angle)]
         compliant = context.rows.rest_mm is not None and context.shows(context.moves)
-        if loads or tilts:
-            yield Variant("payload or tilt", _patterns({"sag": tilts, "payload": loads}))
-            if context.base_kind != "static":  # a static map has a constant of its own
-                own = _patterns({"sag": [*tilts, np.ones(len(context.base))], "payload": loads})
-                yield Variant("own weight too", own)
-                if compliant:
-                    along = np.stack([yielding for _, yielding in self._yielding(context)], axis=-1)
-                    fields = [
-                        (along[..., None] * term.feature[:, None, None]).reshape(*along.shape[:2], -1)
-                        for term in own
-                    ]
-                    more = [Term.field(n, x) for n, x in zip(("weight", "load"), fields, strict=False)]
-                    yield Variant("own weight too, more where compliant", (*own, *more))
-            if not context.saved:
-                return
-        if not compliant:
+        both = {"payload": loads, "tilt": tilts}
+        # what a saved effect has no values for was not logged, or did not change, when it was fitted
+        for one in (both, {"payload": loads}, {"tilt": tilts}) if context.saved else (both,):
+            yield from self._carried(context, {name: x for name, x in one.items() if x}, compliant)
+        if ((loads or tilts) and not context.saved) or not compliant:
             return
         yield from inside(context, acceleration="gravity_")
         for letter, along in self._yielding(context):
             yield Variant(f"own weight along {letter}", (Term.field("weight", along),))
+
+    def _carried(
+        self, context: Context, features: dict[str, list[Floats]], compliant: bool
+    ) -> Iterator[Variant]:
+        """The forms in which payloads, kg, and tilts (sine and cosine) matter."""
+        if not features:
+            return
+        yield Variant("payload or tilt", _patterns(features))
+        if context.base_kind == "static":  # a static map has a constant of its own
+            return
+        own = _patterns({"sag": [np.ones(len(context.base))], **features})
+        yield Variant("own weight too", own)
+        if compliant:
+            along = np.stack([yielding for _, yielding in self._yielding(context)], axis=-1)
+            more = [
+                Term.field(_WHERE_COMPLIANT[term.parameter], _products(along, term.feature)) for term in own
+            ]
+            yield Variant("own weight too, more where compliant", (*own, *more))
 
     @staticmethod
     def _yielding(context: Context) -> Iterator[tuple[str, Floats]]:
@@ -84,6 +92,11 @@ class Gravity(Effect):
         for a, letter in enumerate("xyz"):
             along = np.where(context.rows.axis == a, compliance, 0.0) * context.span.mean()
             yield letter, along
+
+
+def _products(along: Floats, features: Floats) -> Floats:
+    """Each way to yield (F, K, 3) by each feature (F, q), (F, K, 3 q)."""
+    return (along[..., None] * features[:, None, None]).reshape(*along.shape[:2], -1)
 
 
 def _patterns(features: dict[str, list[Floats]]) -> tuple[Term, ...]:

@@ -7,7 +7,7 @@ from scipy.ndimage import median_filter
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._rows import Floats
+from labrig.effects._rows import Floats, Rows
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
@@ -22,8 +22,9 @@ class MarkerSlip(Effect):
     acts_on = "observation"
     parameters = (
         Parameter("slip", "mm", per="marker", meaning="where the marker went, along x, y, z"),
-        Parameter("marker", "1", 0.0, meaning="which marker, counted from 0"),
-        Parameter("since", "1", 0.0, meaning="first capture after the slip, counted from 0"),
+        Parameter("marker", "1", 0.0, meaning="which marker, counted from 0", given=True),
+        Parameter("since_s", "s", meaning="when it slipped, since the run began", given=True),
+        Parameter("since", "1", 0.0, meaning="first capture after it, where times are unknown", given=True),
     )
     reference = (
         "E. S. Page, Continuous inspection schemes, Biometrika 41 (1954) 100-115 (the change is found so)"
@@ -34,16 +35,24 @@ class MarkerSlip(Effect):
     scans = True
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        pinned = context.grid("marker", ()), context.grid("since", ())
-        found = (int(pinned[0][0]), int(pinned[1][0])) if all(pinned) else self.find(context)
-        if found is None:
-            return
-        marker, since = found
-        own = np.flatnonzero(context.rows.marker == marker)
+        rows = context.rows
+        timed = bool(np.isfinite(rows.time_s).all())
+        name, form = ("since_s", "step") if timed else ("since", "step at a capture")
+        pinned = context.grid("marker", ()), context.grid(name, ())
+        if all(pinned) or context.saved:
+            marker, since = (float(p[0]) if p else 0.0 for p in pinned)
+        else:
+            found = self.find(context)
+            if found is None:
+                return
+            marker, since = found[0], _moment(rows, found[1]) if timed else float(found[1])
+        late = rows.start_s - context.began_s if np.isfinite(rows.start_s - context.began_s) else 0.0
+        after = rows.time_s + late >= since if timed else rows.capture >= since
+        own = np.flatnonzero(rows.marker == marker)
         change = np.zeros((*context.base.shape, len(own)))
-        change[np.ix_(context.rows.capture >= since, own)] = np.eye(len(own))
-        term = Term.field("slip", change, tuple(context.rows.observables[k] for k in own))
-        yield Variant("step", (term,), {"marker": float(marker), "since": float(since)})
+        change[np.ix_(after, own)] = np.eye(len(own))
+        term = Term.field("slip", change, tuple(rows.observables[k] for k in own))
+        yield Variant(form, (term,), {"marker": float(marker), name: since})
 
     @staticmethod
     def find(context: Context) -> tuple[int, int] | None:
@@ -77,6 +86,12 @@ class MarkerSlip(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
+
+
+def _moment(rows: Rows, capture: int) -> float:
+    """The moment half-way between the last row before a capture and its first, s."""
+    before, after = rows.time_s[rows.capture < capture].max(), rows.time_s[rows.capture >= capture].min()
+    return round(float(before + after) / 2, 3)
 
 
 def _mean(x: Floats) -> Floats:

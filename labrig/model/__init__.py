@@ -1,12 +1,13 @@
 """Models: model.yaml, its base, its effects, and what they predict."""
 
 from labrig.model._bases import BaseModel, build_base, jacobian
-from labrig.model._file import EffectEntry, ModelFile, Value, read_model_file, write_model_file
+from labrig.model._file import EffectEntry, FittedOn, ModelFile, Value, read_model_file, write_model_file
 from labrig.model._model import Model, Predictor, base_context, evaluate, find_variant
 
 __all__ = [
     "BaseModel",
     "EffectEntry",
+    "FittedOn",
     "Model",
     "ModelFile",
     "Predictor",

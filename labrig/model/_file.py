@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from labrig._errors import LabrigError
 
@@ -62,11 +62,34 @@ class Value(_Strict):
     per: list[str] | None = None
 
 
+class FittedOn(_Strict):
+    """What an entry's values refer to, so that they mean the same on every run.
+
+    `low`, `high`: the range of each of `chambers` that fractions are of; `centre_mm`: the point that rotations and
+    scales are about; `start_s`: when the run began that moments are counted from, by the rig's clock.
+    """
+
+    chambers: list[str] = Field(default_factory=list)
+    low: list[float] = Field(default_factory=list)
+    high: list[float] = Field(default_factory=list)
+    centre_mm: list[float] | None = Field(None, min_length=3, max_length=3)
+    start_s: float | None = None
+
+    @model_validator(mode="after")
+    def _each_chamber(self) -> "FittedOn":
+        if not len(self.chambers) == len(self.low) == len(self.high):
+            raise ValueError("chambers, low and high must have as many values as each other")
+        if any(low >= high for low, high in zip(self.low, self.high, strict=True)):
+            raise ValueError("low must be below high for each chamber")
+        return self
+
+
 class EffectEntry(_Strict):
     """An effect of the model, the form it takes and its fitted values."""
 
     name: str
     form: str | None = None
+    fitted_on: FittedOn | None = None
     parameters: dict[str, Value] = Field(default_factory=dict)
 
 

@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_ba
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
 
 _ROUNDS = 3
+_OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
 
 
 @dataclass(frozen=True)
@@ -122,11 +124,14 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
         deflection_slope=alone.slope(rows.actuation),
         base_kind=base.kind,
         inside={name: by[inverse.reshape(-1)] for name, by in inside.items()},
+        reach=alone.reach,
+        alone=partial(solo_deflection, base),
     )
 
 
 def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
     """The change (F, K) that an effect with given values makes; raises `LabrigError` where it can't act."""
+    context = as_fitted(context, entry)
     variant = find_variant(context, effect, entry)
     coefficients = []
     for term in variant.terms:
@@ -143,9 +148,31 @@ def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
     return contribution(context, variant, coefficients)
 
 
+def as_fitted(context: Context, entry: EffectEntry) -> Context:
+    """The context in which an entry's values mean what they did on the run that they were fitted to."""
+    context = replace(context, saved=True)
+    on = entry.fitted_on
+    if on is None:
+        return context
+    if on.centre_mm is not None:
+        context = replace(context, centre=np.array(on.centre_mm, dtype=float))
+    if on.start_s is not None:
+        context = replace(context, began_s=on.start_s)
+    low, high = context.rows.low.copy(), context.rows.high.copy()
+    for chamber, below, above in zip(on.chambers, on.low, on.high, strict=True):
+        if chamber in context.rows.chambers:
+            c = context.rows.chambers.index(chamber)
+            low[c], high[c] = below, above
+    return context.within(low, high)
+
+
 def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Variant:
     """The form of an effect that a model's entry names: by `form`, else the first that its parameters fit."""
-    linear = {name for name, p in entry.parameters.items()}
+    context = as_fitted(context, entry)
+    linear = set(entry.parameters)
+    if strange := sorted(linear - {p.name for p in effect.parameters}):
+        raise LabrigError(f"effect {effect.name!r}: has no parameter {strange[0]!r}; {_OLDER}")
+    lacking: list[str] = []
     pinned = {
         name: float(np.asarray(p.value, dtype=float).reshape(-1)[0])
         for name, p in entry.parameters.items()
@@ -154,12 +181,11 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
     for variant in effect.variants(context.pin(pinned)):
         names = {t.parameter for t in variant.terms} | set(variant.shape)
         if entry.form == variant.form or (entry.form is None and names == linear):
-            missing = names - linear
-            if missing:
-                raise LabrigError(
-                    f"effect {effect.name!r}: the model gives no value for {sorted(missing)[0]!r}"
-                )
-            return variant
+            if names <= linear:
+                return variant
+            lacking = lacking or sorted(names - linear)
+    if lacking:
+        raise LabrigError(f"effect {effect.name!r}: the model gives no value for {lacking[0]!r}; {_OLDER}")
     form = f"form {entry.form!r}" if entry.form else f"parameters {', '.join(sorted(linear)) or 'none'}"
     raise LabrigError(
         f"effect {effect.name!r} can't act on this run in {form}; see: labrig effects show {effect.name}"

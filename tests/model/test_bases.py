@@ -14,6 +14,9 @@ from labrig.model import EffectEntry, Model, Value, base_context, build_base, ev
 from labrig.model._bases import solo_deflection
 
 
+OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
+
+
 @pytest.fixture
 def bench(make_lab, monkeypatch: pytest.MonkeyPatch):
     """A small laboratory with one force, in the current folder."""
@@ -321,7 +324,31 @@ def test_a_person_may_leave_the_form_out(leaking) -> None:
         ),
         (
             {"name": "leak", "form": "exponential", "parameters": {"tau_s": {"value": 60.0}}},
-            "effect 'leak': the model gives no value for 'loss'",
+            f"effect 'leak': the model gives no value for 'loss'; {OLDER}",
+        ),
+        (
+            {"name": "tension", "form": "fading", "parameters": {"fades_at": {"value": 0.2}}},
+            f"effect 'tension': has no parameter 'fades_at'; {OLDER}",
+        ),
+        (
+            {
+                "name": "contact",
+                "form": "travel",
+                "parameters": {"stopped": {"value": 1.0}, "limit": {"value": 0.5}},
+            },
+            f"effect 'contact': the model gives no value for 'distance'; {OLDER}",
+        ),
+        (
+            {
+                "name": "marker_slip",
+                "form": "step",
+                "parameters": {
+                    "slip": {"value": 1.0},
+                    "marker": {"value": 0.0},
+                    "since": {"value": 3.0},
+                },
+            },
+            f"effect 'marker_slip': the model gives no value for 'since_s'; {OLDER}",
         ),
         (
             {
