@@ -35,7 +35,7 @@ class Arm(Rig):
             for marker, name in enumerate(self.marker_names)
             for axis in range(3)
         )
-        self.rest_mm = self._points(np.zeros((1, 6)))[0]
+        self._rest_mm = self.rest_mm = self._points(np.zeros((1, 6)))[0]
 
     def deflection(self, kpa: Array) -> Array:
         """How far each bellows grows, of its full growth: a parabola, rising, that goes on below zero."""
@@ -44,12 +44,14 @@ class Arm(Rig):
 
     def shape(self, deflection: Array) -> Array:
         """How far each marker is from its rest, x, y, z, in mm."""
-        return (self._points(deflection) - self.rest_mm).reshape(len(deflection), -1)
+        return (self._points(deflection) - self._rest_mm).reshape(len(deflection), -1)
 
     def _points(self, deflection: Array) -> Array:
         """Where the ten markers are, (T, 10, 3)."""
         strain = deflection.reshape(-1, 2, 3) * self._stretch
-        base = self._bent(strain[:, 0], 0, np.append(self._share[0], 1.0), np.vstack([self._skin_mm[0], np.zeros(2)]))
+        base = self._bent(
+            strain[:, 0], 0, np.append(self._share[0], 1.0), np.vstack([self._skin_mm[0], np.zeros(2)])
+        )
         tip = self._bent(strain[:, 1], 1, self._share[1], self._skin_mm[1])
         top = self._turned(strain[:, 0], 0, tip)
         return np.concatenate([base[:, :-1], base[:, -1:] + top], axis=1)
@@ -77,6 +79,8 @@ class Arm(Rig):
         arc_mm = self._length_mm[segment] * (1 + strain.mean(axis=1))[:, None] * share
         angle = size * share
         aside = arc_mm * angle / 2 * np.sinc(angle / 2 / np.pi) ** 2
-        middle = np.concatenate([aside[..., None] * towards, (arc_mm * np.sinc(angle / np.pi))[..., None]], axis=-1)
+        middle = np.concatenate(
+            [aside[..., None] * towards, (arc_mm * np.sinc(angle / np.pi))[..., None]], axis=-1
+        )
         ring = np.broadcast_to(np.column_stack([offset_mm, np.zeros(len(share))]), middle.shape)
         return middle + self._turned(strain, segment, ring, share)

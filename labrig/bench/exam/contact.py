@@ -103,7 +103,9 @@ class TwoChamberStop(Law):
             return deflection
         after = deflection.copy()
         for (first, second), top, share in zip(self._pairs, self._top, self._share, strict=True):
-            over = np.maximum(deflection[:, first] + deflection[:, second] - top / (1 + self._depth * strength), 0.0)
+            over = np.maximum(
+                deflection[:, first] + deflection[:, second] - top / (1 + self._depth * strength), 0.0
+            )
             after[:, first] -= share * over
             after[:, second] -= (1 - share) * over
         return after

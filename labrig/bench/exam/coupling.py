@@ -1,5 +1,6 @@
 """Coupling: what one chamber does depends on its neighbours."""
 
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -22,7 +23,7 @@ class ManifoldCrosstalk(Law):
         random, count = setting.random, len(setting.rig.chambers)
         order = random.permutation(count)
         network = np.zeros((count, count))
-        for first, second in zip(order[:-1], order[1:], strict=True):
+        for first, second in pairwise(order):
             conductance = random.uniform(0.02, 0.09)
             network[[first, second], [first, second]] += conductance
             network[[first, second], [second, first]] -= conductance
@@ -51,7 +52,7 @@ class SaturatingCrosstalk(Law):
         near = away[~np.eye(count, dtype=bool)].min()
         gain = np.exp(-away / (near + 0.05) + 1) * random.uniform(0.6, 1.4, (count, count))
         np.fill_diagonal(gain, 0.0)
-        self._gain = random.choice([-1.0, 1.0]) * random.uniform(0.03, 0.08) * gain
+        self._gain = random.choice([-1.0, 1.0]) * random.uniform(0.06, 0.15) * gain / gain.sum(axis=0).max()
         self._full = random.uniform(0.2, 0.5)
 
     def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:

@@ -79,7 +79,9 @@ class BroadProny(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         decade = np.linspace(-1.5, 4.0, 12)
-        bell = np.exp(-((decade - setting.random.uniform(0.8, 2.0)) ** 2) / 2 / setting.random.uniform(0.8, 1.6) ** 2)
+        bell = np.exp(
+            -((decade - setting.random.uniform(0.8, 2.0)) ** 2) / 2 / setting.random.uniform(0.8, 1.6) ** 2
+        )
         self._share = bell / bell.sum()
         self._tau_s = 10.0**decade
         self._amount = setting.random.uniform(0.08, 0.2) * setting.random.uniform(

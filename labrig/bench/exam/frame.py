@@ -48,9 +48,13 @@ class FarRotation(Law):
         axis = unit(random)
         if not body.rest[:, 2].any():
             axis, self._far[2] = np.array([0.0, 0.0, 1.0]), 0.0
-        self._angle = axis * random.uniform(0.003, 0.01)
+        self._angle = axis * random.uniform(0.002, 0.006)
         sessions = np.unique(path.session)
-        start = path.session == random.choice(sessions[1:]) if len(sessions) > 1 else path.time_s > path.time_s.mean()
+        start = (
+            path.session == random.choice(sessions[1:])
+            if len(sessions) > 1
+            else path.time_s > path.time_s.mean()
+        )
         self._from_s = float(path.time_s[np.argmax(start)])
 
     def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:

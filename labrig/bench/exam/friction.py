@@ -33,7 +33,7 @@ class IwanPresliding(Law):
 
 
 class Capstan(Law):
-    """A fibre wrapped around each chamber: its tension falls along the wrap by exp(-mu angle), and turns with the motion.
+    """A fibre wrapped around each chamber: its tension falls by exp(-mu angle), against the motion.
 
     M. Kaneko, M. Wada, H. Maekawa and K. Tanie, IEEE International Conference on Robotics and Automation, 1991.
     """

@@ -22,7 +22,7 @@ def _turned(arm: Array, moment: Array, share: Array) -> Array:
 
 
 class LargeSag(Law):
-    """Own weight on a cantilever that sags far: the moment turns with the tilt and the shape, and a full body is softer.
+    """Own weight on a cantilever that sags far: its moment turns with tilt and shape, and a full body is softer.
 
     K. E. Bisshopp and D. C. Drucker, Quarterly of Applied Mathematics, 1945.
     """
@@ -43,12 +43,17 @@ class LargeSag(Law):
         body, down = self._body, _down(path)
         arm = body.points(values) - body.clamp
         moment = np.cross((self._share[:, None] * arm).mean(axis=1), down) / self._reach
-        still = np.cross((self._share[:, None] * (body.rest - body.clamp)).mean(axis=0), [0.0, 0.0, -1.0]) / self._reach
+        still = (
+            np.cross((self._share[:, None] * (body.rest - body.clamp)).mean(axis=0), [0.0, 0.0, -1.0])
+            / self._reach
+        )
         soft = 1 + self._soft * deflection.mean(axis=1, keepdims=True)
         bend = strength * self._sag_rad * (soft * moment - still)
         bend = bend / np.sqrt(1 + (bend**2).sum(axis=1, keepdims=True))
         lower = strength * self._sag_rad * 0.15 * self._reach * (soft * down - [0.0, 0.0, -1.0])
-        return body.shifted(values, _turned(arm, bend, self._share) + self._share[:, None] * lower[:, None, :])
+        return body.shifted(
+            values, _turned(arm, bend, self._share) + self._share[:, None] * lower[:, None, :]
+        )
 
 
 class TipLoad(Law):

@@ -23,7 +23,9 @@ class Gripper(Rig):
         self.high_kpa = random.uniform(45, 90) * random.uniform(0.92, 1.08, 2)
         self.noise = 0.3
         self._length_px = random.uniform(230, 310) * random.uniform(0.95, 1.05, 2)
-        self._root_px = np.array([[-1.0, 0.0], [1.0, 0.0]]) * random.uniform(70, 120) + random.normal(0, 4, (2, 2))
+        self._root_px = np.array([[-1.0, 0.0], [1.0, 0.0]]) * random.uniform(70, 120) + random.normal(
+            0, 4, (2, 2)
+        )
         self._curl_rad = random.uniform(0.6, 1.0) * random.uniform(0.9, 1.1, 2)
         self._lean_rad = random.uniform(-0.15, 0.25, 2)
         self._palm_rad = random.uniform(0.08, 0.18)

@@ -20,7 +20,7 @@ class ColemanHodgdon(Law):
         super().__init__(setting)
         count = len(setting.rig.chambers)
         self._forget = setting.random.uniform(2.5, 7.0) * setting.random.uniform(0.8, 1.25, count)
-        self._width = setting.random.uniform(0.03, 0.07) * setting.random.uniform(0.7, 1.4, count)
+        self._width = setting.random.uniform(0.02, 0.045) * setting.random.uniform(0.7, 1.4, count)
 
     def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
         """The walls lag behind the load's direction by a width."""
@@ -42,7 +42,7 @@ class KrasnoselskiiPokrovskii(Law):
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        random, kernels = setting.random, 9
+        random, kernels = setting.random, 6
         self._up = random.uniform(0.15, 0.85, kernels)
         self._down = self._up - random.uniform(0.05, 0.35, kernels)
         self._ramp = random.uniform(0.08, 0.3)

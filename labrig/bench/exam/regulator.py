@@ -65,8 +65,10 @@ class SensorSShape(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random = setting.random
-        self._amount = random.choice([-1.0, 1.0]) * random.uniform(0.3, 0.7) * random.uniform(
-            0.6, 1.4, len(setting.rig.chambers)
+        self._amount = (
+            random.choice([-1.0, 1.0])
+            * random.uniform(0.3, 0.7)
+            * random.uniform(0.6, 1.4, len(setting.rig.chambers))
         )
         self._middle = random.uniform(0.4, 0.6)
 

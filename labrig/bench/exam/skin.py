@@ -37,7 +37,7 @@ class Skin(Rig):
         self._face_mm = random.uniform(3, 8)
         self._draw = random.uniform(0.25, 0.5)
         self._limit = random.uniform(0.35, 1.6, 12)
-        self.rest_mm = np.column_stack([place_mm, np.zeros(24)])
+        self.rest_mm = np.column_stack([place_mm, np.zeros(24)]).astype(np.float64)
         self.marker_names = tuple(f"m{number:02d}" for number in range(1, 25))
         self.observables = tuple(
             Observable(f"{name}_{'xyz'[axis]}", "mm", marker, axis)

@@ -12,6 +12,24 @@ def _invariant(stretch: Array) -> Array:
     return stretch**2 + 2 / stretch - 3
 
 
+_GRID = np.linspace(-0.9, 4.0, 4001)
+
+
+def _balanced(deflection: Array, extra: Array, amount: Array) -> Array:
+    """Where walls come to rest whose modulus is 1 + amount (C,) x extra, at the loads that a modulus of 1 would need.
+
+    `extra` is on the grid of deflections; a load never falls as a wall gives way further, so no wall jumps.
+    """
+    if not amount.any():
+        return deflection
+    after = np.empty_like(deflection)
+    for chamber, much in enumerate(amount):
+        slope = np.diff(_GRID * (1 + much * extra)) / np.diff(_GRID)
+        load = np.concatenate([[0.0], np.cumsum(np.maximum(slope, 0.25) * np.diff(_GRID))])
+        after[:, chamber] = np.interp(deflection[:, chamber], load - np.interp(0.0, _GRID, load), _GRID)
+    return after
+
+
 class Yeoh(Law):
     """Filled rubber with a modulus C1 + 2 C2 (I1 - 3) + 3 C3 (I1 - 3)^2: C2 < 0 softens first, C3 > 0 stiffens later.
 
@@ -23,16 +41,15 @@ class Yeoh(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random = setting.random
-        self._strain = random.uniform(0.5, 0.9)
+        self._strain = random.uniform(0.35, 0.65)
         self._second = -random.uniform(0.1, 0.4)
         self._third = random.uniform(0.3, 0.9)
         self._share = random.uniform(0.7, 1.3, len(setting.rig.chambers))
 
     def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
         """The walls where the new modulus balances the load that the old one did."""
-        extra = _invariant(1 + self._strain * np.clip(deflection, -0.9, 2.5))
-        modulus = self._second * extra + self._third * extra**2
-        return deflection / np.maximum(1 + strength * self._share * modulus, 0.2)
+        far = _invariant(1 + self._strain * _GRID)
+        return _balanced(deflection, self._second * far + self._third * far**2, strength * self._share)
 
 
 class ArrudaBoyce(Law):
@@ -45,17 +62,16 @@ class ArrudaBoyce(Law):
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        self._strain = setting.random.uniform(0.5, 0.9)
+        self._strain = setting.random.uniform(0.35, 0.65)
         self._links = setting.random.uniform(1.8, 3.0)
         self._share = setting.random.uniform(0.7, 1.3, len(setting.rig.chambers))
 
     def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
         """The walls where the chains' modulus balances the load that a constant one did."""
-        stretch = 1 + self._strain * np.clip(deflection, -0.9, 2.5)
-        chain = np.minimum((_invariant(stretch) / 3 + 1) / self._links, 0.95)
+        chain = np.minimum((_invariant(1 + self._strain * _GRID) / 3 + 1) / self._links, 0.95)
         start = 1 / self._links
         modulus = (3 - chain) / (1 - chain) / ((3 - start) / (1 - start))
-        return deflection / (1 + strength * self._share * (modulus - 1))
+        return _balanced(deflection, modulus - 1, strength * self._share)
 
 
 class BilinearWall(Law):

@@ -34,7 +34,9 @@ def history(path: Path, load: Array) -> History:
     edge = np.clip((path.time_s[starts] - before) / 3, 0.0, 1.0)
     vents = np.column_stack([before + edge, path.time_s[starts] - edge]).ravel()
     where = np.repeat(starts, 2)
-    keep = np.arange(len(path.time_s)) + 2 * np.searchsorted(starts, np.arange(len(path.time_s)), side="right")
+    keep = np.arange(len(path.time_s)) + 2 * np.searchsorted(
+        starts, np.arange(len(path.time_s)), side="right"
+    )
     return History(np.insert(path.time_s, where, vents), np.insert(load, where, 0.0, axis=0), keep)
 
 
@@ -185,4 +187,3 @@ def seats(rig: Rig) -> Array:
     weight = away / np.maximum(away.sum(axis=1, keepdims=True), 1e-12)
     found = (weight @ body.rest - body.centre) / body.size
     return found if np.ptp(found, axis=0).max() > 1e-6 else line
-
