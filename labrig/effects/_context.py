@@ -74,7 +74,8 @@ class Context:
             return self
         if self.alone is None:
             raise LabrigError("the effects were fitted with another range of the pressures than this run's")
-        curves = self.alone(low, high)
+        key = ("within", *low, *high)
+        curves = self._memo[key] = self._memo.get(key) or self.alone(low, high)
         rows = replace(self.rows, low=low, high=high)
         return replace(
             self,

@@ -1,6 +1,7 @@
 """Models that remember: what a path of set-points does to a surface, by the effects of a model file."""
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -68,13 +69,14 @@ class Remembering:
         """
         from labrig.effects import get
         from labrig.effects._fields import contribution
-        from labrig.model._model import find_variant
+        from labrig.model._model import as_fitted, find_variant
 
         rows = self._rows(path)
-        context = self._context(rows)
+        whole = self._context(rows)
         change = np.zeros((len(rows.actuation), len(self.shape.chamber_names)))
-        displaced = np.zeros_like(context.base)
+        displaced = np.zeros_like(whole.base)
         for entry in self.model.file.effects:
+            context = as_fitted(whole, entry)
             variant = find_variant(context, get(entry.name, self.model.folder), entry)
             terms, values = [], []
             for term in variant.terms:
@@ -108,6 +110,8 @@ class Remembering:
             deflection_slope=self._alone.slope(rows.actuation),
             base_kind=base.kind,
             inside=self.shape.inside(rows.actuation) if hasattr(self.shape, "inside") else {},
+            reach=self._alone.reach,
+            alone=partial(solo_deflection, base),
         )
 
     def _rows(self, path: Approach) -> "Rows":

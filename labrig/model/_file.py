@@ -72,7 +72,7 @@ class FittedOn(_Strict):
     chambers: list[str] = Field(default_factory=list)
     low: list[float] = Field(default_factory=list)
     high: list[float] = Field(default_factory=list)
-    centre_mm: list[float] | None = Field(None, min_length=3, max_length=3)
+    centre_mm: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
     start_s: float | None = None
 
     @model_validator(mode="after")

@@ -184,7 +184,7 @@ def test_frame(make_lab) -> None:
     S = np.array([[0, -0.8, 0.0], [0.8, 0, -0.6], [0.0, 0.6, 0]])
     R = np.eye(3) + np.sin(angle) * S + (1 - np.cos(angle)) * S @ S
     q = lab.predict(lab.u).reshape(*lab.hold_s.shape, -1, 3)
-    middle = q.mean(axis=(0, 1, 2))
+    middle = lab.rest_mm.mean(axis=0)
     values = ((q - middle) @ R.T + middle + np.array([0.5, -1.0, 0.8])).reshape(*lab.hold_s.shape, -1)
     _, fitted = found(lab, values, "frame")
     assert fitted["shift"][:3] == pytest.approx([0.5, -1.0, 0.8], abs=0.2)

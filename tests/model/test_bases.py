@@ -13,7 +13,6 @@ from labrig.effects._fields import contribution
 from labrig.model import EffectEntry, Model, Value, base_context, build_base, evaluate, find_variant, jacobian
 from labrig.model._bases import solo_deflection
 
-
 OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
 
 
