@@ -1,8 +1,9 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
-from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
+from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._experiment import Experiment, Limits, plan_next, propose_experiment
 from labrig.diagnosis._improve import compare, improve
+from labrig.diagnosis._problem import prepare, rows_from
 from labrig.diagnosis._result import Result, Signature, write_json
 
 __all__ = [

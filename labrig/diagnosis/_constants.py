@@ -4,8 +4,8 @@ SPIKE_FLOORS = 0.1
 """Prior sd, in floors, of all effects that are said to be absent, together: nothing is exactly zero."""
 SPIKE_SHARE = 0.1
 """The same as a share of what there is to explain: no formula, no base and no Jacobian is exact."""
-TRACE_SHARE = 0.12
-"""Prior sd of a trace of an effect, as a share of what there is to explain: what a misfit of another's law can leave."""
+TRACE_SHARES = (0.1, 0.25)
+"""Prior sds of a trace of an effect, as shares of what there is to explain: what a misfit of another's law can leave."""
 P_TRACE = 0.3
 """Prior probability that an effect leaves a trace; a trace is no name."""
 LEVELS = (0.5, 1.5, 4.5)
@@ -30,3 +30,9 @@ POSSIBLE = 0.1
 """Probability from which on an effect is called possible."""
 MOST_EFFECTS = 3
 """Most effects in one explanation."""
+NEGLIGIBLE = 1e-3
+"""Explanations less probable than this are left out of the sums."""
+FEWEST_OBSERVATIONS = 24
+"""Fewest observations (captures' means and contrasts within holds) from which anything is said."""
+FREEDOM = 10
+"""Coefficients that the data determine in a typical family: what an effect must outweigh."""

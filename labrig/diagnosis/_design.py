@@ -14,6 +14,7 @@ from labrig.effects._fields import frame_modes
 from labrig.effects._rows import Floats
 
 SLOW = "slow noise"
+DECLARED = "declared"
 _MOST_COLUMNS = 64
 _MOST_DIRECTIONS = 24
 _LEAST_INFORMATION = 3.0
@@ -58,9 +59,16 @@ class Design:
 
 
 def design_of(
-    observations: Observations, effects: Mapping[str, Effect], declared: Floats | None, spectra: dict | None = None
+    observations: Observations,
+    effects: Mapping[str, Effect],
+    declared: Floats | None = None,
+    calibrated: Floats | None = None,
+    spectra: dict | None = None,
 ) -> Design:
-    """Lay out the families of `effects`, what has no name, slow noise, and what the base calls its own."""
+    """Lay out the families of `effects`, what has no name, slow noise, and what the base calls its own.
+
+    `declared` (F, D) are regressors of every observable by itself, `calibrated` (F, K, D) fields that all share.
+    """
     context = observations.context
     named = [(name, space) for name, effect in effects.items() for space in effect.family(context)]
     others = [("?" + space.spectrum, space) for space in unnamed(context)]
@@ -81,16 +89,26 @@ def design_of(
     slow = layout.slow()
     made.append((SLOW, Space(SLOW, SLOW, ()), *slow))
     count[SLOW] = 1
+    if calibrated is not None and calibrated.shape[2]:
+        made.append((DECLARED, Space(DECLARED, DECLARED, ()), *layout.fields(calibrated)))
+        count[DECLARED] = 1
     if declared is not None:
         G = observations.whiten @ declared
         keep = np.abs(G).max(axis=0) > 0
-        free.append(FreeBlock("declared", Space("declared", "declared", ()), G[:, keep]))
+        free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
     blocks, start = [], 0
     for owner, space, W, rms in made:
         stop = start + W.shape[1]
         blocks.append(Block(owner, space, slice(start, stop), rms, _share(owner, space, count, context)))
         start = stop
-    return Design(observations, V, spread, np.concatenate([W for _, _, W, _ in made], axis=1), tuple(blocks), tuple(free))
+    return Design(
+        observations,
+        V,
+        spread,
+        np.concatenate([W for _, _, W, _ in made], axis=1),
+        tuple(blocks),
+        tuple(free),
+    )
 
 
 def _share(owner: str, space: Space, count: Mapping[str, int], context: Context) -> float:
@@ -114,7 +132,10 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     if (rows.axis >= 0).sum() >= 3:
         exact += list((frame_modes(context)[first] / unit[None, :, None]).mean(axis=0).T)
     moved = context.displacement[first] / unit
-    clouds = [np.moveaxis((context.jacobian[first] * context.span) / unit[None, :, None], 2, 1).reshape(-1, K), moved]
+    clouds = [
+        np.moveaxis((context.jacobian[first] * context.span) / unit[None, :, None], 2, 1).reshape(-1, K),
+        moved,
+    ]
     for space in spaces:
         for f in space.features:
             if f.kind != "field":
@@ -138,7 +159,11 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
         Q = Q[:, size > 1e-6 * size.max()]
         left = power - Q @ (Q.T @ power)
         w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
-        need = int(np.clip(min((np.cumsum(w[::-1]) < w.sum() - 0.005).sum() + 1, (w > 1e-4).sum()), 2, _MOST_DIRECTIONS))
+        need = int(
+            np.clip(
+                min((np.cumsum(w[::-1]) < w.sum() - 0.005).sum() + 1, (w > 1e-4).sum()), 2, _MOST_DIRECTIONS
+            )
+        )
         V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
     along, turn = np.linalg.eigh(V.T @ power @ V)
     along = (1 - _EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + _EVEN / len(along)
@@ -219,18 +244,32 @@ class _Layout:
 
     def regressors(self, space: Space) -> Floats:
         """Regressors (S, g) of free patterns, of one floor in all, as principal axes."""
-        f = np.stack([np.sqrt(q.weight) * q.values / (np.sqrt(np.mean(q.values**2)) + 1e-12) for q in space.features], axis=1)
+        f = np.stack(
+            [np.sqrt(q.weight) * q.values / (np.sqrt(np.mean(q.values**2)) + 1e-12) for q in space.features],
+            axis=1,
+        )
         f = f / np.sqrt((f**2).sum() / len(f))
         G = self.observations.whiten @ f
         power, U = np.linalg.eigh(G.T @ G)
         keep = power > max(0.1, 1e-7 * power[-1])
         return (G @ U[:, keep])[:, ::-1]
 
+    def fields(self, values: Floats) -> tuple[Floats, Floats]:
+        """Columns of fields (F, K, q) in the observables' units, each of one floor."""
+        raw = np.einsum("fkq,kr->frq", values / self.observations.unit[None, :, None], self.V).astype(
+            np.float32
+        )
+        raw = raw / np.maximum(np.sqrt((raw**2).sum(axis=1).mean(axis=0) / len(self.V)), 1e-12)
+        flat = raw.reshape(-1, raw.shape[2])
+        return self.lift(raw), (flat.T @ flat).astype(np.float64) / (len(raw) * len(self.V))
+
     def slow(self) -> tuple[Floats, Floats]:
         """Slow noise along each axis (of unmarked observables: of all together), one floor."""
         rows = self.observations.context.rows
         series = slow_noise(self.observations.context, self.observations.index).astype(np.float32)
         axes = [rows.axis == a for a in (-1, 0, 1, 2) if (rows.axis == a).any()]
-        raw = np.concatenate([series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2)
+        raw = np.concatenate(
+            [series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2
+        )
         flat = raw.reshape(-1, raw.shape[2])
         return self.lift(raw), (flat.T @ flat).astype(np.float64) / (len(raw) * len(self.V))

@@ -1,54 +1,31 @@
-"""The pipeline: floor, gate, candidates, out-of-sample scores, ceiling, verdict."""
+"""The way of a residual: observations, design, evidence, verdict, formula, result."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
+from labrig.diagnosis import _constants as k
+from labrig.diagnosis._candidates import Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
-from labrig.diagnosis._floor import Floor, noise_floor
-from labrig.diagnosis._gate import Gate
-from labrig.diagnosis._outliers import clean
-from labrig.diagnosis._own_form import without_ties
+from labrig.diagnosis._design import Design, design_of
+from labrig.diagnosis._formula import fit_named
+from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._parameters import entry_of
+from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
+from labrig.diagnosis._problem import Prepared, prepared, rows_from
+from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
-from labrig.diagnosis._search import search
-from labrig.diagnosis._streams import Streams, build_streams
-from labrig.diagnosis._verdict import Verdict, decide
+from labrig.diagnosis._verdict import Verdict, answers_of, decide, underpowered
 from labrig.diagnosis._where import where
-from labrig.effects import Context, Effect, Rows, join_rows, rows_of
+from labrig.effects import Effect
 from labrig.effects._rows import Floats
 from labrig.model import Model
 
 if TYPE_CHECKING:
     from xarray import Dataset
-
-MOST_ROWS = 6000
-
-
-def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
-    """The rows of one campaign or of several of the same rig."""
-    many = list(runs) if isinstance(runs, list | tuple) else [runs]
-    return join_rows([rows_of(run) for run in many])  # type: ignore[arg-type]
-
-
-def prepare(rows: Rows, model: Model) -> tuple[Streams, Context, Floor, int]:
-    """Predict, clean, estimate the floor and lay out the regression; also how many entries were dropped."""
-    predictor = model.predictor(rows)
-    context = predictor.context(rows)
-    declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
-    if len(rows.capture) > MOST_ROWS:
-        keep = np.unique(np.linspace(0, len(rows.capture) - 1, MOST_ROWS).astype(int))
-        context = context.thin(keep)
-        declared = None if declared is None else declared[keep]
-        calibrated = None if calibrated is None else calibrated[keep]
-    residual, dropped = clean(context)
-    lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
-    floor = noise_floor(context, residual, lost)
-    return build_streams(context, floor, residual, declared, calibrated), context, floor, dropped
 
 
 def diagnose(
@@ -69,162 +46,135 @@ def diagnose(
     Raises:
         LabrigError: the runs and the model do not fit together.
     """
-    rows = rows_from(runs)
-    streams, context, floor, dropped = prepare(rows, model)
+    ready = prepared(rows_from(runs), model)
     effects = {n: e for n, e in model.library().items() if n not in without}
-    base_left = streams.residual - streams.nothing
-    floor_square = float(np.mean(floor.row[streams.counted] ** 2))
-    gate = Gate(floor_square, square_of(streams, base_left), tolerance)
-    searched = without_ties(search(streams, effects, gate))
-    found, chosen = searched.found, searched.chosen
-    before = ceiling(streams, context, base_left)
-    after = ceiling(streams, context, searched.left) if chosen else before
-    verdict = decide(streams, searched, before, after, gate)
-    return _result(
-        streams, context, floor, dropped, found, chosen, before, after, verdict, gate, model, effects
-    )
+    observations = observe(ready.context, ready.residual, ready.floor)
+    verdict = verdict_on(observations, ready, effects, tolerance)
+    return result_of(ready, observations, verdict, model, effects)
 
 
-def _result(
-    streams: Streams,
-    context: Context,
-    floor: Floor,
-    dropped: int,
-    found: Mapping[str, list[Candidate]],
-    chosen: Fit | None,
-    before: Mapping[str, Ceiling],
-    after: Mapping[str, Ceiling],
-    verdict: Verdict,
-    gate: Gate,
-    model: Model,
-    effects: Mapping[str, Effect],
+def verdict_on(
+    observations: Observations, ready: Prepared, effects: dict[str, Effect], tolerance: float | None = None
+) -> Verdict:
+    """Which effects are missing, by the evidence of everything that these observations might say."""
+    floor = float(np.sqrt(np.mean(ready.floor.row[ready.streams.counted] ** 2)))
+    least = (tolerance or 0.0) / floor if floor > 0 else 0.0
+    few = underpowered(observations, tuple(effects), least, ready.context.rows.unit[0], floor)
+    if few is not None and len(observations.values) < k.FEWEST_OBSERVATIONS:
+        return few
+    design = design_of(observations, effects, ready.declared, ready.calibrated)
+    search = Search(design).run()
+    verdict = decide(answers_of(search, least), tuple(effects), words_of(design))
+    return few if few is not None and verdict.verdict == "nothing_missing" else verdict
+
+
+def words_of(design: Design) -> dict[str, str]:
+    """What carries each space without a name, in words, by owner."""
+    return {b.owner: b.space.key for b in (*design.blocks, *design.free) if b.owner.startswith("?")}
+
+
+@dataclass(frozen=True)
+class _Errors:
+    """Root mean squares over held-out captures, and the mean squares behind them."""
+
+    base: float
+    model: float
+    floor: float
+    ceiling: float
+
+    def as_dict(self) -> dict[str, float]:
+        return {"base": self.base, "model": self.model, "floor": self.floor, "ceiling": self.ceiling}
+
+
+def result_of(
+    ready: Prepared, observations: Observations, verdict: Verdict, model: Model, effects: dict[str, Effect]
 ) -> Result:
-    rows = context.rows
-    base = np.sqrt(gate.base_square)
-    floor_error = np.sqrt(gate.floor_square)
-    shown = chosen if verdict.verdict in {"identified", "multiple", "confounded"} else None
-    model_square = square_of(streams, streams.residual - shown.heldout) if shown else gate.base_square
-    lowest = gate.base_square
-    best_before = max(before.values(), key=lambda c: c.gain, default=None)
-    if best_before is not None:
-        left = streams.residual - streams.nothing - best_before.heldout
-        lowest = min(lowest, square_of(streams, left))
-    if chosen is not None and after:
-        best_after = max(after.values(), key=lambda c: c.gain)
-        left = streams.residual - chosen.heldout
-        lowest = min(lowest, square_of(streams, left), square_of(streams, left - best_after.heldout))
-    reachable = max(lowest, gate.floor_square)
-    ranking = _ranking(streams, found, gate, reachable)
-    entries = [entry_of(streams, context, shown, i) for i in range(len(shown.parts))] if shown else []
+    """The verdict with everything that its report shows: formulas, errors, where, the improved model."""
+    streams, context, rows = ready.streams, ready.context, ready.context.rows
+    chosen = _chosen(ready, verdict, effects)
+    errors = _errors(ready, chosen)
+    entries = (
+        [entry_of(streams, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
+        if chosen
+        else []
+    )
     improved = model
     for entry in entries:
         improved = improved.with_effect(entry)
-    units = rows.unit[int(streams.counted[0])]
-    fields = fields_of(context, shown)
-    places = where(context, _rows_left(context, streams), floor, streams.counted)
+    found = alone(streams, context, verdict, effects)
+    places = where(context, ready.residual, ready.floor, streams.counted)
+    # a floor of one capture's mean, in the units of the observables that errors are quoted for
+    unit_size = float(np.sqrt(np.mean(observations.unit[streams.counted] ** 2)))
     summary: dict[str, Any] = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "probability": verdict.probability,
         "rivals": list(verdict.rivals),
-        "units": units,
-        "error": {
-            "base": base,
-            "model": np.sqrt(model_square),
-            "floor": floor_error,
-            "ceiling": np.sqrt(lowest),
-        },
-        "drop": drop_of(gate.base_square, model_square, reachable),
+        "effects_considered": [
+            {
+                "effect": c.effect,
+                "probability": c.probability,
+                "call": c.call,
+                "size": c.size_floors * unit_size,
+                "size_sd": c.size_sd_floors * unit_size,
+                "size_floors": c.size_floors,
+                "size_sd_floors": c.size_sd_floors,
+            }
+            for c in verdict.considered
+        ],
+        "units": rows.unit[int(streams.counted[0])],
+        "error": errors.as_dict(),
         "where": places,
-        "ranking": ranking,
+        "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
+        "ranking": ranking_of(streams, found, verdict, errors.base, max(errors.floor, errors.ceiling)),
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
-        "floor": {"how": floor.how, "repeats": floor.repeats},
-        "warnings": _warnings(rows, floor, verdict, dropped),
+        "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
+        "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
+        "warnings": _warnings(ready, verdict),
     }
     return Result(
         summary=summary,
-        fields=fields,
-        waterfall=_waterfall(streams, chosen if shown else None, base, np.sqrt(lowest), floor_error),
+        fields=fields_of(context, chosen),
+        waterfall=_waterfall(ready, chosen, errors),
         signatures=signatures_of(streams, context, found, verdict.effects or verdict.rivals),
         where=places,
         improved=improved if entries else None,
     )
 
 
-def drop_of(base_square: float, model_square: float, reachable: float) -> float:
-    """Share of the explainable error (root mean squares, as diagnosis.json defines it) that is gone."""
-    base, now, least = np.sqrt(base_square), np.sqrt(model_square), np.sqrt(reachable)
-    return float((base - now) / (base - least)) if base > least * (1 + 1e-9) else 0.0
+def _chosen(ready: Prepared, verdict: Verdict, effects: dict[str, Effect]) -> Fit | None:
+    """The formulas of what is sure and, where one of several is, of the likeliest of them."""
+    names = [*verdict.effects, *verdict.rivals[:1]]
+    if verdict.verdict not in {"identified", "multiple", "confounded"} or not names:
+        return None
+    return fit_named(ready.streams, ready.context, [effects[n] for n in names])
 
 
-def _ranking(
-    streams: Streams, found: Mapping[str, list[Candidate]], gate: Gate, reachable: float
-) -> list[dict[str, Any]]:
-    """Every effect on its own, best first, with the share of block resamples in which it is the best."""
-    names = list(found)
-    if not names:
-        return []
-    gains = np.array([found[n][0].score.gains for n in names])
-    rng = np.random.default_rng(0)
-    draws = rng.integers(0, gains.shape[1], size=(1000, gains.shape[1]))
-    winners = np.argmax(gains[:, draws].sum(axis=2), axis=0)
-    out = []
-    for i, name in enumerate(names):
-        alone = fit([found[name][0]])
-        square = square_of(streams, streams.residual - alone.heldout)
-        each = np.array(
-            [drop_of(gate.base_square, square + s, reachable) for s in _jackknife(streams, alone, square)]
-        )
-        out.append(
-            {
-                "effect": name,
-                "form": found[name][0].variant.form,
-                "heldout_error": np.sqrt(max(square, 0.0)),
-                "drop": drop_of(gate.base_square, square, reachable),
-                "se": float(each.std(ddof=1) / np.sqrt(len(each))) if len(each) > 1 else None,
-                "probability": float((winners == i).mean()),
-                "parameters": {
-                    k: v.model_dump(exclude_none=True)
-                    for k, v in entry_of(streams, streams.context, alone, 0, refine=False).parameters.items()
-                },
-            }
-        )
-    return sorted(out, key=lambda e: e["heldout_error"])
+def _errors(ready: Prepared, chosen: Fit | None) -> _Errors:
+    streams = ready.streams
+    base_left = streams.residual - streams.nothing
+    base = square_of(streams, base_left)
+    left = streams.residual - chosen.heldout if chosen else base_left
+    now = square_of(streams, left)
+    learner: Ceiling | None = max(
+        ceiling(streams, ready.context, left).values(), key=lambda c: c.gain, default=None
+    )
+    lowest = min(base, now) if learner is None else min(base, now, square_of(streams, left - learner.heldout))
+    floor = float(np.mean(ready.floor.row[streams.counted] ** 2))
+    return _Errors(*(float(np.sqrt(max(v, 0.0))) for v in (base, now, floor, lowest)))
 
 
-def _jackknife(streams: Streams, alone: Fit, square: float) -> Floats:
-    """By how much the held-out mean square of each block differs from the whole's."""
-    left = streams.residual - alone.heldout
-    out = []
-    for own in streams.blocks:
-        part = replace(
-            streams, weight=np.where(np.isin(np.arange(len(left)), own)[:, None], streams.weight, 0.0)
-        )
-        out.append(square_of(part, left) - square)
-    return np.nan_to_num(np.array(out))
+def _waterfall(ready: Prepared, chosen: Fit | None, errors: _Errors) -> list[tuple[str, float]]:
+    steps = [("base", errors.base)]
+    for i in range(len(chosen.parts) if chosen else 0):
+        part = fit(chosen.parts[: i + 1])  # type: ignore[union-attr]
+        left: Floats = ready.streams.residual - part.heldout
+        steps.append((f"+ {part.names[-1]}", float(np.sqrt(square_of(ready.streams, left)))))
+    return [*steps, ("ceiling", errors.ceiling), ("floor", errors.floor)]
 
 
-def _rows_left(context: Context, streams: Streams) -> Floats:
-    """Measured minus base for each row, outliers as NaN, (F, K)."""
-    residual, _ = clean(context)
-    return residual
-
-
-def _waterfall(
-    streams: Streams, chosen: Fit | None, base: float, ceiling_error: float, floor_error: float
-) -> list[tuple[str, float]]:
-    steps = [("base", float(base))]
-    if chosen:
-        for i in range(len(chosen.parts)):
-            part = fit(chosen.parts[: i + 1])
-            steps.append(
-                (f"+ {part.names[-1]}", float(np.sqrt(square_of(streams, streams.residual - part.heldout))))
-            )
-    return [*steps, ("ceiling", float(ceiling_error)), ("floor", float(floor_error))]
-
-
-def _next_experiment(verdict: Verdict, effects: Mapping[str, Effect]) -> dict[str, Any] | None:
+def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> dict[str, Any] | None:
     """What to measure next, in words, where the verdict is open."""
     if verdict.verdict not in {"confounded", "unknown", "underpowered"}:
         return None
@@ -232,12 +182,13 @@ def _next_experiment(verdict: Verdict, effects: Mapping[str, Effect]) -> dict[st
     return {"separates": names, "probes": [effects[n].experiment for n in names]}
 
 
-def _warnings(rows: Rows, floor: Floor, verdict: Verdict, dropped: int) -> list[str]:
+def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
+    rows = ready.context.rows
     out = [*rows.warnings, *verdict.warnings]
-    if floor.repeats.get("same history") is None:
+    if ready.floor.repeats.get("same history") is None:
         out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
         out.append("what the pressures did between sessions is unknown: taken as released")
-    if dropped:
-        out.append(f"{dropped} outlying values were left out")
+    if ready.dropped:
+        out.append(f"{ready.dropped} outlying values were left out")
     return out

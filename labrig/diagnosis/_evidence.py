@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
-from labrig.diagnosis._design import Design
+from labrig.diagnosis._design import DECLARED, Design
 from labrig.effects._rows import Floats
 
 _NEGLIGIBLE = 1e-4
@@ -151,7 +151,7 @@ def free_variances(design: Design, sd: Mapping[str, float]) -> Floats:
     """Prior variance (g, r) of each regressor of the free blocks along each direction, by the owner's size in floors."""
     even = np.ones_like(design.spread)
     parts = [
-        np.full(f.G.shape[1], sd[f.owner] ** 2)[:, None] * (even if f.owner == "declared" else design.spread)
+        np.full(f.G.shape[1], sd[f.owner] ** 2)[:, None] * (even if f.owner == DECLARED else design.spread)
         for f in design.free
     ]
     return np.concatenate(parts) if parts else np.zeros((0, len(even)))

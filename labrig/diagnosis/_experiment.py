@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._ceiling import NOTHING_LOGGED
-from labrig.diagnosis._diagnose import diagnose, prepare, rows_from
+from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._experiment_plan import Limits, Point, Probe, repeat_labels
 from labrig.diagnosis._experiment_probes import by_hand, canonical, on_few_levels
 from labrig.diagnosis._experiment_rivals import open_rivals
 from labrig.diagnosis._experiment_score import Judge, Problem, Sums
 from labrig.diagnosis._experiment_search import CHANGES, Choice, points_of, search_programme
 from labrig.diagnosis._experiment_unknown import search_unknown
+from labrig.diagnosis._problem import prepare, rows_from
 from labrig.effects import Effect, Rows
 from labrig.model import Model
 
@@ -232,7 +232,7 @@ def _unnamed(
 ) -> Experiment:
     """The experiment for an error that has no name yet, or that the data are too few to show."""
     points, owner = points_of(choice)
-    unseen = found.get("carried_by") in (None, "", NOTHING_LOGGED)
+    unseen = not found.get("carried_by")
     probes = [
         {
             "probe": probe.name,

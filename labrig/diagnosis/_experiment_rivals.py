@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._candidates import Candidate, Fit, explore, fit
+from labrig.diagnosis._candidates import Candidate, Fit, fit
+from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Rows, Term, Variant, join_rows
 from labrig.effects._fields import frame_modes
 from labrig.effects._rows import Floats
-
-COMES_NEAR = 1.25
-"""A runner-up's held-out error, as a multiple of the winner's, that is worth an experiment."""
 
 FORMS = 4
 MOST_OTHERS = 4
@@ -63,43 +61,26 @@ def same_form(context: Context, effect: Effect, variant: Variant) -> Variant | N
 def open_rivals(
     streams: Streams, context: Context, effects: Mapping[str, Effect], summary: Mapping[str, Any]
 ) -> list[Rival]:
-    """What the verdict leaves open, as explanations to tell apart.
+    """What the verdict leaves open, as explanations to tell apart: what is sure, with each that is possible beside it.
 
-    What was chosen, and the same with each rival in the place where it does best; where one effect was chosen,
-    also any runner-up whose error alone comes near, for an experiment should not open a new doubt.
+    Where something is sure, the same without any of these is one more.
     """
-    chosen = [str(n) for n in summary["effects"] if n in effects]
-    others = [str(n) for n in summary["rivals"] if n in effects and n not in chosen]
-    if len(chosen) == 1:
-        others += [n for n in _near(summary, chosen, effects) if n not in others]
-    others = others[:MOST_OTHERS]
-    if not chosen or not others:
-        return []
-    wanted = {n: effects[n] for n in (*chosen, *others)}
-    found, _ = explore(streams, context, wanted, np.zeros((0, streams.n_groups)))
-    found = {n: [c for c in forms if c.variant.form not in _NOT_PLANNED] for n, forms in found.items()}
-    if any(not found.get(n) for n in chosen):
-        return []
-    first = _best([found[n] for n in chosen])
-    out = [_rival(first)]
-    for name in others:
-        if not found.get(name):
-            continue
-        options = [
-            _best([*([c] for j, c in enumerate(first[0].parts) if j != i), found[name]])
-            for i in range(len(chosen))
-        ]
-        out.append(_rival(max(options, key=lambda fits: fits[0].score.gain)))
+    sure = [str(n) for n in summary["effects"] if n in effects]
+    possible = [
+        str(c["effect"])
+        for c in summary.get("effects_considered", ())
+        if c["call"] == "possible" and c["effect"] in effects
+    ] or [str(n) for n in summary["rivals"] if n in effects]
+    possible = [n for n in possible if n not in sure][:MOST_OTHERS]
+    sets = [[*sure, n] for n in possible]
+    if sure:
+        sets.insert(0, sure)
+    found = {
+        n: [c for c in forms_of(streams, context, effects[n])[:FORMS] if c.variant.form not in _NOT_PLANNED]
+        for n in {*sure, *possible}
+    }
+    out = [_rival(_best([found[n] for n in names])) for names in sets if all(found[n] for n in names)]
     return out if len(out) > 1 else []
-
-
-def _near(summary: Mapping[str, Any], chosen: Sequence[str], effects: Mapping[str, Effect]) -> list[str]:
-    """Runners-up that come near the winner, by the ranking of effects alone."""
-    errors = {str(r["effect"]): float(r["heldout_error"]) for r in summary["ranking"]}
-    best = min((errors[n] for n in chosen if n in errors), default=None)
-    if best is None:
-        return []
-    return [n for n, e in errors.items() if n not in chosen and n in effects and e <= COMES_NEAR * best][:3]
 
 
 def _best(options: Sequence[Sequence[Candidate]]) -> list[Fit]:

@@ -6,24 +6,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._candidates import Candidate, Fit, clear, fit, plausible, square_of
-from labrig.diagnosis._columns import columns_of
-from labrig.diagnosis._diagnose import drop_of, prepare, rows_from
-from labrig.diagnosis._gate import Gate, rules_the_hold
+from labrig.diagnosis._candidates import fit, square_of
+from labrig.diagnosis._constants import SMALLEST_FLOORS
+from labrig.diagnosis._formula import fall_of, fit_named
 from labrig.diagnosis._outliers import clean
-from labrig.diagnosis._parameters import entry_of, refined
+from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
+from labrig.diagnosis._problem import prepare, rows_from
+from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._result import Result
-from labrig.diagnosis._score import score
-from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._where import where
-from labrig.effects import Context, Effect, get
+from labrig.effects import get
 from labrig.model import Model
 
 if TYPE_CHECKING:
     from xarray import Dataset
-
-_ROUNDS = 2
 
 
 def compare(runs: "Sequence[Dataset] | Dataset", model: Model) -> Result:
@@ -67,16 +64,13 @@ def improve(
         if any(entry.name == effect.name for entry in model.file.effects):
             raise LabrigError(f"the model has {effect.name!r} already; remove its entry to fit it again")
     streams, context, floor, dropped = prepare(rows_from(runs), model)
-    chosen = _fit_named(streams, context, effects)
+    chosen = fit_named(streams, context, effects)
     base_square = square_of(streams, streams.residual - streams.nothing)
     floor_square = float(np.mean(floor.row[streams.counted] ** 2))
     units = context.rows.unit[int(streams.counted[0])]
-    falls = [_fall_of(chosen, i) for i in range(len(effects))]
-    least = Gate(floor_square, base_square, None).smallest(0.0)
-    helps = [
-        clear_ and (fall >= least or rules_the_hold(part))
-        for part, (fall, clear_) in zip(chosen.parts, falls, strict=True)
-    ]
+    falls = [fall_of(chosen, i) for i in range(len(effects))]
+    least = (SMALLEST_FLOORS**2) * floor_square
+    helps = [fall > se and fall >= least for fall, se in falls]
     for effect, helpful, (fall, _) in zip(effects, helps, falls, strict=True):
         if not helpful and not force:
             raise LabrigError(
@@ -103,7 +97,7 @@ def improve(
             "model": np.sqrt(model_square),
             "floor": np.sqrt(floor_square),
         },
-        "drop": drop_of(base_square, model_square, min(floor_square, model_square)),
+        "drop": drop_of(np.sqrt(base_square), np.sqrt(model_square), np.sqrt(floor_square)),
         "added": [entry.model_dump(exclude_none=True) for entry in entries],
         "where": places,
         "warnings": [
@@ -130,48 +124,6 @@ def improve(
 
 def _left_out(dropped: int) -> list[str]:
     return [f"{dropped} outlying values were left out"] if dropped else []
-
-
-def _fit_named(streams: Streams, context: Context, effects: Sequence[Effect]) -> Fit:
-    """The best forms of the named effects, found in turn and then moved off the grid together."""
-    forms = [_forms(streams, context, effect) for effect in effects]
-    chosen = fit([f[0] for f in forms])
-    for _ in range(_ROUNDS):
-        for i, own in enumerate(forms):
-            options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
-            chosen = max(options, key=lambda f: f.score.gain)
-    for i, effect in enumerate(effects):
-        if effect.name != "marker_slip":
-            chosen = refined(streams, context, chosen, i)
-    return chosen
-
-
-def _forms(streams: Streams, context: Context, effect: Effect) -> list[Candidate]:
-    found = []
-    for variant in effect.variants(context):
-        columns = columns_of(streams, variant)
-        if columns.width:
-            scored = score(columns)
-            found.append(
-                (plausible(effect, variant, columns, scored), Candidate(effect, variant, columns, scored))
-            )
-    if not found:
-        raise LabrigError(
-            f"effect {effect.name!r} can't act on this run; see: labrig effects show {effect.name}"
-        )
-    found.sort(key=lambda f: (not f[0], -f[1].score.gain))
-    return [candidate for _, candidate in found[:6]]
-
-
-def _fall_of(chosen: Fit, i: int) -> tuple[float, bool]:
-    """By how much the i-th effect lowers the held-out mean square beside the others, and whether clearly."""
-    streams = chosen.columns.streams
-    rest = [p for j, p in enumerate(chosen.parts) if j != i]
-    before = fit(rest) if rest else None
-    more = chosen.score.gains - (before.score.gains if before else 0.0)
-    left = streams.residual - (before.heldout if before else streams.nothing)
-    fall = square_of(streams, left) - square_of(streams, streams.residual - chosen.heldout)
-    return fall, clear(more, streams.base_squares)
 
 
 def _rms(square: float) -> float:

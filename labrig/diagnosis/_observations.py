@@ -82,7 +82,9 @@ def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
             weight.append(contrasts.ravel())
             owner += [i] * (k - 1)
             row += k - 1
-    whiten = csr_matrix((np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index)))
+    whiten = csr_matrix(
+        (np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index))
+    )
     return Observations(context, floor, unit, whiten @ values, whiten, np.array(owner), index)
 
 
@@ -103,7 +105,9 @@ def believed(values: Floats, index: Ints, within: float) -> Floats:
         power, V = np.linalg.eigh(clipped.T @ clipped)
         rank = int(np.clip((power > 4 * np.median(power)).sum(), 1, 8))
         left = off - clipped @ V[:, -rank:] @ V[:, -rank:].T
-        far = np.abs(left) > _FAR * np.maximum(within, 1.4826 * np.median(np.abs(left), axis=1, keepdims=True))
+        far = np.abs(left) > _FAR * np.maximum(
+            within, 1.4826 * np.median(np.abs(left), axis=1, keepdims=True)
+        )
         if not (far & ~bad).any():
             break
         bad |= far

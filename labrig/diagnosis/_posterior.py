@@ -1,14 +1,15 @@
 """The posterior: every set of up to three effects, beside what has no name, with its probability."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from labrig.diagnosis import _constants as k
-from labrig.diagnosis._design import SLOW, Block, Design
+from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import DECLARED_FLOORS, State, Sums, beside_free, free_variances, unexplained
+from labrig.effects._rows import Floats
 
 Raised = tuple[tuple[str, int, float], ...]
 """What is raised in an explanation: owner, number of its block (-1: a free pattern), prior sd in floors; sorted."""
@@ -24,21 +25,12 @@ class Explanation:
     slow: float
 
 
-@dataclass
+@dataclass(frozen=True)
 class Posterior:
     """The explanations that were looked at, likeliest first, with their probabilities."""
 
-    design: Design
-    sums: Sums
-    to_explain: float
-    spike: float
-    explanations: list[Explanation] = field(default_factory=list)
-    probability: np.ndarray = field(default_factory=lambda: np.zeros(0))
-
-
-def named(owners: Iterable[str]) -> list[str]:
-    """Those owners that are effects."""
-    return [o for o in owners if not o.startswith("?") and o != SLOW]
+    explanations: list[Explanation]
+    probability: Floats
 
 
 class Search:
@@ -53,12 +45,12 @@ class Search:
         for i, block in enumerate(design.blocks):
             self.blocks.setdefault(block.owner, []).append(i)
         self.slow_at = design.blocks[self.blocks[SLOW][0]].at
-        self.free = [f.owner for f in design.free if f.owner != "declared"]
-        items = [o for o in self.blocks if o != SLOW] + self.free
+        self.free = [f.owner for f in design.free if f.owner != DECLARED]
+        self.owners = [o for o in self.blocks if o not in (SLOW, DECLARED)]
+        items = self.owners + self.free
         self.spike = float(np.hypot(k.SPIKE_FLOORS, k.SPIKE_SHARE * self.T) / np.sqrt(max(len(items), 1)))
-        self.owners = [o for o in self.blocks if o != SLOW]
         self.sizes = sorted({max(level * self.T, k.LEAST_FLOORS) for level in k.LEVELS})
-        self.trace = max(k.TRACE_SHARE * self.T, k.SPIKE_FLOORS)
+        self.traces = tuple(sorted({max(share * self.T, k.SPIKE_FLOORS) for share in k.TRACE_SHARES}))
         self.states: dict = {}
         self.found: dict[frozenset[str], list[tuple[float, Raised, float]]] = {}
         self.seen: set = set()
@@ -70,13 +62,14 @@ class Search:
     def state(self, background: Raised, slow: float) -> State:
         key = (background, slow)
         if key not in self.states:
-            sd = dict.fromkeys([*self.free, "declared"], self.spike) | {"declared": DECLARED_FLOORS}
+            sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: DECLARED_FLOORS}
             sd |= {owner: size for owner, _, size in background}
             beside = beside_free(self.sums, free_variances(self.design, sd))
             own = np.empty(self.design.W.shape[1])
             for block in self.design.blocks:
                 several = len(self.blocks[block.owner])
-                own[block.at] = slow if block.owner == SLOW else self.spike / np.sqrt(several)
+                fixed = {SLOW: slow, DECLARED: DECLARED_FLOORS}
+                own[block.at] = fixed.get(block.owner, self.spike / np.sqrt(several))
             self.states[key] = State(beside, own)
         return self.states[key]
 
@@ -85,8 +78,8 @@ class Search:
         for owner, block, size in raised:
             if block >= 0:
                 out += np.log(self.design.blocks[block].share)
-            if size == self.trace:
-                out += np.log(k.P_TRACE)
+            if size in self.traces:
+                out += np.log(k.P_TRACE / len(self.traces))
                 continue
             out += np.log(k.P_UNNAMED if owner.startswith("?") else k.P_EFFECT)
             out -= np.log(len(self.sizes))
@@ -103,26 +96,26 @@ class Search:
         value = self.log_evidence(parts) + self.prior(whole)
         if (whole, slow) not in self.seen:
             self.seen.add((whole, slow))
-            owners = frozenset(o for o, _, size in whole if size != self.trace)
+            owners = frozenset(o for o, _, size in whole if size not in self.traces)
             self.found.setdefault(owners, []).append((value, whole, slow))
         return value
 
     def forms(self, owner: str) -> Iterable[tuple[str, int, float]]:
         for block in self.blocks[owner]:
-            for size in (self.trace, *self.sizes):
+            for size in (*self.traces, *self.sizes):
                 yield owner, block, size
 
     def extend(self, background: Raised, slow: float, start: Raised) -> list[tuple[float, Raised]]:
         """The best form of each further owner beside a set, as a part of its own and as a trace."""
         out = []
         have = {o for o, _, _ in start}
-        full = sum(size != self.trace for _, _, size in start) >= k.MOST_EFFECTS
+        full = sum(size not in self.traces for _, _, size in start) >= k.MOST_EFFECTS
         for owner in self.owners:
             if owner in have:
                 continue
             best: dict[bool, tuple[float, Raised]] = {}
             for form in self.forms(owner):
-                trace = form[2] == self.trace
+                trace = form[2] in self.traces
                 if full and not trace:
                     continue
                 raised = tuple(sorted([*start, form]))
@@ -140,7 +133,7 @@ class Search:
             grown: dict[frozenset, tuple[float, Raised]] = {}
             for _, start in frontier:
                 for value, raised in self.extend(background, slow, start):
-                    kind = frozenset((o, size == self.trace) for o, _, size in raised)
+                    kind = frozenset((o, size in self.traces) for o, _, size in raised)
                     if kind not in grown or value > grown[kind][0]:
                         grown[kind] = (value, raised)
             frontier = sorted(grown.values(), reverse=True)[: wide if depth == 0 else max(wide // 2, 2)]
@@ -149,7 +142,8 @@ class Search:
             best = max(best, frontier[0][0])
         return best
 
-    def run(self) -> Posterior:
+    def run(self) -> "Search":
+        """Look at everything that is worth looking at."""
         slow = max(k.SLOW_FLOORS, key=lambda s: self.score((), s, ()))
         self.explore((), slow, 6)
         top = self.best()
@@ -161,17 +155,22 @@ class Search:
         alone = {}
         floor = self.floor_score(slow)
         for owner in self.free:
-            for sd in (self.trace, size):
+            for sd in (self.traces[0], size):
                 background = ((owner, -1, sd),)
                 alone[owner, sd] = self.explore(background, slow, 2)
         ranked = sorted(alone, key=lambda o: -alone[o])
         for a, b in combinations(ranked[:4], 2):
             if a[0] != b[0] and min(alone[a], alone[b]) > floor:
                 self.explore(tuple(sorted([(a[0], -1, a[1]), (b[0], -1, b[1])])), slow, 2)
-        return self.posterior()
+        return self
 
     def floor_score(self, slow: float) -> float:
-        return max(v for owners, forms in self.found.items() for v, _, s in forms if not any(o.startswith("?") for o in owners))
+        return max(
+            v
+            for owners, forms in self.found.items()
+            for v, _, s in forms
+            if not any(o.startswith("?") for o in owners)
+        )
 
     def best(self) -> Raised:
         return max((f for forms in self.found.values() for f in forms), key=lambda f: f[0])[1]
@@ -189,46 +188,50 @@ class Search:
         out.sort(key=lambda e: -e.score)
         score = np.array([e.score for e in out])
         p = np.exp(score - score.max())
-        return Posterior(self.design, self.sums, self.T, self.spike, out, p / p.sum())
+        return Posterior(out, p / p.sum())
 
 
-def material(posterior: Posterior, e: Explanation) -> dict[str, float]:
-    """Names of an explanation that are worth one: share of the square that is lost when one is dropped, all else refitted."""
-    design = posterior.design
-    declared = {f.owner: (DECLARED_FLOORS if f.owner == "declared" else 0.0) for f in design.free}
+def material(search: "Search", e: Explanation, owners: Iterable[str]) -> dict[str, float]:
+    """Share of what an explanation explains that is lost when one of its parts is dropped, and all else fitted again."""
+    design = search.design
+    declared = {f.owner: (DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
+    always = [
+        (b.at, e.slow if b.owner == SLOW else DECLARED_FLOORS)
+        for b in design.blocks
+        if b.owner in (SLOW, DECLARED)
+    ]
 
     def left(keep: Iterable[str]) -> float:
         chosen = [q for q in e.raised if q[0] in keep]
         sd = declared | {o: s for o, b, s in chosen if b < 0}
-        beside = beside_free(posterior.sums, free_variances(design, sd))
-        slow = next(b for b in design.blocks if b.owner == SLOW)
-        at = [design.blocks[b].at for _, b, _ in chosen if b >= 0]
-        return unexplained(beside, [*at, slow.at], [*[s for _, b, s in chosen if b >= 0], e.slow])
+        beside = beside_free(search.sums, free_variances(design, sd))
+        columns = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
+        return unexplained(beside, [at for at, _ in columns], [s for _, s in columns])
 
     everything = [o for o, _, _ in e.raised]
     nothing, whole = left(()), left(everything)
     total = max(nothing - whole, 1e-9)
-    return {o: float((left([q for q in everything if q != o]) - whole) / total) for o in everything}
+    return {o: float((left([q for q in everything if q != o]) - whole) / total) for o in owners}
 
 
-def sizes(search: "Search", e: Explanation) -> dict[str, float]:
-    """How large each part of an explanation is in the joint fit, root mean square in floors, by owner."""
+def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
+    """How large each part of an explanation is in the joint fit, root mean square in floors, and its sd, by owner."""
     background = tuple(q for q in e.raised if q[1] < 0)
     state = search.state(background, e.slow)
     raised = [q for q in e.raised if q[1] >= 0]
     blocks = [search.design.blocks[b] for _, b, _ in raised]
-    mean = state.fitted([b.at for b in blocks], [s for _, _, s in raised]).mean if raised else state.mean
+    if not blocks:
+        return {}
+    fitted = state.fitted([b.at for b in blocks], [s for _, _, s in raised])
     out = {}
     for (owner, _, _), block in zip(raised, blocks, strict=True):
-        w = mean[block.at]
-        out[owner] = float(np.sqrt(max(w @ block.rms @ w, 0.0)))
+        w, cov = fitted.mean[block.at], fitted.covariance[block.at, block.at]
+        size = float(np.sqrt(max(w @ block.rms @ w, 0.0)))
+        way = block.rms @ w / max(size, 1e-300)
+        out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))))
     return out
 
 
-def inclusion(posterior: Posterior) -> Mapping[str, float]:
-    """Probability of each owner to be in the explanation."""
-    out: dict[str, float] = {}
-    for e, p in zip(posterior.explanations, posterior.probability, strict=True):
-        for owner in e.owners:
-            out[owner] = out.get(owner, 0.0) + float(p)
-    return out
+def is_name(owner: str) -> bool:
+    """Whether an owner is an effect."""
+    return not owner.startswith("?") and owner not in (SLOW, DECLARED)

@@ -55,24 +55,6 @@ def score(columns: Columns) -> Score:
     return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridges[best])
 
 
-def null_gains(columns: Columns, signs: Floats, ridge: float, base: Floats) -> Floats:
-    """The relative gain when the residuals of whole blocks change sign, (B,).
-
-    `signs` (B, G) are +1 or -1; the gain of each block is taken as a share of its `base` (G,). Under the
-    null the sign of a block's residual says nothing, so this is what the search would have found.
-    """
-    G, c = columns.sums
-    total = G.sum(axis=0)
-    out = np.zeros(len(signs))
-    signed = signs @ c
-    inverse = _inverse(total - G, ridge)
-    for f in range(len(G)):
-        beta = (signed - signs[:, [f]] * c[f]) @ inverse[f]
-        gain = 2 * signs[:, f] * (beta @ c[f]) - ((beta @ G[f]) * beta).sum(axis=1)
-        out += gain / max(float(base[f]), 1e-300)
-    return out
-
-
 def _leave_out(G: Floats, c: Floats, ridge: float) -> tuple[Floats, Floats]:
     total, target = G.sum(axis=0), c.sum(axis=0)
     beta = (_inverse(total - G, ridge) @ (target - c)[..., None])[..., 0]

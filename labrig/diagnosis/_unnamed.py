@@ -24,6 +24,7 @@ def unnamed(context: Context) -> Iterator[Space]:
         yield Space(FORM, FORM, acting(columns))
         yield Space("pressures together", "static", acting(list(_static(x))))
         yield from _history(context)
+    yield Space("place", "place", (pattern("always", np.ones(F)),))
     if context.has_holds:
         held = np.log1p(context.elapsed_s)
         held = held - held.mean()
@@ -38,6 +39,12 @@ def unnamed(context: Context) -> Iterator[Space]:
         columns = [pattern(f"cosine {k}", np.cos(np.pi * k * t)) for k in range(1, many)]
         columns += [pattern(f"cosine {k} load", np.cos(np.pi * k * t) * load, 0.5) for k in range(1, many, 2)]
         yield Space("time", "time", acting(columns))
+        if context.moves:
+            through = [
+                pressure(f"cosine {k}", np.repeat(np.cos(np.pi * k * t)[:, None], C, axis=1))
+                for k in range(1, many)
+            ]
+            yield Space("time through the pressures", "clock", acting(through), 0.8)
 
 
 def _static(x: Floats) -> Iterator:

@@ -81,7 +81,9 @@ def pattern(name: str, values: Floats, weight: float = 1.0) -> Feature:
 
 def acting(features: list[Feature]) -> tuple[Feature, ...]:
     """Only those features that are not zero everywhere."""
-    return tuple(f for f in features if np.isfinite(f.values).all() and np.abs(f.values).max(initial=0.0) > 1e-12)
+    return tuple(
+        f for f in features if np.isfinite(f.values).all() and np.abs(f.values).max(initial=0.0) > 1e-12
+    )
 
 
 def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:

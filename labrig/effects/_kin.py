@@ -22,13 +22,23 @@ def _play(context: Context, drive: Floats, width: float, rest: float | Floats) -
 def hysteresis(context: Context) -> Iterator[Space]:
     if not context.moves:
         return
-    x, u, span, d, slope = context.rows.fraction, context.rows.actuation, context.span, context.deflection, context.deflection_slope
+    x, u, span, d, slope = (
+        context.rows.fraction,
+        context.rows.actuation,
+        context.span,
+        context.deflection,
+        context.deflection_slope,
+    )
     out = []
     for r in (0.03, 0.06, 0.12, 0.25, 0.45):
         lag = (context.play(r) - u) / span
         out += [pressure(f"play {r}", lag), pressure(f"play {r} tilted", lag * (2 * x - 1), 0.25)]
         if not context.linear:
-            out.append(pressure(f"wall play {r}", (_play(context, context.event_deflection, r, 0.0) - d) / slope, 0.7))
+            out.append(
+                pressure(
+                    f"wall play {r}", (_play(context, context.event_deflection, r, 0.0) - d) / slope, 0.7
+                )
+            )
     out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.1), pressure("settled3", x**3, 0.1)]
     if not context.linear:
         out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
@@ -40,7 +50,11 @@ def friction(context: Context) -> Iterator[Space]:
         return
     x, u, span = context.rows.fraction, context.rows.actuation, context.span
     turn = -context.direction[context.rows.event]
-    out = [pressure("direction", turn), pressure("direction load", turn * x), pressure("direction load2", turn * x**2, 0.25)]
+    out = [
+        pressure("direction", turn),
+        pressure("direction load", turn * x),
+        pressure("direction load2", turn * x**2, 0.25),
+    ]
     for r in (0.01, 0.025):
         z = (context.play(r) - u) / span / r
         out += [pressure(f"presliding {r}", z, 0.5), pressure(f"presliding {r} load", z * x, 0.5)]
@@ -52,7 +66,10 @@ def _memory(context: Context, taus: tuple[float, ...], first: float) -> list[Fea
     out = []
     for tau in taus:
         lag = (context.relaxed(tau) - u) / span
-        out += [pressure(f"lag {tau}", lag, 1.0 if tau > first else 0.2), pressure(f"lag {tau} tilted", lag * (2 * x - 1), 0.15)]
+        out += [
+            pressure(f"lag {tau}", lag, 1.0 if tau > first else 0.2),
+            pressure(f"lag {tau} tilted", lag * (2 * x - 1), 0.15),
+        ]
         if not context.linear:
             wall = context.strained(tau) / span - context.deflection / context.deflection_slope
             out.append(pressure(f"wall {tau}", wall, 0.5))
@@ -83,7 +100,10 @@ def delay(context: Context) -> Iterator[Space]:
     gap = (context.previous[context.rows.event] - context.rows.actuation) / context.span
     for tau in (0.3, 0.6, 1.2, 2.4):
         q = context.elapsed_s[:, None] / tau
-        out += [pressure(f"second order {tau}", gap * (1 + q) * np.exp(-q), 0.5), pressure(f"dead {tau}", gap * (q < 1), 0.3)]
+        out += [
+            pressure(f"second order {tau}", gap * (1 + q) * np.exp(-q), 0.5),
+            pressure(f"dead {tau}", gap * (q < 1), 0.3),
+        ]
     yield Space("late", "delay", acting(out), 0.8)
 
 
@@ -134,7 +154,10 @@ def stiffening(context: Context) -> Iterator[Space]:
     ]
     if far > 0:
         share = context.travel / far
-        out += [field(f"travel {n}", context.displacement * share**n, w) for n, w in ((1, 0.5), (2, 0.5), (4, 0.25))]
+        out += [
+            field(f"travel {n}", context.displacement * share**n, w)
+            for n, w in ((1, 0.5), (2, 0.5), (4, 0.25))
+        ]
     yield Space("compliance", "stiffening", acting(out), 0.8)
 
 
@@ -144,7 +167,10 @@ def tension(context: Context) -> Iterator[Space]:
         return
     out = []
     if not context.linear:
-        out += [pressure("laplace", context.deflection), pressure("laplace wall", context.deflection / context.deflection_slope, 0.3)]
+        out += [
+            pressure("laplace", context.deflection),
+            pressure("laplace wall", context.deflection / context.deflection_slope, 0.3),
+        ]
         for r in (0.3, 0.7):
             out += [
                 pressure(f"string {r}", context.deflection / np.hypot(context.deflection, r), 0.5),
@@ -184,7 +210,11 @@ def _places(context: Context) -> Iterator[Space]:
     way = move / np.maximum(length, 1e-9)[..., None]
     for share in (0.3, 0.5, 0.7, 0.85):
         past = np.maximum(length - share * far, 0)
-        yield Space(f"travel {share}", "contact travel", acting([field("stop", _to_rows(context, -past[..., None] * way))]))
+        yield Space(
+            f"travel {share}",
+            "contact travel",
+            acting([field("stop", _to_rows(context, -past[..., None] * way))]),
+        )
     for share in (0.35, 0.55, 0.75, 0.9):  # each marker by itself, at a share of its own farthest way
         past = np.maximum(length - share * length.max(axis=0), 0)
         out = []
@@ -212,9 +242,17 @@ def _places(context: Context) -> Iterator[Space]:
         for share in (40, 65, 85, 95):
             past = np.where(out_, np.maximum(height - np.percentile(height[out_], share), 0), 0.0)
             met = (past > 0).astype(float) * past.max(initial=0.0)
-            out = [("back", -past[..., None] * n, 1.0), ("own way", -past[..., None] * way, 0.5), ("nearer", -met[..., None] * n, 0.1)]
+            out = [
+                ("back", -past[..., None] * n, 1.0),
+                ("own way", -past[..., None] * way, 0.5),
+                ("nearer", -met[..., None] * n, 0.1),
+            ]
             out += [(f"tilted {j}", -(met * beside[:, :, j])[..., None] * n, 0.3) for j in (0, 1)]
-            yield Space(f"plane {name} {share}", "contact plane", acting([field(k, _to_rows(context, v), w) for k, v, w in out]))
+            yield Space(
+                f"plane {name} {share}",
+                "contact plane",
+                acting([field(k, _to_rows(context, v), w) for k, v, w in out]),
+            )
 
 
 def _by_marker(context: Context, values: Floats) -> Floats:
@@ -277,14 +315,18 @@ def gravity(context: Context) -> Iterator[Space]:
             own = rows.marker == m
             give[:, own] = give[:, own].mean(axis=1, keepdims=True)
         give = give / np.sqrt((give**2).mean()) * scale
-        out += [pressure(f"{n} held", np.repeat(v[:, None], len(rows.chambers), axis=1), 0.3) for n, v in loads]
+        out += [
+            pressure(f"{n} held", np.repeat(v[:, None], len(rows.chambers), axis=1), 0.3) for n, v in loads
+        ]
         out += [pressure(f"{n} held load", v[:, None] * rows.fraction, 0.3) for n, v in loads]
         ways = [("own", np.ones(len(give)), 1.0)] + [(n, v, 1.0) for n, v in loads]
         for way, factor, weight in ways:
             for a, letter in enumerate("xyz"):
                 own = rows.axis == a
                 out.append(field(f"{way} {letter} give", np.where(own, give, 0.0) * factor[:, None], weight))
-                out.append(field(f"{way} {letter} even", np.where(own, scale, 0.0) * factor[:, None], 0.25 * weight))
+                out.append(
+                    field(f"{way} {letter} even", np.where(own, scale, 0.0) * factor[:, None], 0.25 * weight)
+                )
     if out:
         yield Space("weight", "gravity", acting(out))
 
@@ -298,13 +340,19 @@ def drift(context: Context) -> Iterator[Space]:
     scale = motion_scale(context)
     if np.ptp(context.displacement) > 0:
         out = [field(n, context.displacement * q[:, None], w) for n, q, w in ticks]
-        out += [pressure(f"{n} load", q[:, None] * rows.fraction, 0.5 * w) for n, q, w in ticks if context.moves]
+        out += [
+            pressure(f"{n} load", q[:, None] * rows.fraction, 0.5 * w) for n, q, w in ticks if context.moves
+        ]
         yield Space("gain", "drift gain", acting(out), 0.5)
     if has_axis:
         modes = frame_modes(context)
         size = np.sqrt((modes**2).mean(axis=(0, 1)))
         modes = modes / np.where(size > 0, size, 1.0) * scale[None, :, None]
-        out = [field(f"{n} {j}", modes[:, :, j] * q[:, None], w * (1.0 if j < 3 else 0.3)) for n, q, w in ticks for j in range(6)]
+        out = [
+            field(f"{n} {j}", modes[:, :, j] * q[:, None], w * (1.0 if j < 3 else 0.3))
+            for n, q, w in ticks
+            for j in range(6)
+        ]
         yield Space("rigid", "drift rigid", acting(out))
     if context.moves:
         out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
@@ -324,7 +372,11 @@ def frame(context: Context) -> Iterator[Space]:
     whole = [field(n, modes[:, :, j], 1.0 if j < 6 else 0.3) for j, n in enumerate(names)]
     yield Space("always", "frame", acting(whole))
     if len(rows.sessions) > 1:
-        out = [field(f"{n} session {s}", modes[:, :, j] * (rows.session == s)[:, None]) for j, n in enumerate(names) for s in range(len(rows.sessions))]
+        out = [
+            field(f"{n} session {s}", modes[:, :, j] * (rows.session == s)[:, None])
+            for j, n in enumerate(names)
+            for s in range(len(rows.sessions))
+        ]
         yield Space("by session", "frame by session", acting(out))
 
 
@@ -334,7 +386,22 @@ def rest_shape(context: Context) -> Iterator[Space]:
 
 KIN: dict[str, Callable[[Context], Iterator[Space]]] = {
     f.__name__: f
-    for f in (hysteresis, friction, creep, delay, leak, regulator, stiffening, tension, contact, coupling, gravity, drift, frame, rest_shape)
+    for f in (
+        hysteresis,
+        friction,
+        creep,
+        delay,
+        leak,
+        regulator,
+        stiffening,
+        tension,
+        contact,
+        coupling,
+        gravity,
+        drift,
+        frame,
+        rest_shape,
+    )
 }
 
 
@@ -346,7 +413,11 @@ def _more_steps(e: Floats, first: int) -> list[int]:
         if len(piece) < 8:
             continue
         n = np.arange(1, len(piece))
-        gain = (np.cumsum(piece - piece.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(piece) / (n * (len(piece) - n))
+        gain = (
+            (np.cumsum(piece - piece.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1)
+            * len(piece)
+            / (n * (len(piece) - n))
+        )
         out.append(begin + int(np.argmax(gain[2:-2])) + 2)
     return out
 
@@ -362,7 +433,13 @@ def marker_slip(context: Context) -> Iterator[Space]:
 
     residual = context.residual
     seen = np.isfinite(residual)
-    error = np.stack([np.where(seen[rows.capture == c], residual[rows.capture == c], 0).sum(axis=0) / np.maximum(seen[rows.capture == c].sum(axis=0), 1) for c in captures])
+    error = np.stack(
+        [
+            np.where(seen[rows.capture == c], residual[rows.capture == c], 0).sum(axis=0)
+            / np.maximum(seen[rows.capture == c].sum(axis=0), 1)
+            for c in captures
+        ]
+    )
     error[np.stack([~seen[rows.capture == c].any(axis=0) for c in captures])] = np.nan
     error = fill(error)
     scale = motion_scale(context)
@@ -381,7 +458,9 @@ def marker_slip(context: Context) -> Iterator[Space]:
         gain = (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
         gain[:3] = gain[-3:] = 0
         i = int(np.argmax(gain))
-        found.append((float(gain[i]), int(m), int(captures[i + 1]), [int(captures[j + 1]) for j in _more_steps(e, i)]))
+        found.append(
+            (float(gain[i]), int(m), int(captures[i + 1]), [int(captures[j + 1]) for j in _more_steps(e, i)])
+        )
     for _, m, since, others in sorted(found, reverse=True)[:3]:
         after = rows.capture >= since
         ramp = np.clip((rows.capture - since) / max(captures[-1] - since, 1), 0, None)
@@ -389,9 +468,17 @@ def marker_slip(context: Context) -> Iterator[Space]:
         for k in np.flatnonzero(rows.marker == m):
             e = np.zeros(context.base.shape[1])
             e[k] = scale[k]
-            out += [field(f"step {rows.axis[k]}", after[:, None] * e), field(f"slide {rows.axis[k]}", ramp[:, None] * e, 0.3)]
-            out += [field(f"step {rows.axis[k]} {i}", (rows.capture >= o)[:, None] * e, 0.3) for i, o in enumerate(others)]
-        yield Space(f"marker {m} since {since}", "marker_slip", tuple(out), scanned=len(markers) * len(captures))
+            out += [
+                field(f"step {rows.axis[k]}", after[:, None] * e),
+                field(f"slide {rows.axis[k]}", ramp[:, None] * e, 0.3),
+            ]
+            out += [
+                field(f"step {rows.axis[k]} {i}", (rows.capture >= o)[:, None] * e, 0.3)
+                for i, o in enumerate(others)
+            ]
+        yield Space(
+            f"marker {m} since {since}", "marker_slip", tuple(out), scanned=len(markers) * len(captures)
+        )
 
 
 KIN["marker_slip"] = marker_slip

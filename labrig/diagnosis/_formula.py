@@ -1,0 +1,66 @@
+"""The formula after the name: the plainest forms of the named effects that fit well enough, fitted together."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, square_of
+from labrig.diagnosis._columns import columns_of
+from labrig.diagnosis._parameters import refined
+from labrig.diagnosis._score import score
+from labrig.diagnosis._streams import Streams
+from labrig.effects import Context, Effect
+
+_ROUNDS = 2
+_KEPT = 6
+
+
+def fit_named(streams: Streams, context: Context, effects: Sequence[Effect]) -> Fit:
+    """Forms of these effects, found in turn and then moved off the grid together.
+
+    Raises `LabrigError` when one of them has no form that can act on this run.
+    """
+    forms = [forms_of(streams, context, effect)[:_KEPT] for effect in effects]
+    for effect, own in zip(effects, forms, strict=True):
+        if not own:
+            raise LabrigError(
+                f"effect {effect.name!r} can't act on this run; see: labrig effects show {effect.name}"
+            )
+    chosen = fit([f[0] for f in forms])
+    for _ in range(_ROUNDS if len(forms) > 1 else 0):
+        for i, own in enumerate(forms):
+            options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
+            chosen = max(options, key=lambda f: f.score.gain)
+    for i, effect in enumerate(effects):
+        if effect.name != "marker_slip":
+            chosen = refined(streams, context, chosen, i)
+    return chosen
+
+
+def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candidate]:
+    """The forms of one effect, best first: those within their physical bounds before the others."""
+    found = []
+    for variant in effect.variants(context):
+        columns = columns_of(streams, variant)
+        if columns.width:
+            scored = score(columns)
+            candidate = Candidate(effect, variant, columns, scored)
+            found.append((plausible(effect, variant, columns, scored), candidate))
+    found.sort(key=lambda f: (not f[0], -f[1].score.gain))
+    return [candidate for _, candidate in found]
+
+
+def fall_of(chosen: Fit, i: int) -> tuple[float, float]:
+    """By how much the i-th effect lowers the held-out mean square beside the others, and its standard error."""
+    streams = chosen.columns.streams
+    rest = [p for j, p in enumerate(chosen.parts) if j != i]
+    before = fit(rest) if rest else None
+    left = streams.residual - (before.heldout if before else streams.nothing)
+    now = streams.residual - chosen.heldout
+    each = streams.square(left) - streams.square(now)
+    gains = np.bincount(streams.group, weights=each)
+    fall = square_of(streams, left) - square_of(streams, now)
+    n = len(gains)
+    relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else np.inf
+    return fall, abs(fall) * relative

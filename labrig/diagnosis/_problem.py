@@ -1,0 +1,67 @@
+"""What a diagnosis works on: rows, what the model predicts of them, what is left, and how finely that was measured."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from labrig.diagnosis._floor import Floor, noise_floor
+from labrig.diagnosis._outliers import clean
+from labrig.diagnosis._streams import Streams, build_streams
+from labrig.effects import Context, Rows, join_rows, rows_of
+from labrig.effects._rows import Floats
+from labrig.model import Model
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+MOST_ROWS = 6000
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A campaign beside a model: `residual` (F, K) without outliers (`dropped` of them), the noise `floor`, and what the
+    base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
+    """
+
+    context: Context
+    residual: Floats
+    floor: Floor
+    dropped: int
+    declared: Floats | None
+    calibrated: Floats | None
+
+    @cached_property
+    def streams(self) -> Streams:
+        """The same as a regression problem, for the formulas."""
+        return build_streams(self.context, self.floor, self.residual, self.declared, self.calibrated)
+
+
+def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
+    """The rows of one campaign or of several of the same rig."""
+    many = list(runs) if isinstance(runs, list | tuple) else [runs]
+    return join_rows([rows_of(run) for run in many])  # type: ignore[arg-type]
+
+
+def prepared(rows: Rows, model: Model) -> Prepared:
+    """Predict, clean, and estimate the floor; of very long records every n-th row."""
+    predictor = model.predictor(rows)
+    context = predictor.context(rows)
+    declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
+    if len(rows.capture) > MOST_ROWS:
+        keep = np.unique(np.linspace(0, len(rows.capture) - 1, MOST_ROWS).astype(int))
+        context = context.thin(keep)
+        declared = None if declared is None else declared[keep]
+        calibrated = None if calibrated is None else calibrated[keep]
+    residual, dropped = clean(context)
+    lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
+    floor = noise_floor(context, residual, lost)
+    return Prepared(context, residual, floor, dropped, declared, calibrated)
+
+
+def prepare(rows: Rows, model: Model) -> tuple[Streams, Context, Floor, int]:
+    """The regression problem of a campaign, its context, its floor, and how many outlying values were dropped."""
+    ready = prepared(rows, model)
+    return ready.streams, ready.context, ready.floor, ready.dropped

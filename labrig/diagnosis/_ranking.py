@@ -1,0 +1,68 @@
+"""Each effect by itself: the error with it alone, and what it takes."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from labrig.diagnosis._candidates import Candidate, fit, square_of
+from labrig.diagnosis._formula import forms_of
+from labrig.diagnosis._parameters import entry_of
+from labrig.diagnosis._streams import Streams
+from labrig.diagnosis._verdict import Verdict
+from labrig.effects import Context, Effect
+
+_SHOWN = 5
+
+
+def alone(
+    streams: Streams, context: Context, verdict: Verdict, effects: Mapping[str, Effect]
+) -> dict[str, list[Candidate]]:
+    """The forms of the likeliest effects, each fitted by itself, best first."""
+    found = {}
+    for considered in verdict.considered[:_SHOWN]:
+        forms = forms_of(streams, context, effects[considered.effect])
+        if forms:
+            found[considered.effect] = forms
+    return found
+
+
+def drop_of(base: float, now: float, reachable: float) -> float:
+    """Share of the explainable error (root mean squares) that is gone; never more than all of it."""
+    least = min(reachable, now)
+    return float((base - now) / (base - least)) if base > least * (1 + 1e-9) else 0.0
+
+
+def ranking_of(
+    streams: Streams, found: Mapping[str, list[Candidate]], verdict: Verdict, base: float, reachable: float
+) -> list[dict[str, Any]]:
+    """Each effect alone, smallest held-out error first, with its probability beside all others."""
+    probability = {c.effect: c.probability for c in verdict.considered}
+    out = []
+    for name, forms in found.items():
+        one = fit([forms[0]])
+        left = streams.residual - one.heldout
+        error = float(np.sqrt(max(square_of(streams, left), 0.0)))
+        gains = np.bincount(
+            streams.group, weights=streams.square(streams.residual - streams.nothing) - streams.square(left)
+        )
+        n = len(gains)
+        relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else None
+        drop = drop_of(base, error, reachable)
+        out.append(
+            {
+                "effect": name,
+                "form": forms[0].variant.form,
+                "heldout_error": error,
+                "drop": drop,
+                "se": None if relative is None else abs(drop) * relative,
+                "probability": probability[name],
+                "parameters": {
+                    key: value.model_dump(exclude_none=True)
+                    for key, value in entry_of(
+                        streams, streams.context, one, 0, refine=False
+                    ).parameters.items()
+                },
+            }
+        )
+    return sorted(out, key=lambda e: e["heldout_error"])
