@@ -95,9 +95,10 @@ def _within(deviation: Floats, capture: Ints, hold_s: Floats) -> float:
     if len(deviation) < 2:
         return 0.0
     same = (capture[1:] == capture[:-1]) & (hold_s[1:] > hold_s[:-1])
-    steps = np.diff(deviation, axis=0)[same]
-    bends = steps[1:] - steps[:-1] if len(steps) > 2 * len(np.unique(capture)) else steps
-    gain = 6.0 if bends is not steps else 2.0
+    steps = np.diff(deviation, axis=0)
+    both = same[1:] & same[:-1]
+    enough = both.sum() >= same.sum() / 3
+    bends, gain = ((steps[1:] - steps[:-1])[both], 6.0) if enough else (steps[same], 2.0)
     good = np.abs(bends[np.isfinite(bends)])
     return float(1.4826 * np.median(good) / np.sqrt(gain)) if len(good) else 0.0
 

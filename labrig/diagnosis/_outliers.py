@@ -18,6 +18,13 @@ _BESIDE = 5
 _MISTAKEN = 2
 """How many of the neighbours may be mistaken themselves, on either side."""
 _FAR_FROM_NEIGHBOURS = 4.0
+_AROUND = 2
+_LONG = 6
+"""Rows of a hold from which on it is compared with all longer ones."""
+_TO_TELL = 3
+"""Rows of a hold, at least, of which one can be told to be mistaken."""
+_RARE = 3.0
+"""What goes beyond nine in ten at the same place of a hold by so much is rare there."""
 _NEAREST = 8
 _WITNESSES = 3
 _NEAR = 0.1
@@ -30,8 +37,8 @@ def clean(context: Context) -> tuple[Floats, int]:
 
     Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has
     low rank, a mistaken marker has not); with few, against the neighbours along the campaign, unless others at the same
-    pressures and time in hold say the same. Captures and rows are looked at in turn, since a mistake may last for a
-    whole hold or for one frame.
+    pressures and time in hold say the same. Rows, rows within their holds (where noise is smaller) and captures are
+    looked at in turn, since a mistake may last for a whole hold or for one frame.
     """
     at = np.column_stack([context.rows.fraction, np.log1p(np.maximum(context.elapsed_s, 0.0)) / _DECADE])
     return _clean(context.residual, context.rows.capture, at)
@@ -47,6 +54,7 @@ def _clean(residual: Floats, capture: Ints, at: Floats) -> tuple[Floats, int]:
         return rows, dropped
     captures, index = np.unique(capture, return_inverse=True)
     rows = np.where(_passing(_far(residual, at, index), index), np.nan, residual)
+    rows = np.where(_far_in_hold(rows, index), np.nan, rows)
     means, _ = capture_means(rows, capture)
     if len(captures) >= 6:
         own = np.arange(len(captures))
@@ -81,6 +89,46 @@ def _far(values: Floats, at: Floats, index: Ints) -> NDArray[np.bool_]:
     bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
     structure = bad.mean(axis=1) > _MOST_FAR
     return bad & ~structure[:, None]
+
+
+def _far_in_hold(values: Floats, index: Ints) -> NDArray[np.bool_]:
+    """Which entries are far from the rows around them in their own hold, (n, K).
+
+    "Far" is against the noise between neighbouring rows, against how much the five rows around differ from each other,
+    and against what that place in a hold usually is off by: what changes along a hold is no mistake.
+    """
+    off, usual = np.zeros_like(values), np.zeros_like(values)
+    place = np.zeros(len(values), dtype=int)
+    steps = []
+    for own in np.split(np.argsort(index, kind="stable"), np.cumsum(np.bincount(index))[:-1]):
+        n, width = len(own), min(len(own), 2 * _AROUND + 1)
+        steps.append(np.diff(values[own], axis=0))
+        i = np.arange(n)
+        around = values[own][np.clip(i - _AROUND, 0, n - width)[:, None] + np.arange(width)]
+        middle = _median(around)
+        told = np.isfinite(around).sum(axis=1) >= _TO_TELL
+        off[own] = np.where(told, np.nan_to_num(np.abs(values[own] - middle)), 0.0)
+        usual[own] = np.nan_to_num(_median(np.abs(around - middle[:, None])))
+        ends = np.minimum(i, _AROUND), np.minimum(i[::-1], _AROUND)
+        place[own] = np.ravel_multi_index(
+            (*ends, np.full(n, min(n, _LONG))), (_AROUND + 1, _AROUND + 1, _LONG + 1)
+        )
+    noise = 1.4826 / np.sqrt(2) * np.nan_to_num(_median(np.abs(np.concatenate(steps))[None]))[0]
+    limit = _FAR * np.maximum(noise, usual)
+    for where in np.unique(place):
+        here = place == where
+        limit[here] = np.maximum(limit[here], _RARE * np.quantile(off[here], 0.9, axis=0))
+    return off > limit
+
+
+def _median(values: Floats) -> Floats:
+    """Median over the second axis of what was seen, (n, r, K) to (n, K); NaN where nothing was."""
+    count = np.isfinite(values).sum(axis=1, keepdims=True)
+    order = np.sort(values, axis=1)
+    low, high = (
+        np.take_along_axis(order, np.maximum(at, 0), axis=1) for at in ((count - 1) // 2, count // 2)
+    )
+    return ((low + high) / 2)[:, 0]
 
 
 def _middle_and_spread(values: Floats) -> tuple[Floats, Floats]:

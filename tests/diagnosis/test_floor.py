@@ -31,6 +31,14 @@ def test_white_noise_is_found(make_lab) -> None:
     assert floor.repeats["early against late"] is not None
 
 
+@pytest.mark.parametrize("rows", [2, 3, 4])
+def test_noise_within_holds_is_not_taken_too_small(make_lab, rows: int) -> None:
+    """However many rows a hold has, steps from one hold to the next do not pass for steps within it."""
+    lab = make_lab(captures=300, rows_s=tuple(3.0 + 0.5 * np.arange(rows)))
+    floor = floor_of(lab, lab.predict(lab.u) + lab.noise(row=0.2, capture=0.3))
+    assert floor.within[0] == pytest.approx(0.2, rel=0.035)
+
+
 def test_an_effect_does_not_lift_the_floor(make_lab) -> None:
     """Residuals of ten floors that depend on the pressures leave the floor where it is."""
     lab = make_lab(captures=100)

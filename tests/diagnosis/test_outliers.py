@@ -1,0 +1,120 @@
+"""Mistaken values: what is dropped before anything is estimated, and what only looks like a mistake."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis._outliers import clean
+from labrig.effects import rows_of
+
+LONG_S = (3.0, 5.0, 10.0, 30.0)
+
+
+def cleaned_of(lab: Any, values: np.ndarray) -> tuple[np.ndarray, int]:
+    """What is left of a lab's residual, and how many values were dropped."""
+    return clean(lab.model().context(rows_of(lab.dataset(values))))
+
+
+def test_outliers_go_and_a_slip_stays(make_lab) -> None:
+    """A marker mistaken for a capture or a frame is dropped; one that moves and stays off is not."""
+    lab = make_lab(captures=40, markers=12)
+    values = lab.predict(lab.u) + lab.noise()
+    bad = [(5, 0, 7), (11, 1, 3), (23, 2, 30)]
+    for capture, row, k in bad:
+        values[capture, row, k] += 25.0
+    values[17, :, 12:15] += 30.0
+    values[25:, :, 21:24] += 4.0
+    cleaned, dropped = cleaned_of(lab, values)
+    gone = np.isnan(cleaned).reshape(40, 3, 36)
+    assert all(gone[entry] for entry in bad)
+    assert gone[17, :, 12:15].all()
+    assert gone[25:, :, 21:24].mean() < 0.5
+    elsewhere = np.delete(gone, [21, 22, 23], axis=2).sum()
+    assert elsewhere <= 3 + 9 + 0.01 * gone.size
+    assert dropped == gone.sum()
+
+
+def test_a_large_effect_is_no_outlier(make_lab) -> None:
+    """A sharp kink of one chamber, and a jump between sessions, are left as they are."""
+    lab = make_lab(captures=40, markers=12, sessions=2)
+    u = lab.u
+    u[:, :, 0] -= 0.7 * np.maximum(u[:, :, 0] - 45, 0)
+    values = lab.predict(u) + lab.noise()
+    values[20:] += 3.0
+    _, dropped = cleaned_of(lab, values)
+    assert dropped <= 0.005 * values.size
+
+
+def test_two_mistakes_in_a_row_of_a_few_observables_go(make_lab) -> None:
+    """Neighbours that are mistaken themselves do not make a mistake believed, be they rows or whole captures."""
+    lab = make_lab(captures=40, markers=1)
+    values = lab.predict(lab.u) + lab.noise()
+    values[5, 1, 0] += 25.0
+    values[6, 0, 0] += 30.0
+    values[20:22, :, 1] -= 28.0
+    cleaned, dropped = cleaned_of(lab, values)
+    gone = np.isnan(cleaned).reshape(40, 3, 3)
+    assert gone[5, 1, 0]
+    assert gone[6, 0, 0]
+    assert gone[20:22, :, 1].all()
+    assert dropped <= 8 + 0.01 * gone.size
+
+
+def test_what_others_at_the_same_pressures_say_is_believed(make_lab) -> None:
+    """A limit that a few captures meet, one here and one there, is no mistake of those captures."""
+    lab = make_lab(captures=60, markers=1)
+    seldom = np.arange(60) % 12 == 5
+    lab.commanded[:, 0] = np.where(seldom, 58.0, np.minimum(lab.commanded[:, 0], 40.0))
+    values = lab.predict(lab.u) + lab.noise()
+    values[seldom] -= 9.0
+    cleaned, _ = cleaned_of(lab, values)
+    assert not np.isnan(cleaned).reshape(60, 3, 3)[seldom].any()
+    values[30] -= 9.0
+    cleaned, _ = cleaned_of(lab, values)
+    assert np.isnan(cleaned).reshape(60, 3, 3)[30].all()
+
+
+def test_what_other_long_holds_say_is_believed(make_lab) -> None:
+    """What is far off late in every long hold, and nowhere else, is no mistake of those rows."""
+    lab = make_lab(captures=60, markers=1, long_s=LONG_S)
+    values = lab.predict(lab.u) + lab.noise()
+    late = np.isfinite(lab.hold_s) & (lab.hold_s >= 30.0)
+    values[late] -= 9.0
+    cleaned, _ = cleaned_of(lab, values)
+    assert not np.isnan(cleaned)[lab.hold_s[np.isfinite(lab.hold_s)] >= 30.0].any()
+
+
+@pytest.mark.parametrize("settings", [{"markers": 12}, {"markers": 4}, {"force": True, "chambers": 1}])
+def test_single_rows_inside_a_hold_go(make_lab, settings: dict[str, Any]) -> None:
+    """A row that is off by little more than captures differ, but by much more than rows of its hold, is dropped."""
+    lab = make_lab(captures=60, rows_s=(3.0, 3.5, 4.0, 4.5), **settings)
+    values = lab.predict(lab.u) + lab.noise(row=0.05, capture=0.2)
+    bad = [(5, 0, 0), (20, 2, -1), (41, 3, 0), (50, 1, -1)]
+    for capture, row, k in bad:
+        values[capture, row, k] += 1.0
+    cleaned, dropped = cleaned_of(lab, values)
+    gone = np.isnan(cleaned).reshape(60, 4, -1)
+    assert all(gone[entry] for entry in bad)
+    assert dropped <= 4 + 0.001 * gone.size
+
+
+def test_what_changes_along_a_hold_stays(make_lab) -> None:
+    """Neither what fades after a step, nor what escapes over a long hold, is a mistake of its first or last row."""
+    lab = make_lab(
+        captures=40, markers=6, rows_s=(1.0, 1.5, 2.0, 4.0), long_s=(1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
+    )
+    lab.commanded[:, 2] = np.repeat(lab.commanded[::8, 2], 8)  # one chamber hardly ever moves
+    before = np.concatenate([np.zeros((1, 3)), lab.commanded[:-1]])[:, None]
+    t = lab.hold_s[:, :, None]
+    u = (lab.u + (before - lab.u) * np.exp(-t / 0.5)) * np.exp(-t / 400.0)
+    cleaned, dropped = cleaned_of(lab, lab.predict(u) + lab.noise())
+    assert dropped <= 0.002 * cleaned.size
+
+
+def test_two_rows_cannot_tell_which_of_them_is_wrong(make_lab) -> None:
+    """In a hold of two rows nothing is dropped for their difference alone."""
+    lab = make_lab(captures=40, markers=6, rows_s=(3.0, 3.5))
+    values = lab.predict(lab.u) + lab.noise(row=0.02, capture=0.2)
+    values[7, 1, 4] += 0.8
+    assert cleaned_of(lab, values)[1] == 0
