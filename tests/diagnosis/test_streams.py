@@ -1,15 +1,15 @@
-"""Scores: streams, columns, leave-block-out gains and sign flips do what their slow counterparts do."""
+"""Formulas as regressions: streams, columns and leave-block-out gains do what their slow counterparts do."""
 
 from typing import Any
 
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose, prepare
-from labrig.diagnosis._candidates import Candidate, draw_signs, explore, fit, lay_out, plausible, relative
+from labrig.diagnosis import prepare
+from labrig.diagnosis._candidates import Candidate, fit, plausible
 from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, order_of
-from labrig.diagnosis._outliers import clean
-from labrig.diagnosis._score import null_gains, score
+from labrig.diagnosis._formula import forms_of
+from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, get, join_rows, rows_of
 from labrig.effects._fields import contribution
@@ -166,105 +166,6 @@ def test_effects_side_by_side_keep_their_own_columns(leaking) -> None:
     assert both.heldout.shape == streams.residual.shape
 
 
-def test_flipped_signs_are_a_fair_null(make_lab) -> None:
-    """On noise alone, the p-value of the whole search is nearly uniform: it says 'rare' as rarely as it should."""
-    ranks = []
-    effects = {n: get(n) for n in ("regulator", "leak", "hysteresis", "coupling", "drift")}
-    for seed in range(24):
-        lab = make_lab(captures=24, markers=4, chambers=2, seed=seed, long_s=(3.0, 8.0, 20.0))
-        streams, context = prepared(lab, lab.predict(lab.u) + lab.noise())
-        found, largest = explore(streams, context, effects, draw_signs(streams.n_groups, draws=99))
-        gains = [relative(c.score.gains, streams.base_squares) for forms in found.values() for c in forms]
-        ranks.append((1 + (largest >= max(gains, default=0.0)).sum()) / 100)
-    p = np.sort(ranks)
-    assert (p <= 0.05).mean() <= 0.125
-    assert 0.3 < p.mean() < 0.85
-
-
-def test_a_flip_of_all_signs_changes_nothing(leaking) -> None:
-    """The null's gain for no flip, and for a flip of all, is the observed one."""
-    streams, context = leaking
-    columns = columns_of(streams, next(iter(get("leak").variants(context))))
-    scored = score(columns)
-    n = streams.n_groups
-    both = null_gains(columns, np.array([np.ones(n), -np.ones(n)]), scored.ridge, streams.base_squares)
-    assert both == pytest.approx(np.full(2, relative(scored.gains, streams.base_squares)))
-
-
-def test_outliers_go_and_a_slip_stays(make_lab) -> None:
-    """A marker mistaken for a capture or a frame is dropped; one that moves and stays off is not."""
-    lab = make_lab(captures=40, markers=12)
-    values = lab.predict(lab.u) + lab.noise()
-    bad = [(5, 0, 7), (11, 1, 3), (23, 2, 30)]
-    for capture, row, k in bad:
-        values[capture, row, k] += 25.0
-    values[17, :, 12:15] += 30.0
-    values[25:, :, 21:24] += 4.0
-    data, model = lab.dataset(values), lab.model()
-    rows = rows_of(data)
-    cleaned, dropped = clean(model.context(rows))
-    gone = np.isnan(cleaned).reshape(40, 3, 36)
-    assert all(gone[entry] for entry in bad)
-    assert gone[17, :, 12:15].all()
-    assert gone[25:, :, 21:24].mean() < 0.5
-    elsewhere = np.delete(gone, [21, 22, 23], axis=2).sum()
-    assert elsewhere <= 3 + 9 + 0.01 * gone.size
-    assert dropped == gone.sum()
-    assert diagnose(data, model).summary["effects"] == ["marker_slip"]
-
-
-def test_a_large_effect_is_no_outlier(make_lab) -> None:
-    """A sharp kink of one chamber, and a jump between sessions, are left as they are."""
-    lab = make_lab(captures=40, markers=12, sessions=2)
-    u = lab.u
-    u[:, :, 0] -= 0.7 * np.maximum(u[:, :, 0] - 45, 0)
-    values = lab.predict(u) + lab.noise()
-    values[20:] += 3.0
-    rows = rows_of(lab.dataset(values))
-    _, dropped = clean(lab.model().context(rows))
-    assert dropped <= 0.005 * values.size
-
-
-def test_two_mistakes_in_a_row_of_a_few_observables_go(make_lab) -> None:
-    """Neighbours that are mistaken themselves do not make a mistake believed, be they rows or whole captures."""
-    lab = make_lab(captures=40, markers=1)
-    values = lab.predict(lab.u) + lab.noise()
-    values[5, 1, 0] += 25.0
-    values[6, 0, 0] += 30.0
-    values[20:22, :, 1] -= 28.0
-    cleaned, dropped = clean(lab.model().context(rows_of(lab.dataset(values))))
-    gone = np.isnan(cleaned).reshape(40, 3, 3)
-    assert gone[5, 1, 0]
-    assert gone[6, 0, 0]
-    assert gone[20:22, :, 1].all()
-    assert dropped <= 8 + 0.01 * gone.size
-
-
-def test_what_others_at_the_same_pressures_say_is_believed(make_lab) -> None:
-    """A limit that a few captures meet, one here and one there, is no mistake of those captures."""
-    lab = make_lab(captures=60, markers=1)
-    seldom = np.arange(60) % 12 == 5
-    lab.commanded[:, 0] = np.where(seldom, 58.0, np.minimum(lab.commanded[:, 0], 40.0))
-    values = lab.predict(lab.u) + lab.noise()
-    values[seldom] -= 9.0
-    cleaned, _ = clean(lab.model().context(rows_of(lab.dataset(values))))
-    assert not np.isnan(cleaned).reshape(60, 3, 3)[seldom].any()
-    values[30] -= 9.0
-    cleaned, _ = clean(lab.model().context(rows_of(lab.dataset(values))))
-    assert np.isnan(cleaned).reshape(60, 3, 3)[30].all()
-
-
-def test_what_other_long_holds_say_is_believed(make_lab) -> None:
-    """What is far off late in every long hold, and nowhere else, is no mistake of those rows."""
-    lab = make_lab(captures=60, markers=1, long_s=LONG_S)
-    values = lab.predict(lab.u) + lab.noise()
-    late = np.isfinite(lab.hold_s) & (lab.hold_s >= 30.0)
-    values[late] -= 9.0
-    rows = rows_of(lab.dataset(values))
-    cleaned, _ = clean(lab.model().context(rows))
-    assert not np.isnan(cleaned)[rows.hold_s >= 30.0].any()
-
-
 @pytest.mark.parametrize(("stopped", "is_one"), [(0.6, True), (0.03, False)])
 def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_one: bool) -> None:
     """A kink that takes a few hundredths of the motion, however clear, is another law's misfit and no limit."""
@@ -273,7 +174,7 @@ def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_
     u[:, :, 0] -= stopped * np.maximum(u[:, :, 0] - 40.0, 0.0) ** 1.2
     streams, context, _, _ = prepare(rows_of(lab.dataset(lab.predict(u) + 0.01 * lab.noise())), lab.model())
     contact = get("contact")
-    forms = {c.variant.key: c for c in lay_out(streams, contact, list(contact.variants(context)))}
+    forms = {c.variant.key: c for c in forms_of(streams, context, contact)}
     best = forms["one chamber limit=0.7 chamber=0"]
     assert plausible(contact, best.variant, best.columns, best.score) is is_one
 
