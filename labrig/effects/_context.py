@@ -11,6 +11,7 @@ from labrig._errors import LabrigError
 from labrig.effects._rows import Floats, Ints, Rows
 
 LINEAR = 0.03
+MOMENTS = "the moments of its actuations"
 
 
 class Alone(Protocol):

@@ -1,7 +1,7 @@
 """The small class that every physical effect is, and the terms by which it changes a prediction."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
@@ -132,6 +132,10 @@ class Effect(ABC):
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         """The covariate that betrays it, for plots: name, unit, values (F,)."""
         return ("load", "1", context.rows.fraction.mean(axis=1))
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        """What a saved form needs and `context` has not, in words; empty where nothing is lacking."""
+        return ""
 
     @classmethod
     def parameter(cls, name: str) -> Parameter:

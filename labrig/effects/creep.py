@@ -1,11 +1,11 @@
 """Creep: the surface keeps moving under constant pressure, and remembers."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import product
 
 import numpy as np
 
-from labrig.effects._context import Context
+from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
@@ -73,3 +73,6 @@ class Creep(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        return "" if context.has_time else MOMENTS

@@ -1,8 +1,8 @@
 """Delay: what is seen lags behind what was commanded."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
-from labrig.effects._context import Context
+from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._rows import Floats
 
@@ -37,3 +37,6 @@ class Delay(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        return "" if context.has_time else MOMENTS

@@ -1,6 +1,6 @@
 """Drift: something changes with the clock or the temperature, whatever the pressures do."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -16,6 +16,9 @@ _CELSIUS = {
     "degF": (32.0, 5 / 9),
 }
 """Where 0 degC is on a scale of temperature, and how many kelvin its degree has."""
+
+
+_BY_TIME = ("linear", "warm-up", "linear over all sessions", "warm-up over all sessions")
 
 
 class Drift(Effect):
@@ -80,3 +83,9 @@ class Drift(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in session", "s", context.session_time_s)
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        clock = form.rsplit(", ", 1)[0]
+        by_time = clock in _BY_TIME or not any(name.endswith("_per_k") for name in parameters)
+        missing = by_time and not np.isfinite(context.rows.time_s).all()
+        return "the moments of its rows" if missing else "" if by_time else clock

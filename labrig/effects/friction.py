@@ -1,6 +1,6 @@
 """Friction: a force or a lag against the direction of motion, at once and in full."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -70,3 +70,7 @@ class Friction(Effect):
             if name in context.motion:
                 return (name, cov.unit, cov.values)
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        moving = form.removeprefix("Coulomb along ").removesuffix(", growing with load")
+        return moving if form.startswith("Coulomb along ") and moving not in context.motion else ""

@@ -1,6 +1,6 @@
 """Gravity: weight and payload pull the surface down."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -81,6 +81,10 @@ class Gravity(Effect):
                 Term.field(_WHERE_COMPLIANT[term.parameter], _products(along, term.feature)) for term in own
             ]
             yield Variant("own weight too, more where compliant", (*own, *more))
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        by = {"the payload": ("payload", "weight_per_kg"), "the tilt": ("tilt", "weight_by_tilt")}
+        return " and ".join(what for what, names in by.items() if set(names) & set(parameters))
 
     @staticmethod
     def _yielding(context: Context) -> Iterator[tuple[str, Floats]]:

@@ -1,6 +1,6 @@
 """Leak: a chamber loses pressure within the hold."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -44,3 +44,6 @@ class Leak(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        return "measured pressures" if form == "as measured" and context.measured_error is None else ""

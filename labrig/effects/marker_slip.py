@@ -1,6 +1,6 @@
 """Marker slip: one marker moves on the surface, at one moment."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -35,8 +35,13 @@ class MarkerSlip(Effect):
     scans = True
 
     def variants(self, context: Context) -> Iterator[Variant]:
+        timed = bool(np.isfinite(context.rows.time_s).all())
+        yield from self._step(context, timed)
+        if timed and context.saved and "since" in context.pinned:  # fitted to a run without times
+            yield from self._step(context, timed=False)
+
+    def _step(self, context: Context, timed: bool) -> Iterator[Variant]:
         rows = context.rows
-        timed = bool(np.isfinite(rows.time_s).all())
         name, form = ("since_s", "step") if timed else ("since", "step at a capture")
         pinned = context.grid("marker", ()), context.grid(name, ())
         if all(pinned) or context.saved:
@@ -86,6 +91,10 @@ class MarkerSlip(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        missing = "since_s" in parameters and not np.isfinite(context.rows.time_s).all()
+        return "the moments of its rows" if missing else ""
 
 
 def _moment(rows: Rows, capture: int) -> float:

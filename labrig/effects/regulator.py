@@ -1,6 +1,6 @@
 """Regulator: the chamber gets another pressure than the one commanded."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -54,3 +54,6 @@ class Regulator(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, np.ndarray]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        return "measured pressures" if form == "as measured" and context.measured_error is None else ""

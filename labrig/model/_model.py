@@ -172,7 +172,7 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
     linear = set(entry.parameters)
     if strange := sorted(linear - {p.name for p in effect.parameters}):
         raise LabrigError(f"effect {effect.name!r}: has no parameter {strange[0]!r}; {_OLDER}")
-    lacking: list[str] = []
+    unvalued: list[str] = []
     pinned = {
         name: float(np.asarray(p.value, dtype=float).reshape(-1)[0])
         for name, p in entry.parameters.items()
@@ -183,9 +183,13 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
         if entry.form == variant.form or (entry.form is None and names == linear):
             if names <= linear:
                 return variant
-            lacking = lacking or sorted(names - linear)
-    if lacking:
-        raise LabrigError(f"effect {effect.name!r}: the model gives no value for {lacking[0]!r}; {_OLDER}")
+            unvalued = unvalued or sorted(names - linear)
+    if unvalued:
+        raise LabrigError(f"effect {effect.name!r}: the model gives no value for {unvalued[0]!r}; {_OLDER}")
+    if lacking := effect.lacks(context, entry.form or "", entry.parameters):
+        raise LabrigError(
+            f"effect {effect.name!r} needs {lacking}, which this run did not log (or not everywhere)"
+        )
     form = f"form {entry.form!r}" if entry.form else f"parameters {', '.join(sorted(linear)) or 'none'}"
     raise LabrigError(
         f"effect {effect.name!r} can't act on this run in {form}; see: labrig effects show {effect.name}"
