@@ -98,6 +98,8 @@ def _far_in_hold(values: Floats, index: Ints) -> NDArray[np.bool_]:
     and against what that place in a hold usually is off by: what changes along a hold is no mistake.
     """
     off, usual = np.zeros_like(values), np.zeros_like(values)
+    if np.bincount(index).max() < _TO_TELL:
+        return off > 0
     place = np.zeros(len(values), dtype=int)
     steps = []
     for own in np.split(np.argsort(index, kind="stable"), np.cumsum(np.bincount(index))[:-1]):
