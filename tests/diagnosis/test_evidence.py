@@ -1,0 +1,242 @@
+"""The evidence: what the fast formulas give is the Gaussian log density, computed densely on a tiny design."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import multivariate_normal
+
+from labrig.diagnosis import _constants as k
+from labrig.diagnosis._design import DECLARED, SLOW, Block, Design, FreeBlock
+from labrig.diagnosis._evidence import State, Sums, beside_free, free_variances, unexplained
+from labrig.diagnosis._posterior import Search
+from labrig.effects._family import Space
+
+S, K, R = 11, 5, 3
+WIDTHS = {"a": 2, "b": 3, SLOW: 2}
+SEEDS = st.integers(0, 10_000)
+
+
+def space(name: str) -> Space:
+    """A space of that name without features."""
+    return Space(name, name, ())
+
+
+def tiny(seed: int = 0, widths: Mapping[str, int] = WIDTHS, free: Mapping[str, int] | None = None) -> Design:
+    """S observations of K observables along R directions; the widths of its blocks and free blocks, by owner."""
+    rng = np.random.default_rng(seed)
+    V, _ = np.linalg.qr(rng.normal(size=(K, R)))
+    blocks, start = [], 0
+    for owner, width in widths.items():
+        blocks.append(Block(owner, space(owner), slice(start, start + width), np.eye(width)))
+        start += width
+    patterns = [
+        FreeBlock(owner, space(owner), np.linalg.qr(rng.normal(size=(S, g)))[0] * np.arange(2, g + 2))
+        for owner, g in (free or {}).items()
+    ]
+    observations = SimpleNamespace(values=rng.normal(size=(S, K)), to_explain=2.0)
+    spread, W = np.array([1.5, 1.0, 0.5]), rng.normal(size=(S * R, start))
+    return Design(cast(Any, observations), V, spread, W, tuple(blocks), tuple(patterns))
+
+
+def covariance(design: Design, sd: np.ndarray, variance: np.ndarray | None = None) -> np.ndarray:
+    """Of the observations (S R,), where columns have prior sds (P,) and free regressors variances (g, R)."""
+    C = np.eye(S * R) + (design.W * sd**2) @ design.W.T
+    if variance is not None:
+        G = np.concatenate([f.G for f in design.free], axis=1)
+        for j in range(R):
+            C += np.kron((G * variance[:, j]) @ G.T, np.diag(np.arange(R) == j))
+    return C
+
+
+def seen(design: Design) -> np.ndarray:
+    """The observations along the directions, one after the other, (S R,)."""
+    return (design.observations.values @ design.V).ravel()
+
+
+def log_density(design: Design, C: np.ndarray) -> float:
+    """Log density of what was seen."""
+    return float(multivariate_normal(np.zeros(S * R), C).logpdf(seen(design)))
+
+
+def log_evidence(parts: tuple[float, float]) -> float:
+    """The same of the fast formulas, up to a constant."""
+    return -0.5 * sum(parts)
+
+
+def raise_to(design: Design, sd: np.ndarray, numbers: Sequence[int], sizes: Sequence[float]) -> np.ndarray:
+    """The prior sds (P,) where some blocks have larger ones."""
+    out = sd.copy()
+    for i, size in zip(numbers, sizes, strict=True):
+        out[design.blocks[i].at] = size
+    return out
+
+
+def state_of(design: Design, sd: np.ndarray) -> State:
+    """The state of a design without free patterns."""
+    return State(beside_free(Sums.of(design), np.zeros((0, R))), sd)
+
+
+@given(SEEDS, st.floats(0.01, 0.5), st.floats(0.6, 50.0), st.floats(0.6, 50.0))
+@settings(max_examples=40, deadline=None)
+def test_raised_is_the_gaussian_evidence(seed: int, small: float, one: float, two: float) -> None:
+    """Raising a block, or two, changes the evidence by what the dense log densities differ by."""
+    design = tiny(seed)
+    sd = np.full(7, small)
+    state = state_of(design, sd)
+    before, dense = log_evidence(state.parts()), log_density(design, covariance(design, sd))
+    for numbers, sizes in (([0], [one]), ([1], [two]), ([0, 1], [one, two]), ([0, 1, 2], [one, two, 1.0])):
+        fast = log_evidence(state.raised([design.blocks[i].at for i in numbers], sizes)) - before
+        slow = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes))) - dense
+        assert fast == pytest.approx(slow, abs=1e-3)
+
+
+def test_the_evidence_is_absolute() -> None:
+    """With the constant of a unit normal it is the log density itself."""
+    design = tiny()
+    sd = np.full(7, 0.7)
+    whole = log_evidence(state_of(design, sd).parts()) - S * R / 2 * np.log(2 * np.pi)
+    assert whole == pytest.approx(log_density(design, covariance(design, sd)), abs=1e-4)
+
+
+@given(SEEDS, st.floats(0.05, 5.0), st.floats(0.05, 5.0))
+@settings(max_examples=40, deadline=None)
+def test_beside_free_is_the_kronecker_product(seed: int, one: float, two: float) -> None:
+    """Marginalising patterns of free shape gives the evidence with their whole covariance in it."""
+    design = tiny(seed, free={"?history": 2, DECLARED: 3})
+    variance = free_variances(design, {"?history": one, DECLARED: two})
+    assert variance[:2] == pytest.approx(np.outer([one**2] * 2, design.spread))
+    assert variance[2:] == pytest.approx(two**2)  # the base's own parameters spread evenly
+    sd = np.full(7, 0.3)
+    state = State(beside_free(Sums.of(design), variance), sd)
+    for numbers, sizes in (([], []), ([1], [4.0]), ([0, 1], [1.0, 2.0])):
+        wanted = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes), variance))
+        parts = state.raised([design.blocks[i].at for i in numbers], sizes) if numbers else state.parts()
+        assert log_evidence(parts) - S * R / 2 * np.log(2 * np.pi) == pytest.approx(wanted, abs=2e-3)
+
+
+@given(SEEDS, st.floats(0.1, 20.0))
+@settings(max_examples=30, deadline=None)
+def test_what_is_left_unexplained(seed: int, size: float) -> None:
+    """It is y' C^-1 y, where only the blocks that act are in C; without any, beside free patterns alone."""
+    design = tiny(seed, free={"?history": 2})
+    variance = free_variances(design, {"?history": 1.0})
+    beside, y = beside_free(Sums.of(design), variance), seen(design)
+    for numbers, sizes in (([], []), ([1], [size]), ([2, 0], [size, 1.0])):
+        C = covariance(design, raise_to(design, np.zeros(7), numbers, sizes), variance)
+        left = unexplained(beside, [design.blocks[i].at for i in numbers], sizes)
+        assert left == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
+
+
+def test_posterior_means_and_their_spread() -> None:
+    """Coefficients of a raised block are those of a ridge regression, their covariance its inverse."""
+    design = tiny()
+    sd = np.full(7, 0.2)
+    fitted = state_of(design, sd).fitted([design.blocks[1].at], [3.0])
+    precision = design.W.T @ design.W + np.diag(raise_to(design, sd, [1], [3.0]) ** -2.0)
+    assert fitted.covariance == pytest.approx(np.linalg.inv(precision), abs=1e-6)
+    assert fitted.mean == pytest.approx(np.linalg.solve(precision, design.W.T @ seen(design)), abs=1e-5)
+
+
+@pytest.mark.parametrize("worth", [0.1, 1.0])
+def test_an_observation_may_be_worth_less_than_one(worth: float) -> None:
+    """The likelihood to a power is one of more noise; the prior keeps its whole weight."""
+    design = tiny()
+    sd = np.full(7, 0.5)
+    quad, logdet = State(beside_free(Sums.of(design, worth), np.zeros((0, R))), sd).parts()
+    C = covariance(design, sd) + (1 / worth - 1) * np.eye(S * R)
+    y = seen(design)
+    assert quad == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
+    assert logdet == pytest.approx(np.linalg.slogdet(worth * C)[1], abs=1e-4)
+
+
+def test_parts_of_the_observations_add_up() -> None:
+    """Sums over some observations and over the others make those over all."""
+    design = tiny(free={"?history": 2})
+    first = np.arange(S) < 4
+    one, two, all_ = (Sums.of(design, keep=keep) for keep in (first, ~first, None))
+    for name in ("A", "b", "GG", "GY", "GW", "square"):
+        assert getattr(one, name) + getattr(two, name) == pytest.approx(getattr(all_, name), abs=1e-4)
+
+
+@given(SEEDS, st.permutations([0, 1, 2]))
+@settings(max_examples=30, deadline=None)
+def test_the_order_of_blocks_does_not_matter(seed: int, order: list[int]) -> None:
+    """Laid out in another order, the same blocks have the same evidence."""
+    design = tiny(seed)
+    columns = np.concatenate([np.r_[design.blocks[i].at] for i in order])
+    ends = np.cumsum([0, *[design.blocks[i].rms.shape[0] for i in order]])
+    blocks = tuple(
+        replace(design.blocks[i], at=slice(int(a), int(b)))
+        for i, a, b in zip(order, ends, ends[1:], strict=False)
+    )
+    other = replace(design, W=design.W[:, columns], blocks=blocks)
+    sd = np.linspace(0.1, 0.4, 7)
+    one = state_of(design, sd).raised([b.at for b in design.blocks[:2]], [2.0, 5.0])
+    again = [other.blocks[order.index(i)].at for i in (1, 0)]
+    two = state_of(other, sd[columns]).raised(again, [5.0, 2.0])
+    assert log_evidence(one) == pytest.approx(log_evidence(two), abs=1e-3)
+
+
+@given(SEEDS, SEEDS)
+@settings(max_examples=30, deadline=None)
+def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
+    """Turned within their span, and together with all observables, they give the same evidence."""
+    design = tiny(seed, free={DECLARED: 2})
+    rng = np.random.default_rng(turn)
+    Q, _ = np.linalg.qr(rng.normal(size=(R, R)))
+    P, _ = np.linalg.qr(rng.normal(size=(K, K)))
+    W = np.einsum("srp,rq->sqp", design.W.reshape(S, R, -1), Q).reshape(S * R, -1)
+    observations = SimpleNamespace(values=design.observations.values @ P)
+    other = replace(design, V=P.T @ design.V @ Q, W=W, observations=cast(Any, observations))
+    variance = free_variances(design, {DECLARED: 2.0})
+    one, two = (State(beside_free(Sums.of(d), variance), np.full(7, 0.3)) for d in (design, other))
+    at = [design.blocks[0].at]
+    assert log_evidence(one.raised(at, [3.0])) == pytest.approx(log_evidence(two.raised(at, [3.0])), abs=1e-3)
+
+
+def test_a_search_scores_by_evidence_and_prior() -> None:
+    """The score of a form beside a free pattern is its dense log density, those absent kept small, and its prior."""
+    design = tiny(3, {"a": 2, "b": 3, "?clock": 2, SLOW: 1}, {"?history": 2})
+    search = Search(design)
+    present = max(search.sizes)
+    background = (("?history", -1, present),)
+    slow = k.SLOW_FLOORS[0]
+
+    def dense(numbers: Sequence[int], size: float) -> float:
+        sd = np.full(8, search.spike)
+        sd[design.blocks[3].at] = slow
+        variance = free_variances(design, {"?history": present})
+        return log_density(
+            design, covariance(design, raise_to(design, sd, numbers, [size] * len(numbers)), variance)
+        )
+
+    def prior(*raised: tuple[str, int, float]) -> float:
+        return search.prior((*background, *raised))
+
+    nothing = search.score(background, slow, ()) - prior()
+    for owner, number in (("a", 0), ("b", 1), ("?clock", 2)):
+        form = (owner, number, present)
+        gained = search.score(background, slow, (form,)) - prior(form) - nothing
+        assert gained == pytest.approx(dense([number], present) - dense([], present), abs=2e-3)
+    assert prior(("a", 0, present)) - prior() == pytest.approx(np.log(k.P_EFFECT / len(search.sizes)))
+
+
+def test_probabilities_of_all_that_was_looked_at() -> None:
+    """They sum to one, the likeliest first; what acts on the observations is in it, what does not is not."""
+    design = tiny(5, {"a": 2, "b": 3, SLOW: 1})
+    moved = (design.W[:, design.blocks[1].at] @ np.array([4.0, -3.0, 5.0])).reshape(S, R) @ design.V.T
+    observations = SimpleNamespace(values=design.observations.values + moved, to_explain=6.0)
+    posterior = Search(replace(design, observations=cast(Any, observations))).run().posterior()
+    assert posterior.probability.sum() == pytest.approx(1.0)
+    assert (np.diff(posterior.probability) <= 0).all()
+    assert posterior.explanations[0].owners == {"b"}
+    assert (
+        sum(p for e, p in zip(posterior.explanations, posterior.probability, strict=True) if "a" in e.owners)
+        < 0.2
+    )

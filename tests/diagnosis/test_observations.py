@@ -1,0 +1,126 @@
+"""Observations: independent numbers of unit noise, whatever the holds are like and what was mistaken or not seen."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from labrig.diagnosis._floor import Floor
+from labrig.diagnosis._observations import Observations, fill_low_rank, observe
+from labrig.diagnosis._problem import prepared
+from labrig.effects import rows_of
+
+LONG_S = (3.0, 5.0, 10.0, 20.0, 30.0)
+ROW, CAPTURE = 0.3, 0.4
+
+
+def observed(lab: Any, values: np.ndarray, **known: float) -> Observations:
+    """What a lab measured, as observations; with the floor given where it is `known`."""
+    ready = prepared(rows_of(lab.dataset(values)), lab.model())
+    floor = ready.floor
+    if known:
+        each = {name: np.full(len(floor.mean), size) for name, size in known.items()}
+        floor = Floor(each["mean"], each["within"], "given", {})
+    return observe(ready.context, ready.residual, floor)
+
+
+def test_noise_becomes_white(make_lab) -> None:
+    """Of noise of captures and of rows, the covariance of the observations is exactly diagonal, of contrasts one."""
+    lab = make_lab(captures=20, rows_s=(3.0, 4.0, 5.0), long_s=LONG_S)
+    mean = np.hypot(CAPTURE, ROW / np.sqrt(3))
+    seen = observed(lab, lab.predict(lab.u) + lab.noise(), mean=mean, within=ROW)
+    T = seen.whiten.toarray()
+    same = seen.index[:, None] == seen.index
+    made = T @ (ROW**2 * np.eye(len(same)) + CAPTURE**2 * same) @ T.T / mean**2
+    n = seen.n_captures
+    assert made - np.diag(np.diag(made)) == pytest.approx(0.0, abs=1e-12)
+    assert np.diag(made)[n:] == pytest.approx(1.0)
+    short = np.bincount(seen.index) == 3
+    assert np.diag(made)[:n][short] == pytest.approx(1.0)
+    assert (np.diag(made)[:n][~short] < 1.0).all()  # means of more rows have less
+    assert seen.values == pytest.approx(T @ (seen.context.residual / mean))
+
+
+def test_drawn_noise_has_unit_variance_and_no_correlation(make_lab) -> None:
+    """As estimated from the data themselves, means and contrasts have a variance near one and none in common."""
+    lab = make_lab(captures=300, rows_s=(3.0, 3.5, 4.0))
+    seen = observed(lab, lab.predict(lab.u) + lab.noise(row=0.2, capture=0.2))
+    n = seen.n_captures
+    assert (seen.values[:n] ** 2).mean() == pytest.approx(1.0, abs=0.12)
+    assert (seen.values[n:] ** 2).mean() == pytest.approx(1.0, abs=0.06)
+    first, second = seen.values[n::2].ravel(), seen.values[n + 1 :: 2].ravel()
+    assert abs(np.corrcoef(first, second)[0, 1]) < 4 / np.sqrt(first.size)
+    assert abs(np.corrcoef(first, seen.values[:n].ravel())[0, 1]) < 4 / np.sqrt(first.size)
+
+
+def test_rows_of_a_long_record_say_nearly_the_same(make_lab) -> None:
+    """However many rows a hold has, it counts as twelve: its contrasts together weigh no more."""
+    lab = make_lab(
+        chambers=1, force=True, captures=1, rows_s=tuple(np.arange(1.0, 200.0, 0.2)), repeats=False
+    )
+    seen = observed(lab, lab.predict(lab.u) + lab.noise(), mean=1.0, within=ROW)
+    rows = seen.whiten.shape[1]
+    assert rows > 24
+    T = seen.whiten.toarray()[1:]
+    assert len(T) == rows - 1
+    assert ROW**2 * np.trace(T @ T.T) == pytest.approx(12 * (rows - 1) / rows)
+
+
+@pytest.mark.parametrize("settings", [{"markers": 12}, {"markers": 4}, {"force": True, "chambers": 1}])
+def test_mistaken_rows_inside_holds_leave_the_noise_as_it_is(make_lab, settings: dict[str, Any]) -> None:
+    """Single rows that are off by ten to thirty times their noise do not pass for noise: chi-square stays near one."""
+    lab = make_lab(captures=150, rows_s=(3.0, 3.5, 4.0, 4.5), **settings)
+    values = lab.predict(lab.u) + lab.noise(row=0.1, capture=0.1)
+    bad = lab.random.random(values.shape) < 0.005
+    size = lab.random.uniform(1.0, 3.0, values.shape) * lab.random.choice([-1.0, 1.0], values.shape)
+    seen = observed(lab, values + np.where(bad, size, 0.0))
+    contrasts = seen.values[seen.n_captures :]
+    assert (contrasts**2).mean() == pytest.approx(1.0, abs=0.15)
+
+
+def test_what_there_is_to_explain(make_lab) -> None:
+    """Three floors of an offset are three floors to explain, beside noise or without; noise alone is nothing."""
+    lab = make_lab(captures=60, rows_s=(3.0, 3.5, 4.0))
+    noise = lab.noise(row=0.1, capture=0.1)
+    mean = float(np.hypot(0.1, 0.1 / np.sqrt(3)))
+    for size in (0.0, 3.0):
+        values = lab.predict(lab.u) + size * mean + noise
+        assert observed(lab, values, mean=mean, within=0.1).to_explain == pytest.approx(size, abs=0.3)
+
+
+def test_captures_in_any_order(make_lab) -> None:
+    """Rows of one capture need not follow each other: observations are those of the sorted rows."""
+    lab = make_lab(captures=20, long_s=LONG_S)
+    ready = prepared(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
+    seen = observe(ready.context, ready.residual, ready.floor)
+    order = np.argsort(np.random.default_rng(0).random(len(seen.index)) + 0.0)
+    order = order[np.argsort(ready.context.rows.hold_s[order], kind="stable")]
+    mixed = replace(ready.context.rows, capture=ready.context.rows.capture[order])
+    again = observe(replace(ready.context, rows=mixed), ready.residual[order], ready.floor)
+    assert again.values == pytest.approx(seen.values)
+    assert (again.capture == seen.capture).all()
+
+
+@given(st.integers(0, 1000), st.floats(0.02, 0.3))
+@settings(max_examples=20, deadline=None)
+def test_gaps_are_filled_by_what_is_alike(seed: int, share: float) -> None:
+    """What was seen stays to the digit; what was not is nearer to the truth than its column's mean is."""
+    rng = np.random.default_rng(seed)
+    whole = 5 * rng.normal(size=(80, 2)) @ rng.normal(size=(2, 18)) + rng.normal(size=(80, 18))
+    holed = np.where(rng.random(whole.shape) < share, np.nan, whole)
+    filled, seen = fill_low_rank(holed), np.isfinite(holed)
+    assert (filled[seen] == whole[seen]).all()
+    if not seen.all():
+        mean = np.nanmean(holed, axis=0, keepdims=True)
+        assert np.square((filled - whole)[~seen]).mean() < 0.7 * np.square((mean - whole)[~seen]).mean()
+
+
+def test_gaps_in_noise_are_filled_with_nothing() -> None:
+    """Where no direction stands above the noise, what was not seen is taken as no error at all."""
+    rng = np.random.default_rng(0)
+    holed = np.where(rng.random((80, 18)) < 0.1, np.nan, rng.normal(size=(80, 18)))
+    filled = fill_low_rank(holed)
+    assert (filled[np.isnan(holed)] == 0.0).all()

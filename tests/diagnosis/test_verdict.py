@@ -1,0 +1,183 @@
+"""The verdict: what hand-made answers come to, with their probabilities; and when too little was measured."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from labrig.diagnosis import _constants as k
+from labrig.diagnosis import diagnose
+from labrig.diagnosis._ranking import drop_of
+from labrig.diagnosis._verdict import Answer, Considered, Verdict, decide, detectable_floors, underpowered
+
+EFFECTS = ("leak", "creep", "drift", "hysteresis")
+WORDS = {"?form": "each chamber by itself", "?history": "history", "?time": "time"}
+LEAST, LARGE, SMALL = 1.0, 8.0, 0.1
+
+
+def answer(probability: float, *names: str, beside: str = "", **sizes: float) -> Answer:
+    """An explanation with these effects, well worth a name, with others of given sizes, and something unnamed."""
+    all_sizes = {**dict.fromkeys(names, LARGE), **sizes}
+    found = {name: (size, 0.5) for name, size in all_sizes.items()}
+    return Answer(probability, found, {beside: LARGE} if beside else {}, LEAST)
+
+
+def told(*answers: Answer) -> Verdict:
+    """The verdict on these answers."""
+    return decide(answers, EFFECTS, WORDS)
+
+
+def chances(verdict: Verdict) -> dict[str, float]:
+    """The probability of each effect that has any."""
+    return {c.effect: round(c.probability, 6) for c in verdict.considered if c.probability > 0}
+
+
+def test_nothing_missing() -> None:
+    """Where most of the probability is on no effect, nothing is missing; what may be there all the same is listed."""
+    verdict = told(answer(0.8), answer(0.2, "creep"))
+    assert (verdict.verdict, verdict.effects, verdict.rivals) == ("nothing_missing", (), ())
+    assert verdict.probability == pytest.approx(0.8)
+    assert chances(verdict) == {"creep": 0.2}
+    assert verdict.considered[0].effect == "creep"
+
+
+def test_identified() -> None:
+    """One effect in nearly all answers is it, as sure as the answers that have it alone; others are noted."""
+    verdict = told(answer(0.8, "leak"), answer(0.15, "leak", "drift"), answer(0.05, "creep"))
+    assert (verdict.verdict, verdict.effects, verdict.rivals) == ("identified", ("leak",), ())
+    assert verdict.probability == pytest.approx(0.8)
+    assert chances(verdict) == {"leak": 0.95, "drift": 0.15, "creep": 0.05}
+    assert [c.call for c in verdict.considered] == ["sure", "possible", "not it", "not it"]
+    assert verdict.warnings == ("beside it drift is possible (15%)",)
+
+
+def test_multiple() -> None:
+    """Two effects that nearly all answers have are both missing."""
+    verdict = told(answer(0.92, "leak", "creep"), answer(0.08, "leak"))
+    assert (verdict.verdict, set(verdict.effects)) == ("multiple", {"leak", "creep"})
+    assert verdict.probability == pytest.approx(0.92)
+
+
+def test_confounded() -> None:
+    """Two effects, one in each of two likely answers, are rivals; so they are beside one that is sure."""
+    verdict = told(answer(0.6, "leak"), answer(0.38, "creep"), answer(0.02, "drift"))
+    assert (verdict.verdict, verdict.effects, verdict.rivals) == ("confounded", (), ("leak", "creep"))
+    assert verdict.probability == pytest.approx(0.98)
+    verdict = told(
+        answer(0.5, "hysteresis", "leak"), answer(0.46, "hysteresis", "creep"), answer(0.04, "leak")
+    )
+    assert (verdict.verdict, verdict.effects) == ("confounded", ("hysteresis",))
+    assert verdict.rivals == ("leak", "creep")
+
+
+def test_unknown() -> None:
+    """Something that moves and has no name is unknown, with a name beside it or without; what carries it is said."""
+    for answers in (
+        (answer(1.0, beside="?history"),),
+        (answer(0.7, "leak", beside="?history"), answer(0.3, "leak")),
+    ):
+        verdict = told(*answers)
+        assert (verdict.verdict, verdict.effects, verdict.carried_by) == ("unknown", (), "history")
+        assert verdict.probability == pytest.approx(answers[0].probability)
+        assert verdict.beside == {"history": pytest.approx(LARGE * answers[0].probability)}
+
+
+def test_an_error_of_form_stands_beside_a_name() -> None:
+    """Unnamed structure that is a function of the pressures leaves a name its name; alone it is unknown."""
+    verdict = told(answer(1.0, "leak", beside="?form"))
+    assert (verdict.verdict, verdict.effects) == ("identified", ("leak",))
+    assert verdict.beside == {"each chamber by itself": pytest.approx(LARGE)}
+    assert told(answer(1.0, beside="?form")).verdict == "unknown"
+
+
+def test_what_is_too_small_has_no_name() -> None:
+    """An effect that is in every answer, but hardly, is not missing; its probability is that it is worth a name."""
+    verdict = told(answer(1.0, leak=SMALL))
+    assert verdict.verdict == "nothing_missing"
+    assert chances(verdict) == {}
+    assert chances(told(answer(0.5, "leak"), answer(0.5, leak=SMALL))) == {"leak": 0.5}
+
+
+def test_sizes_are_means_over_the_answers() -> None:
+    """The size of an effect is its mean over the answers that have it, its sd within and between them together."""
+    verdict = told(answer(0.75, leak=10.0), answer(0.25, leak=14.0))
+    found = verdict.considered[0]
+    assert (found.effect, found.size_floors) == ("leak", pytest.approx(11.0))
+    assert found.size_sd_floors == pytest.approx(np.sqrt(0.5**2 + 3.0))
+
+
+def test_calls_follow_probabilities() -> None:
+    """Sure, possible and not it begin where the constants say."""
+    calls = [
+        Considered("leak", p).call for p in (1.0, k.SURE, k.SURE - 1e-9, k.POSSIBLE, k.POSSIBLE - 1e-9, 0.0)
+    ]
+    assert calls == ["sure", "sure", "possible", "possible", "not it", "not it"]
+
+
+@given(
+    st.lists(
+        st.tuples(st.floats(0.01, 1.0), st.sets(st.sampled_from(EFFECTS), max_size=3)), min_size=1, max_size=6
+    )
+)
+def test_what_is_named_is_what_is_sure(drawn: list[tuple[float, set[str]]]) -> None:
+    """Whatever the answers, no name is given that is not sure, no rival that is not possible."""
+    total = sum(p for p, _ in drawn)
+    verdict = told(*[answer(p / total, *sorted(names)) for p, names in drawn])
+    p = chances(verdict)
+    assert all(p[name] >= k.SURE - 1e-6 for name in verdict.effects)
+    assert all(p[name] >= k.POSSIBLE - 1e-6 for name in verdict.rivals)
+    assert not set(verdict.effects) & set(verdict.rivals)
+    assert 0 <= verdict.probability <= 1 + 1e-9
+    assert (verdict.verdict in {"identified", "multiple"}) <= bool(verdict.effects)
+    assert (verdict.verdict == "confounded") == bool(verdict.rivals)
+
+
+@pytest.mark.parametrize(("captures", "rows"), [(2, 6), (12, 1), (1, 3)])
+def test_too_few_numbers_say_nothing(make_lab, captures: int, rows: int) -> None:
+    """Two captures, or twelve rows, name nothing however large the error; what to measure is said."""
+    lab = make_lab(captures=captures, rows_s=tuple(1.5 * np.arange(2, rows + 2)), repeats=False)
+    values = lab.predict(lab.u * (1 - 0.05 * lab.hold_s[:, :, None])) + lab.noise()
+    summary = diagnose(lab.dataset(values), lab.model()).summary
+    assert (summary["verdict"], summary["effects"], summary["rivals"]) == ("underpowered", [], [])
+    assert summary["drop"] <= 1
+    said = next(w for w in summary["warnings"] if "can't tell effects apart" in w)
+    assert said.startswith(f"{captures} captures with ")
+    assert f"measure at least {k.FEWEST_OBSERVATIONS}, some set-points twice" in said
+
+
+def measured(count: int, observables: int = 1) -> Any:
+    """So many observations."""
+    return cast(Any, SimpleNamespace(values=np.zeros((count, observables)), n_captures=count))
+
+
+def test_a_tolerance_below_what_can_be_seen_is_underpowered() -> None:
+    """The smallest effect that could be shown is said in units; a tolerance above it is answered."""
+    least = detectable_floors(measured(100))
+    verdict = underpowered(measured(100), EFFECTS, 0.5 * least, "mm", 2.0)
+    assert verdict is not None
+    assert verdict.verdict == "underpowered"
+    assert verdict.warnings[0].startswith("the smallest effect that these captures could show is ")
+    assert f"larger than the tolerance of {least:.2g} mm" in verdict.warnings[0]
+    assert underpowered(measured(100), EFFECTS, 2 * least, "mm", 2.0) is None
+    assert underpowered(measured(100), EFFECTS, 0.0, "mm", 2.0) is None
+
+
+def test_more_captures_show_less() -> None:
+    """The smallest effect that can be shown falls as more is measured, down to what is worth a name at all."""
+    sizes = [detectable_floors(measured(n)) for n in (30, 100, 300, 10_000, 10**7)]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[0] > 2 * sizes[2]
+    assert sizes[-1] >= k.SMALLEST_FLOORS
+
+
+@given(st.floats(0, 1e3), st.floats(0, 1e3), st.floats(0, 1e3))
+def test_a_drop_is_never_more_than_all(base: float, now: float, reachable: float) -> None:
+    """However the errors lie, the share of the explainable error that is gone is at most one."""
+    assert drop_of(base, now, reachable) <= 1 + 1e-9
+    if now <= reachable < base:
+        assert drop_of(base, now, reachable) == pytest.approx(1.0)
+    if now > base > reachable:
+        assert drop_of(base, now, reachable) < 0
