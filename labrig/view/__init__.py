@@ -7,15 +7,20 @@ if TYPE_CHECKING:
     from labrig.view._experiment import write_experiment, write_investigation
     from labrig.view._ik_report import write_ik_report
     from labrig.view._live import LiveView, live_observers
+    from labrig.view._naming import effect_rows, names_in_short
     from labrig.view._picture import write_picture
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
     from labrig.view._validation_report import write_validation
+    from labrig.view._values import value_lines
     from labrig.view._viewer import Viewer, screenshot, start_viewer
     from labrig.view._words import Lines, summary_words
 
 _LAZY = {
+    "effect_rows": "_naming",
+    "names_in_short": "_naming",
+    "value_lines": "_values",
     "Lines": "_words",
     "LiveView": "_live",
     "Viewer": "_viewer",
@@ -37,11 +42,14 @@ __all__ = [
     "Lines",
     "LiveView",
     "Viewer",
+    "effect_rows",
     "live_observers",
     "live_predict",
+    "names_in_short",
     "screenshot",
     "start_viewer",
     "summary_words",
+    "value_lines",
     "write_experiment",
     "write_ik_report",
     "write_investigation",

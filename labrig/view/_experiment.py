@@ -6,10 +6,11 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from labrig.view._naming import names_in_short
 from labrig.view._page import Page, bar, table
 from labrig.view._style import AFTER, BEFORE
+from labrig.view._text import number, word
 from labrig.view._waterfall import waterfall_svg
-from labrig.view._words import number, percent, word
 
 REPORT_NAME = "report.html"
 _COLOURS = ("#1f6f8b", "#c0563a", "#7a5ba6", "#4f8a4b", "#d8a23a", "#8d97a3", "#5c123c", "#2f8f83", "#b05fa0")
@@ -52,9 +53,9 @@ def write_investigation(report: dict[str, Any], folder: Path) -> Path:
     page.section("Round by round", "Every round's report is behind its name.")
     page.add(
         table(
-            ["round", "programme", "captures", "min", "verdict", "effects", "sure", "error", "floor"],
+            ["round", "programme", "captures", "min", "verdict", "what is missing", "error", "floor"],
             [_round(each) for each in report["rounds"]],
-            ["", "", "number", "number", "", "", "number", "number", "number"],
+            ["", "", "number", "number", "", "", "number", "number"],
         )
     )
     units = str(report.get("units") or "")
@@ -69,16 +70,13 @@ def write_investigation(report: dict[str, Any], folder: Path) -> Path:
 def _round(each: dict[str, Any]) -> list[str]:
     name = escape(str(each["round"]))
     link = f'<a href="{escape(str(each["report"]))}">{name}</a>' if each.get("report") else name
-    effects = ", ".join(word(str(n)) for n in each["effects"])
-    rivals = ", ".join(word(str(n)) for n in each["rivals"])
     return [
         link,
         escape(str(each["programme"])),
         str(each["captures"]),
         f"{each['minutes']:.1f}",
         escape(_VERDICTS.get(str(each["verdict"]), str(each["verdict"]))),
-        escape(effects + (f" (or {rivals})" if rivals else "")),
-        percent(each["probability"]),
+        escape(names_in_short(each)),
         number(each["error"]["model"]),
         number(each["error"]["floor"]),
     ]

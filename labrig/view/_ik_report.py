@@ -11,7 +11,7 @@ import numpy as np
 
 from labrig.view._page import Page, bar, table
 from labrig.view._shape_figures import histogram, signed_map
-from labrig.view._words import counted, number
+from labrig.view._text import counted, number
 
 if TYPE_CHECKING:
     from labrig.ik import Solved

@@ -9,8 +9,10 @@ import numpy as np
 from labrig.view._colours import error_colours, rgb
 from labrig.view._fields import Cloud, Floats, cloud, residuals, rms, skin
 from labrig.view._figures import view_axes
+from labrig.view._naming import added
 from labrig.view._style import AFTER, BEFORE, CEILING, ERROR_SCALE, FLOOR, INK, MUTED
-from labrig.view._words import has_improved, note, number, word
+from labrig.view._text import number, word
+from labrig.view._words import has_improved, note
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -54,8 +56,8 @@ def _surfaces(axes: list[Any], markers: Cloud, result: "Result") -> None:
     both = has_improved(result.summary)
     before, after = rms(markers.base_error_mm, axis=0), rms(markers.model_error_mm, axis=0)
     top = float(np.nanmax(np.concatenate([before, after]))) or 1.0
-    added = " + ".join(word(str(name)) for name in result.summary.get("effects", [])) or "the best candidate"
-    titles = ("the model as it was", f"with {added}") if both else ("the model as it is", "")
+    new = " + ".join(word(name) for name in added(result.summary)) or "the best candidate"
+    titles = ("the model as it was", f"with {new}") if both else ("the model as it is", "")
     for axis, error, title in zip(axes, (before, after), titles, strict=True):
         axis.set_axis_off()
         if title:

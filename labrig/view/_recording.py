@@ -18,9 +18,11 @@ from labrig.view._fields import (
     skin,
     worst_captures,
 )
+from labrig.view._naming import added
 from labrig.view._scene import CHAMBER_COLOURS, draw_state, scene_in_front
 from labrig.view._style import BEFORE, FLOOR
-from labrig.view._words import has_improved, note, number, word
+from labrig.view._text import number, word
+from labrig.view._words import has_improved, note
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,11 +74,11 @@ def _draw_result(recording: "Recording", result: "Result") -> None:
     scenes: list[Any] = []
     if markers is not None:
         scale = _draw_clouds(recording, markers, capture_numbers(fields), improved)
-        added = " + ".join(word(str(name)) for name in summary.get("effects", [])) or "best candidate"
+        new = " + ".join(word(name) for name in added(summary)) or "best candidate"
         arrows = f"arrows: residual × {number(scale)}"
         scenes.append(scene_in_front(f"Before: the model as it was ({arrows})", "/before", markers.rest_mm))
         if improved:
-            scenes.append(scene_in_front(f"After: with {added}", "/after", markers.rest_mm))
+            scenes.append(scene_in_front(f"After: with {new}", "/after", markers.rest_mm))
     curves = [_draw_errors(recording, result, improved)]
     if actuated(fields):
         curves.append(_draw_commanded(recording, fields))
@@ -160,7 +162,7 @@ def _draw_commanded(recording: "Recording", fields: "xr.Dataset") -> Any:
 def _verdict(result: "Result") -> str:
     """The verdict as a page of markdown."""
     words, units = note(result.summary), str(result.summary.get("units", ""))
-    lines = [f"# {words.headline}", words.why]
+    lines = [f"# {words.headline}", *filter(None, [words.named, words.why])]
     if words.else_:
         lines += ["### What else could it be?", words.else_]
     lines += ["### What to measure next", words.next_]

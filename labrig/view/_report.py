@@ -12,17 +12,19 @@ import numpy as np
 
 from labrig.view import _figures
 from labrig.view._fields import cloud, skin, worst_captures
+from labrig.view._naming import added
 from labrig.view._page import Page, bar, table
+from labrig.view._report_effects import considered, ranking
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
+from labrig.view._text import amount, counted, listed, number, percent, word
 from labrig.view._waterfall import waterfall_svg
-from labrig.view._words import amount, counted, has_improved, meanings, note, number, percent, word
+from labrig.view._words import has_improved, meanings, note
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
 
 REPORT_NAME = "report.html"
 ROWS_A_GROUP = 6
-RANKED = 8
 
 _GROUPS = {
     "marker": "marker",
@@ -61,8 +63,9 @@ def report_html(result: "Result") -> str:
     words = note(result.summary)
     page = Page(f"labrig: {words.headline}")
     _opening(page, result)
+    considered(page, result)
     _waterfall(page, result)
-    _ranking(page, result.summary)
+    ranking(page, result.summary)
     _surface(page, result)
     _where(page, result)
     _signatures(page, result)
@@ -82,16 +85,18 @@ def _opening(page: Page, result: "Result") -> None:
             None, ["labrig", Path(run).name, *sizes, datetime.now().astimezone().strftime("%d %B %Y, %H:%M")]
         )
     )
-    probability = summary.get("probability")
-    sure = (
-        f", {percent(probability)} sure" if words.verdict != "comparison" and probability is not None else ""
-    )
+    # only where the verdict's own probability is that of all that is said: each effect has one of its own
+    alone = summary.get("verdict") in ("nothing_missing", "unknown")
+    sure = f", {percent(summary.get('probability'))} sure" if alone else ""
     colour = VERDICT_COLOURS[words.verdict]
     page.add(
         f'<div class="over"><span class="badge" style="background:{colour}">{escape(words.verdict + sure)}</span>'
         f"<span>{escape(about)}</span></div>"
     )
     page.add(f"<h1>{escape(words.headline)}</h1>")
+    if words.named:
+        whole = words.named.replace(" %", "\u00a0%").replace(" ± ", "\u00a0±\u00a0")
+        page.add(f'<p class="lead">{escape(whole)}</p>')
     page.add(f'<p class="lead">{escape(words.why)}</p>')
     for meaning in meanings(summary):
         page.add(f"<p>{escape(meaning)}</p>")
@@ -113,8 +118,8 @@ def _opening(page: Page, result: "Result") -> None:
 
 def _errors(summary: dict[str, Any]) -> str:
     verdict = summary.get("verdict")
-    added = "with " + ", ".join(word(str(name)) for name in summary.get("effects", []))
-    after = added if summary.get("effects") else "with the best candidate"
+    new = added(summary)
+    after = "with " + ", ".join(word(name) for name in new) if new else "with the best candidate"
     names = [("base", "the model as it was", BEFORE), ("model", after, AFTER)]
     if not has_improved(summary) and not (summary.get("effects") and not verdict):
         names = [("base" if "base" in summary.get("error", {}) else "model", "the model as it is", AFTER)]
@@ -139,69 +144,6 @@ def _waterfall(page: Page, result: "Result") -> None:
     page.add(waterfall_svg(result.waterfall, str(result.summary.get("units", ""))))
 
 
-def _ranking(page: Page, summary: dict[str, Any]) -> None:
-    ranking = summary.get("ranking", [])
-    if not ranking:
-        return
-    chosen = [str(name) for name in summary.get("effects", [])]
-    order = sorted(ranking, key=lambda row: str(row.get("effect")) not in chosen)
-    page.section(
-        "Who could have done it",
-        "Every effect was fitted beside what the model declares as its own, and scored on captures it had not seen. "
-        "Explained: the share of the explainable error that goes away.",
-    )
-    best = max((row.get("drop") or 0.0 for row in order), default=0.0) or 1.0
-
-    def cells(row: dict[str, Any]) -> list[str]:
-        drop = row.get("drop")
-        share = "–" if drop is None else f"{100 * max(0.0, drop):.0f}"
-        uncertainty = f" ± {max(1, round(100 * row['se']))}" if row.get("se") is not None else ""
-        return [
-            escape(word(str(row.get("effect")))),
-            number(row.get("heldout_error")),
-            f"{bar((drop or 0.0) / max(best, 1.0), 90)} {share}{uncertainty} %",
-            percent(row.get("probability")),
-            f'<span class="parameters">{_parameters(row.get("parameters") or {})}</span>',
-        ]
-
-    header = [
-        "effect",
-        f"held-out error, {escape(str(summary.get('units', '')))}",
-        "explained",
-        "probability",
-        "values",
-    ]
-    classes = ["", "number", "bars", "number", ""]
-    marked = sum(str(row.get("effect")) in chosen for row in order)
-    page.add(table(header, [cells(row) for row in order[:RANKED]], classes, marked))
-    if len(order) > RANKED:
-        rest = table(header, [cells(row) for row in order[RANKED:]], classes)
-        page.add(f"<details><summary>{len(order) - RANKED} more</summary>{rest}</details>")
-
-
-def _parameters(parameters: dict[str, Any]) -> str:
-    shown = []
-    for name, entry in list(parameters.items())[:6]:
-        unit = str(entry.get("unit", ""))
-        label = escape(word(name.removesuffix(f"_{unit}")))
-        unit = "" if unit in ("", "1") else f" {escape(unit)}"
-        values = _flat(entry.get("value"))
-        if len(values) > 1:
-            spread = f"{number(min(values))} to {number(max(values))}{unit}"
-            shown.append(f"{label} {spread} ({len(values)} values)")
-        elif values:
-            uncertainty = "".join(f" ± {number(sd)}" for sd in _flat(entry.get("sd")))
-            shown.append(f"{label} {number(values[0])}{uncertainty}{unit}")
-    more = f", {len(parameters) - 6} more" if len(parameters) > 6 else ""
-    return ", ".join(shown) + more
-
-
-def _flat(values: Any) -> list[float]:
-    if isinstance(values, list | tuple):
-        return [number for value in values for number in _flat(value)]
-    return [] if values is None else [float(values)]
-
-
 def _surface(page: Page, result: "Result") -> None:
     summary, markers = result.summary, cloud(result.fields)
     units = str(summary.get("units", ""))
@@ -223,10 +165,10 @@ def _surface(page: Page, result: "Result") -> None:
     )
     before, after = _figures.surfaces(markers, skin(markers.rest_mm), units)
     if both:
-        added = " and ".join(word(str(name)) for name in summary.get("effects", [])) or "the best candidate"
+        new = listed(added(summary)) or "the best candidate"
         page.add(
             f'<div class="plots"><div class="plot"><h3>Before: the model as it was</h3>{page.plot(before)}</div>'
-            f'<div class="plot"><h3>After: with {escape(added)}</h3>{page.plot(after)}</div></div>'
+            f'<div class="plot"><h3>After: with {escape(new)}</h3>{page.plot(after)}</div></div>'
         )
     else:
         page.add(page.plot(after))

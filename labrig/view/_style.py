@@ -59,6 +59,10 @@ td:first-child, td.bars { white-space: nowrap; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 tr.chosen td:first-child { font-weight: 600; color: #1f6f8b; }
 tr.more { display: none; }
+.call { border-radius: 999px; padding: 1px 9px; font-size: 12.5px; white-space: nowrap; }
+.call.sure { background: #1f6f8b; color: #fff; } .call.possible { background: #f3e2bd; color: #6d4c0c; }
+.call.not-it { background: #eceae3; color: #66717f; }
+p.values { margin: 2px 0 8px; max-width: 52em; } td.values { min-width: 17em; }
 .parameters { color: #47525f; font-size: 13.5px; }
 .bar { display: inline-block; height: 9px; border-radius: 2px; background: #1f6f8b; vertical-align: 1px; }
 .bar.pale { background: #bcd2da; }
@@ -71,7 +75,9 @@ footer { margin-top: 64px; border-top: 1px solid #e3e0d8; padding-top: 14px; col
 footer dt { font-weight: 600; color: #47525f; } footer dd { margin: 0 0 6px; max-width: 50em; }
 code { font: 13.5px ui-monospace, "SF Mono", Consolas, "DejaVu Sans Mono", monospace; background: #f1eee6;
   padding: 1px 5px; border-radius: 3px; }
-@media (max-width: 760px) { .answers, .plots { grid-template-columns: 1fr; } main { padding: 24px 16px 48px; }
+.scroll svg { min-width: 620px; }
+@media (max-width: 760px) { th, td { padding-right: 8px; }
+  .answers, .plots { grid-template-columns: 1fr; } main { padding: 24px 16px 48px; }
   h1 { font-size: 27px; } }
 @media print { main { max-width: none; } h2 { break-after: avoid; } .plot, table { break-inside: avoid; } }
 """

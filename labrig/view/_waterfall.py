@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from html import escape
 
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, INK, LINE, MUTED
-from labrig.view._words import number, word
+from labrig.view._text import number, word
 
 WIDTH, HEIGHT = 956.0, 320.0
 TOP, BOTTOM = 34.0, 52.0
@@ -47,8 +47,8 @@ def waterfall_svg(steps: Sequence[tuple[str, float]], units: str) -> str:
             previous = value
     title = escape(", ".join(f"{label} {number(value)} {units}" for label, value in steps))
     return (
-        f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" width="100%" role="img" aria-label="{title}" '
-        f'font-family="inherit">{"".join(parts)}</svg>'
+        f'<div class="scroll"><svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" width="100%" role="img" aria-label="{title}" '
+        f'font-family="inherit">{"".join(parts)}</svg></div>'
     )
 
 

@@ -3,6 +3,20 @@
 from dataclasses import dataclass
 from typing import Any
 
+from labrig.view._naming import (
+    added,
+    carries,
+    names,
+    naming,
+    naming_sentences,
+    possible,
+    share_of_all,
+    sure,
+    unnamed_words,
+)
+from labrig.view._others import what_else
+from labrig.view._text import amount, capital, counted, listed, number, percent, word
+
 VERDICTS = {
     "nothing_missing": "nothing missing",
     "identified": "identified",
@@ -17,19 +31,23 @@ AFTER_IMPROVING = (
     "Run `labrig diagnose` with the new model to see whether anything is left, best on a fresh programme: other "
     "set-points, another order, other holds."
 )
-COMES_NEAR = 1.25  # a runner-up's error, as a multiple of the winner's, that is worth a thought
+MOST_NAMED = 3  # of the effects that are possible, in a headline
 STANDS_OUT = 1.15  # an error worth a word, as a multiple of the usual one
 
 
 @dataclass(frozen=True)
 class Note:
-    """The words of a report, as plain text: the verdict's name, one headline, and four short answers."""
+    """The words of a report, as plain text: the verdict's name, one headline, and short answers.
+
+    `named` says which effect is sure and which is possible, with what probability and how large.
+    """
 
     verdict: str
     headline: str
     why: str
     else_: str
     next_: str
+    named: str = ""
 
 
 def has_improved(summary: dict[str, Any]) -> bool:
@@ -46,7 +64,12 @@ def note(summary: dict[str, Any]) -> Note:
     if verdict not in VERDICTS:
         return Note("comparison", _compared(summary), _where(summary), "", _after_comparison(summary))
     return Note(
-        VERDICTS[verdict], _headline(summary), _why(summary), _rivals(summary), next_experiment(summary)
+        VERDICTS[verdict],
+        _headline(summary),
+        _why(summary),
+        what_else(summary),
+        next_experiment(summary),
+        " ".join(naming_sentences(summary)) if verdict != "underpowered" else "",
     )
 
 
@@ -56,81 +79,49 @@ class Lines:
 
     headline: str
     found: str
+    named: str = ""
+    whole: str = ""
+    unnamed: str = ""
 
 
 def summary_words(summary: dict[str, Any]) -> Lines:
     """What a command prints about a diagnosis, a comparison or an improvement."""
     words = note(summary)
-    effects = [str(name) for name in summary.get("effects", [])]
-    last = "and"
-    if summary.get("verdict") == "confounded":
-        effects, last = list(dict.fromkeys([*effects, *map(str, summary.get("rivals", []))])), "or"
-    named = f": {listed(effects, last)}" if effects else ""
-    return Lines(words.headline, f"{words.verdict}{named} ({percent(summary.get('probability'))} sure)")
-
-
-def number(value: Any) -> str:
-    """Three significant digits, without an exponent where that is short; a dash for what is not known."""
-    if value is None or not isinstance(value, int | float) or value != value:
-        return "–"
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
-    return f"{value:.2e}"
-
-
-def listed(names: list[str], last: str = "and") -> str:
-    """`a`, `a and b`, `a, b and c`."""
-    words = [word(name) for name in names]
-    if len(words) < 2:
-        return "".join(words)
-    return f"{', '.join(words[:-1])} {last} {words[-1]}"
-
-
-def counted(count: int, what: str) -> str:
-    """`1 marker`, `34 markers`."""
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
-
-
-def word(name: str) -> str:
-    """An effect's name as a word in a sentence."""
-    return name.replace("_", " ")
-
-
-def amount(summary: dict[str, Any], which: str) -> str:
-    """One of the errors with its unit, such as `1.92 mm`."""
-    return f"{number(summary.get('error', {}).get(which))}\u00a0{summary.get('units', '')}".strip()
-
-
-def percent(value: Any) -> str:
-    """A probability or a share as people say it, never a false certainty."""
-    if value is None or value != value:
-        return "–"
-    if value > 0.995:
-        return "over 99 %"
-    if value < 0.005:
-        return "under 1 %"
-    return f"{100 * value:.0f} %"
+    if str(summary.get("verdict", "")) not in VERDICTS:
+        return Lines(words.headline, words.verdict)
+    named = naming(summary)
+    return Lines(
+        words.headline, f"{words.verdict}: {named}", named, share_of_all(summary), unnamed_words(summary)
+    )
 
 
 def _headline(summary: dict[str, Any]) -> str:
     effects = [str(name) for name in summary.get("effects", [])]
-    rivals = [name for name in effects + [str(r) for r in summary.get("rivals", [])] if name]
     match summary["verdict"]:
         case "nothing_missing":
             return "Nothing is missing: the model is as good as the measurements."
         case "identified":
-            return f"{listed(effects).capitalize()} is missing from the model."
+            return f"{capital(listed(effects))} is missing from the model."
         case "multiple":
-            return f"{listed(effects).capitalize()} are missing from the model."
+            return f"{capital(listed(effects))} are missing from the model."
         case "confounded":
-            names = list(dict.fromkeys(rivals))
-            return f"Something is missing, and these data cannot tell {listed(names)} apart."
+            perhaps = [name for name in names(possible(summary)) if name not in effects]
+            if not effects:
+                return f"Something is missing, and these data can't tell what: {_either(perhaps)}."
+            known = f"{capital(listed(effects))} {'is' if len(effects) == 1 else 'are'} missing"
+            return f"{known}, and these data can't tell whether {_either(perhaps)} is as well."
         case "unknown":
-            if effects:
-                return f"Beyond {listed(effects)}, something real is missing that has no name here."
+            if certain := names(sure(summary)):
+                return f"Beyond {listed(certain)}, something real is missing that has no name here."
             return "Something real is missing, and it is none of the effects that labrig knows."
         case _:
             return "These data are too few or too noisy to tell."
+
+
+def _either(effects: list[str]) -> str:
+    if len(effects) > MOST_NAMED:
+        return f"{', '.join(word(name) for name in effects[:MOST_NAMED])} or one of {len(effects) - MOST_NAMED} others"
+    return listed(effects, "or")
 
 
 def _why(summary: dict[str, Any]) -> str:
@@ -145,24 +136,20 @@ def _why(summary: dict[str, Any]) -> str:
         case "underpowered":
             return f"The model is off by {base} and {floor_words}; an effect of the size that matters could hide in it."
         case "unknown":
-            ceiling = amount(summary, "ceiling")
-            nearest = [str(name) for name in summary.get("rivals", [])]
-            follow = (
-                f" {listed(nearest).capitalize()} may follow a part of it, and leave too much."
-                if nearest
-                else ""
-            )
+            carried = summary.get("carried_by")
+            what = carries(str(carried)) if carried else "is carried by something that was not logged"
             return (
-                f"The model is off by {base}, and {floor_words}. What no name explains is carried by "
-                f"{summary.get('carried_by') or 'something that was not logged'}; a learner that may use everything "
-                f"that was logged reaches {ceiling}.{follow} " + _where(summary)
+                f"The model is off by {base}, and {floor_words}. What no name explains {what}; a learner that may "
+                f"use everything that was logged reaches {amount(summary, 'ceiling')}. " + _where(summary)
             ).strip()
-    effects = [str(name) for name in summary.get("effects", [])]
-    added = f"with {listed(effects)} added" if effects else "with the best candidate added"
+    chosen, likeliest = added(summary), ""
+    if len(chosen) > len(summary.get("effects", [])):
+        likeliest = ", the likeliest of what is possible,"
+    with_what = f"with {listed(chosen)}{likeliest} added" if chosen else "with the best candidate added"
     share = _explained(summary)
     explained = f" That explains {share} of what can be explained." if share else ""
     return (
-        f"On captures that were held out from the fit, the error falls from {base} to {model} {added}; "
+        f"On captures that were held out from the fit, the error falls from {base} to {model} {with_what}; "
         f"{floor_words}.{explained} " + _where(summary)
     ).strip()
 
@@ -178,7 +165,7 @@ def _known(effect: str, what: str) -> str:
 def meanings(summary: dict[str, Any]) -> list[str]:
     """One sentence on each effect that was found."""
     texts = [(str(name), _known(str(name), "meaning")) for name in summary.get("effects", [])]
-    return [f"{word(name).capitalize()}: {text[0].lower()}{text[1:]}." for name, text in texts if text]
+    return [f"{capital(word(name))}: {text[0].lower()}{text[1:]}." for name, text in texts if text]
 
 
 def _explained(summary: dict[str, Any]) -> str:
@@ -222,37 +209,6 @@ def _where(summary: dict[str, Any]) -> str:
     return f"It fails most {' and '.join(sentences)}." if sentences else ""
 
 
-def _rivals(summary: dict[str, Any]) -> str:
-    verdict = summary["verdict"]
-    chosen = {str(name) for name in summary.get("effects", [])}
-    rivals = [str(name) for name in summary.get("rivals", []) if str(name) not in chosen]
-    ranking = [row for row in summary.get("ranking", []) if str(row.get("effect")) not in chosen]
-    if verdict == "confounded":
-        return (
-            "Each of them alone brings the held-out error down about equally far. Adding the wrong one would improve "
-            "this campaign and mislead the next."
-        )
-    if rivals:
-        return (
-            f"It could also be {listed(rivals, 'or')}: the evidence against is weaker than labrig asks for."
-        )
-    if verdict in ("identified", "multiple") and ranking:
-        best = min(ranking, key=lambda row: row.get("heldout_error", float("inf")))
-        near = best.get("heldout_error", float("inf")) < COMES_NEAR * (
-            summary.get("error", {}).get("model") or 0.0
-        )
-        return (
-            f"{'One comes near' if near else 'Nothing else comes near'}: "
-            f"the next best explanation, {word(str(best['effect']))}, leaves "
-            f"{number(best.get('heldout_error'))} {summary.get('units', '')} on the same captures."
-        )
-    if verdict == "nothing_missing" and ranking:
-        return (
-            "Every effect in the library was tried; none lowers the held-out error by more than chance would."
-        )
-    return ""
-
-
 def _programme(planned: dict[str, Any]) -> str:
     """A proposed programme in two sentences."""
     names = list(dict.fromkeys(str(p["probe"]).replace(": ", ", ") for p in planned["programme"]))
@@ -270,8 +226,11 @@ def next_experiment(summary: dict[str, Any]) -> str:
         return _programme(planned)
     probes = list(dict.fromkeys(str(probe).rstrip(".") for probe in planned.get("probes", [])))
     if probes:
-        separated = [str(name) for name in planned.get("separates", [])]
+        known = summary.get("effects", []) if summary["verdict"] == "confounded" else []
+        separated = [str(name) for name in planned.get("separates", []) if name not in known]
         why = f"To tell {listed(separated)} apart: " if len(separated) > 1 else "To be sure: "
+        if known and len(separated) == 1:
+            why = f"To learn whether {listed(separated)} is there too: "
         return why + "; or ".join(probes) + ". `labrig next` makes a procedure of it."
     match summary["verdict"]:
         case "nothing_missing":

@@ -54,11 +54,29 @@ def _parameters(**values):
     return {name: {"value": v, "sd": sd, "unit": unit} for name, (v, sd, unit) in values.items()}
 
 
+def considered(size=2.0, **probabilities):
+    """Rows of effects_considered by name and probability, surest first, of one size each, in mm and floors of 0.1."""
+    return [
+        {
+            "effect": name,
+            "probability": p,
+            "call": "sure" if p >= 0.9 else "possible" if p >= 0.1 else "not it",
+            "size": size if p else 0.0,
+            "size_sd": size / 20 if p else 0.0,
+            "size_floors": 10 * size if p else 0.0,
+            "size_sd_floors": size / 2 if p else 0.0,
+        }
+        for name, p in sorted(probabilities.items(), key=lambda item: -item[1])
+    ]
+
+
 SUMMARY = {
     "verdict": "identified",
     "effects": ["creep"],
     "probability": 0.97,
     "rivals": [],
+    "effects_considered": considered(creep=0.98, drift=0.2, leak=0.03, delay=0.0),
+    "unnamed": {},
     "units": "mm",
     "error": {"base": 1.92, "model": 0.31, "floor": 0.12, "ceiling": 0.15},
     "where": [
@@ -171,3 +189,9 @@ def make_result(fields):
         )
 
     return make
+
+
+@pytest.fixture
+def make_considered():
+    """Make rows of effects_considered from probabilities by name."""
+    return considered

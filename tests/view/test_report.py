@@ -41,14 +41,16 @@ def test_report_says_it_in_order(make_result):
     """First the verdict, why, what else and what next; then the pictures, from the whole to single captures."""
     body = body_of(report_html(make_result()))
     wanted = [
-        "identified, 97 % sure",
+        ">identified<",
         "Creep is missing from the model.",
+        "Creep, sure (98\u00a0%, 2.0\u00a0±\u00a00.1\u00a0mm); possible beside it: drift (20\u00a0%): these data can",
         "the error falls from",
         "What else could it be?",
         "What to measure next",
         "Keep in mind",
+        "Effect by effect",
         "From the model to the noise",
-        "Who could have done it",
+        "Each by itself",
         "On the surface",
         "Where it fails",
         "What gives it away",
@@ -120,8 +122,28 @@ def test_values_of_parameters(make_result):
         },
     }
     body = body_of(report_html(make_result(ranking=[creep])))
-    assert "tau 12 ± 1.5 s, amplitude 0.1 to 0.3 (3 values)" in body
+    assert "tau 12.0 ± 1.5\u00a0s, amplitude 0.1 to 0.3 (3 values)" in body
     assert "90 ± 2 %" in body
+
+
+def test_effect_by_effect(make_result):
+    """What is sure and what is possible stand in the table; what is not it can be unfolded."""
+    rows = re.findall(r"<tr.*?</tr>", body_of(report_html(make_result())), flags=re.DOTALL)
+    cells = [re.sub(r"<[^>]+>", "|", row) for row in rows if 'class="call' in row]
+    assert [re.sub(r"\|+", "|", row).strip("|") for row in cells] == [
+        "creep|sure|98 %|2.0 ± 0.1|20 ± 1",
+        "drift|possible|20 %|2.0 ± 0.1|20 ± 1",
+        "leak|not it|3 %|2.0 ± 0.1|20 ± 1",
+        "delay|not it|under 1 %|–|–",
+    ]
+
+
+@pytest.mark.parametrize("verdict", ["identified", "multiple", "confounded", "underpowered"])
+def test_no_probability_beside_a_word_that_it_is_not_of(make_result, verdict):
+    """The badge has no figure where each effect has a probability of its own."""
+    html = body_of(report_html(make_result(verdict=verdict, probability=0.1, rivals=["drift"])))
+    assert "sure</span><span>" not in html
+    assert "10 % sure" not in html
 
 
 def test_a_report_that_fails_leaves_the_old_one(make_result, fields, tmp_path):

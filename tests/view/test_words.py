@@ -2,7 +2,8 @@
 
 import pytest
 
-from labrig.view._words import has_improved, listed, note, number, percent, summary_words
+from labrig.view._text import give_or_take, listed, number, percent
+from labrig.view._words import has_improved, note
 
 BASE = {
     "units": "mm",
@@ -23,8 +24,16 @@ BASE = {
         ({"verdict": "identified", "effects": ["marker_slip"]}, "Marker slip is missing from the model."),
         ({"verdict": "multiple", "effects": ["creep", "leak"]}, "Creep and leak are missing from the model."),
         (
-            {"verdict": "confounded", "effects": ["drift"], "rivals": ["drift", "creep"]},
-            "Something is missing, and these data cannot tell drift and creep apart.",
+            {"verdict": "confounded", "rivals": ["drift", "creep"]},
+            "Something is missing, and these data can't tell what: drift or creep.",
+        ),
+        (
+            {"verdict": "confounded", "effects": ["leak"], "rivals": ["drift", "creep"]},
+            "Leak is missing, and these data can't tell whether drift or creep is as well.",
+        ),
+        (
+            {"verdict": "confounded", "rivals": ["drift", "creep", "leak", "delay", "frame"]},
+            "Something is missing, and these data can't tell what: drift, creep, leak or one of 2 others.",
         ),
         (
             {"verdict": "unknown"},
@@ -65,7 +74,7 @@ def test_the_runner_up_is_named():
     ranking = [{"effect": "creep", "heldout_error": 0.3}, {"effect": "rest_shape", "heldout_error": 0.9}]
     words = note({**BASE, "verdict": "identified", "effects": ["creep"], "ranking": ranking})
     assert words.else_ == (
-        "Nothing else comes near: the next best explanation, rest shape, leaves 0.9 mm on the same captures."
+        "Nothing else comes near: the next best explanation by itself, rest shape, leaves 0.9 mm on the same captures."
     )
 
 
@@ -73,13 +82,29 @@ def test_a_close_runner_up_is_called_close():
     """A runner-up that leaves hardly more than the winner is not said to be far off."""
     ranking = [{"effect": "creep", "heldout_error": 0.3}, {"effect": "drift", "heldout_error": 0.33}]
     words = note({**BASE, "verdict": "identified", "effects": ["creep"], "ranking": ranking})
-    assert words.else_.startswith("One comes near: the next best explanation, drift, leaves 0.33 mm")
+    assert words.else_.startswith(
+        "One comes near: the next best explanation by itself, drift, leaves 0.33 mm"
+    )
 
 
-def test_rivals_are_said_before_runners_up():
-    """Where rivals are named, the note does not claim that nothing comes near."""
-    words = note({**BASE, "verdict": "identified", "effects": ["creep"], "rivals": ["drift"]})
-    assert words.else_ == "It could also be drift: the evidence against is weaker than labrig asks for."
+def test_a_better_runner_up_is_not_kept_back():
+    """Where another effect alone leaves less than the answer, the note says so."""
+    ranking = [{"effect": "creep", "heldout_error": 0.3}, {"effect": "drift", "heldout_error": 0.2}]
+    words = note({**BASE, "verdict": "identified", "effects": ["creep"], "ranking": ranking})
+    assert words.else_.startswith("Drift by itself leaves less (0.2 mm), though the whole of the evidence")
+
+
+def test_one_of_several_that_does_it_all():
+    """Where one of several effects leaves hardly more than all of them, the note says so."""
+    ranking = [{"effect": "leak", "heldout_error": 0.31}, {"effect": "creep", "heldout_error": 1.2}]
+    words = note({**BASE, "verdict": "multiple", "effects": ["creep", "leak"], "ranking": ranking})
+    assert words.else_.startswith("Leak by itself leaves 0.31 mm, hardly more than all of them")
+
+
+def test_why_says_what_was_added_to_a_doubt():
+    """For a confounded verdict the reason says that the likeliest of what is possible was added."""
+    why = note({**BASE, "verdict": "confounded", "effects": ["leak"], "rivals": ["drift", "creep"]}).why
+    assert "to 0.3\u00a0mm with leak and drift, the likeliest of what is possible, added;" in why
 
 
 def test_the_next_experiment_is_what_the_diagnosis_designed():
@@ -91,12 +116,13 @@ def test_the_next_experiment_is_what_the_diagnosis_designed():
     )
 
 
-def test_lines_for_a_terminal():
-    """A command prints the verdict with its effect and how sure it is."""
-    lines = summary_words({**BASE, "verdict": "identified", "effects": ["creep"]})
-    assert lines.found == "identified: creep (97 % sure)"
-    lines = summary_words({**BASE, "verdict": "confounded", "effects": ["frame"], "rivals": ["rest_shape"]})
-    assert lines.found == "confounded: frame or rest shape (97 % sure)"
+def test_what_is_sure_needs_no_telling_apart():
+    """The next experiment is about what is possible, not about what is sure."""
+    planned = {"separates": ["leak", "drift"], "probes": ["wait"]}
+    doubt = {**BASE, "verdict": "confounded", "effects": ["leak"], "rivals": ["drift"]}
+    assert note({**doubt, "next_experiment": planned}).next_.startswith(
+        "To learn whether drift is there too: "
+    )
 
 
 @pytest.mark.parametrize(
@@ -133,3 +159,19 @@ def test_has_improved_needs_a_fall():
     assert has_improved(BASE)
     assert not has_improved({"error": {"base": 2.0, "model": 2.0}})
     assert not has_improved({"error": {"model": 2.0}})
+
+
+@pytest.mark.parametrize(
+    ("value", "sd", "text"),
+    [
+        (2.114, 0.0999, "2.1 ± 0.1"),
+        (169.17, 3.56, "169 ± 4"),
+        (1234.0, 260.0, "1200 ± 300"),
+        (0.3, None, "0.3"),
+        (0.0, 0.2, "0.0 ± 0.2"),
+        (None, None, "–"),
+    ],
+)
+def test_give_or_take(value, sd, text):
+    """A value is given to the place of its standard deviation's first digit."""
+    assert give_or_take(value, sd) == text

@@ -1,0 +1,177 @@
+"""Sure, possible, not it: what a diagnosis says of each effect, in words."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from labrig.view._text import capital, give_or_take, listed, percent, with_unit, word
+
+WORTH_SAYING = 0.1  # of the floor: what is smaller, and has no name, is not spoken of
+
+_CARRIES = {
+    "form": "is the base's own error of form: chambers move the rig in other patterns than the base says",
+    "pressures together": "depends on several pressures together",
+    "place": "is the same at all pressures",
+    "time in hold": "changes within the holds",
+    "time": "changes over the session",
+    "time through the pressures": "changes over the session as if the pressures did",
+    "history through the pressures": "depends on the pressures before, as if those now were not as commanded",
+    "history": "depends on the pressures before",
+}
+
+
+@dataclass(frozen=True)
+class Called:
+    """One effect: what is said of it, how probable it is, and how large it would be, in units and in floors."""
+
+    effect: str
+    call: str
+    probability: float | None = None
+    size: float | None = None
+    size_sd: float | None = None
+    size_floors: float | None = None
+    size_sd_floors: float | None = None
+
+    @property
+    def name(self) -> str:
+        """The effect as a word."""
+        return word(self.effect)
+
+
+def called(summary: dict[str, Any]) -> list[Called]:
+    """Every effect that was considered, surest first; of an older diagnosis, those that it names."""
+    out = []
+    for row in summary.get("effects_considered") or []:
+        sizes = ("size", "size_sd", "size_floors", "size_sd_floors")
+        there = row.get("size") or 0.0
+        known = {key: row.get(key) for key in sizes} if there > 0 else {}
+        out.append(Called(str(row["effect"]), str(row["call"]), row.get("probability"), **known))
+    seen = {one.effect for one in out}
+    for key, call in (("effects", "sure"), ("rivals", "possible")):
+        names = dict.fromkeys(str(name) for name in summary.get(key) or [])
+        out += [Called(name, call) for name in names if name not in seen]
+        seen |= set(names)
+    return out
+
+
+def sure(summary: dict[str, Any]) -> list[Called]:
+    """The effects that are sure."""
+    return [one for one in called(summary) if one.call == "sure"]
+
+
+def possible(summary: dict[str, Any]) -> list[Called]:
+    """The effects that may be there, or not."""
+    return [one for one in called(summary) if one.call == "possible"]
+
+
+def names(found: list[Called]) -> list[str]:
+    """The names alone."""
+    return [one.effect for one in found]
+
+
+def added(summary: dict[str, Any]) -> list[str]:
+    """What the model of `error.model` has and the base has not: what is sure, else the likeliest beside it too."""
+    effects = [str(name) for name in summary.get("effects") or []]
+    if summary.get("verdict") == "confounded":
+        effects += [str(name) for name in (summary.get("rivals") or [])[:1]]
+    return list(dict.fromkeys(effects))
+
+
+def size_words(one: Called, units: str) -> str:
+    """`2.1 ± 0.1 mm`; nothing where an effect has no size."""
+    return "" if one.size is None else with_unit(give_or_take(one.size, one.size_sd), units)
+
+
+def naming(summary: dict[str, Any]) -> str:
+    """`hysteresis, sure (over 99 %, 2.1 ± 0.1 mm); possible beside it: regulator (34 %): these data can't tell`."""
+    verdict, units = str(summary.get("verdict", "")), str(summary.get("units", ""))
+    if verdict == "underpowered":
+        return "these data can't tell"
+    probability = summary.get("probability")
+    certain, perhaps = sure(summary), possible(summary)
+    parts = []
+    if verdict == "nothing_missing":
+        parts.append(f"{percent(probability)} sure")
+    if verdict == "unknown":
+        parts.append(f"something without a name, {percent(probability)} sure")
+    if certain:
+        parts.append(" and ".join(_with_figures(one, units) for one in certain))
+    elif verdict == "confounded":
+        parts.append("nothing is sure")
+    if perhaps:
+        beside = "" if not certain else " beside it" if len(certain) == 1 else " beside them"
+        shown = ", ".join(
+            f"{one.name} ({percent(one.probability)})" if one.probability is not None else one.name
+            for one in perhaps
+        )
+        parts.append(f"possible{beside}: {shown}: these data can't tell")
+    return "; ".join(parts)
+
+
+def effect_rows(summary: dict[str, Any]) -> list[tuple[str, str, str, str, str]]:
+    """Every effect as a row of words: name, call, probability, size, size in floors; none where nothing was weighed."""
+    found = called(summary)
+    if summary.get("verdict") == "underpowered" and not any(one.probability for one in found):
+        return []
+    return [
+        (
+            one.name,
+            one.call,
+            percent(one.probability),
+            give_or_take(one.size, one.size_sd),
+            give_or_take(one.size_floors, one.size_sd_floors),
+        )
+        for one in found
+    ]
+
+
+def names_in_short(summary: dict[str, Any]) -> str:
+    """For the cell of a table: `hysteresis (sure); regulator 34 %, stiffening 12 %`."""
+    certain, perhaps = sure(summary), possible(summary)
+    parts = [f"{', '.join(one.name for one in certain)} (sure)"] if certain else []
+    if perhaps:
+        shown = (f"{one.name} {percent(one.probability)}" if one.probability else one.name for one in perhaps)
+        parts.append(("perhaps " if certain else "") + " or ".join(shown))
+    return "; ".join(parts)
+
+
+def _with_figures(one: Called, units: str) -> str:
+    figures = [percent(one.probability)] if one.probability is not None else []
+    figures += [size_words(one, units)] if one.size is not None else []
+    return f"{one.name}, sure" + (f" ({', '.join(figures)})" if figures else "")
+
+
+def share_of_all(summary: dict[str, Any]) -> str:
+    """How probable the answer is as a whole, in a sentence; empty where `naming` has said it already."""
+    probability = summary.get("probability")
+    if probability is None:
+        return ""
+    match summary.get("verdict"):
+        case "identified" | "multiple":
+            effects = listed([str(name) for name in summary.get("effects") or []])
+            return f"That it is {effects} and nothing else: {percent(probability)}."
+        case "confounded" if len(possible(summary)) > 1:
+            return f"That at least one of the possible ones is missing: {percent(probability)}."
+        case _:
+            return ""
+
+
+def carries(what: str) -> str:
+    """What carries something without a name, as the end of a sentence about it."""
+    return _CARRIES.get(what, f"is carried by {what}")
+
+
+def unnamed_words(summary: dict[str, Any]) -> str:
+    """What has no name, with its size, in a sentence; empty where nothing of it is worth a word."""
+    units, floor = str(summary.get("units", "")), (summary.get("error") or {}).get("floor") or 0.0
+    found = sorted((summary.get("unnamed") or {}).items(), key=lambda item: -item[1])
+    shown = [(what, size) for what, size in found if size > WORTH_SAYING * floor]
+    if not shown:
+        return ""
+    parts = [f"{with_unit(f'{size:.2g}', units)} {carries(str(what))}" for what, size in shown]
+    return f"Without a name: {'; '.join(parts)}."
+
+
+def naming_sentences(summary: dict[str, Any]) -> list[str]:
+    """All of it as sentences, for a report: who, how probable as a whole, and what has no name."""
+    said = [f"{capital(naming(summary))}.", share_of_all(summary), unnamed_words(summary)]
+    return [sentence for sentence in said if sentence]

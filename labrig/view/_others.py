@@ -1,0 +1,63 @@
+"""What else it could be: what is possible beside the answer, and how far the next best comes by itself."""
+
+from typing import Any
+
+from labrig.view._naming import added, names, possible
+from labrig.view._text import capital, listed, number, percent, word
+
+COMES_NEAR = 1.25  # a runner-up's error, as a multiple of the winner's, that is worth a thought
+
+
+def what_else(summary: dict[str, Any]) -> str:
+    """The answer to the question what else it could be; empty where there is nothing to say."""
+    verdict, units = summary["verdict"], str(summary.get("units", ""))
+    chosen = set(added(summary))
+    perhaps = names(possible(summary))
+    others = [row for row in summary.get("ranking", []) if str(row.get("effect")) not in chosen]
+    said = []
+    if verdict == "confounded":
+        said.append(
+            "Each of the possible ones goes with these data. Adding the wrong one would improve this campaign and "
+            "mislead the next."
+        )
+    elif perhaps and verdict in ("identified", "multiple"):
+        one = "It is" if len(perhaps) == 1 else "They are"
+        said.append(
+            f"{capital(listed(perhaps, 'or'))} may be there as well. {one} not needed, and not ruled out."
+        )
+    elif verdict == "nothing_missing":
+        end = f", and {listed(perhaps, 'or')} is possible, but not sure" if perhaps else ""
+        said.append(f"Every effect in the library was weighed; that none of them is there is likeliest{end}.")
+    if verdict in ("identified", "multiple", "confounded") and others:
+        best = min(others, key=lambda row: row.get("heldout_error", float("inf")))
+        leaves = f"{number(best.get('heldout_error'))} {units}".strip()
+        said.append(_next_best(summary, best, leaves))
+    if verdict == "multiple":
+        said.append(_one_for_all(summary))
+    return " ".join(filter(None, said))
+
+
+def _one_for_all(summary: dict[str, Any]) -> str:
+    """Where one of several effects by itself does nearly as well as all of them."""
+    chosen, error = set(added(summary)), summary.get("error", {}).get("model") or 0.0
+    own = [row for row in summary.get("ranking", []) if str(row.get("effect")) in chosen]
+    best = min(own, key=lambda row: row.get("heldout_error", float("inf")), default=None)
+    if best is None or best.get("heldout_error", float("inf")) >= COMES_NEAR * error:
+        return ""
+    return (
+        f"{capital(word(str(best['effect'])))} by itself leaves {number(best['heldout_error'])} "
+        f"{summary.get('units', '')}, hardly more than all of them: the others matter little on these captures."
+    )
+
+
+def _next_best(summary: dict[str, Any], best: dict[str, Any], leaves: str) -> str:
+    """How far the best of the others comes by itself."""
+    name, error = word(str(best["effect"])), summary.get("error", {}).get("model") or 0.0
+    alone = best.get("heldout_error", float("inf"))
+    if alone < error:
+        return (
+            f"{capital(name)} by itself leaves less ({leaves}), though the whole of the evidence is against it "
+            f"({percent(best.get('probability'))}): look at it twice, and check with a fresh programme."
+        )
+    near = "One comes near" if alone < COMES_NEAR * error else "Nothing else comes near"
+    return f"{near}: the next best explanation by itself, {name}, leaves {leaves} on the same captures."

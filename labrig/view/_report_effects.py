@@ -1,0 +1,88 @@
+"""The rooms of the report that go effect by effect: sure, possible or not it, and what each does by itself."""
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from labrig.view._naming import added, effect_rows
+from labrig.view._page import Page, bar, table
+from labrig.view._text import capital, counted, number, word
+from labrig.view._values import Fitted, fitted, plain_words, values_words
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+
+_ABOUT = (
+    "Each effect's probability, weighed together with all others (sure from 90 %, possible from 10 %), and how large "
+    "it is if it is there: root mean square over the run, in units and in noise floors."
+)
+
+
+def considered(page: Page, result: "Result") -> None:
+    """Every effect of the library: sure, possible, or not it."""
+    summary = result.summary
+    rows = effect_rows(summary) if summary.get("verdict") and summary.get("effects_considered") else []
+    if not rows:
+        return
+    page.section("Effect by effect", _ABOUT)
+    named = [row for row in rows if row[1] != "not it"]
+    others = [row for row in rows if row[1] == "not it"]
+    header = ["effect", "", "probability", f"size, {escape(str(summary.get('units', '')))}", "in floors"]
+    classes = ["", "", "number", "number", "number"]
+    if named:
+        sure = sum(row[1] == "sure" for row in named)
+        page.add(table(header, [_cells(row) for row in named], classes, sure))
+    if others:
+        count = counted(len(others), "effect")
+        less = "less" if len(others) == 1 else "each less"
+        what = f"Not it: {count}" + (f", {less} than 10 % probable" if named else "")
+        body = table(header, [_cells(row) for row in others], classes)
+        page.add(f"<details{'' if named else ' open'}><summary>{what}</summary>{body}</details>")
+    values = "".join(_values(one) for one in fitted(result))
+    if values:
+        page.add(f"<h3>Values in the model with it</h3>{values}")
+
+
+def _cells(row: tuple[str, ...]) -> list[str]:
+    name, call, *figures = row
+    kind = call.replace(" ", "-")
+    return [escape(name), f'<span class="call {kind}">{escape(call)}</span>', *map(escape, figures)]
+
+
+def _values(one: Fitted) -> str:
+    form = f" ({one.form})" if one.form else ""
+    plain = plain_words(one.effect, one.parameters)
+    said = f"{escape(plain)} " if plain else ""
+    values = f'<span class="parameters">{escape(capital(values_words(one.parameters)))}</span>'
+    return f'<p class="values"><b>{escape(capital(word(one.effect)))}</b>{escape(form)}: {said}{values}</p>'
+
+
+def ranking(page: Page, summary: dict[str, Any]) -> None:
+    """The likeliest effects, each by itself: the error with it alone, and its values."""
+    rows = summary.get("ranking", [])
+    if not rows:
+        return
+    chosen = set(added(summary))
+    order = sorted(rows, key=lambda row: str(row.get("effect")) not in chosen)
+    page.section(
+        "Each by itself",
+        "The likeliest effects, each fitted alone beside what the model declares as its own, and scored on captures "
+        "that it had not seen. Explained: the share of the explainable error that goes away. A wrong name can score "
+        "well: the probabilities above weigh more than this.",
+    )
+
+    def cells(row: dict[str, Any]) -> list[str]:
+        drop = row.get("drop")
+        share = "–" if drop is None else f"{100 * max(0.0, drop):.0f}"
+        uncertainty = f" ± {max(1, round(100 * row['se']))}" if row.get("se") is not None else ""
+        form = f"{row['form']}: " if row.get("form") else ""
+        return [
+            escape(word(str(row.get("effect")))),
+            number(row.get("heldout_error")),
+            f"{bar(drop or 0.0, 90)} {share}{uncertainty} %",
+            f'<span class="parameters">{escape(form + values_words(row.get("parameters") or {}))}</span>',
+        ]
+
+    units = escape(str(summary.get("units", "")))
+    header = ["effect", f"held-out error, {units}", "explained", "values"]
+    marked = sum(str(row.get("effect")) in chosen for row in order)
+    page.add(table(header, [cells(row) for row in order], ["", "number", "bars", "values"], marked))

@@ -1,0 +1,135 @@
+"""The fitted values of an effect in words: names, units, which chamber, how fast."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from labrig.view._naming import added
+from labrig.view._text import give_or_take, number, percent, with_unit, word
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+
+_SHOWN = 6  # parameters of one effect
+_NAMED = 3  # chambers, markers ... of one parameter, where it has more than _FEW
+_FEW = 4
+_CLEAR = 2.0  # standard deviations from nothing
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """An effect as the improved model has it: its form, and its parameters (value, sd, unit, per)."""
+
+    effect: str
+    form: str
+    parameters: dict[str, Any]
+
+
+def fitted(result: "Result") -> list[Fitted]:
+    """The effects that were added, with their values."""
+    if result.improved is None:
+        return []
+    new = set(added(result.summary))
+    return [
+        Fitted(
+            entry.name,
+            entry.form or "",
+            {key: value.model_dump(exclude_none=True) for key, value in entry.parameters.items()},
+        )
+        for entry in result.improved.file.effects
+        if entry.name in new
+    ]
+
+
+def value_lines(result: "Result") -> list[str]:
+    """One line for each effect that was added: what its values come to, and the values."""
+    out = []
+    for one in fitted(result):
+        form = f" ({one.form})" if one.form else ""
+        plain = plain_words(one.effect, one.parameters)
+        said = " ".join(filter(None, [plain, values_words(one.parameters)]))
+        out.append(f"{word(one.effect)}{form}: {said}")
+    return out
+
+
+def values_words(parameters: Mapping[str, Any]) -> str:
+    """`amplitude 0.210 ± 0.010, tau 12.0 ± 1.5 s`; of one for each chamber the largest by name."""
+    shown = []
+    for name, entry in list(parameters.items())[:_SHOWN]:
+        unit = str(entry.get("unit", ""))
+        shown.append(f"{word(name.removesuffix(f'_{unit}'))} {_values(entry, unit)}")
+    more = f", {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
+    return ", ".join(shown) + more
+
+
+def _values(entry: Mapping[str, Any], unit: str) -> str:
+    values, sds = _flat(entry.get("value")), _flat(entry.get("sd"))
+    if not values:
+        return "–"
+    if len(values) == 1:
+        return with_unit(give_or_take(values[0], sds[0] if sds else None, 2), unit)
+    per = [str(name) for name in entry.get("per") or []]
+    if len(per) != len(values):
+        return with_unit(f"{number(min(values))} to {number(max(values))}", unit) + f" ({len(values)} values)"
+    order = list(range(len(values)))
+    rest: list[int] = []
+    if len(values) > _FEW:
+        order.sort(key=lambda i: -abs(values[i]))
+        order, rest = order[:_NAMED], order[_NAMED:]
+    named = ", ".join(
+        f"{per[i]} {with_unit(give_or_take(values[i], sds[i] if len(sds) == len(values) else None, 2), unit)}"
+        for i in order
+    )
+    if not rest:
+        return named
+    others = [values[i] for i in rest]
+    return f"{named}, {len(rest)} others {number(min(others))} to {with_unit(number(max(others)), unit)}"
+
+
+def plain_words(effect: str, parameters: Mapping[str, Any]) -> str:
+    """What the values come to, in a sentence; empty where they speak for themselves."""
+    return leak_words(parameters) if effect == "leak" else ""
+
+
+def leak_words(parameters: Mapping[str, Any]) -> str:
+    """Which chamber loses how much of its pressure, and how fast; empty where the values do not say."""
+    if "sensor" in parameters and "loss" not in parameters:
+        share = _flat(parameters["sensor"].get("value"))
+        reaches = f": {percent(share[0])} of it reaches the surface" if share and share[0] <= 1.0 else ""
+        return f"Pressure is lost as the sensors measured it{reaches}."
+    loss, tau = (parameters.get(key, {}) for key in ("loss", "tau_s"))
+    losses, sds, taus = _flat(loss.get("value")), _flat(loss.get("sd")), _flat(tau.get("value"))
+    if not taus:
+        return ""
+    chambers = [str(name) for name in loss.get("per") or tau.get("per") or []]
+    count = max(len(losses), len(taus))
+    if len(chambers) != count:
+        chambers = ["Every chamber"] if count == 1 else [f"chamber {i + 1}" for i in range(count)]
+    losses = losses if len(losses) == count else (losses or [1.0]) * count
+    taus = taus if len(taus) == count else taus[:1] * count
+    clear = [i for i in range(count) if len(sds) != count or losses[i] > _CLEAR * sds[i]]
+    clear.sort(key=lambda i: -losses[i] / taus[i])
+    if not clear:
+        return "No single chamber leaks clearly."
+    said = [
+        f"{chambers[i]} loses {_rate(losses[i] / taus[i])} of its pressure at first "
+        f"(time constant {with_unit(number(taus[i]), 's')})"
+        for i in clear
+    ]
+    tight = count - len(clear)
+    others = "the other holds its own" if tight == 1 else f"the other {tight} hold theirs"
+    rest = f"; {others}, as far as these data tell" if tight else ""
+    return f"{'; '.join(said)}{rest}."
+
+
+def _rate(per_s: float) -> str:
+    for seconds, unit in ((1, "second"), (60, "minute"), (3600, "hour")):
+        if per_s * seconds >= 0.001 or unit == "hour":
+            return f"{100 * per_s * seconds:.2g} % a {unit}"
+    raise AssertionError
+
+
+def _flat(values: Any) -> list[float]:
+    if isinstance(values, list | tuple):
+        return [number for value in values for number in _flat(value)]
+    return [] if values is None else [float(values)]

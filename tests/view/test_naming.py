@@ -1,0 +1,152 @@
+"""Sure, possible, not it: the sentences about each effect, from hand-made summaries."""
+
+import pytest
+
+from labrig.view import effect_rows, names_in_short, summary_words
+from labrig.view._words import note
+
+ERROR = {"base": 2.1, "model": 0.3, "floor": 0.1, "ceiling": 0.15}
+
+
+@pytest.fixture
+def make_summary(make_considered):
+    """Make a summary of a verdict; probabilities of effects by name, other keys as `more`."""
+
+    def make(verdict, probability, more=None, **probabilities):
+        rows = make_considered(**probabilities)
+        sure = [row["effect"] for row in rows if row["call"] == "sure"]
+        possible = [row["effect"] for row in rows if row["call"] == "possible"]
+        return {
+            "verdict": verdict,
+            "probability": probability,
+            "effects": sure if verdict in ("identified", "multiple", "confounded") else [],
+            "rivals": possible if verdict == "confounded" else [],
+            "effects_considered": rows,
+            "unnamed": {},
+            "units": "mm",
+            "error": ERROR,
+            "where": [],
+            "ranking": [],
+            "next_experiment": None,
+            **(more or {}),
+        }
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("verdict", "probability", "effects", "found"),
+    [
+        (
+            "identified",
+            0.6,
+            {"hysteresis": 0.998, "regulator": 0.34, "stiffening": 0.12, "creep": 0.04},
+            "identified: hysteresis, sure (over 99 %, 2.0 ± 0.1 mm); possible beside it: regulator (34 %), "
+            "stiffening (12 %): these data can't tell",
+        ),
+        (
+            "multiple",
+            0.9,
+            {"creep": 0.97, "marker_slip": 0.95},
+            "several effects: creep, sure (97 %, 2.0 ± 0.1 mm) and marker slip, sure (95 %, 2.0 ± 0.1 mm)",
+        ),
+        (
+            "confounded",
+            0.1,
+            {"frame": 0.52, "rest_shape": 0.41},
+            "confounded: nothing is sure; possible: frame (52 %), rest shape (41 %): these data can't tell",
+        ),
+        (
+            "confounded",
+            0.55,
+            {"leak": 0.99, "drift": 0.5},
+            "confounded: leak, sure (99 %, 2.0 ± 0.1 mm); possible beside it: drift (50 %): these data can't tell",
+        ),
+        ("nothing_missing", 0.97, {"creep": 0.02}, "nothing missing: 97 % sure"),
+        (
+            "unknown",
+            0.8,
+            {"leak": 0.95},
+            "unknown effect: something without a name, 80 % sure; leak, sure (95 %, 2.0 ± 0.1 mm)",
+        ),
+        ("underpowered", 1.0, {"leak": 0.0}, "too few data: these data can't tell"),
+    ],
+)
+def test_what_is_found(make_summary, verdict, probability, effects, found):
+    """One line says what is sure and what is possible, each with the probability that is its own."""
+    said = summary_words(make_summary(verdict, probability, **effects)).found
+    assert said.replace("\u00a0", " ") == found
+
+
+@pytest.mark.parametrize(
+    ("verdict", "effects", "whole"),
+    [
+        ("identified", {"creep": 0.98, "leak": 0.3}, "That it is creep and nothing else: 70 %."),
+        ("multiple", {"creep": 0.98, "leak": 0.95}, "That it is creep and leak and nothing else: 70 %."),
+        (
+            "confounded",
+            {"creep": 0.4, "leak": 0.4},
+            "That at least one of the possible ones is missing: 70 %.",
+        ),
+        ("confounded", {"creep": 0.98, "leak": 0.6}, ""),
+        ("nothing_missing", {}, ""),
+        ("unknown", {}, ""),
+    ],
+)
+def test_the_probability_of_the_whole(make_summary, verdict, effects, whole):
+    """The verdict's own probability stands beside the very thing that it is of."""
+    assert summary_words(make_summary(verdict, 0.7, **effects)).whole == whole
+
+
+def test_what_has_no_name(make_summary):
+    """Structure without a name is said in plain words with its size, the largest first; traces are not spoken of."""
+    more = {"unnamed": {"form": 0.21, "history": 0.432, "time": 0.004, "the weather": 0.1}}
+    said = summary_words(make_summary("identified", 0.9, more, creep=0.98)).unnamed
+    assert said.replace("\u00a0", " ") == (
+        "Without a name: 0.43 mm depends on the pressures before; 0.21 mm is the base's own error of form: chambers "
+        "move the rig in other patterns than the base says; 0.1 mm is carried by the weather."
+    )
+    assert summary_words(make_summary("identified", 0.9, creep=0.98)).unnamed == ""
+
+
+def test_unknown_beside_what_is_sure(make_summary):
+    """Something unknown does not hide what is sure beside it."""
+    summary = make_summary("unknown", 0.8, {"carried_by": "history"}, leak=0.95)
+    words = note(summary)
+    assert words.headline == "Beyond leak, something real is missing that has no name here."
+    assert "What no name explains depends on the pressures before;" in words.why
+    assert words.named.startswith("Something without a name, 80 % sure; leak, sure (95 %")
+
+
+def test_rows_of_words(make_summary):
+    """Every effect is a row; one that is nowhere has no size, and where nothing was weighed there is no row."""
+    rows = effect_rows(make_summary("identified", 0.9, creep=0.98, marker_slip=0.2, delay=0.0))
+    assert rows == [
+        ("creep", "sure", "98 %", "2.0 ± 0.1", "20 ± 1"),
+        ("marker slip", "possible", "20 %", "2.0 ± 0.1", "20 ± 1"),
+        ("delay", "not it", "under 1 %", "–", "–"),
+    ]
+    assert effect_rows(make_summary("underpowered", 1.0, creep=0.0)) == []
+
+
+def test_names_for_a_cell(make_summary):
+    """A cell of a table says what is sure, and what perhaps."""
+    assert names_in_short(make_summary("identified", 0.9, creep=0.98)) == "creep (sure)"
+    short = names_in_short(make_summary("confounded", 0.9, creep=0.98, leak=0.3, drift=0.2))
+    assert short == "creep (sure); perhaps leak 30 % or drift 20 %"
+    assert names_in_short(make_summary("confounded", 0.9, leak=0.3, drift=0.2)) == "leak 30 % or drift 20 %"
+    assert names_in_short({"verdict": "", "effects": [], "rivals": []}) == ""
+
+
+def test_an_older_diagnosis():
+    """Of a file that has no effects_considered, what it names is said without figures."""
+    older = {
+        "verdict": "confounded",
+        "effects": ["leak"],
+        "rivals": ["drift"],
+        "probability": 0.9,
+        "error": {},
+    }
+    assert summary_words(older).found == (
+        "confounded: leak, sure; possible beside it: drift: these data can't tell"
+    )

@@ -1,0 +1,57 @@
+"""Fitted values in words."""
+
+import pytest
+
+from labrig.view._values import leak_words, values_words
+
+CHAMBERS = [f"c{i}" for i in range(1, 6)]
+
+
+def per_chamber(values, sds, unit="1"):
+    """A parameter of each chamber."""
+    return {"value": values, "sd": sds, "unit": unit, "per": CHAMBERS[: len(values)]}
+
+
+def test_a_value_for_each_of_a_few_chambers():
+    """A few chambers are named, each with its own value."""
+    said = values_words({"gain": per_chamber([0.1, -0.2], [0.01, 0.02], "kPa")})
+    assert said == "gain c1 0.100 ± 0.010\u00a0kPa, c2 -0.200 ± 0.020\u00a0kPa"
+
+
+def test_of_many_chambers_the_largest():
+    """Of more chambers the three with the largest values are named, the others by their range."""
+    said = values_words({"gain": per_chamber([0.1, -0.9, 0.2, 0.5, 0.01], [0.1] * 5)})
+    assert said == "gain c2 -0.90 ± 0.10, c4 0.50 ± 0.10, c3 0.20 ± 0.10, 2 others 0.01 to 0.1"
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        (
+            {"loss": per_chamber([0.9, 0.01], [0.05, 0.02]), "tau_s": {"value": 30.0, "unit": "s"}},
+            "c1 loses 3 % a second of its pressure at first (time constant 30 s); the other holds its own, as far as "
+            "these data tell.",
+        ),
+        (
+            {"loss": {"value": 1.0, "sd": 0.1, "unit": "1"}, "tau_s": {"value": 25000.0, "unit": "s"}},
+            "Every chamber loses 0.24 % a minute of its pressure at first (time constant 25000 s).",
+        ),
+        (
+            {"tau_s": per_chamber([100.0, 20.0], [1.0, 1.0], "s")},
+            "c2 loses 5 % a second of its pressure at first (time constant 20 s); c1 loses 1 % a second of its "
+            "pressure at first (time constant 100 s).",
+        ),
+        (
+            {"sensor": {"value": 0.97, "sd": 0.01, "unit": "1"}},
+            "Pressure is lost as the sensors measured it: 97 % of it reaches the surface.",
+        ),
+        (
+            {"loss": per_chamber([0.01, 0.01], [0.05, 0.02]), "tau_s": {"value": 30.0, "unit": "s"}},
+            "No single chamber leaks clearly.",
+        ),
+        ({}, ""),
+    ],
+)
+def test_a_leak_says_which_chamber_and_how_fast(parameters, said):
+    """The chambers that leak are named, the fastest first, with the share that escapes and the time constant."""
+    assert leak_words(parameters).replace("\u00a0", " ") == said
