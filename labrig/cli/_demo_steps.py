@@ -149,7 +149,10 @@ def _diagnosis(console: Console, folder: Path) -> "Result":
     with console.status("diagnosing"):
         result = diagnose(run, model)
         result.write(folder / "diagnosis.json")
-    _say(console, "diagnose", summary_words(result.summary).found)
+    said = summary_words(result.summary)
+    _say(console, "diagnose", said.found)
+    if said.unnamed:
+        _say(console, "", said.unnamed)
     if result.summary["verdict"] not in ("identified", "multiple"):
         _say(console, "improve", "nothing is added: the model stays as it is")
         return result

@@ -43,8 +43,9 @@ def diagnose(
     result = diagnose_runs(opened, questioned, tolerance=tolerance)
     plan_next(opened, questioned, result.summary)
     _table(result.summary, "diagnosis")
+    _values(result)
     _finish(result, out, "diagnosis", write_json)
-    if result.improved is not None:
+    if result.improved is not None and result.summary["effects"]:
         _say(
             f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} "
             + " ".join(f"--add {name}" for name in result.summary["effects"])
@@ -74,6 +75,7 @@ def improve(
     assert result.improved is not None
     result.improved.save(output)
     _table(result.summary, "improve")
+    _values(result)
     _finish(result, out, "improve", write_json)
     _say(f"new model: {output}")
 
@@ -171,6 +173,13 @@ def _table(summary: dict, title: str) -> None:
     from labrig.cli._tables import print_summary
 
     print_summary(summary, title)
+
+
+def _values(result) -> None:
+    from labrig.view import value_lines
+
+    for line in value_lines(result):
+        _say(line)
 
 
 def _say(text: str) -> None:

@@ -9,9 +9,9 @@ _VERDICTS = {
     "nothing_missing": "nothing is missing: the model is as good as the measurements",
     "identified": "one effect is missing",
     "multiple": "several effects are missing",
-    "confounded": "an effect is missing, but these data cannot tell which of several it is",
+    "confounded": "something is missing, and these data cannot tell which of the possible effects are there",
     "unknown": "something real is missing that no named effect explains",
-    "underpowered": "these data could not show an effect as small as the tolerance",
+    "underpowered": "these data are too few, or could not show an effect as small as the tolerance",
 }
 _WHERE_ROWS = 6
 _RANKING_ROWS = 5
@@ -24,27 +24,20 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
     error = summary["error"]
     if "verdict" in summary:
         console.print(f"verdict: {summary['verdict']} ({_VERDICTS[summary['verdict']]})", highlight=False)
-        if summary["effects"]:
-            console.print(f"effects: {', '.join(summary['effects'])}", highlight=False)
-        if summary["rivals"]:
-            console.print(f"cannot be told from: {', '.join(summary['rivals'])}", highlight=False)
-        if summary.get("carried_by"):
-            console.print(f"carried by: {summary['carried_by']}", highlight=False)
-        console.print(f"probability: {summary['probability']:.2f}", highlight=False)
+        _print_effects(console, summary)
     errors = Table(title=f"error, {units} rms")
     for name in error:
         errors.add_column(name, justify="right")
     errors.add_row(*(f"{float(v):.3g}" if v is not None else "-" for v in error.values()))
     console.print(errors)
     if summary.get("ranking"):
-        ranking = Table("effect", "form", "held-out error", "drop", "probability", title="alone, best first")
+        ranking = Table("effect", "form", "held-out error", "drop", title="each by itself, best first")
         for entry in summary["ranking"][:_RANKING_ROWS]:
             ranking.add_row(
                 entry["effect"],
                 entry["form"],
                 f"{entry['heldout_error']:.3g} {units}",
                 f"{entry['drop']:.0%}",
-                f"{entry['probability']:.2f}",
             )
         console.print(ranking)
     places = [p for p in summary["where"] if p["clear"]][:_WHERE_ROWS]
@@ -59,6 +52,32 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
         console.print(f"next: {names} ({planned['minutes']:.1f} min); labrig next writes it", highlight=False)
     for warning in summary.get("warnings", []):
         console.print(f"note: {warning}", highlight=False)
+
+
+def _print_effects(console: Console, summary: dict[str, Any]) -> None:
+    """What is sure and what is possible: some lines, and a table with sizes."""
+    from labrig.view import effect_rows, summary_words
+
+    words = summary_words(summary)
+    for line in (words.named, words.whole, words.unnamed):
+        if line:
+            console.print(line, highlight=False, soft_wrap=True)
+    rows = effect_rows(summary)
+    shown, others = (
+        [row for row in rows if row[1] != "not it"],
+        [row[0] for row in rows if row[1] == "not it"],
+    )
+    if shown:
+        table = Table(
+            "effect", "", "probability", f"size, {summary['units']}", "in floors", title="what is missing"
+        )
+        for column in table.columns[2:]:
+            column.justify = "right"
+        for row in shown:
+            table.add_row(*row)
+        console.print(table)
+    if others:
+        console.print(f"not it: {', '.join(others)}", highlight=False, soft_wrap=True)
 
 
 __all__ = ["print_summary"]

@@ -38,7 +38,7 @@ def test_the_leaking_chamber_by_commands(desk: Path, labrig) -> None:
     assert out == "run: 1 captures, 1 actuated, 1 observables, 1 session(s)\n"
     code, out, err = labrig("diagnose", "run", "--model", "model.yaml")
     assert (code, err) == (0, "")
-    assert out.startswith("verdict: identified (one effect is missing)\neffects: leak\n")
+    assert out.startswith("verdict: identified (one effect is missing)\nleak, sure (")
     content = json.loads(Path("diagnosis/diagnosis.json").read_text())
     assert content["units"] == "bar"
     assert content["error"]["model"] < 0.3 * content["error"]["base"]
