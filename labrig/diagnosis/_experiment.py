@@ -10,10 +10,10 @@ from labrig._errors import LabrigError
 from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._experiment_plan import Limits, Point, Probe, repeat_labels
 from labrig.diagnosis._experiment_probes import by_hand, canonical, on_few_levels
-from labrig.diagnosis._experiment_rivals import open_rivals
+from labrig.diagnosis._experiment_rivals import Rival, open_rivals
 from labrig.diagnosis._experiment_score import Judge, Problem, Sums
 from labrig.diagnosis._experiment_search import CHANGES, Choice, points_of, search_programme
-from labrig.diagnosis._experiment_unknown import search_unknown
+from labrig.diagnosis._experiment_unknown import in_words, search_unknown
 from labrig.diagnosis._problem import prepare, rows_from
 from labrig.effects import Effect, Rows
 from labrig.model import Model
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 MINUTES = 10.0
 MOST_ROWS = 1500
+NAMED = {"identified", "multiple", "confounded"}
+"""Verdicts that name something: what is possible beside it is told apart. The others look where least is known."""
 _TOO_LITTLE = 0.25
 """The share of its goal that some pair must reach, or nothing tells them apart."""
 
@@ -88,7 +90,7 @@ def propose_experiment(
         without: names of effects to leave out of the library.
 
     Raises:
-        LabrigError: the verdict leaves nothing open, or no programme of this rig would tell.
+        LabrigError: the diagnosis leaves nothing open, or no programme of this rig would tell.
     """
     if not minutes > 0:
         raise LabrigError(f"an experiment of {minutes:g} min: give it some time")
@@ -100,12 +102,12 @@ def propose_experiment(
     effects = {n: e for n, e in model.library().items() if n not in without}
     limits = Limits.of(rows) if limits is None else limits
     verdict = str(found["verdict"])
-    if verdict in {"nothing_missing", "multiple"}:
-        raise LabrigError(f"the verdict is {verdict}: it leaves nothing to settle")
-    rivals = open_rivals(streams, context, effects, found) if verdict in {"confounded", "identified"} else []
-    if verdict == "identified" and not rivals:
+    if verdict == "nothing_missing":
+        raise LabrigError("the verdict is nothing_missing: it leaves nothing to settle")
+    rivals = open_rivals(streams, context, effects, found) if verdict in NAMED else []
+    if verdict != "confounded" and verdict in NAMED and not rivals:
         raise LabrigError(
-            "the verdict is identified and no other effect comes near: there is nothing to settle; check it on a "
+            f"the verdict is {verdict} and no other effect is possible: there is nothing to settle; check it on a "
             "fresh programme (labrig run capture, with another seed)"
         )
     problem = Problem(streams, context, model.predictor(rows), rivals, limits)
@@ -147,9 +149,9 @@ def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: dict[s
 
 
 def _nothing_tells(
-    found: Mapping[str, Any], rivals: Sequence[Any], effects: Mapping[str, Effect], minutes: float
+    found: Mapping[str, Any], rivals: Sequence[Rival], effects: Mapping[str, Effect], minutes: float
 ) -> LabrigError:
-    names = [*found["effects"], *found["rivals"]]
+    names = _names(found, rivals)
     hands = "; ".join(f"{h['effect']}: {h['what']}" for h in by_hand(names, effects))
     titles = " and ".join(r.title for r in rivals) or " and ".join(names)
     return LabrigError(
@@ -164,7 +166,7 @@ def _named(
     """The experiment for named rivals, with what it is expected to say."""
     points, owner = points_of(choice)
     layout = problem.lay_out([points], by_point=True)
-    judge = Judge(layout, [r.weight for r in problem.rivals])
+    judge = Judge(layout, problem.rivals)
     total = layout.programmes[0]
     apart = judge.apart(total)
     goals = np.array([judge.goal(m) for m, _ in judge.pairs])
@@ -191,7 +193,7 @@ def _named(
         alike = [i for i, p in enumerate(choice.probes) if p.name == name]
         own = [layout.points[0][k] for k in range(len(points)) if owner[k] in alike]
         alone = judge.apart(_sum(own))
-        best = judge.pairs[int(np.argmax(alone))]
+        best = judge.pairs[int(np.argmax(judge.matters * alone))]
         seconds = sum(choice.times[i] * choice.probes[i].seconds(problem.limits) for i in alike)
         probes.append(
             {
@@ -200,13 +202,16 @@ def _named(
                 "shows": choice.probes[alike[0]].separates,
                 "times": sum(choice.times[i] for i in alike),
                 "minutes": seconds / 60,
-                "floors": float(np.sqrt(alone.mean() / (len(own) * problem.streams.residual.shape[1]))),
-                "log10_bayes": float(cautious * alone.mean()),
+                "floors": float(
+                    np.sqrt(
+                        np.average(alone, weights=judge.matters)
+                        / (len(own) * problem.streams.residual.shape[1])
+                    )
+                ),
+                "log10_bayes": float(cautious * np.average(alone, weights=judge.matters)),
             }
         )
-    names = list(
-        dict.fromkeys([*found["effects"], *found["rivals"], *(n for r in problem.rivals for n in r.names)])
-    )
+    names = _names(found, problem.rivals)
     weakest = min(expected, key=lambda e: e["floors"])
     why = (
         f"fitted again to this programme too, {weakest['other']} would still miss what {weakest['true']} predicts by "
@@ -216,6 +221,11 @@ def _named(
     )
     warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, minutes)]
     return _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
+
+
+def _names(found: Mapping[str, Any], rivals: Sequence[Rival]) -> list[str]:
+    """All names that a diagnosis leaves open or takes for sure, each once."""
+    return list(dict.fromkeys([*found["effects"], *found["rivals"], *(n for r in rivals for n in r.names)]))
 
 
 def _may_not_settle(expected: Sequence[Mapping[str, Any]], minutes: float) -> str:
@@ -232,11 +242,12 @@ def _unnamed(
 ) -> Experiment:
     """The experiment for an error that has no name yet, or that the data are too few to show."""
     points, owner = points_of(choice)
-    unseen = not found.get("carried_by")
+    carried = str(found.get("carried_by") or "")
+    unseen = not carried
     probes = [
         {
             "probe": probe.name,
-            "separates": "what was not looked at yet" if unseen else str(found["carried_by"]),
+            "separates": "what was not looked at yet" if unseen else in_words(carried),
             "shows": probe.separates,
             "times": times,
             "minutes": times * probe.seconds(problem.limits) / 60,
@@ -246,12 +257,12 @@ def _unnamed(
     ]
     if not unseen:
         why = (
-            f"what is unexplained is carried by {found['carried_by']}: these probes go where a smooth function of it "
-            "is least known"
+            f"what is unexplained is carried by {in_words(carried)}: these probes go where a smooth function of it is "
+            "least known"
         )
     else:
         why = "these probes go where least is known, and repeat themselves: more numbers, and the noise floor with them"
-    names = [str(n) for n in found["rivals"] if n in effects]
+    names = [n for n in _names(found, ()) if n in effects]
     return _experiment(problem, choice, points, owner, found, names, effects, probes, [], why, [])
 
 

@@ -16,6 +16,12 @@ from labrig.effects._rows import Floats
 
 FORMS = 4
 MOST_OTHERS = 4
+LEAST_LIKELY = 0.1
+"""What an explanation that is open counts for at least: as much as is called possible."""
+
+NEXT_TO_IT = 0.01
+"""Probability from which an effect that is not possible is told apart from the only one that is."""
+
 _NOT_PLANNED = {"as measured"}
 
 
@@ -38,16 +44,17 @@ class Form:
 
 @dataclass(frozen=True)
 class Rival:
-    """One explanation: the names in it, its forms, best first, and how the run weighs them (sum 1)."""
+    """One explanation: the names in it, its forms, best first, how the run weighs them (sum 1), its probability."""
 
     names: tuple[str, ...]
     forms: tuple[Form, ...]
     weight: Floats = field(repr=False)
+    probability: float = 1.0
 
     @property
     def title(self) -> str:
         """The names, joined."""
-        return " + ".join(self.names)
+        return " + ".join(self.names) or "no effect"
 
 
 def same_form(context: Context, effect: Effect, variant: Variant) -> Variant | None:
@@ -61,26 +68,42 @@ def same_form(context: Context, effect: Effect, variant: Variant) -> Variant | N
 def open_rivals(
     streams: Streams, context: Context, effects: Mapping[str, Effect], summary: Mapping[str, Any]
 ) -> list[Rival]:
-    """What the verdict leaves open, as explanations to tell apart: what is sure, with each that is possible beside it.
+    """What a diagnosis leaves open, as explanations to tell apart, each with its probability beside the others.
 
-    Where something is sure, the same without any of these is one more.
+    They are what is sure alone, and with each effect that is possible beside it. Where nothing is sure and only one is
+    possible, the one that comes next counts too, or else no effect. Fewer than two: nothing is open, the list is empty.
     """
     sure = [str(n) for n in summary["effects"] if n in effects]
-    possible = [
-        str(c["effect"])
-        for c in summary.get("effects_considered", ())
-        if c["call"] == "possible" and c["effect"] in effects
-    ] or [str(n) for n in summary["rivals"] if n in effects]
-    possible = [n for n in possible if n not in sure][:MOST_OTHERS]
-    sets = [[*sure, n] for n in possible]
-    if sure:
-        sets.insert(0, sure)
+    possible = _possible(effects, summary)
+    more = [n for n in possible if n not in sure]
+    sets: list[tuple[tuple[str, ...], float]] = [((*sure, n), possible[n]) for n in more]
+    if sure or len(more) == 1:
+        sets.append((tuple(sure), max(1.0 - sum(possible[n] for n in more), LEAST_LIKELY)))
     found = {
         n: [c for c in forms_of(streams, context, effects[n])[:FORMS] if c.variant.form not in _NOT_PLANNED]
-        for n in {*sure, *possible}
+        for n in {*sure, *more}
     }
-    out = [_rival(_best([found[n] for n in names])) for names in sets if all(found[n] for n in names)]
-    return out if len(out) > 1 else []
+    able = [(names, p) for names, p in sets if all(found[n] for n in names)]
+    if len(able) < 2:
+        return []
+    total = sum(p for _, p in able)
+    return [_rival([found[n] for n in names], p / total) for names, p in able]
+
+
+def _possible(effects: Mapping[str, Effect], summary: Mapping[str, Any]) -> dict[str, float]:
+    """The likeliest effects that are possible, with their probabilities; rivals that have none share theirs evenly."""
+    considered = {str(c["effect"]): c for c in summary.get("effects_considered") or ()}
+    rivals = [str(n) for n in summary["rivals"]]
+    names = rivals or [n for n, c in considered.items() if c["call"] == "possible"]
+    even = 1.0 / max(len(names), 1)
+    out = {n: float(considered[n]["probability"]) if n in considered else even for n in names if n in effects}
+    if len(out) == 1 and not summary["effects"]:
+        others = {n: float(c["probability"]) for n, c in considered.items() if n in effects and n not in out}
+        following = max(others, key=lambda n: others[n], default="")
+        if others.get(following, 0.0) >= NEXT_TO_IT:
+            out[following] = others[following]
+    likeliest = sorted(out, key=lambda n: -out[n])[:MOST_OTHERS]
+    return {n: max(out[n], LEAST_LIKELY) for n in likeliest}
 
 
 def _best(options: Sequence[Sequence[Candidate]]) -> list[Fit]:
@@ -99,8 +122,11 @@ def _best(options: Sequence[Sequence[Candidate]]) -> list[Fit]:
     return sorted(tried.values(), key=lambda f: -f.score.gain)[:FORMS]
 
 
-def _rival(fits: Sequence[Fit]) -> Rival:
+def _rival(options: Sequence[Sequence[Candidate]], probability: float) -> Rival:
     """Weigh the forms by how far their held-out gains are apart, in standard errors."""
+    if not options:
+        return Rival((), (Form(()),), np.ones(1), probability)
+    fits = _best(options)
     best = fits[0].score.gains
     behind = []
     for each in fits:
@@ -109,7 +135,7 @@ def _rival(fits: Sequence[Fit]) -> Rival:
         se = float(np.sqrt(n) * gap.std(ddof=1)) if n > 1 else 1.0
         behind.append(max(float(gap.sum()), 0.0) / max(se, 1e-9 * abs(best.sum()), 1e-300))
     weight = np.exp(-np.minimum(np.array(behind), 50.0))
-    return Rival(fits[0].names, tuple(Form(f.parts) for f in fits), weight / weight.sum())
+    return Rival(fits[0].names, tuple(Form(f.parts) for f in fits), weight / weight.sum(), probability)
 
 
 def join_contexts(run: Context, planned: Context) -> Context:

@@ -231,13 +231,20 @@ class Judge:
     """Says how far apart programmes put the rivals; `pairs` are (true, other) as indices of rivals."""
 
     layout: Layout
-    weights: list[Floats]
+    rivals: list[Rival]
 
     @cached_property
     def pairs(self) -> list[tuple[int, int]]:
-        """Every ordered pair of rivals that have a form."""
-        able = [r for r, own in enumerate(self.layout.columns) if own]
-        return [(m, n) for m in able for n in able if m != n]
+        """Every ordered pair of rivals in which the other one can fall behind: it has not all names of the true one."""
+        names = [set(r.names) for r in self.rivals]
+        each = range(len(names))
+        return [(m, n) for m in each for n in each if not names[m] <= names[n]]
+
+    @cached_property
+    def matters(self) -> Floats:
+        """How much each pair matters, 1 on average: by the probability of the one and of the other."""
+        p = np.array([self.rivals[m].probability * self.rivals[n].probability for m, n in self.pairs])
+        return p / p.mean()
 
     @cached_property
     def _run(self) -> Floats:
@@ -270,10 +277,10 @@ class Judge:
         out = np.zeros(len(self.pairs))
         for i, (m, n) in enumerate(self.pairs):
             total = weight = 0.0
-            for f in np.argsort(-self.weights[m])[:_TRUE_FORMS]:
-                if f < len(self.layout.columns[m]):
-                    total += self.weights[m][f] * self._behind(both, planned, m, int(f), n)
-                    weight += self.weights[m][f]
+            likely = self.rivals[m].weight
+            for f in np.argsort(-likely)[:_TRUE_FORMS]:
+                total += likely[f] * self._behind(both, planned, m, int(f), n)
+                weight += likely[f]
             out[i] = total / weight if weight > 0 else 0.0
         return out
 

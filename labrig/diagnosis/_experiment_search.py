@@ -59,7 +59,7 @@ def _rate(choice: Choice, limits: Limits) -> float:
 def _from(problem: Problem, probes: Sequence[Probe], budget_s: float) -> Choice | None:
     starts = STARTS_S if problem.keeps_time else STARTS_S[:1]
     layouts = [problem.lay_out([p.points for p in probes], idle_s=idle_s) for idle_s in starts]
-    judge = Judge(layouts[-1], [r.weight for r in problem.rivals])
+    judge = Judge(layouts[-1], problem.rivals)
     if not judge.pairs:
         return None
     seconds = np.array([p.seconds(problem.limits) for p in probes])
@@ -77,7 +77,8 @@ def _from(problem: Problem, probes: Sequence[Probe], budget_s: float) -> Choice 
 class _Greedy:
     """Adds the probe that is worth most per minute, until all is told apart or the time is used.
 
-    What a programme is worth grows with the share of its goal that each pair reaches, ever more slowly. One
+    What a programme is worth grows with the share of its goal that each pair reaches, ever more slowly, and
+    likely explanations count for more. One
     visit counts for a part of the goal at most, for one look is no proof, and no capture should decide alone.
     `sums[k]` are those of the probes when the session is `STARTS_S[k]` old.
     """
@@ -106,6 +107,10 @@ class _Greedy:
         total = self.total + self.sums[phase][i]
         return total, seen, np.minimum(self.judge.apart(total), seen) / self.goals
 
+    def _worth(self, share: Floats) -> float:
+        """What reaching these shares of the goals is worth, each pair by how much it matters."""
+        return float(self.judge.matters @ np.log1p(share))
+
     def _allowed(self, times: Sequence[int], i: int) -> bool:
         alike = sum(n for n, name in zip(times, self.names, strict=True) if name == self.names[i])
         return times[i] < MOST_VISITS and alike < MOST_ALIKE
@@ -127,12 +132,12 @@ class _Greedy:
                 if ahead[i] <= gains.max():
                     break
                 share = self.with_one(phase, int(i))[2]
-                gains[i] = ahead[i] = (float(np.log1p(share).sum()) - self.worth) / self.seconds[i]
+                gains[i] = ahead[i] = (self._worth(share) - self.worth) / self.seconds[i]
             best = int(np.argmax(gains))
             if not gains[best] > max(1e-9, LEAST_RATE * self.worth / max(used, 1.0)):
                 return times
             self.total, self.seen, share = self.with_one(phase, best)
-            self.worth = float(np.log1p(share).sum())
+            self.worth = self._worth(share)
             if best not in self.order:
                 self.order.append(best)
             times[best] += 1

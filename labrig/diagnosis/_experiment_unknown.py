@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from labrig.diagnosis._ceiling import _covariates, _kernel
+from labrig.diagnosis._ceiling import STATIC, _covariates, _kernel
 from labrig.diagnosis._experiment_plan import Probe
 from labrig.diagnosis._experiment_score import Problem
 from labrig.diagnosis._experiment_search import Choice
@@ -26,15 +26,14 @@ def search_unknown(
 ) -> tuple[Choice, list[float]]:
     """The probes that say most about a function of what carries the error, and how much each says (nats).
 
-    Without `carried_by`, of everything that was logged.
+    Without `carried_by` (a word of `_unnamed`), of everything that was logged.
     """
     probes = [p for p in seeds if _VISITS * p.seconds(problem.limits) <= budget_s] or [
         min(seeds, key=lambda p: p.seconds(problem.limits))
     ]
     joint, planned = problem.joint([p.points for p in probes])
     sets = _covariates(joint)
-    features = sets.get(str(carried_by)) if carried_by in sets else list(sets.values())[-1]
-    assert features is not None
+    features = sets.get(_covariates_of(carried_by or ""), list(sets.values())[-1])
     n_run = len(problem.context.rows.capture)
     kept = np.unique(np.linspace(0, n_run - 1, min(n_run, _MOST_RUN_ROWS)).astype(int))
     ahead = features[n_run:]
@@ -63,6 +62,20 @@ def search_unknown(
     chosen = [i for i, n in enumerate(times) if n]
     choice = Choice(tuple(probes[i] for i in chosen), tuple(times[i] for i in chosen), sum(gains))
     return choice, [gains[i] for i in chosen]
+
+
+def _covariates_of(carried_by: str) -> str:
+    """The set of covariates that a function of what carries an error is to be learnt from."""
+    if not carried_by:
+        return ""
+    if "history" in carried_by or "hold" in carried_by:
+        return "pressure, time in hold, history"
+    return "pressure, time in session" if carried_by.startswith("time") else STATIC
+
+
+def in_words(carried_by: str) -> str:
+    """What carries an error, as a sentence takes it."""
+    return "the base's own form, each chamber's pressure" if carried_by == "form" else carried_by
 
 
 def _gain(K: Floats, rows: Ints) -> float:

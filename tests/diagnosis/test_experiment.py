@@ -8,8 +8,11 @@ import pytest
 
 from labrig import LabrigError
 from labrig.diagnosis import Experiment, Limits, diagnose, plan_next, propose_experiment
-from labrig.diagnosis._experiment_plan import Point, Probe, repeat_labels
-from labrig.diagnosis._experiment_probes import on_few_levels
+from labrig.diagnosis._ceiling import _covariates
+from labrig.diagnosis._experiment_rivals import open_rivals
+from labrig.diagnosis._experiment_unknown import _covariates_of
+from labrig.diagnosis._problem import prepare, rows_from
+from labrig.diagnosis._unnamed import unnamed
 
 ROWS_S = (1.2, 2.0, 3.0, 4.0)
 Values = Callable[[Any], np.ndarray]
@@ -50,14 +53,6 @@ def wandering(lab: Any) -> np.ndarray:
     return lab.predict(lab.u) + 0.004 * (lab.time_s - lab.event_s[0])[:, :, None]
 
 
-def one_long_hold(make_lab: Any, **settings: Any) -> Any:
-    """One actuation watched for long: little but the form of a curve to go by."""
-    rows = tuple(np.geomspace(1.2, 300.0, 60))
-    lab = make_lab(chambers=1, force=True, captures=1, rows_s=rows, repeats=False, **settings)
-    lab.commanded[:] = 45.0
-    return lab
-
-
 def one_level(make_lab: Any, **settings: Any) -> Any:
     """One set of pressures, on and off: two states in all."""
     lab = make_lab(chambers=2, markers=4, captures=40, rows_s=ROWS_S, repeats=False, **settings)
@@ -84,32 +79,42 @@ def measured(lab: Any, experiment: Experiment, values: Values, seed: int = 5) ->
     return other.dataset(values(other) + other.noise(0.05, 0.1))
 
 
+def open_between(*names: str, **more: Any) -> dict[str, Any]:
+    """A diagnosis that leaves open which of these acts, each as likely."""
+    return {"verdict": "confounded", "effects": [], "rivals": list(names), "effects_considered": [], **more}
+
+
+def probabilities(summary: dict[str, Any]) -> dict[str, float]:
+    """What a diagnosis thinks of each effect."""
+    return {c["effect"]: c["probability"] for c in summary["effects_considered"]}
+
+
+def long_holds(make_lab: Any) -> Any:
+    """The same of one force, each level held for half a minute."""
+    rows = tuple(np.geomspace(1.2, 30.0, 8))
+    lab = make_lab(chambers=1, force=True, captures=16, rows_s=rows, repeats=False)
+    lab.commanded[:] = np.where(np.arange(16)[:, None] % 2 == 0, 45.0, 0.0)
+    return lab
+
+
 @pytest.mark.parametrize(
-    ("name", "values", "rival"),
-    [("leak", leaking, "drift"), ("creep", creeping, "drift"), ("drift", wandering, "leak")],
+    ("name", "values", "rivals", "campaign"),
+    [
+        ("hysteresis", looped, ("regulator", "friction"), one_level),
+        ("leak", leaking, ("creep", "drift"), long_holds),
+        ("drift", wandering, ("creep", "leak"), long_holds),
+    ],
 )
-def test_after_the_experiment_the_verdict_is_right(make_lab, name: str, values: Values, rival: str) -> None:
-    """A slow change of one force in one hold: the proposed programme settles what it is."""
-    lab = one_long_hold(make_lab)
-    model = lab.model()
-    run = lab.dataset(values(lab) + lab.noise(0.05, 0.0))
-    first = diagnose(run, model).summary
-    confounded = {**first, "verdict": "confounded", "effects": [name], "rivals": [rival]}
-    experiment = propose_experiment(run, model, summary=confounded, minutes=12)
+def test_with_the_experiment_the_right_name_comes_first(
+    make_lab, name: str, values: Values, rivals: tuple[str, ...], campaign: Callable[[Any], Any]
+) -> None:
+    """On and off at one level many names are alike; with the proposed programme the right one is ahead of the rest."""
+    lab = campaign(make_lab)
+    model, run = lab.model(), lab.dataset(values(lab) + lab.noise(0.05, 0.05))
+    experiment = propose_experiment(run, model, summary=open_between(name, *rivals))
     both = diagnose([run, measured(lab, experiment, values)], model).summary
-    assert (both["verdict"], both["effects"]) == ("identified", [name])
-    assert experiment.summary["minutes"] <= 12
-
-
-def test_a_loop_is_told_from_a_gain(make_lab) -> None:
-    """On and off at one level a loop looks like a wrong gain; with the proposed programme it does not."""
-    lab = one_level(make_lab)
-    model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
-    found = {**diagnose(run, model).summary, "verdict": "confounded"}
-    found |= {"effects": ["regulator"], "rivals": ["friction", "hysteresis"]}
-    experiment = propose_experiment(run, model, summary=found)
-    both = diagnose([run, measured(lab, experiment, looped)], model).summary
-    assert (both["verdict"], both["effects"]) == ("identified", ["hysteresis"])
+    assert probabilities(both)[name] > max(probabilities(both)[r] for r in rivals)
+    assert not set(rivals) & set(both["effects"])
 
 
 @pytest.fixture
@@ -117,12 +122,7 @@ def doubt(make_lab) -> tuple[Any, Any, dict[str, Any]]:
     """A run of three chambers, its model, and a diagnosis that leaves three explanations open."""
     lab = make_lab(captures=30, rows_s=ROWS_S)
     model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
-    found = diagnose(run, model).summary
-    return (
-        run,
-        model,
-        {**found, "verdict": "confounded", "effects": ["hysteresis"], "rivals": ["creep", "friction"]},
-    )
+    return run, model, open_between("hysteresis", "creep", "friction")
 
 
 def test_what_is_proposed(doubt) -> None:
@@ -148,6 +148,43 @@ def test_what_is_proposed(doubt) -> None:
     assert again.programme() == experiment.programme()
 
 
+def test_what_is_sure_stands_beside_each_that_is_possible(doubt) -> None:
+    """A sure effect is told apart alone and with each possible one; what it can do alone, it can do with one more."""
+    run, model, _ = doubt
+    one = {"effect": "creep", "probability": 0.3, "call": "possible"}
+    other = {"effect": "friction", "probability": 0.2, "call": "possible"}
+    found = open_between(verdict="identified", effects=["hysteresis"], effects_considered=[one, other])
+    summary = propose_experiment(run, model, summary=found, minutes=4).summary
+    creep, friction = "hysteresis + creep", "hysteresis + friction"
+    pairs = {(creep, "hysteresis"), (creep, friction), (friction, "hysteresis"), (friction, creep)}
+    assert {(e["true"], e["other"]) for e in summary["expected"]} == pairs
+    assert summary["separates"] == ["hysteresis", "creep", "friction"]
+
+
+def test_probabilities_are_the_diagnosis_own(doubt) -> None:
+    """Explanations weigh as the diagnosis says; the only possible effect is told from the next, or else from none."""
+    run, model, _ = doubt
+    streams, context, _, _ = prepare(rows_from(run), model)
+
+    def explanations(sure: list[str], **possible: float) -> dict[str, float]:
+        calls = [("not it", "possible")[p >= 0.1] for p in possible.values()]
+        considered = [
+            {"effect": n, "probability": p, "call": call}
+            for (n, p), call in zip(possible.items(), calls, strict=True)
+        ]
+        rivals = [c["effect"] for c in considered if c["call"] == "possible" and not sure]
+        summary = {"effects": sure, "rivals": rivals, "effects_considered": considered}
+        out = open_rivals(streams, context, model.library(), summary)
+        return {r.title: pytest.approx(r.probability) for r in out}
+
+    assert explanations([], creep=0.6, friction=0.2) == {"creep": 0.75, "friction": 0.25}
+    beside = explanations(["hysteresis"], creep=0.3, leak=0.02)
+    assert beside == {"hysteresis + creep": 0.3, "hysteresis": 0.7}
+    assert set(explanations([], creep=0.8, friction=0.05)) == {"creep", "friction"}
+    assert set(explanations([], creep=0.8)) == {"creep", "no effect"}
+    assert explanations(["hysteresis"], creep=0.02) == {}
+
+
 def test_more_time_tells_more(doubt) -> None:
     """The weakest expectation does not fall when the programme may be longer."""
     run, model, found = doubt
@@ -163,39 +200,52 @@ def test_what_has_no_name_is_looked_for_where_least_is_known(make_lab) -> None:
     """After captures of one level only, the programme for an unknown error goes to other levels and visits twice."""
     lab = one_level(make_lab)
     model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
-    found = diagnose(run, model).summary
-    open_ = {**found, "verdict": "unknown", "effects": [], "rivals": [], "carried_by": "pressure"}
-    experiment = propose_experiment(run, model, summary=open_, minutes=3)
+    found = open_between(verdict="unknown", carried_by="pressures together")
+    experiment = propose_experiment(run, model, summary=found, minutes=3)
     levels = {tuple(np.round(p.share, 2)) for p in experiment.points}
     assert len(levels) >= 6
     assert all(p["times"] == 2 for p in experiment.summary["probes"])
-    assert "pressure" in experiment.summary["why"]
+    assert "carried by pressures together" in experiment.summary["why"]
     assert experiment.summary["minutes"] <= 3
 
 
+def test_every_word_for_what_has_no_name_has_covariates_of_its_own(make_lab) -> None:
+    """Each word that a diagnosis may use is looked for in a set of covariates that exists: all three sets are used."""
+    lab = make_lab(captures=30, rows_s=ROWS_S)
+    context = prepare(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())[1]
+    sets = {_covariates_of(space.key): space.key for space in unnamed(context)}
+    assert set(sets) <= set(_covariates(context))
+    assert len(sets) == 3
+
+
 def test_too_few_data_ask_for_more(make_lab) -> None:
-    """Where an effect of the tolerance could hide, a programme that visits everything twice is proposed."""
+    """Where an effect of the tolerance could hide, or captures are few, a programme that visits all twice is."""
     lab = make_lab(captures=16, chambers=1, force=True)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
     experiment = propose_experiment(run, model, tolerance=0.001, minutes=2)
     assert experiment.summary["verdict"] == "underpowered"
     assert 0 < experiment.summary["minutes"] <= 2
     assert len([label for label in experiment.repeats if label]) > 2
+    few = run.isel(capture=slice(2), event=slice(2))
+    experiment = propose_experiment(few, model, minutes=2)
+    assert experiment.summary["verdict"] == "underpowered"
+    assert len([label for label in experiment.repeats if label]) > 2
 
 
 def test_clear_verdicts_need_no_experiment(make_lab) -> None:
-    """Nothing missing, or identified with nobody near: said in one line."""
+    """Nothing missing, or identified with no other effect possible: said in one line."""
     lab = make_lab(captures=40)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model)
     assert str(caught.value) == "the verdict is nothing_missing: it leaves nothing to settle"
-    ranking = [{"effect": "leak", "heldout_error": 0.1}, {"effect": "creep", "heldout_error": 0.9}]
-    sure = {"verdict": "identified", "effects": ["leak"], "rivals": [], "ranking": ranking}
+    considered = [{"effect": "leak", "probability": 0.99, "call": "sure"}]
+    considered += [{"effect": "creep", "probability": 0.02, "call": "not it"}]
+    sure = {"verdict": "identified", "effects": ["leak"], "rivals": [], "effects_considered": considered}
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, summary=sure)
     assert str(caught.value) == (
-        "the verdict is identified and no other effect comes near: there is nothing to settle; check it on a fresh "
+        "the verdict is identified and no other effect is possible: there is nothing to settle; check it on a fresh "
         "programme (labrig run capture, with another seed)"
     )
     with pytest.raises(LabrigError) as caught:
@@ -207,10 +257,8 @@ def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
     """A shifted frame and a rest shape differ by no pressure: it is said so, with what to do by hand."""
     lab = make_lab(captures=40, markers=4)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + 0.8 + lab.noise())
-    found = diagnose(run, model).summary
-    same = {**found, "verdict": "confounded", "effects": ["frame"], "rivals": ["rest_shape"]}
     with pytest.raises(LabrigError) as caught:
-        propose_experiment(run, model, summary=same)
+        propose_experiment(run, model, summary=open_between("frame", "rest_shape"))
     start = (
         "no programme of 10 min within the rig's limits tells frame and rest_shape apart; by hand: frame: "
     )
@@ -231,35 +279,3 @@ def test_the_short_form_in_a_diagnosis(doubt) -> None:
     clear = {"verdict": "identified", "next_experiment": None}
     plan_next(run, model, clear)
     assert clear["next_experiment"] is None
-
-
-def test_repeats_are_the_same_hold_after_the_same_one() -> None:
-    """Labels are shared only by points whose set-point, hold and predecessor agree."""
-    rest, up = (0.0,), (0.8,)
-    points = [
-        Point(up, 4.0),
-        Point(rest, 4.0),
-        Point(up, 4.0),
-        Point(rest, 4.0),
-        Point(up, 60.0),
-        Point(rest, 4.0),
-    ]
-    labels = repeat_labels(points, rest)
-    assert labels[1] == labels[3] != ""
-    assert labels[0] == labels[2] == labels[4] == labels[5] == ""
-
-
-def test_few_levels_for_a_base_that_is_slow() -> None:
-    """Set-points are moved to thirds, and the same one is not visited twice on end; long holds stay."""
-    rest = (0.0, 0.1)
-    points = (Point((0.15, 0.1), 4.0), Point((0.3, 0.1), 4.0), Point((0.9, 0.1), 60.0), Point(rest, 4.0))
-    (probe,) = on_few_levels([Probe("c1: steps", "s", points)], rest)
-    assert [p.share for p in probe.points] == [(0.0, 0.1), (0.3, 0.1), (0.9, 0.1), (0.0, 0.1)]
-    assert 60.0 in [p.hold_s for p in probe.points]
-
-
-def test_a_probe_knows_how_long_it_takes() -> None:
-    """Ways at the slowest chamber's rate, and holds."""
-    limits = Limits(np.zeros(2), np.array([60.0, 30.0]), np.array([30.0, 10.0]))
-    probe = Probe("p", "s", (Point((0.5, 0.5), 4.0), Point((0.0, 0.0), 2.0)))
-    assert probe.seconds(limits) == pytest.approx(1.5 + 4.0 + 1.5 + 2.0)

@@ -1,0 +1,40 @@
+"""A programme before it is measured: repeats, levels and time."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import Limits
+from labrig.diagnosis._experiment_plan import Point, Probe, repeat_labels
+from labrig.diagnosis._experiment_probes import on_few_levels
+
+
+def test_repeats_are_the_same_hold_after_the_same_one() -> None:
+    """Labels are shared only by points whose set-point, hold and predecessor agree."""
+    rest, up = (0.0,), (0.8,)
+    points = [
+        Point(up, 4.0),
+        Point(rest, 4.0),
+        Point(up, 4.0),
+        Point(rest, 4.0),
+        Point(up, 60.0),
+        Point(rest, 4.0),
+    ]
+    labels = repeat_labels(points, rest)
+    assert labels[1] == labels[3] != ""
+    assert labels[0] == labels[2] == labels[4] == labels[5] == ""
+
+
+def test_few_levels_for_a_base_that_is_slow() -> None:
+    """Set-points are moved to thirds, and the same one is not visited twice on end; long holds stay."""
+    rest = (0.0, 0.1)
+    points = (Point((0.15, 0.1), 4.0), Point((0.3, 0.1), 4.0), Point((0.9, 0.1), 60.0), Point(rest, 4.0))
+    (probe,) = on_few_levels([Probe("c1: steps", "s", points)], rest)
+    assert [p.share for p in probe.points] == [(0.0, 0.1), (0.3, 0.1), (0.9, 0.1), (0.0, 0.1)]
+    assert 60.0 in [p.hold_s for p in probe.points]
+
+
+def test_a_probe_knows_how_long_it_takes() -> None:
+    """Ways at the slowest chamber's rate, and holds."""
+    limits = Limits(np.zeros(2), np.array([60.0, 30.0]), np.array([30.0, 10.0]))
+    probe = Probe("p", "s", (Point((0.5, 0.5), 4.0), Point((0.0, 0.0), 2.0)))
+    assert probe.seconds(limits) == pytest.approx(1.5 + 4.0 + 1.5 + 2.0)
