@@ -147,14 +147,14 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
             else:
                 clouds.append(values[:: max(1, len(values) // 60)])
     power = np.zeros((K, K))
-    for cloud in clouds:
+    for cloud in (c * observations.seen for c in clouds):
         norm = (cloud**2).sum()
         if norm > 0:
             power += cloud.T @ cloud / norm / len(clouds)
     if K <= _MOST_DIRECTIONS:
-        V = np.eye(K)
+        V = np.eye(K)[:, observations.seen]
     else:
-        Q, R = np.linalg.qr(np.array(exact).T)
+        Q, R = np.linalg.qr((np.array(exact) * observations.seen).T)
         size = np.abs(np.diag(R))
         Q = Q[:, size > 1e-6 * size.max()]
         left = power - Q @ (Q.T @ power)

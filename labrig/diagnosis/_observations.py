@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import helmert
 from scipy.sparse import csr_matrix
 
@@ -37,13 +38,19 @@ class Observations:
         return int(self.index.max()) + 1
 
     @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which observables (K,) were ever seen."""
+        return np.isfinite(self.context.rows.values).sum(axis=0) > 0
+
+    @cached_property
     def to_explain(self) -> float:
-        """How much more than noise there is in the rows, root mean square, in floors."""
+        """How much more than noise there is in the rows of what was seen, root mean square, in floors."""
         count = np.bincount(self.capture, minlength=self.n_captures)
         within = float(np.median(self.floor.within / self.unit))
-        means, contrasts = self.values[: self.n_captures], self.values[self.n_captures :]
+        values = self.values[:, self.seen]
+        means, contrasts = values[: self.n_captures], values[self.n_captures :]
         rows = float((count[:, None] * (means**2 - 1)).sum()) + within**2 * float((contrasts**2 - 1).sum())
-        return float(np.sqrt(max(rows / (count.sum() * self.values.shape[1]), 0.0)))
+        return float(np.sqrt(max(rows / (count.sum() * values.shape[1]), 0.0)))
 
     @property
     def first(self) -> Ints:
@@ -89,14 +96,14 @@ def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
 
 
 def believed(values: Floats, index: Ints, within: float) -> Floats:
-    """Rows (F, K) in floors without gaps and without single values that neither their hold nor their neighbours believe."""
-    filled = fill_low_rank(values)
+    """Rows (F, K) in floors without gaps, and without single values that neither hold nor neighbours believe."""
+    filled = fill_gaps(values, index)
     if values.shape[1] < 12 or within <= 0:
         return filled
     count = np.bincount(index)
     bad = np.zeros(values.shape, dtype=bool)
     for _ in range(2):
-        filled = fill_low_rank(np.where(bad, np.nan, values))
+        filled = fill_gaps(np.where(bad, np.nan, values), index)
         means = np.zeros((len(count), values.shape[1]))
         np.add.at(means, index, filled)
         off = filled - (means / count[:, None])[index]
@@ -112,6 +119,21 @@ def believed(values: Floats, index: Ints, within: float) -> Floats:
             break
         bad |= far
     return filled
+
+
+def fill_gaps(values: Floats, index: Ints) -> Floats:
+    """Fill NaN of rows (F, K): by the capture's mean where some of its rows were seen, else by what is like it; and by
+    what changes along the hold. So a row that was not seen keeps the noise of its capture.
+    """
+    seen = np.isfinite(values)
+    if seen.all():
+        return values
+    total = np.zeros((int(index.max()) + 1, values.shape[1]))
+    count = np.zeros_like(total)
+    np.add.at(total, index, np.where(seen, values, 0.0))
+    np.add.at(count, index, seen)
+    means = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return np.where(seen, values, fill_low_rank(means)[index] + fill_low_rank(values - means[index]))
 
 
 def fill_low_rank(values: Floats, rank: int = 8, rounds: int = 12) -> Floats:

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from labrig.diagnosis._design import directions
 from labrig.diagnosis._floor import Floor
 from labrig.diagnosis._observations import Observations, fill_low_rank, observe
 from labrig.diagnosis._problem import prepared
@@ -89,6 +90,32 @@ def test_what_there_is_to_explain(make_lab) -> None:
     for size in (0.0, 3.0):
         values = lab.predict(lab.u) + size * mean + noise
         assert observed(lab, values, mean=mean, within=0.1).to_explain == pytest.approx(size, abs=0.3)
+
+
+@pytest.mark.parametrize("markers", [6, 12])
+def test_what_was_never_seen_says_nothing(make_lab, markers: int) -> None:
+    """A marker out of sight in every capture is no marker without error: no direction has any of it."""
+    lab = make_lab(captures=30, markers=markers)
+    values = lab.predict(1.1 * lab.u) + lab.noise()
+    whole = observed(lab, values)
+    values[:, :, 3:6] = np.nan
+    seen = observed(lab, values)
+    assert seen.seen.sum() == 3 * markers - 3
+    V, spread = directions(seen, [])
+    assert V.shape[1] == len(spread) <= 3 * markers - 3
+    assert V[~seen.seen] == pytest.approx(0.0, abs=1e-6)
+    assert np.abs(V.T @ V - np.eye(V.shape[1])).max() < 1e-5
+    assert seen.to_explain == pytest.approx(whole.to_explain, rel=0.3)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.4])
+def test_rows_out_of_sight_are_no_mistakes(make_lab, share: float) -> None:
+    """Where single rows were not seen, what stands in for them differs from their hold by no more than noise does."""
+    lab = make_lab(captures=100, markers=6, rows_s=(3.0, 3.5, 4.0, 4.5))
+    values = lab.predict(1.1 * lab.u) + lab.noise(row=0.05, capture=0.3)
+    values[lab.random.random(values.shape) < share] = np.nan
+    seen = observed(lab, values)
+    assert (seen.values[seen.n_captures :] ** 2).mean() < 1.1
 
 
 def test_captures_in_any_order(make_lab) -> None:
