@@ -7,6 +7,7 @@ from labrig.bench._files import write_campaign, write_model
 from labrig.bench._halves import HALVES, half_of, make_rig
 from labrig.bench._intervals import newcombe, wilson
 from labrig.bench._judge import brier, calibration_error, is_right
+from labrig.bench._learn import learn_all, write_spectra
 from labrig.bench._report import lines, tables, write_report, write_results, wrong_lines
 from labrig.bench._run import plan, read_records, run_blind, run_one
 from labrig.bench._settle import run_settle, settle, settle_records, settle_rows, write_settle
@@ -22,6 +23,7 @@ __all__ = [
     "draw",
     "half_of",
     "is_right",
+    "learn_all",
     "lines",
     "make_base",
     "make_rig",
@@ -45,6 +47,7 @@ __all__ = [
     "write_report",
     "write_results",
     "write_settle",
+    "write_spectra",
     "write_speed",
     "wrong_lines",
 ]

@@ -5,15 +5,21 @@ of the coefficients over laws, rigs and campaigns is the prior (empirical Bayes 
 Laird, Rubin, J. R. Stat. Soc. B 39 (1977) 1). Every law counts alike. Each member's own size is taken out.
 """
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from labrig.bench._draw import draw
+from labrig.bench._files import write_model
 from labrig.diagnosis._spectra import BLOCKS, Prior, factor, features_of, prior_of, unlearnt
-from labrig.effects import Context, Effect
+from labrig.effects import Context, Effect, library, rows_of
 from labrig.effects._family import Space, motion_scale
-from labrig.effects._rows import Floats
+from labrig.effects._rows import Floats, Ints
+from labrig.model import Model
 
 MISFIT = 0.05
 """By this share, root mean square, a law may be off its family: what is smaller isn't written into the spectrum."""
@@ -48,12 +54,16 @@ def example_of(context: Context, effect: Effect, change: Floats, law: str) -> Ex
 
 
 def learnable(space: Space) -> bool:
-    """Whether a spectrum can be learnt: features of the pressures, or of a few fields that mean the same on every rig."""
+    """Whether a spectrum can be learnt: its features mean the same on every rig, and are few."""
     kinds = {f.kind for f in space.features}
-    return "pattern" not in kinds and space.spectrum not in ("frame by session", "contact post", "marker_slip")
+    return "pattern" not in kinds and space.spectrum not in (
+        "frame by session",
+        "contact post",
+        "marker_slip",
+    )
 
 
-def _columns(space: Space, J: Floats, keep: Floats, scale: Floats) -> dict[str, Floats]:
+def _columns(space: Space, J: Floats, keep: Ints, scale: Floats) -> dict[str, Floats]:
     """Columns of a space by block: shared (n, a), own (n, C, a), pattern features (F, a)."""
     n = J.shape[0] * J.shape[1]
     pressures = [f.values[keep] for f in space.features if f.kind == "pressure"]
@@ -92,7 +102,7 @@ def _best(example: Example, spectra: dict) -> tuple[int, dict[str, Floats]]:
 
 def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats]]:
     """Log evidence of a change under a prior of unit size, and the second moments of its coefficients by block."""
-    parts, factors = [], []
+    parts = []
     shared = factor(prior.shared, 1e-7)
     if columns["shared"].shape[1]:
         parts.append(columns["shared"] @ shared)
@@ -129,7 +139,9 @@ def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, di
         start = a
     if own is not None and L.size:
         C, a = own.shape[1], L.shape[1]
-        total_own = sum(second[start + c * a : start + (c + 1) * a, start + c * a : start + (c + 1) * a] for c in range(C))
+        total_own = sum(
+            second[start + c * a : start + (c + 1) * a, start + c * a : start + (c + 1) * a] for c in range(C)
+        )
         moments["own"] = L @ (total_own / C) @ L.T
         start += C * a
     if P.shape[1]:
@@ -140,7 +152,7 @@ def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, di
 
 
 def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: float) -> dict:
-    """Mean covariance over laws, then over a law's examples; each example scaled to one, some of what was believed kept."""
+    """Mean covariance over laws, each over its own examples, with a share of what was believed before."""
     out = {}
     laws = sorted({law for law, _, _ in members})
     for block in BLOCKS:
@@ -155,12 +167,52 @@ def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: fl
             grid = np.ix_(own, own)
             before = unlearnt(space)
             belief = {b: getattr(before, b) for b in BLOCKS}
-            trace = sum(np.trace(m) for m in moments.values()) / max(sum(np.trace(m) for m in belief.values()), 1e-300)
+            trace = sum(np.trace(m) for m in moments.values()) / max(
+                sum(np.trace(m) for m in belief.values()), 1e-300
+            )
             if block in moments:
                 total[grid] += share * ((1 - forget) * moments[block] + forget * trace * belief[block])
                 weight[grid] += share
         covariance = total / np.where(weight > 0, weight, 1.0)
         power, U = np.linalg.eigh((covariance + covariance.T) / 2)
         covariance = (U * np.maximum(power, 0)) @ U.T
-        out[block] = {"features": names, "covariance": [[float(f"{v:.6g}") for v in row] for row in covariance]}
+        out[block] = {
+            "features": names,
+            "covariance": [[float(f"{v:.6g}") for v in row] for row in covariance],
+        }
     return out
+
+
+def learn_all(seeds: Iterable[int]) -> dict[str, dict]:
+    """The spectra of all effects, from campaigns of one effect each, drawn on the development half."""
+    effects = library()
+    examples: dict[str, list[Example]] = {}
+    for seed in seeds:
+        campaign = draw("single", seed, "development")
+        (name,) = campaign.truth["effects"]
+        change = campaign.parts[name]
+        dataset = campaign.dataset.copy(deep=True)
+        held = np.isfinite(dataset["hold_s"].values)
+        seen = "position_mm" if "position_mm" in dataset else "observed"
+        values = np.full(dataset[seen].shape, np.nan)
+        values[held] = change.reshape(len(change), *values.shape[2:])
+        with TemporaryDirectory(prefix="labrig-learn-") as folder:
+            model = Model.load(write_model(campaign, Path(folder)))
+            context = model.context(rows_of(campaign.dataset))
+        dataset[seen].values[...] = values
+        example = example_of(context, effects[name], rows_of(dataset).values, campaign.truth["laws"][0])
+        if example is not None:
+            examples.setdefault(name, []).append(example)
+    spectra: dict[str, dict] = {}
+    for name in sorted(examples):
+        spectra |= learn(examples[name])
+    return spectra
+
+
+def write_spectra(spectra: dict[str, dict], path: Path, how: str) -> None:
+    """Write spectra as `spectra.json`, in one piece or not at all."""
+    lines = [f" {json.dumps(name)}: {json.dumps(value)}" for name, value in sorted(spectra.items())]
+    text = '{"how": ' + json.dumps(how) + ',\n"spectra": {\n' + ",\n".join(lines) + "\n}}\n"
+    partial = path.with_name(path.name + ".part")
+    partial.write_text(text, encoding="utf-8", newline="\n")
+    partial.replace(path)

@@ -105,6 +105,20 @@ def blind(
         write_results(summary, results, f"`labrig bench blind{which}{each} --seed {seed}`{more}")
 
 
+@bench.command("learn")
+def learn(
+    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: spectra.json.")],
+    count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of one effect each.")] = 400,
+    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+) -> None:
+    """Learn how large which member of each effect's family is, from the laws of the development half."""
+    from labrig.bench import learn_all, write_spectra
+
+    how = f"labrig bench learn --n {count} --seed {seed}"
+    write_spectra(learn_all(range(seed, seed + count)), out, how)
+    typer.echo(f"{out}: learnt from {count} campaigns")
+
+
 @bench.command("settle")
 def settle(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],

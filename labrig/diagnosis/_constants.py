@@ -5,23 +5,27 @@ SPIKE_FLOORS = 0.1
 SPIKE_SHARE = 0.1
 """The same as a share of what there is to explain: no formula, no base and no Jacobian is exact."""
 TRACE_SHARES = (0.1, 0.25)
-"""Prior sds of a trace of an effect, as shares of what there is to explain: what a misfit of another's law can leave."""
+"""Prior sds of a trace of an effect, as shares of what there is to explain: what another law's misfit can leave."""
 P_TRACE = 0.3
 """Prior probability that an effect leaves a trace; a trace is no name."""
-LEVELS = (0.5, 1.5, 4.5)
-"""Prior sd of an effect that is present, in multiples of what there is to explain: around it, a factor of three apart."""
+LEVELS = (0.5, 1.0, 2.0)
+"""Prior sd of an effect that is present, in multiples of what there is to explain: around it, a factor of two apart."""
 LEAST_FLOORS = 0.5
 """Prior sd, in floors, of the smallest effect that counts as present."""
 SLOW_FLOORS = (0.05, 0.2, 0.6)
 """Prior sds of the slow noise, in floors: hardly any, some, as much as the hardest null has."""
 P_EFFECT = 0.1
 """Prior probability of each further effect with a name."""
-P_UNNAMED = 0.01
+P_UNNAMED = 0.003
 """Prior probability of each kind of structure without a name: a name explains more often than none does."""
-INDEPENDENT = 8000
+P_FORM = 0.03
+"""Prior probability that the base is wrong in form, in each of the ways that `_unnamed` lists."""
+INDEPENDENT = 2000
 """Most independent numbers that a campaign is worth, however many it has: models of neighbours are never exact."""
 MATERIAL = 0.3
 """Share (root mean square) of what is explained below which a part is not worth a name."""
+MATERIAL_SPREAD = 0.2
+"""How soft that limit is, in logarithms: of parts near it a misfit of another's law is as likely as an effect."""
 SMALLEST_FLOORS = 0.25
 """Floors below which nothing is worth a name."""
 SURE = 0.9

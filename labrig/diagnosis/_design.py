@@ -45,8 +45,10 @@ class FreeBlock:
 
 @dataclass(frozen=True)
 class Design:
-    """All columns `W` (S r, P) along directions `V` (K, r), in floors, each of unit prior variance; every space makes one
-    floor, root mean square, before it is scaled. `free` blocks are patterns over all K observables.
+    """All columns `W` (S r, P) along directions `V` (K, r), in floors, each of unit prior variance.
+
+    Every space makes one floor, root mean square, before it is scaled. `free` blocks are
+    patterns over all observables.
     """
 
     observations: Observations
@@ -119,7 +121,7 @@ def _share(owner: str, space: Space, count: Mapping[str, int], context: Context)
 
 
 def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Floats, Floats]:
-    """Orthonormal directions (K, r) over the observables in which everything named lies, and the spread along each (r,).
+    """Orthonormal directions (K, r) in which everything named lies, and the spread along each (r,).
 
     What is unnamed spreads over them as what is named does: along how the base moves, above all; a share
     (`_EVEN`) of it evenly.
@@ -167,7 +169,7 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
         V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
     along, turn = np.linalg.eigh(V.T @ power @ V)
     along = (1 - _EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + _EVEN / len(along)
-    return (V @ turn).astype(np.float32), along * K
+    return (V @ turn).astype(np.float32), along * K  # type: ignore[return-value]
 
 
 class _Layout:

@@ -5,12 +5,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from labrig.diagnosis._design import DECLARED, Design
 from labrig.effects._rows import Floats
 
 _NEGLIGIBLE = 1e-4
+EVEN = (DECLARED, "?place")
+"""Free patterns that spread evenly over the observables, wherever the base moves them."""
 DECLARED_FLOORS = 300.0
 """What a base calls its own may have any size; of a static map, far more floors than any rig moves."""
 
@@ -29,11 +32,11 @@ class Sums:
     r: int
 
     @classmethod
-    def of(cls, design: Design, worth: float = 1.0, keep: Floats | None = None) -> "Sums":
+    def of(cls, design: Design, worth: float = 1.0, keep: NDArray[np.bool_] | None = None) -> "Sums":
         """The sums over all observations, or over those with `keep` (S,); each counts for `worth` of one.
 
-        The likelihood to a power (Grünwald and van Ommen, Bayesian Analysis 12 (2017) 1069): what models are wrong in is
-        not independent from number to number. The prior keeps its whole weight.
+        The likelihood to a power (Grünwald and van Ommen, Bayesian Analysis 12 (2017) 1069): what models are
+        wrong in is not independent from number to number. The prior keeps its whole weight.
         """
         Y, W, V = design.observations.values, design.W, design.V
         S, r = len(Y), V.shape[1]
@@ -48,7 +51,8 @@ class Sums:
             b=worth * (flat.T @ YV.reshape(-1)).astype(np.float64),
             GG=worth * (G.T @ G),
             GY=worth * (G.T @ YV),
-            GW=worth * np.asarray(G.T.astype(np.float32) @ W3.reshape(len(Y), -1)).reshape(G.shape[1], r, -1),
+            GW=worth
+            * np.asarray(G.T.astype(np.float32) @ W3.reshape(len(Y), -1)).reshape(G.shape[1], r, W.shape[1]),
             square=worth * float((YV.astype(np.float64) ** 2).sum()),
             worth=worth,
             r=r,
@@ -57,7 +61,7 @@ class Sums:
 
 @dataclass(frozen=True)
 class Beside:
-    """The same sums once free patterns of given variances are marginalised: A (P, P), b (P,), square, log determinant."""
+    """The same sums once free patterns are marginalised: A (P, P), b (P,), square, log determinant."""
 
     A: Floats
     b: Floats
@@ -148,10 +152,10 @@ def unexplained(sums: Beside, slices: Sequence[slice], sds: Sequence[float]) -> 
 
 
 def free_variances(design: Design, sd: Mapping[str, float]) -> Floats:
-    """Prior variance (g, r) of each regressor of the free blocks along each direction, by the owner's size in floors."""
+    """Prior variance (g, r) of the free blocks' regressors along each direction, by the owner's size in floors."""
     even = np.ones_like(design.spread)
     parts = [
-        np.full(f.G.shape[1], sd[f.owner] ** 2)[:, None] * (even if f.owner == DECLARED else design.spread)
+        np.full(f.G.shape[1], sd[f.owner] ** 2)[:, None] * (even if f.owner in EVEN else design.spread)
         for f in design.free
     ]
     return np.concatenate(parts) if parts else np.zeros((0, len(even)))

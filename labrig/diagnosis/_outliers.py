@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.diagnosis._floor import capture_means
-from labrig.diagnosis._spectrum import fill
 from labrig.effects import Context
 from labrig.effects._rows import Floats, Ints
+from labrig.effects._spectrum import fill
 
 FORM = 0.03
 """No formula is exact: by this share of its own size a residual may be off without being wrong."""

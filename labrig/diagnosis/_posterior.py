@@ -9,6 +9,7 @@ import numpy as np
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import DECLARED_FLOORS, State, Sums, beside_free, free_variances, unexplained
+from labrig.diagnosis._unnamed import BASE_FORMS
 from labrig.effects._rows import Floats
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -81,7 +82,8 @@ class Search:
             if size in self.traces:
                 out += np.log(k.P_TRACE / len(self.traces))
                 continue
-            out += np.log(k.P_UNNAMED if owner.startswith("?") else k.P_EFFECT)
+            usual = k.P_FORM if owner in BASE_FORMS else k.P_UNNAMED
+            out += np.log(usual if owner.startswith("?") else k.P_EFFECT)
             out -= np.log(len(self.sizes))
         return float(out)
 
@@ -192,7 +194,7 @@ class Search:
 
 
 def material(search: "Search", e: Explanation, owners: Iterable[str]) -> dict[str, float]:
-    """Share of what an explanation explains that is lost when one of its parts is dropped, and all else fitted again."""
+    """Share of what is explained that is lost when a part is dropped, and all else fitted again, by owner."""
     design = search.design
     declared = {f.owner: (DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
     always = [

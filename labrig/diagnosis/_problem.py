@@ -22,8 +22,9 @@ MOST_ROWS = 6000
 
 @dataclass(frozen=True)
 class Prepared:
-    """A campaign beside a model: `residual` (F, K) without outliers (`dropped` of them), the noise `floor`, and what the
-    base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
+    """A campaign beside a model: `residual` (F, K) without outliers (`dropped` of them), the noise `floor`.
+
+    What the base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
     """
 
     context: Context

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor, capture_means
 from labrig.diagnosis._outliers import FORM
-from labrig.diagnosis._spectrum import bulk_edge, fill
 from labrig.effects import Context
 from labrig.effects._fields import frame_modes
 from labrig.effects._rows import Floats, Ints
+from labrig.effects._spectrum import bulk_edge, fill
 
 MAX_PATTERNS = 8
 _FEW_CAPTURES = 3

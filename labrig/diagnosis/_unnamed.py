@@ -1,13 +1,18 @@
-"""What no name explains: the base's own error of form, and unnamed structure, as spaces on the same scale as effects."""
+"""What no name explains: the base's own error of form, and unnamed structure, on the same scale as effects."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from labrig.effects import Context
-from labrig.effects._family import Space, acting, pattern, pressure
+from labrig.effects._family import Feature, Space, acting, field, pattern, pressure
+from labrig.effects._fields import frame_modes, scale_mode
 from labrig.effects._rows import Floats
 
+FORMS = ("?form", "?static", "?place", "?rigid", "?curve", "?lever")
+"""What is a function of the pressures alone: a base that is wrong in form, no missing memory."""
+BASE_FORMS = ("?form", "?static", "?curve", "?lever")
+"""Those of them by which a base is usually wrong in form."""
 FORM = "form"
 """The base's own error of form: each chamber's deflection, in a pattern of its own."""
 
@@ -23,8 +28,18 @@ def unnamed(context: Context) -> Iterator[Space]:
         columns += [pattern(f"pressure {c}", x[:, c], 0.3) for c in range(C)]
         yield Space(FORM, FORM, acting(columns))
         yield Space("pressures together", "static", acting(list(_static(x))))
+        yield Space("each chamber's own pressure", "curve", acting(_curve(context)), 0.4)
+        yield from _lever(context)
         yield from _history(context)
     yield Space("place", "place", (pattern("always", np.ones(F)),))
+    if (rows.axis >= 0).sum() >= 3:
+        modes = np.concatenate([frame_modes(context), scale_mode(context)[:, :, None]], axis=2)
+        size = np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12
+        yield Space(
+            "place, as one body",
+            "rigid",
+            acting([field(f"mode {j}", modes[:, :, j] / size[j]) for j in range(7)]),
+        )
     if context.has_holds:
         held = np.log1p(context.elapsed_s)
         held = held - held.mean()
@@ -58,6 +73,45 @@ def _static(x: Floats) -> Iterator:
     for k in range(16):
         way = 2 * random.normal(size=C) / np.sqrt(C)
         yield pattern(f"wave {k}", np.cos(2 * x @ way + random.uniform(0, 2 * np.pi)), 0.3)
+
+
+def _lever(context: Context) -> Iterator[Space]:
+    """Where each chamber acts: its own motion times a parabola of the place, as when its patch lies elsewhere.
+
+    The derivative of a bell by its middle or its width is the bell times such a polynomial.
+    """
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    if rows.rest_mm is None or not np.isfinite(rows.rest_mm).all() or len(own) < 9:
+        return
+    moved = context.jacobian * (rows.actuation - context.vented)[:, None, :]
+    place = np.zeros((len(rows.marker), 3))
+    place[own] = rows.rest_mm[rows.marker[own]]
+    out = []
+    for c, name in enumerate(rows.chambers):
+        weight = (moved[:, :, c] ** 2).mean(axis=0)
+        if weight.sum() <= 0:
+            continue
+        middle = (weight[:, None] * place).sum(axis=0) / weight.sum()
+        away = place - middle
+        size = np.sqrt((weight[:, None] * away**2).sum(axis=0) / weight.sum())
+        for a, letter in enumerate("xyz"):
+            if size[a] < 1e-3 * size.max():
+                continue
+            z = away[:, a] / size[a]
+            out.append(field(f"{name} along {letter}", moved[:, :, c] * z))
+            out.append(field(f"{name} wide {letter}", moved[:, :, c] * (z**2 - 1), 0.5))
+    if out:
+        yield Space("where chambers act", "lever", acting(out))
+
+
+def _curve(context: Context) -> list[Feature]:
+    """A curve of each chamber's own pressure, carried by the Jacobian: a base whose walls follow another law."""
+    x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
+    out = [pressure(f"power {n}", x**n, 1.0 / n) for n in (1, 2, 3, 5)]
+    out += [pressure(f"wall power {n}", d**n / slope, 1.0 / n) for n in (1, 2, 3)]
+    out += [pressure(f"wave {n}", np.sin(np.pi * n * x) / n, 0.3 / n) for n in (1, 2, 3)]
+    return out
 
 
 def _history(context: Context) -> Iterator[Space]:

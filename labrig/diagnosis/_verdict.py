@@ -1,16 +1,15 @@
 """The verdict: what the probabilities of all explanations say, in one word."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._posterior import Explanation, Search, is_name, material, sizes
-
-FORMS = ("?form", "?static", "?place")
-"""Unnamed structure that is a function of the pressures alone: a base that is wrong in form, no missing memory."""
+from labrig.diagnosis._unnamed import FORMS
 
 
 @dataclass(frozen=True)
@@ -50,8 +49,20 @@ class Answer:
     """One explanation as an answer: the effects that are worth a name, and what has none, each with its size."""
 
     probability: float
-    names: dict[str, tuple[float, float]]
+    sizes: dict[str, tuple[float, float]]
     unnamed: dict[str, float]
+    least: float
+    """The size, in floors, from which a part is worth a name."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The effects that are worth a name."""
+        return tuple(o for o, (size, _) in self.sizes.items() if size >= self.least)
+
+    def worth(self, name: str) -> float:
+        """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
+        size = self.sizes[name][0] if name in self.sizes else 0.0
+        return float(ndtr(np.log(max(size, 1e-12) / self.least) / k.MATERIAL_SPREAD))
 
     @property
     def moving(self) -> bool:
@@ -79,15 +90,14 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     out = []
     for e, p in kept:
         found = sizes(search, e)
-        names = {o: s for o, s in found.items() if is_name(o) and o in e.owners and s[0] >= least}
-        unnamed = _unnamed(search, e, least)
-        out.append(Answer(float(p / total), names, unnamed))
+        parts = {o: s for o, s in found.items() if is_name(o)}
+        out.append(Answer(float(p / total), parts, _unnamed(search, e, least), least))
     return out
 
 
 def _unnamed(search: Search, e: Explanation, least: float) -> dict[str, float]:
     """What has no name in an explanation, and would be missed, by owner."""
-    owners = [o for o in e.owners if o.startswith("?")]
+    owners = [o for o, _, _ in e.raised if o.startswith("?")]
     if not owners:
         return {}
     lost = material(search, e, owners)
@@ -101,7 +111,7 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
     sure = tuple(c.effect for c in considered if c.call == "sure")
     possible = tuple(c.effect for c in considered if c.call == "possible")
 
-    def share(test) -> float:
+    def share(test: Callable[[Answer], bool]) -> float:
         return float(sum(a.probability for a in answers if test(a)))
 
     unknown, nothing = share(lambda a: a.verdict == "unknown"), share(lambda a: not a.names and not a.unnamed)
@@ -114,16 +124,15 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
         return Verdict("nothing_missing", (), nothing, (), considered, "", beside)
     if unknown >= 0.5:
         return Verdict("unknown", (), unknown, (), considered, carried, beside)
-    more = share(lambda a: set(a.names) > set(sure))
-    if sure and more < 0.5:
+    more = sum(
+        a.probability * (1 - np.prod([1 - a.worth(n) for n in a.sizes if n not in sure])) for a in answers
+    )
+    if sure and more < k.SURE:
         word = "identified" if len(sure) == 1 else "multiple"
-        exact = share(lambda a: set(a.names) == set(sure) and a.verdict != "unknown")
-        notes = tuple(
-            f"beside it {c.effect} is possible ({c.probability:.0%})"
-            for c in considered
-            if c.call == "possible"
-        )
-        return Verdict(word, sure, exact, (), considered, carried, beside, notes)
+        all_of_them = sum(a.probability * float(np.prod([a.worth(n) for n in sure])) for a in answers)
+        beside_it = [f"{c.effect} ({c.probability:.0%})" for c in considered if c.call == "possible"]
+        notes = (f"possible beside it: {', '.join(beside_it)}",) if beside_it else ()
+        return Verdict(word, sure, float(all_of_them), (), considered, carried, beside, notes)
     if possible:
         some = share(lambda a: bool(set(a.names) & set(possible)) and a.verdict != "unknown")
         return Verdict("confounded", sure, some, possible, considered, carried, beside)
@@ -138,8 +147,8 @@ def underpowered(
     count = len(observations.values)
     if count < k.FEWEST_OBSERVATIONS:
         note = (
-            f"{observations.n_captures} captures with {count} independent rows can't tell effects apart: measure at least "
-            f"{k.FEWEST_OBSERVATIONS}, some set-points twice, from above and from below, some held for a minute"
+            f"{observations.n_captures} captures with {count} independent rows can't tell effects apart: measure "
+            f"at least {k.FEWEST_OBSERVATIONS}, some set-points twice, from above and from below, some for a minute"
         )
         return Verdict("underpowered", (), 1.0, (), considered, warnings=(note,))
     least = detectable_floors(observations)
@@ -160,8 +169,8 @@ def detectable_floors(observations: Observations) -> float:
 
 
 def _considered(name: str, answers: Sequence[Answer]) -> Considered:
-    own = [(a.probability, *a.names[name]) for a in answers if name in a.names]
-    if not own:
+    own = [(a.probability * a.worth(name), *a.sizes[name]) for a in answers if name in a.sizes]
+    if sum(p for p, _, _ in own) < k.NEGLIGIBLE:
         return Considered(name, 0.0)
     p, size, sd = np.array(own).T
     mean = float((p * size).sum() / p.sum())

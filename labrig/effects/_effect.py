@@ -124,10 +124,8 @@ class Effect(ABC):
     def family(self, context: Context) -> Iterator[Space]:
         """Yield the spaces of functions that the laws of this effect span: its forms, unless it says more."""
         from labrig.effects._forms import spaces_of
-        from labrig.effects._kin import KIN
 
-        own = KIN.get(self.name) if type(self).__module__.startswith("labrig.effects.") else None
-        yield from own(context) if own else spaces_of(self, context)
+        yield from spaces_of(self, context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         """The covariate that betrays it, for plots: name, unit, values (F,)."""

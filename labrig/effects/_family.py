@@ -95,11 +95,36 @@ def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
             continue
         t = time / end
         yield f"{label} linear", t, 1.0
-        yield f"{label} warm-up 0.1", -np.expm1(-t / 0.1), 0.3
+        yield f"{label} warm-up 0.1", -np.expm1(-t / 0.1), 0.1
         yield f"{label} warm-up 0.3", -np.expm1(-t / 0.3), 0.5
         for k in range(1, 9):
-            yield f"{label} cosine {k}", np.cos(np.pi * k * t), 0.3 / k**2
+            yield f"{label} cosine {k}", np.cos(np.pi * k * t) - 1, 0.3 / k**2
     for name, cov in rows.covariates.items():
         warm = cov.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()
         if warm and np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
             yield "temperature", (cov.values - cov.values.mean()) / np.ptp(cov.values), 1.0
+
+
+def play_of(context: Context, drive: Floats, width: float, rest: float | Floats) -> Floats:
+    """The play operator on a drive (E, C) of the events, at the rows (F, C)."""
+    state = np.zeros_like(drive)
+    for e, before in enumerate(context.started):
+        last = state[before] if before >= 0 else rest
+        state[e] = np.maximum(drive[e] - width, np.minimum(drive[e] + width, last))
+    return state[context.rows.event]
+
+
+def lags(context: Context, taus: tuple[float, ...], first: float) -> list[Feature]:
+    """Lags behind the pressure and behind the walls, s; of those up to `first` less is expected."""
+    x, u, span = context.rows.fraction, context.rows.actuation, context.span
+    out = []
+    for tau in taus:
+        lag = (context.relaxed(tau) - u) / span
+        out += [
+            pressure(f"lag {tau}", lag, 1.0 if tau > first else 0.2),
+            pressure(f"lag {tau} tilted", lag * (2 * x - 1), 0.15),
+        ]
+        if not context.linear:
+            wall = context.strained(tau) / span - context.deflection / context.deflection_slope
+            out.append(pressure(f"wall {tau}", wall, 0.5))
+    return out

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
@@ -101,5 +102,97 @@ class Contact(Effect):
                     term = Term.field("stopped", change)
                     yield Variant(f"wall at {sign}{letter}", (term,), {"distance": distance})
 
+    def family(self, context: Context) -> Iterator[Space]:
+        """A limit of the pressure or the wall; of the travel; a post before some markers; a plane: one of them."""
+        if not context.moves:
+            return
+        x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
+        for limit in (0.35, 0.5, 0.6, 0.7, 0.8, 0.9):
+            h, g = np.maximum(x - limit, 0), np.maximum(d - limit, 0)
+            out = [
+                pressure("pressure", -h, 0.6),
+                pressure("wall", -g / slope, 0.6),
+                pressure("soft", -(g**1.5) / slope, 0.6),
+                pressure("later", -np.maximum(d - limit - 0.1, 0) / slope, 0.3),
+                pressure("earlier", -np.maximum(d - limit + 0.1, 0) / slope, 0.3),
+            ]
+            if (h > 0).mean() >= 0.005 or (g > 0).mean() >= 0.005:
+                yield Space(f"limit {limit}", "contact limit", acting(out), 0.2)
+        yield from _places(context)
+
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))
+
+
+def _places(context: Context) -> Iterator[Space]:
+    """Limits in space: travel, planes that markers meet, and posts in the way of some of them."""
+    far, rows = float(context.travel.max()), context.rows
+    has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
+    if far <= 0 or not has_axis:
+        return
+    move = _by_marker(context, context.displacement)
+    length = np.linalg.norm(move, axis=2)
+    way = move / np.maximum(length, 1e-9)[..., None]
+    for share in (0.3, 0.5, 0.7, 0.85):
+        past = np.maximum(length - share * far, 0)
+        yield Space(
+            f"travel {share}",
+            "contact travel",
+            acting([field("stop", _to_rows(context, -past[..., None] * way))]),
+        )
+    for share in (0.35, 0.55, 0.75, 0.9):  # each marker by itself, at a share of its own farthest way
+        past = np.maximum(length - share * length.max(axis=0), 0)
+        out = []
+        for m in range(len(rows.markers)):
+            alone = np.zeros_like(move)
+            alone[:, m] = -past[:, m, None] * way[:, m]
+            out.append(field(f"marker {m}", _to_rows(context, alone)))
+        yield Space(f"post {share}", "contact post", acting(out))
+    rest = rows.rest_mm
+    here = move + (rest[None] if rest is not None and np.isfinite(rest).all() else 0.0)
+    main = (move * length[..., None]).sum(axis=(0, 1))
+    normals = {"main": main / max(np.linalg.norm(main), 1e-9)}
+    for a, letter in enumerate("xyz"):
+        for side in (1.0, -1.0):
+            if (side * move[:, :, a]).max() > 0.3 * far:
+                normals[("+" if side > 0 else "-") + letter] = side * np.eye(3)[a]
+    for name, n in normals.items():
+        height = here @ n
+        out_ = (move @ n) > 0.1 * far
+        if out_.mean() < 0.01:
+            continue
+        across = np.linalg.svd(n[None])[2][1:]
+        beside = np.stack([(here - here.mean(axis=(0, 1))) @ t for t in across], axis=2)
+        beside /= np.abs(beside).max() + 1e-12
+        for share in (40, 65, 85, 95):
+            past = np.where(out_, np.maximum(height - np.percentile(height[out_], share), 0), 0.0)
+            met = (past > 0).astype(float) * past.max(initial=0.0)
+            out = [
+                ("back", -past[..., None] * n, 1.0),
+                ("own way", -past[..., None] * way, 0.5),
+                ("nearer", -met[..., None] * n, 0.1),
+            ]
+            out += [(f"tilted {j}", -(met * beside[:, :, j])[..., None] * n, 0.3) for j in (0, 1)]
+            yield Space(
+                f"plane {name} {share}",
+                "contact plane",
+                acting([field(k, _to_rows(context, v), w) for k, v, w in out]),
+            )
+
+
+def _by_marker(context: Context, values: Floats) -> Floats:
+    """Values (F, K) as (F, M, 3), zero along axes that are not seen."""
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    out = np.zeros((len(values), len(rows.markers), 3))
+    out[:, rows.marker[own], rows.axis[own]] = values[:, own]
+    return out
+
+
+def _to_rows(context: Context, values: Floats) -> Floats:
+    """The reverse of `_by_marker`."""
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    out = np.zeros((len(values), len(rows.marker)))
+    out[:, own] = values[:, rows.marker[own], rows.axis[own]]
+    return out

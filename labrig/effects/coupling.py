@@ -7,6 +7,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._rows import Floats
 
@@ -66,6 +67,28 @@ class Coupling(Effect):
             feature[:, j, q] = u[:, j] * other[:, i]
         names = context.rows.chambers
         return Term("pair", "pressure", feature, tuple(f"{names[i]}-{names[j]}" for i, j in pairs))
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Products of a chamber's pressure with those of its neighbours, or of all, saturating or not."""
+        C = len(context.rows.chambers)
+        if C < 2 or not context.moves:
+            return
+        x, near = context.rows.fraction, overlap(context)
+        d, slope = context.deflection, context.deflection_slope
+        sat, others = x / (0.3 + x), 1 - np.eye(C)
+        both = np.sqrt(np.clip(x[:, :, None] * x[:, None], 0, None))
+        out = [
+            pressure("all", x * (x @ others) / (C - 1), 0.5),
+            pressure("near", x * (x @ near)),
+            pressure("near saturating", x * (sat @ near), 0.7),
+            pressure("near root", (both * near).sum(axis=2), 0.5),
+            pressure("wall near saturating", d * (np.tanh(1.5 * d) @ near) / slope, 0.7),
+            pressure("wall near", d * (d @ near) / slope, 0.7),
+        ]
+        for k in range(1, min(C, 4)):  # each chamber by its k-th nearest neighbour
+            order = np.argsort(-near, axis=1)[:, k - 1]
+            out.append(pressure(f"neighbour {k}", x * x[:, order]))
+        yield Space("together", "coupling", acting(out), 0.6)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         x = context.rows.fraction

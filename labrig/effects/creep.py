@@ -7,6 +7,7 @@ import numpy as np
 
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, lags, pressure
 from labrig.effects._rows import Floats
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -70,6 +71,23 @@ class Creep(Effect):
                     )
                 if len(chambers) <= 2:
                     yield Variant(f"{name} pattern", (Term.pattern("pattern", change / context.span),), shape)
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Lags of two seconds to an hour behind the pressure, its square, and the walls, and what has settled."""
+        if not context.has_time or not (context.moves or context.has_holds):
+            return
+        x = context.rows.fraction
+        duration = float(np.nanmax(context.elapsed_s) + np.ptp(context.rows.event_time_s))
+        taus = tuple(t for t in (2.0, 5.0, 15.0, 50.0, 150.0, 500.0, 1500.0, 5000.0) if t <= 1.5 * duration)
+        out = lags(context, taus, 3.0)
+        out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.02)]
+        square = ((context.rows.event_actuation - context.rows.low) / context.span) ** 2
+        for tau in (5.0, 50.0, 500.0):
+            if tau in taus:
+                out.append(pressure(f"square {tau}", context.lagged(tau, square, 0.0) - x * x, 0.3))
+        if not context.linear:
+            out.append(pressure("settled wall", context.deflection / context.deflection_slope, 0.05))
+        yield Space("retarded", "creep", acting(out), 0.8)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)

@@ -2,8 +2,11 @@
 
 from collections.abc import Collection, Iterator
 
+import numpy as np
+
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, lags, pressure
 from labrig.effects._rows import Floats
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
@@ -34,6 +37,20 @@ class Delay(Effect):
             yield Variant("first order", (Term.common("share", lag),), {"tau_s": tau})
             if len(chambers) > 1:
                 yield Variant("per chamber", (Term.per_chamber("share", lag, chambers),), {"tau_s": tau})
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Lags of up to a few seconds, of first and second order, and dead times."""
+        if not context.has_time or not context.moves:
+            return
+        out = lags(context, (0.15, 0.3, 0.6, 1.2, 2.4), 0.0)
+        gap = (context.previous[context.rows.event] - context.rows.actuation) / context.span
+        for tau in (0.3, 0.6, 1.2, 2.4):
+            q = context.elapsed_s[:, None] / tau
+            out += [
+                pressure(f"second order {tau}", gap * (1 + q) * np.exp(-q), 0.5),
+                pressure(f"dead {tau}", gap * (q < 1), 0.3),
+            ]
+        yield Space("late", "delay", acting(out), 0.8)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)

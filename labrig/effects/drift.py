@@ -6,6 +6,8 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, clocks, field, motion_scale, pattern, pressure
+from labrig.effects._fields import frame_modes
 from labrig.effects._rows import Floats
 
 HOUR_S = 3600.0
@@ -80,6 +82,37 @@ class Drift(Effect):
                 celsius = (cov.values - zero) * kelvin
                 for reference in context.grid("reference", (round(float(celsius.mean()), 3),)):
                     yield name, celsius - reference, "_per_k", {"reference": reference}
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Slow functions of time and temperature, in one of gain, rigid motion, pressures' zero, each observable."""
+        rows = context.rows
+        ticks = list(clocks(context))
+        if not ticks:
+            return
+        has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
+        scale = motion_scale(context)
+        if np.ptp(context.displacement) > 0:
+            out = [field(n, context.displacement * q[:, None], w) for n, q, w in ticks]
+            out += [
+                pressure(f"{n} load", q[:, None] * rows.fraction, 0.5 * w)
+                for n, q, w in ticks
+                if context.moves
+            ]
+            yield Space("gain", "drift gain", acting(out), 0.5)
+        if has_axis:
+            modes = frame_modes(context)
+            size = np.sqrt((modes**2).mean(axis=(0, 1)))
+            modes = modes / np.where(size > 0, size, 1.0) * scale[None, :, None]
+            out = [
+                field(f"{n} {j}", modes[:, :, j] * q[:, None], w * (1.0 if j < 3 else 0.3))
+                for n, q, w in ticks
+                for j in range(6)
+            ]
+            yield Space("rigid", "drift rigid", acting(out))
+        if context.moves:
+            out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
+            yield Space("zero", "drift zero", acting(out), 0.5)
+        yield Space("pattern", "drift pattern", acting([pattern(n, q, w) for n, q, w in ticks]))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in session", "s", context.session_time_s)

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, pressure
 from labrig.effects._rows import Floats
 
 
@@ -64,6 +65,22 @@ class Friction(Effect):
             )
         else:
             yield Variant("pattern", (Term.pattern("force", against),))
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """The direction of the last move, by the load, and plays so narrow that they are hardly more than it."""
+        if not context.moves:
+            return
+        x, u, span = context.rows.fraction, context.rows.actuation, context.span
+        turn = -context.direction[context.rows.event]
+        out = [
+            pressure("direction", turn),
+            pressure("direction load", turn * x),
+            pressure("direction load2", turn * x**2, 0.25),
+        ]
+        for r in (0.01, 0.025):
+            z = (context.play(r) - u) / span / r
+            out += [pressure(f"presliding {r}", z, 0.5), pressure(f"presliding {r} load", z * x, 0.5)]
+        yield Space("sliding", "friction", acting(out))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         for name, cov in context.rows.covariates.items():

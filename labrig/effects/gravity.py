@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
@@ -85,6 +86,45 @@ class Gravity(Effect):
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         by = {"the payload": ("payload", "weight_per_kg"), "the tilt": ("tilt", "weight_by_tilt")}
         return " and ".join(what for what, names in by.items() if set(names) & set(parameters))
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """What gives way to a weight along each axis: the own one, and payload and tilt where they were logged."""
+        rows = context.rows
+        loads = []
+        for name, cov in rows.covariates.items():
+            if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
+                continue
+            if "load" in name.lower() or "mass" in name.lower():
+                loads.append(("load", cov.values / np.abs(cov.values).max()))
+            if name.lower() in {"tilt", "orientation", "angle"}:
+                angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
+                loads += [("sine", np.sin(angle)), ("cosine", np.cos(angle) - np.cos(angle).mean())]
+        has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
+        out = [pattern(name, values) for name, values in loads]
+        if has_axis and context.moves:
+            scale = motion_scale(context)
+            give = np.abs(context.jacobian * context.span).sum(axis=2)
+            for m in np.unique(rows.marker[rows.marker >= 0]):
+                own = rows.marker == m
+                give[:, own] = give[:, own].mean(axis=1, keepdims=True)
+            give = give / np.sqrt((give**2).mean()) * scale
+            out += [
+                pressure(f"{n} held", np.repeat(v[:, None], len(rows.chambers), axis=1), 0.3)
+                for n, v in loads
+            ]
+            out += [pressure(f"{n} held load", v[:, None] * rows.fraction, 0.3) for n, v in loads]
+            ways = [("own", np.ones(len(give)), 1.0)] + [(n, v, 1.0) for n, v in loads]
+            for way, factor, weight in ways:
+                for a, letter in enumerate("xyz"):
+                    own = rows.axis == a
+                    out.append(
+                        field(f"{way} {letter} give", np.where(own, give, 0.0) * factor[:, None], weight)
+                    )
+                    if way != "own":  # an even shift by the own weight is the frame's
+                        even = np.where(own, scale, 0.0) * factor[:, None]
+                        out.append(field(f"{way} {letter} even", even, 0.25 * weight))
+        if out:
+            yield Space("weight", "gravity", acting(out))
 
     @staticmethod
     def _yielding(context: Context) -> Iterator[tuple[str, Floats]]:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, play_of, pressure
 from labrig.effects._rows import Floats
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
@@ -42,6 +43,38 @@ class Hysteresis(Effect):
                 yield Variant("play per chamber", (Term.per_chamber("weight", lag, chambers),), shape)
             if len(chambers) <= 2:
                 yield Variant("pattern", (Term.pattern("pattern", lag / context.span),), shape)
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Plays of the pressure and of the walls, narrow to wide, and what is settled beside them."""
+        if not context.moves:
+            return
+        x, u, span, d, slope = (
+            context.rows.fraction,
+            context.rows.actuation,
+            context.span,
+            context.deflection,
+            context.deflection_slope,
+        )
+        out = []
+        for r in (0.03, 0.06, 0.12, 0.25, 0.45):
+            lag = (context.play(r) - u) / span
+            out += [pressure(f"play {r}", lag), pressure(f"play {r} tilted", lag * (2 * x - 1), 0.25)]
+            if not context.linear:
+                out.append(
+                    pressure(
+                        f"wall play {r}",
+                        (play_of(context, context.event_deflection, r, 0.0) - d) / slope,
+                        0.7,
+                    )
+                )
+        out += [
+            pressure("settled", x, 0.1),
+            pressure("settled2", x * x, 0.1),
+            pressure("settled3", x**3, 0.1),
+        ]
+        if not context.linear:
+            out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
+        yield Space("play", "hysteresis", acting(out), 0.8)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, pressure
 from labrig.effects._rows import Floats
 
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
@@ -41,6 +42,21 @@ class Leak(Effect):
         fall = context.measured_fall
         if fall is not None:
             yield Variant("as measured", (Term.common("sensor", fall),))
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """What is lost since the actuation, fast or slowly, in proportion to the pressure, its square, or its root."""
+        x, t = context.rows.fraction, context.elapsed_s[:, None]
+        if np.ptp(t) <= 0:
+            return
+        out = []
+        for tau in (2.0, 6.0, 20.0, 60.0, 200.0, 1000.0, 10000.0):
+            lost = -np.expm1(-t / tau)
+            out += [
+                pressure(f"lost {tau}", -x * lost),
+                pressure(f"lost {tau} square", -x * x * lost, 0.3),
+                pressure(f"lost {tau} root", -np.sqrt(np.clip(x, 0, None)) * lost, 0.3),
+            ]
+        yield Space("lost", "leak", acting(out), 0.4)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)

@@ -7,7 +7,9 @@ from scipy.ndimage import median_filter
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, field, motion_scale
 from labrig.effects._rows import Floats, Rows
+from labrig.effects._spectrum import fill
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
@@ -89,6 +91,71 @@ class MarkerSlip(Effect):
                 best, where = float(gain[i] / noise), (int(m), int(at[i + 1]))
         return where
 
+    def family(self, context: Context) -> Iterator[Space]:
+        """The clearest moments at which one marker leaves the others, three at most, found by a scan."""
+        rows = context.rows
+        markers = np.unique(rows.marker[rows.marker >= 0])
+        captures = np.unique(rows.capture)
+        if len(captures) < 8 or len(markers) < 4:
+            return
+
+        residual = context.residual
+        seen = np.isfinite(residual)
+        error = np.stack(
+            [
+                np.where(seen[rows.capture == c], residual[rows.capture == c], 0).sum(axis=0)
+                / np.maximum(seen[rows.capture == c].sum(axis=0), 1)
+                for c in captures
+            ]
+        )
+        error[np.stack([~seen[rows.capture == c].any(axis=0) for c in captures])] = np.nan
+        error = fill(error)
+        scale = motion_scale(context)
+        found = []
+        for m in markers:
+            own = rows.marker == m
+            A = error[:, ~own]
+            _, U = np.linalg.eigh(A.T @ A)
+            Z = np.column_stack([A @ U[:, -min(6, A.shape[1]) :], np.ones(len(A))])
+            ridge = 1e-2 * np.trace(Z.T @ Z) / len(Z.T) * np.eye(Z.shape[1])
+            e = error[:, own] - Z @ np.linalg.solve(Z.T @ Z + ridge, Z.T @ error[:, own])
+            e -= np.median(e, axis=0)
+            spread = 1.4826 * np.median(np.abs(np.diff(e, axis=0))) / np.sqrt(2) + 1e-12
+            e = np.clip(e / spread, -30, 30)
+            n = np.arange(1, len(e))
+            gain = (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
+            edge = max(
+                3, len(e) // 10
+            )  # nearer to an end a slip can't be told from an offset, or from chance
+            gain[:edge] = gain[-edge:] = 0
+            i = int(np.argmax(gain))
+            found.append(
+                (
+                    float(gain[i]),
+                    int(m),
+                    int(captures[i + 1]),
+                    [int(captures[j + 1]) for j in _more_steps(e, i) if j > i],
+                )
+            )
+        for _, m, since, others in sorted(found, reverse=True)[:3]:
+            after = rows.capture >= since
+            ramp = np.clip((rows.capture - since) / max(captures[-1] - since, 1), 0, None)
+            out = []
+            for k in np.flatnonzero(rows.marker == m):
+                e = np.zeros(context.base.shape[1])
+                e[k] = scale[k]
+                out += [
+                    field(f"step {rows.axis[k]}", after[:, None] * e),
+                    field(f"slide {rows.axis[k]}", ramp[:, None] * e, 0.3),
+                ]
+                out += [
+                    field(f"step {rows.axis[k]} {i}", (rows.capture >= o)[:, None] * e, 0.3)
+                    for i, o in enumerate(others)
+                ]
+            yield Space(
+                f"marker {m} since {since}", "marker_slip", tuple(out), scanned=len(markers) * len(captures)
+            )
+
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
 
@@ -114,4 +181,23 @@ def _median(x: Floats) -> Floats:
     out = np.zeros(len(x))
     some = np.isfinite(x).any(axis=1)
     out[some] = np.nanmedian(x[some], axis=1)
+    return out
+
+
+def _more_steps(e: Floats, first: int) -> list[int]:
+    """Where the two pieces beside a first step are best cut again."""
+    out = []
+    for begin, end in ((0, first + 1), (first + 1, len(e))):
+        piece = e[begin:end]
+        if len(piece) < 8:
+            continue
+        n = np.arange(1, len(piece))
+        gain = (
+            (np.cumsum(piece - piece.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1)
+            * len(piece)
+            / (n * (len(piece) - n))
+        )
+        at = begin + int(np.argmax(gain[2:-2])) + 2
+        if at >= len(e) // 10:
+            out.append(at)
     return out

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, pressure
 
 
 class Regulator(Effect):
@@ -51,6 +52,23 @@ class Regulator(Effect):
         settled = context.measured_error
         if settled is not None:
             yield Variant("as measured", (Term.common("sensor", settled),))
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Gain, offsets, a dead band, and a bent characteristic of each chamber."""
+        if not context.moves:
+            return
+        x = context.rows.fraction
+        on = (np.abs(context.rows.actuation - context.vented) > 1e-9 * context.span).astype(float)
+        out = [
+            pressure("gain", x),
+            pressure("offset", on, 0.3),
+            pressure("zero", np.ones_like(x), 0.3),
+            pressure("band 0.04", -np.minimum(x, 0.04), 0.15),
+            pressure("band 0.1", -np.minimum(x, 0.1), 0.15),
+            pressure("wave 2", on * np.sin(2 * np.pi * x) / np.pi, 0.15),
+            pressure("wave 1", on * np.sin(np.pi * x), 0.15),
+        ]
+        yield Space("settled", "regulator", acting(out), 0.4)
 
     def covariate(self, context: Context) -> tuple[str, str, np.ndarray]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

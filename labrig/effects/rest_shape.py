@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, pattern
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
@@ -29,6 +30,10 @@ class RestShape(Effect):
     def variants(self, context: Context) -> Iterator[Variant]:
         yield from inside(context, core="core_offset")
         yield Variant("offset", (Term.pattern("offset", np.ones(len(context.base))),))
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Another place at rest for each observable."""
+        yield Space("shape", "rest_shape", (pattern("rest", np.ones(len(context.base))),))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
 
 
@@ -52,3 +53,25 @@ class Stiffening(Effect):
         if len(context.rows.unit) <= 8 or context.base_kind == "static":
             yield Variant("pattern", (Term.pattern("pattern", x**2),))
             yield Variant("cubic pattern", (Term.pattern("pattern", np.hstack([x**2, x**3])),))
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """Powers of a chamber's own pressure and of its wall's deflection, of the mean pressure, and of the travel."""
+        if not context.moves:
+            return
+        x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
+        far = float(context.travel.max())
+        out = [
+            pressure("square", x**2),
+            pressure("cube", x**3),
+            pressure("wall square", d**2 / slope),
+            pressure("wall cube", d**3 / slope),
+            pressure("wall fifth", d**5 / slope, 0.5),
+            pressure("all", x * x.mean(axis=1, keepdims=True), 0.5),
+        ]
+        if far > 0:
+            share = context.travel / far
+            out += [
+                field(f"travel {n}", context.displacement * share**n, w)
+                for n, w in ((1, 0.5), (2, 0.5), (4, 0.25))
+            ]
+        yield Space("compliance", "stiffening", acting(out), 0.8)

@@ -2,8 +2,11 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
@@ -46,6 +49,28 @@ class Tension(Effect):
         for half in context.grid("half_at", [share * far for share in (0.1, 0.2, 0.4)]):
             held = context.displacement / (1 + (context.travel / half) ** 2)
             yield Variant("fading", (Term.field("fading", held),), {"half_at": half})
+
+    def family(self, context: Context) -> Iterator[Space]:
+        """What the walls give back as they come out, in proportion, up to a limit, or fading with the travel."""
+        far = float(context.travel.max())
+        if not context.moves or far <= 0:
+            return
+        out = []
+        if not context.linear:
+            out += [
+                pressure("laplace", context.deflection),
+                pressure("laplace wall", context.deflection / context.deflection_slope, 0.3),
+            ]
+            for r in (0.3, 0.7):
+                out += [
+                    pressure(f"string {r}", context.deflection / np.hypot(context.deflection, r), 0.5),
+                    pressure(f"fabric {r}", context.deflection / (1 + (context.deflection / r) ** 2), 0.5),
+                ]
+        for s in (0.1, 0.2, 0.4):
+            out.append(
+                field(f"fading {s}", context.displacement / (1 + (context.travel / (s * far)) ** 2), 0.5)
+            )
+        yield Space("pre-stretch", "tension", acting(out), 0.95)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean travel", context.rows.unit[0], context.travel.mean(axis=1))

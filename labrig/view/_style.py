@@ -76,7 +76,8 @@ footer dt { font-weight: 600; color: #47525f; } footer dd { margin: 0 0 6px; max
 code { font: 13.5px ui-monospace, "SF Mono", Consolas, "DejaVu Sans Mono", monospace; background: #f1eee6;
   padding: 1px 5px; border-radius: 3px; }
 .scroll svg { min-width: 620px; }
-@media (max-width: 760px) { th, td { padding-right: 8px; }
+@media (max-width: 760px) { table { font-size: 13px; } th { font-size: 12px; } th, td { padding-right: 7px; }
+  td.values { min-width: 38em; }
   .answers, .plots { grid-template-columns: 1fr; } main { padding: 24px 16px 48px; }
   h1 { font-size: 27px; } }
 @media print { main { max-width: none; } h2 { break-after: avoid; } .plot, table { break-inside: avoid; } }
