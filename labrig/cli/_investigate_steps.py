@@ -1,8 +1,9 @@
 """What `labrig investigate` does: measure, diagnose, settle the doubt, improve, and confirm, in a loop."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -57,10 +58,11 @@ def _loop(investigation: Investigation, bench: Bench, model: "Model", console: C
     budget = investigation.settings.budget
     confirming = _confirming(investigation, bench)
     reserve = bench.minutes(confirming)
-    if not investigation.rounds:
+    if investigation.rounds:
+        result = _diagnosis(investigation, model)
+    else:
         first = _first(investigation, bench, reserve)
-        _round(investigation, bench, model, console, "capture", first)
-    result = _diagnosis(investigation, model)
+        result = _round(investigation, bench, model, console, "capture", first)
     while True:
         verdict, left = result.summary["verdict"], budget - investigation.minutes
         if len(investigation.rounds) >= MOST_ROUNDS:
@@ -81,15 +83,16 @@ def _loop(investigation: Investigation, bench: Bench, model: "Model", console: C
             )
         if left < reserve * 0.999:
             return _improved(investigation, model, result, confirmed=None)
-        confirmed, again = _confirmed(investigation, bench, model, result, confirming, console)
+        better = _fitted(investigation, model, result)
+        if better is None:
+            return investigation.end("open", f"Not settled: {_open(result)}; it can't be fitted.")
+        confirmed, again = _confirmed(investigation, bench, model, better, confirming, console)
         same = again.summary["effects"] == result.summary["effects"]
         looked = sum(r["programme"] == "confirmation" for r in investigation.rounds)
         over = looked >= MOST_CONFIRMATIONS or budget - investigation.minutes < reserve
-        if confirmed or (same and over):
+        if same and (confirmed or over):
             return _improved(investigation, model, again, confirmed)
-        result = (
-            again  # the name does not hold, or its values do not: they are fitted to these captures too now
-        )
+        result = again  # another name now, or the same one does not hold
 
 
 def _first(investigation: Investigation, bench: Bench, reserve: float) -> Procedure:
@@ -144,10 +147,12 @@ def _experiment(
 
     summary = result.summary
     before = [r for r in investigation.rounds if r["programme"] == "experiment"]
-    if summary["verdict"] in {"nothing_missing", "multiple"} or left_min < SHORTEST_MIN:
+    if left_min < SHORTEST_MIN:
         return None
-    if summary["verdict"] == "identified" and any(r["verdict"] == "identified" for r in before):
-        return None  # one look at a near rival is enough
+    if _doubted(investigation, summary):  # its name does not hold: look where least is known
+        summary = {**summary, "verdict": "unknown", "carried_by": None}
+    elif summary["verdict"] in CLEAR and any(r["verdict"] in CLEAR for r in before):
+        return None  # one look at what is possible beside what is sure is enough
     if summary["verdict"] in {"unknown", "underpowered"} and len(before) >= UNKNOWN_ROUNDS:
         return None
     try:
@@ -159,7 +164,7 @@ def _experiment(
             minutes=min(LONGEST_MIN, left_min - 0.1),
         )
     except LabrigError as error:
-        if summary["verdict"] != "identified":
+        if summary["verdict"] not in CLEAR:
             investigation.warnings.append(str(error))
         return None
     plan = checked_plan(experiment, bench.config)
@@ -170,6 +175,14 @@ def _experiment(
     write_experiment(report, experiment.programme(), folder)
     print_experiment(report)
     return Programme.model_validate({"points": experiment.programme()})
+
+
+def _doubted(investigation: Investigation, summary: Mapping[str, Any]) -> bool:
+    """Whether the last round was a confirmation that what is still found did not stand."""
+    found = investigation.confirmation
+    if found is None or investigation.rounds[-1]["programme"] != "confirmation":
+        return False
+    return found["drop"] < CONFIRMED and found["effects"] == summary["effects"]
 
 
 def _round(
@@ -242,15 +255,14 @@ def _confirmed(
     investigation: Investigation,
     bench: Bench,
     model: "Model",
-    result: "Result",
+    fitted: "Result",
     procedure: Procedure,
     console: Console,
 ) -> "tuple[bool, Result]":
-    """Fit what was found to the runs so far, measure a fresh programme, and see whether the error falls there."""
-    from labrig.diagnosis import compare, improve
+    """Measure a fresh programme, and see whether the error falls there with what was fitted to the runs before."""
+    from labrig.diagnosis import compare
 
-    effects = result.summary["effects"]
-    better = improve(investigation.opened(), model, effects, force=True).improved
+    effects, better = fitted.summary["effects"], fitted.improved
     assert better is not None
     again = _round(investigation, bench, model, console, "confirmation", procedure)
     fresh = investigation.opened()[-1]
@@ -268,14 +280,23 @@ def _confirmed(
     return bool(drop >= CONFIRMED), again
 
 
-def _improved(investigation: Investigation, model: "Model", result: "Result", confirmed: bool | None) -> None:
-    """Write the model with what was found, fitted to all runs."""
+def _fitted(investigation: Investigation, model: "Model", result: "Result") -> "Result | None":
+    """The model with what was found, fitted to all runs; None, with a note that says why, where it can't be."""
     from labrig.diagnosis import improve
 
+    try:
+        return improve(investigation.opened(), model, result.summary["effects"], force=True)
+    except LabrigError as error:
+        investigation.warnings.append(str(error))
+        return None
+
+
+def _improved(investigation: Investigation, model: "Model", result: "Result", confirmed: bool | None) -> None:
+    """Write the model with what was found, fitted to all runs."""
     effects = [str(n) for n in result.summary["effects"]]
-    if not effects:
+    better = _fitted(investigation, model, result) if effects else None
+    if better is None:
         return investigation.end("open", f"With the fresh captures the verdict is open: {_open(result)}.")
-    better = improve(investigation.opened(), model, effects, force=True)
     assert better.improved is not None
     path = investigation.folder / NEW_MODEL
     better.improved.save(path)

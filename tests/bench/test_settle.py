@@ -1,12 +1,16 @@
 """Settling a doubt: what is measured on the same plant afterwards, and the table of what it took."""
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from labrig import diagnosis
 from labrig.bench import draw, settle, settle_records, settle_rows, write_settle
 from labrig.bench._programmes import Plan
+from labrig.diagnosis import propose_experiment
 
 
 def test_the_plant_goes_on() -> None:
@@ -28,12 +32,54 @@ def test_the_plant_goes_on() -> None:
     assert not np.array_equal(one["observed"].values, other["observed"].values)
 
 
-def test_a_doubt_is_settled() -> None:
-    """On one hold of one force, leak or drift: the proposed programmes name it within the captures allowed."""
-    record = settle(draw("confounded", 3), "chosen", 3, most=40)
-    assert record["settled"]
-    assert record["captures"] <= 40
-    assert record["minutes"] > 0
+@pytest.mark.parametrize(
+    ("right_after", "settled", "captures"), [(9, True, 12), (0, True, 4), (99, False, None)]
+)
+def test_captures_are_counted_until_the_verdict_is_right(
+    monkeypatch: pytest.MonkeyPatch, right_after: int, settled: bool, captures: int | None
+) -> None:
+    """A few captures at a time are measured and diagnosed, until what is hidden is named, or as many as are allowed."""
+    campaign = next(
+        c for c in (draw("confounded", seed) for seed in range(20)) if c.dataset.sizes["chamber"] == 1
+    )
+    hidden = campaign.truth["effects"]
+
+    def diagnosed(runs: Any, _: Any) -> Any:
+        more = sum(run.sizes["capture"] for run in runs[1:]) if isinstance(runs, list) else -1
+        right = more >= right_after
+        found = {"verdict": "identified" if right else "confounded", "effects": hidden if right else []}
+        return SimpleNamespace(summary={**found, "rivals": [] if right else ["leak", "drift"]})
+
+    monkeypatch.setattr(diagnosis, "diagnose", diagnosed)
+    record = settle(campaign, "even", 3, most=20)
+    assert (record["settled"], record["captures"]) == (settled, captures)
+    assert record["verdict"] == ("identified" if settled else "confounded")
+    assert (record["minutes"] is not None) == settled
+
+
+def test_what_is_proposed_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The chosen set-points are those that the diagnosis of the runs so far asks for."""
+    campaign = next(
+        c for c in (draw("confounded", seed) for seed in range(20)) if c.dataset.sizes["chamber"] == 1
+    )
+    proposals, measured = [], []
+
+    def proposed(runs: list[Any], model: Any, summary: dict[str, Any]) -> Any:
+        proposals.append(propose_experiment(runs, model, summary=summary, minutes=2))
+        return proposals[-1]
+
+    def diagnosed(runs: Any, _: Any) -> Any:
+        measured.extend(runs[-1:] if isinstance(runs, list) else [])
+        return SimpleNamespace(summary={"verdict": "confounded", "effects": [], "rivals": ["leak", "drift"]})
+
+    monkeypatch.setattr(diagnosis, "diagnose", diagnosed)
+    monkeypatch.setattr(diagnosis, "propose_experiment", proposed)
+    record = settle(campaign, "chosen", 3, most=8)
+    assert (record["settled"], record["rivals"]) == (False, ["leak", "drift"])
+    points = [
+        p for each in proposals for p in each.limits.actuation(np.array([p.share for p in each.points]).T[0])
+    ]
+    assert measured[0]["commanded"].values.ravel().tolist() == points[: measured[0].sizes["capture"]]
 
 
 def test_the_table(tmp_path: Path) -> None:
