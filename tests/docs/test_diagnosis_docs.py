@@ -72,7 +72,7 @@ def test_the_tutorial(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     printed = follow("tutorial-hidden-effect.md", labrig, monkeypatch)
     assert "identified: creep" in printed["labrig demo --hide creep --seed 3 --out lab"]
     said = printed["labrig diagnose by-hand --model model.yaml"]
-    assert said.startswith("verdict: identified (one effect is missing)\neffects: creep\n")
+    assert said.startswith("verdict: identified (one effect is missing)\ncreep, sure (")
     assert printed["labrig reveal by-hand"] == "creep: 1 mm rms\n"
     after = printed["labrig diagnose fresh --model better.yaml --out diagnosis-after"]
     assert after.startswith("verdict: nothing_missing")
@@ -131,6 +131,8 @@ def test_the_reference_has_the_verdicts_and_fields(make_lab) -> None:
 
     page = (DOCS / "reference/diagnosis.md").read_text("utf-8")
     assert set(re.findall(r"^\| `(\w+)` \| .* \| .* \|$", page, re.MULTILINE)) == set(_VERDICTS)
+    fields = set(re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \| .* \|$", page, re.MULTILINE))))
+    assert fields >= {"effects_considered", "unnamed", "rivals", "ranking", "probability"}
     lab = make_lab(captures=20)
     summary = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary
     shown = next(t for language, t in blocks("reference/diagnosis.md") if language == "text")
