@@ -32,7 +32,7 @@ def what_else(summary: dict[str, Any]) -> str:
         best = min(others, key=lambda row: row.get("heldout_error", float("inf")))
         leaves = f"{number(best.get('heldout_error'))} {units}".strip()
         said.append(_next_best(summary, best, leaves))
-    if verdict == "multiple":
+    if len(chosen) > 1:
         said.append(_one_for_all(summary))
     return " ".join(filter(None, said))
 
@@ -46,7 +46,7 @@ def _one_for_all(summary: dict[str, Any]) -> str:
         return ""
     return (
         f"{capital(word(str(best['effect'])))} by itself leaves {number(best['heldout_error'])} "
-        f"{summary.get('units', '')}, hardly more than all of them: the others matter little on these captures."
+        f"{summary.get('units', '')}, hardly more than together with what stands beside it."
     )
 
 

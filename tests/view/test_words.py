@@ -95,10 +95,10 @@ def test_a_better_runner_up_is_not_kept_back():
 
 
 def test_one_of_several_that_does_it_all():
-    """Where one of several effects leaves hardly more than all of them, the note says so."""
+    """Where one of several effects leaves hardly more than all together, the note says so."""
     ranking = [{"effect": "leak", "heldout_error": 0.31}, {"effect": "creep", "heldout_error": 1.2}]
     words = note({**BASE, "verdict": "multiple", "effects": ["creep", "leak"], "ranking": ranking})
-    assert words.else_.startswith("Leak by itself leaves 0.31 mm, hardly more than all of them")
+    assert words.else_.startswith("Leak by itself leaves 0.31 mm, hardly more than together with")
 
 
 def test_why_says_what_was_added_to_a_doubt():
