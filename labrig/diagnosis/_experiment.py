@@ -107,7 +107,7 @@ def propose_experiment(
     rivals = open_rivals(streams, context, effects, found) if verdict in NAMED else []
     if verdict != "confounded" and verdict in NAMED and not rivals:
         raise LabrigError(
-            f"the verdict is {verdict} and no other effect is possible: there is nothing to settle; check it on a "
+            f"the verdict is {verdict} and no other effect comes near: there is nothing to settle; check it on a "
             "fresh programme (labrig run capture, with another seed)"
         )
     problem = Problem(streams, context, model.predictor(rows), rivals, limits)

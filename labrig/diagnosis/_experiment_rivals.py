@@ -20,7 +20,7 @@ LEAST_LIKELY = 0.1
 """What an explanation that is open counts for at least: as much as is called possible."""
 
 NEXT_TO_IT = 0.01
-"""Probability from which an effect that is not possible is told apart from the only one that is."""
+"""Probability from which an effect that is not possible is told apart from the only one that is sure or possible."""
 
 _NOT_PLANNED = {"as measured"}
 
@@ -68,42 +68,46 @@ def same_form(context: Context, effect: Effect, variant: Variant) -> Variant | N
 def open_rivals(
     streams: Streams, context: Context, effects: Mapping[str, Effect], summary: Mapping[str, Any]
 ) -> list[Rival]:
-    """What a diagnosis leaves open, as explanations to tell apart, each with its probability beside the others.
-
-    They are what is sure alone, and with each effect that is possible beside it. Where nothing is sure and only one is
-    possible, the one that comes next counts too, or else no effect. Fewer than two: nothing is open, the list is empty.
-    """
-    sure = [str(n) for n in summary["effects"] if n in effects]
-    possible = _possible(effects, summary)
-    more = [n for n in possible if n not in sure]
-    sets: list[tuple[tuple[str, ...], float]] = [((*sure, n), possible[n]) for n in more]
-    if sure or len(more) == 1:
-        sets.append((tuple(sure), max(1.0 - sum(possible[n] for n in more), LEAST_LIKELY)))
+    """What a diagnosis leaves open, as explanations to tell apart; an empty list where nothing is open."""
+    sets = _open_sets(effects, summary)
     found = {
         n: [c for c in forms_of(streams, context, effects[n])[:FORMS] if c.variant.form not in _NOT_PLANNED]
-        for n in {*sure, *more}
+        for n in {name for names, _ in sets for name in names}
     }
     able = [(names, p) for names, p in sets if all(found[n] for n in names)]
-    if len(able) < 2:
-        return []
     total = sum(p for _, p in able)
-    return [_rival([found[n] for n in names], p / total) for names, p in able]
+    return [_rival([found[n] for n in names], p / total) for names, p in able] if len(able) > 1 else []
 
 
-def _possible(effects: Mapping[str, Effect], summary: Mapping[str, Any]) -> dict[str, float]:
-    """The likeliest effects that are possible, with their probabilities; rivals that have none share theirs evenly."""
+def _open_sets(
+    effects: Mapping[str, Effect], summary: Mapping[str, Any]
+) -> list[tuple[tuple[str, ...], float]]:
+    """Sets of effects, each with its probability: what is sure alone, and with each one that is possible beside it.
+
+    Where there is only one name, sure or possible, the likeliest other one in its place; a name that is only possible
+    has at least no effect at all against it.
+    """
+    sure = tuple(str(n) for n in summary["effects"] if n in effects)
     considered = {str(c["effect"]): c for c in summary.get("effects_considered") or ()}
-    rivals = [str(n) for n in summary["rivals"]]
-    names = rivals or [n for n, c in considered.items() if c["call"] == "possible"]
-    even = 1.0 / max(len(names), 1)
-    out = {n: float(considered[n]["probability"]) if n in considered else even for n in names if n in effects}
-    if len(out) == 1 and not summary["effects"]:
-        others = {n: float(c["probability"]) for n, c in considered.items() if n in effects and n not in out}
-        following = max(others, key=lambda n: others[n], default="")
-        if others.get(following, 0.0) >= NEXT_TO_IT:
-            out[following] = others[following]
-    likeliest = sorted(out, key=lambda n: -out[n])[:MOST_OTHERS]
-    return {n: max(out[n], LEAST_LIKELY) for n in likeliest}
+    chance = {n: float(c["probability"]) for n, c in considered.items() if n in effects}
+    names = [str(n) for n in summary["rivals"]] or [n for n in chance if considered[n]["call"] == "possible"]
+    possible = {n: chance.get(n, 1.0 / len(names)) for n in names if n in effects and n not in sure}
+    likeliest = sorted(possible, key=lambda n: -possible[n])[:MOST_OTHERS]
+    sets: list[tuple[tuple[str, ...], float]] = []
+    sets += [((*sure, n), max(possible[n], LEAST_LIKELY)) for n in likeliest]
+    rest = max(1.0 - sum(p for _, p in sets), LEAST_LIKELY)
+    if sure and sets:
+        sets.append((sure, rest))
+    elif len([*sure, *likeliest]) == 1:
+        only = (*sure, *likeliest)
+        following = max((n for n in chance if n not in only), key=lambda n: chance[n], default="")
+        if chance.get(following, 0.0) >= NEXT_TO_IT:
+            return [
+                (only, rest if sure else sets[0][1]),
+                ((following,), max(chance[following], LEAST_LIKELY)),
+            ]
+        return [] if sure else [*sets, ((), rest)]
+    return sets
 
 
 def _best(options: Sequence[Sequence[Candidate]]) -> list[Fit]:
