@@ -130,7 +130,7 @@ def test_the_waterfall_falls(make_lab) -> None:
     assert [steps[0], *steps[2:]] == pytest.approx([error[k] for k in ("base", "model", "ceiling", "floor")])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_noise_is_nothing(make_lab, seed: int) -> None:
     """A base that is right up to noise lacks nothing; the model is not changed."""
     lab = make_lab(captures=40, seed=seed, long_s=LONG_S)
@@ -205,10 +205,9 @@ def test_a_library_may_be_cut_down(make_lab) -> None:
     assert "marker_slip" not in answer(result)[1]
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_curve_without_a_name(make_lab, seed: int) -> None:
+def test_a_curve_without_a_name(make_lab) -> None:
     """A static law that no effect in a cut-down library has: some answer, whatever it is, and no crash."""
-    lab = make_lab(seed=seed)
+    lab = make_lab(captures=40)
     data = lab.dataset(lab.predict(lab.u * (1 + 0.2 * (lab.u / 60) ** 3)) + lab.noise())
     gone = ["stiffening", "contact", "tension", "regulator"]
     summary = diagnose(data, lab.model(), without=gone).summary
@@ -262,12 +261,12 @@ def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
 @pytest.mark.parametrize("share", [0.02, 0.4])
 def test_markers_out_of_sight(make_lab, share: float) -> None:
     """Few or many values missing, a marker never seen and a capture never seen, change nothing of the verdict."""
-    lab = make_lab()
-    values = (slipped(lab) + lab.noise()).reshape(60, -1, 6, 3)
+    lab = make_lab(captures=40)
+    values = (slipped(lab) + lab.noise()).reshape(40, -1, 6, 3)
     values[lab.random.random(values.shape[:3]) < share] = np.nan
     values[:, :, 4] = np.nan
     values[11] = np.nan
-    result = diagnose(lab.dataset(values.reshape(60, -1, 18)), lab.model())
+    result = diagnose(lab.dataset(values.reshape(40, -1, 18)), lab.model())
     assert answer(result) == ("identified", {"marker_slip"})
     assert "m4" not in {w["name"] for w in result.summary["where"]}
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis._floor import capture_means, noise_floor
-from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects import rows_of
+from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.model import base_context, build_base
 
 
