@@ -54,13 +54,9 @@ def example_of(context: Context, effect: Effect, change: Floats, law: str) -> Ex
 
 
 def learnable(space: Space) -> bool:
-    """Whether a spectrum can be learnt: its features mean the same on every rig, and are few."""
+    """Whether a spectrum can be learnt: its features are of the pressures above all, and mean the same on every rig."""
     kinds = {f.kind for f in space.features}
-    return "pattern" not in kinds and space.spectrum not in (
-        "frame by session",
-        "contact post",
-        "marker_slip",
-    )
+    return "pressure" in kinds and "pattern" not in kinds
 
 
 def _columns(space: Space, J: Floats, keep: Ints, scale: Floats) -> dict[str, Floats]:
@@ -178,7 +174,7 @@ def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: fl
         covariance = (U * np.maximum(power, 0)) @ U.T
         out[block] = {
             "features": names,
-            "covariance": [[float(f"{v:.6g}") for v in row] for row in covariance],
+            "covariance": [[float(f"{v:.4g}") for v in row] for row in covariance],
         }
     return out
 

@@ -22,9 +22,12 @@ P_FORM = 0.03
 """Prior probability that the base is wrong in form, in each of the ways that `_unnamed` lists."""
 INDEPENDENT = 2000
 """Most independent numbers that a campaign is worth, however many it has: models of neighbours are never exact."""
-MATERIAL = 0.3
-"""Share (root mean square) of what is explained below which a part is not worth a name."""
-MATERIAL_SPREAD = 0.2
+MATERIAL = 0.2
+"""Share (root mean square) of what is explained that must be missed without an effect for it to be worth a name.
+
+Of laws left out of the development half, other effects take up to 0.22 of the misfit; one of a pair is mostly above.
+"""
+MATERIAL_SPREAD = 0.15
 """How soft that limit is, in logarithms: of parts near it a misfit of another's law is as likely as an effect."""
 SMALLEST_FLOORS = 0.25
 """Floors below which nothing is worth a name."""
@@ -32,6 +35,9 @@ SURE = 0.9
 """Probability from which on an effect is called sure."""
 POSSIBLE = 0.1
 """Probability from which on an effect is called possible."""
+PER_CONDITION = 5
+"""Most independent numbers that one condition (set-point, what was before, octave of the time held) is worth: repeats
+lower the noise, but a law is off there by the same each time."""
 MOST_EFFECTS = 3
 """Most effects in one explanation."""
 NEGLIGIBLE = 1e-3

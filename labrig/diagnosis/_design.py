@@ -19,6 +19,9 @@ _MOST_COLUMNS = 64
 _MOST_DIRECTIONS = 24
 _LEAST_INFORMATION = 3.0
 _FREE_COLUMNS = 160
+_NEARLY_ALIKE = 0.1
+_LEAST_SHARE = 5e-4
+"""Share of a family's variance below which a direction is left out: 2 % of its size, far less than laws are off."""
 _EVEN = 0.2
 
 
@@ -144,8 +147,11 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
                 continue
             values = f.values[first] / unit
             used = np.abs(values).max(axis=0) > 0
-            if used.sum() <= 3:
+            if used.sum() <= 3 and space.scanned:
                 exact += list(np.eye(K)[np.flatnonzero(used)])
+            elif used.sum() <= 3:  # one marker, which moves one way above all
+                _, _, Vt = np.linalg.svd(values, full_matrices=False)
+                exact.append(Vt[0])
             else:
                 clouds.append(values[:: max(1, len(values) // 60)])
     power = np.zeros((K, K))
@@ -156,9 +162,10 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     if K <= _MOST_DIRECTIONS:
         V = np.eye(K)[:, observations.seen]
     else:
-        Q, R = np.linalg.qr((np.array(exact) * observations.seen).T)
-        size = np.abs(np.diag(R))
-        Q = Q[:, size > 1e-6 * size.max()]
+        E = (np.array(exact) * observations.seen).T
+        size = np.linalg.norm(E, axis=0)
+        Q, R = np.linalg.qr(E[:, size > 0] / size[size > 0])
+        Q = Q[:, np.abs(np.diag(R)) > _NEARLY_ALIKE]
         left = power - Q @ (Q.T @ power)
         w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
         need = int(
@@ -197,7 +204,7 @@ class _Layout:
         flat = flat / np.sqrt(total).astype(np.float32)
         W = self.lift(flat.reshape(F, r, -1))
         power, U = np.linalg.eigh((W.T @ W).astype(np.float64))
-        keep = power > max(_LEAST_INFORMATION, 1e-5 * power[-1])
+        keep = power > max(_LEAST_INFORMATION, _LEAST_SHARE * power.sum())
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         if not keep.any():
             return None

@@ -52,6 +52,16 @@ class Observations:
         rows = float((count[:, None] * (means**2 - 1)).sum()) + within**2 * float((contrasts**2 - 1).sum())
         return float(np.sqrt(max(rows / (count.sum() * values.shape[1]), 0.0)))
 
+    @cached_property
+    def conditions(self) -> int:
+        """How many different conditions were measured: set-point, the one before, and octave of the time held."""
+        context = self.context
+        rows, span = context.rows, context.span
+        before = (context.previous / span)[rows.event]
+        octave = np.floor(np.log2(np.maximum(context.elapsed_s, 0.5)))
+        key = np.column_stack([np.round(rows.actuation / span, 2), np.round(before, 2), octave])
+        return len(np.unique(key, axis=0))
+
     @property
     def first(self) -> Ints:
         """The first row of each capture."""

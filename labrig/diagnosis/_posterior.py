@@ -40,7 +40,8 @@ class Search:
     def __init__(self, design: Design) -> None:
         self.design = design
         observations = design.observations
-        self.sums = Sums.of(design, min(1.0, k.INDEPENDENT / observations.values.size))
+        numbers = min(k.INDEPENDENT, k.PER_CONDITION * observations.conditions)
+        self.sums = Sums.of(design, min(1.0, numbers / observations.values.size))
         self.T = observations.to_explain
         self.blocks: dict[str, list[int]] = {}
         for i, block in enumerate(design.blocks):
@@ -75,16 +76,18 @@ class Search:
         return self.states[key]
 
     def prior(self, raised: Raised) -> float:
+        """Log prior probability of one form of a set; what has no name is rarer, as a trace too."""
         out = 0.0
         for owner, block, size in raised:
+            usual = k.P_EFFECT
+            if owner.startswith("?"):
+                usual = k.P_FORM if owner in BASE_FORMS else k.P_UNNAMED
             if block >= 0:
                 out += np.log(self.design.blocks[block].share)
             if size in self.traces:
-                out += np.log(k.P_TRACE / len(self.traces))
-                continue
-            usual = k.P_FORM if owner in BASE_FORMS else k.P_UNNAMED
-            out += np.log(usual if owner.startswith("?") else k.P_EFFECT)
-            out -= np.log(len(self.sizes))
+                out += np.log(k.P_TRACE * usual / k.P_EFFECT / len(self.traces))
+            else:
+                out += np.log(usual / len(self.sizes))
         return float(out)
 
     def score(self, background: Raised, slow: float, raised: Raised) -> float:

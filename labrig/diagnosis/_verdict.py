@@ -46,10 +46,12 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Answer:
-    """One explanation as an answer: the effects that are worth a name, and what has none, each with its size."""
+    """One explanation as an answer: effects, each with its size in the joint fit, the sd of that, and what would be
+    missed without it, in floors; and what has no name, with what would be missed.
+    """
 
     probability: float
-    sizes: dict[str, tuple[float, float]]
+    sizes: dict[str, tuple[float, float, float]]
     unnamed: dict[str, float]
     least: float
     """The size, in floors, from which a part is worth a name."""
@@ -57,12 +59,16 @@ class Answer:
     @property
     def names(self) -> tuple[str, ...]:
         """The effects that are worth a name."""
-        return tuple(o for o, (size, _) in self.sizes.items() if size >= self.least)
+        return tuple(o for o in self.sizes if self.counts(o) >= self.least)
+
+    def counts(self, name: str) -> float:
+        """By how many floors an effect counts: its size, but no more than would be missed without it."""
+        size, _, missed = self.sizes.get(name, (0.0, 0.0, 0.0))
+        return min(size, missed)
 
     def worth(self, name: str) -> float:
         """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
-        size = self.sizes[name][0] if name in self.sizes else 0.0
-        return float(ndtr(np.log(max(size, 1e-12) / self.least) / k.MATERIAL_SPREAD))
+        return float(ndtr(np.log(max(self.counts(name), 1e-12) / self.least) / k.MATERIAL_SPREAD))
 
     @property
     def moving(self) -> bool:
@@ -89,20 +95,20 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     total = sum(p for _, p in kept)
     out = []
     for e, p in kept:
-        found = sizes(search, e)
-        parts = {o: s for o, s in found.items() if is_name(o)}
-        out.append(Answer(float(p / total), parts, _unnamed(search, e, least), least))
+        found, missed = sizes(search, e), missed_floors(search, e)
+        parts = {o: (*s, missed[o]) for o, s in found.items() if is_name(o)}
+        unnamed = {o: size for o, size in missed.items() if o.startswith("?") and size >= least}
+        out.append(Answer(float(p / total), parts, unnamed, least))
     return out
 
 
-def _unnamed(search: Search, e: Explanation, least: float) -> dict[str, float]:
-    """What has no name in an explanation, and would be missed, by owner."""
-    owners = [o for o, _, _ in e.raised if o.startswith("?")]
-    if not owners:
-        return {}
-    lost = material(search, e, owners)
-    size = {o: search.T * float(np.sqrt(max(lost[o], 0.0))) for o in owners}
-    return {o: s for o, s in size.items() if s >= least}
+def missed_floors(search: Search, e: Explanation) -> dict[str, float]:
+    """How much of what is explained would be lost without each part, all else fitted again, in floors, by owner.
+
+    A part is worth what is lost without it: its own contribution may be cancelled by another's.
+    """
+    lost = material(search, e, [o for o, _, _ in e.raised])
+    return {o: search.T * float(np.sqrt(np.clip(share, 0.0, 1.0))) for o, share in lost.items()}
 
 
 def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str]) -> Verdict:
@@ -130,9 +136,7 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
     if sure and more < k.SURE:
         word = "identified" if len(sure) == 1 else "multiple"
         all_of_them = sum(a.probability * float(np.prod([a.worth(n) for n in sure])) for a in answers)
-        beside_it = [f"{c.effect} ({c.probability:.0%})" for c in considered if c.call == "possible"]
-        notes = (f"possible beside it: {', '.join(beside_it)}",) if beside_it else ()
-        return Verdict(word, sure, float(all_of_them), (), considered, carried, beside, notes)
+        return Verdict(word, sure, float(all_of_them), (), considered, carried, beside)
     if possible:
         some = share(lambda a: bool(set(a.names) & set(possible)) and a.verdict != "unknown")
         return Verdict("confounded", sure, some, possible, considered, carried, beside)
@@ -163,13 +167,13 @@ def underpowered(
 
 def detectable_floors(observations: Observations) -> float:
     """The smallest effect, in floors, whose evidence would outweigh its prior and its freedom (Schwarz 1978)."""
-    numbers = min(float(observations.values.size), float(k.INDEPENDENT))
+    numbers = float(min(observations.values.size, k.INDEPENDENT, k.PER_CONDITION * observations.conditions))
     needed = 2 * np.log(1 / k.P_EFFECT) + k.FREEDOM * np.log1p(numbers / k.FREEDOM)
     return float(max(np.sqrt(needed / numbers), k.SMALLEST_FLOORS))
 
 
 def _considered(name: str, answers: Sequence[Answer]) -> Considered:
-    own = [(a.probability * a.worth(name), *a.sizes[name]) for a in answers if name in a.sizes]
+    own = [(a.probability * a.worth(name), *a.sizes[name][:2]) for a in answers if name in a.sizes]
     if sum(p for p, _, _ in own) < k.NEGLIGIBLE:
         return Considered(name, 0.0)
     p, size, sd = np.array(own).T

@@ -140,7 +140,7 @@ def _places(context: Context) -> Iterator[Space]:
             "contact travel",
             acting([field("stop", _to_rows(context, -past[..., None] * way))]),
         )
-    for share in (0.35, 0.55, 0.75, 0.9):  # each marker by itself, at a share of its own farthest way
+    for share in (0.4, 0.6, 0.8):  # each marker by itself, at a share of its own farthest way
         past = np.maximum(length - share * length.max(axis=0), 0)
         out = []
         for m in range(len(rows.markers)):
