@@ -9,7 +9,6 @@ import numpy as np
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import DECLARED_FLOORS, State, Sums, beside_free, free_variances, unexplained
-from labrig.diagnosis._unnamed import BASE_FORMS
 from labrig.effects._rows import Floats
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -79,9 +78,7 @@ class Search:
         """Log prior probability of one form of a set; what has no name is rarer, as a trace too."""
         out = 0.0
         for owner, block, size in raised:
-            usual = k.P_EFFECT
-            if owner.startswith("?"):
-                usual = k.P_FORM if owner in BASE_FORMS else k.P_UNNAMED
+            usual = k.P_UNNAMED if owner.startswith("?") else k.P_EFFECT
             if block >= 0:
                 out += np.log(self.design.blocks[block].share)
             if size in self.traces:
@@ -196,27 +193,42 @@ class Search:
         return Posterior(out, p / p.sum())
 
 
-def material(search: "Search", e: Explanation, owners: Iterable[str]) -> dict[str, float]:
-    """Share of what is explained that is lost when a part is dropped, and all else fitted again, by owner."""
+def missed(search: "Search", e: Explanation, least: float) -> dict[str, float]:
+    """What would be missed without each part of an explanation, all else fitted again, in floors, by owner.
+
+    Parts may stand in for each other. So the one that would be missed least is let go, if by less than `least`, and the
+    others are asked again, until each that stays would be missed.
+    """
     design = search.design
-    declared = {f.owner: (DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
     always = [
         (b.at, e.slow if b.owner == SLOW else DECLARED_FLOORS)
         for b in design.blocks
         if b.owner in (SLOW, DECLARED)
     ]
+    fixed = {f.owner: (DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
+    known: dict[frozenset[str], float] = {}
 
-    def left(keep: Iterable[str]) -> float:
-        chosen = [q for q in e.raised if q[0] in keep]
-        sd = declared | {o: s for o, b, s in chosen if b < 0}
-        beside = beside_free(search.sums, free_variances(design, sd))
-        columns = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
-        return unexplained(beside, [at for at, _ in columns], [s for _, s in columns])
+    def left(keep: frozenset[str]) -> float:
+        if keep not in known:
+            chosen = [q for q in e.raised if q[0] in keep]
+            sd = fixed | {o: s for o, b, s in chosen if b < 0}
+            beside = beside_free(search.sums, free_variances(design, sd))
+            columns = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
+            known[keep] = unexplained(beside, [at for at, _ in columns], [s for _, s in columns])
+        return known[keep]
 
-    everything = [o for o, _, _ in e.raised]
-    nothing, whole = left(()), left(everything)
-    total = max(nothing - whole, 1e-9)
-    return {o: float((left([q for q in everything if q != o]) - whole) / total) for o in owners}
+    stay = frozenset(o for o, _, _ in e.raised)
+    total = max(left(frozenset()) - left(stay), 1e-9)
+    out: dict[str, float] = {}
+    while stay:
+        lost = {o: max(left(stay - {o}) - left(stay), 0.0) / total for o in stay}
+        floors = {o: search.T * float(np.sqrt(min(share, 1.0))) for o, share in lost.items()}
+        last = min(floors, key=lambda o: (floors[o], o))
+        if floors[last] >= least:
+            return out | floors
+        out[last] = floors[last]
+        stay = stay - {last}
+    return out
 
 
 def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:

@@ -5,14 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.effects import Context
-from labrig.effects._family import Feature, Space, acting, field, pattern, pressure
+from labrig.effects._family import Space, acting, field, pattern, pressure
 from labrig.effects._fields import frame_modes, scale_mode
 from labrig.effects._rows import Floats
 
-FORMS = ("?form", "?static", "?place", "?rigid", "?curve", "?lever")
+FORMS = ("?form", "?static", "?place", "?rigid", "?lever")
 """What is a function of the pressures alone: a base that is wrong in form, no missing memory."""
-BASE_FORMS = ("?form", "?static", "?curve", "?lever")
-"""Those of them by which a base is usually wrong in form."""
 FORM = "form"
 """The base's own error of form: each chamber's deflection, in a pattern of its own."""
 
@@ -28,7 +26,6 @@ def unnamed(context: Context) -> Iterator[Space]:
         columns += [pattern(f"pressure {c}", x[:, c], 0.3) for c in range(C)]
         yield Space(FORM, FORM, acting(columns))
         yield Space("pressures together", "static", acting(list(_static(x))))
-        yield Space("each chamber's own pressure", "curve", acting(_curve(context)), 0.4)
         yield from _lever(context)
         yield from _history(context)
     yield Space("place", "place", (pattern("always", np.ones(F)),))
@@ -103,15 +100,6 @@ def _lever(context: Context) -> Iterator[Space]:
             out.append(field(f"{name} wide {letter}", moved[:, :, c] * (z**2 - 1), 0.5))
     if out:
         yield Space("where chambers act", "lever", acting(out))
-
-
-def _curve(context: Context) -> list[Feature]:
-    """A curve of each chamber's own pressure, carried by the Jacobian: a base whose walls follow another law."""
-    x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
-    out = [pressure(f"power {n}", x**n, 1.0 / n) for n in (1, 2, 3, 5)]
-    out += [pressure(f"wall power {n}", d**n / slope, 1.0 / n) for n in (1, 2, 3)]
-    out += [pressure(f"wave {n}", np.sin(np.pi * n * x) / n, 0.3 / n) for n in (1, 2, 3)]
-    return out
 
 
 def _history(context: Context) -> Iterator[Space]:

@@ -8,7 +8,7 @@ from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._posterior import Explanation, Search, is_name, material, sizes
+from labrig.diagnosis._posterior import Search, is_name, missed, sizes
 from labrig.diagnosis._unnamed import FORMS
 
 
@@ -95,20 +95,11 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     total = sum(p for _, p in kept)
     out = []
     for e, p in kept:
-        found, missed = sizes(search, e), missed_floors(search, e)
-        parts = {o: (*s, missed[o]) for o, s in found.items() if is_name(o)}
-        unnamed = {o: size for o, size in missed.items() if o.startswith("?") and size >= least}
+        found, lost = sizes(search, e), missed(search, e, least)
+        parts = {o: (*s, lost[o]) for o, s in found.items() if is_name(o)}
+        unnamed = {o: size for o, size in lost.items() if o.startswith("?") and size >= least}
         out.append(Answer(float(p / total), parts, unnamed, least))
     return out
-
-
-def missed_floors(search: Search, e: Explanation) -> dict[str, float]:
-    """How much of what is explained would be lost without each part, all else fitted again, in floors, by owner.
-
-    A part is worth what is lost without it: its own contribution may be cancelled by another's.
-    """
-    lost = material(search, e, [o for o, _, _ in e.raised])
-    return {o: search.T * float(np.sqrt(np.clip(share, 0.0, 1.0))) for o, share in lost.items()}
 
 
 def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str]) -> Verdict:
