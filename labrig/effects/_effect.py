@@ -104,16 +104,6 @@ class Effect(ABC):
     reference: ClassVar[str]
     signature: ClassVar[str]
     experiment: ClassVar[str]
-    beyond_static: ClassVar[Literal["no", "always", "if reversed"]] = "no"
-    """Whether it must explain what no static map of the pressures could: history, time in hold, session.
-
-    Where all pressures only rise, history can't be told from pressure; `if reversed` then lets it pass.
-    """
-    shows_in: ClassVar[Literal["own pressure", "pressures together", "place"]] = "own pressure"
-    """What a static effect's error is a function of: each chamber's pressure, products of several, or the place alone.
-
-    Two that show in the same may be each other's misfit of form, two that do not can hardly be.
-    """
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
 

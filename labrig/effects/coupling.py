@@ -33,7 +33,6 @@ class Coupling(Effect):
     )
     signature = "error that grows with the product of two chambers' pressures and vanishes with either alone"
     experiment = "chambers one at a time, then in pairs, at the same pressures"
-    shows_in = "pressures together"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         C = len(context.rows.chambers)

@@ -46,7 +46,6 @@ class Drift(Effect):
     reference = "JCGM 200:2012 (VIM), 4.21 instrumental drift"
     signature = "error that follows the time in session (or the temperature), not the pressure or the hold"
     experiment = "the same probe early and late in the session, with nothing else changed"
-    beyond_static = "always"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         for form, clock, per, shape in self._clocks(context):

@@ -43,7 +43,6 @@ class Gravity(Effect):
         "error along one direction of space that follows payload or orientation, larger where compliant"
     )
     experiment = "the same set-points with the base turned, or with a payload"
-    shows_in = "place"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         loads, tilts = [], []

@@ -33,7 +33,6 @@ class MarkerSlip(Effect):
     )
     signature = "one marker's error steps at one capture and stays; its neighbours see nothing"
     experiment = "look at the marker; repeat one early capture"
-    beyond_static = "always"
     scans = True
 
     def variants(self, context: Context) -> Iterator[Variant]:

@@ -9,7 +9,6 @@ WORTH_SAYING = 0.1  # of the floor: what is smaller, and has no name, is not spo
 
 _CARRIES = {
     "form": "is the base's own error of form: chambers move the rig in other patterns than the base says",
-    "each chamber's own pressure": "depends on each chamber's own pressure: the base has another curve",
     "where chambers act": "comes from where chambers act: elsewhere than the base has them",
     "pressures together": "depends on several pressures together",
     "place": "is the same at all pressures",

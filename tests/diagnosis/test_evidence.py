@@ -39,7 +39,7 @@ def tiny(seed: int = 0, widths: Mapping[str, int] = WIDTHS, free: Mapping[str, i
         FreeBlock(owner, space(owner), np.linalg.qr(rng.normal(size=(S, g)))[0] * np.arange(2, g + 2))
         for owner, g in (free or {}).items()
     ]
-    observations = SimpleNamespace(values=rng.normal(size=(S, K)), to_explain=2.0)
+    observations = SimpleNamespace(values=rng.normal(size=(S, K)), to_explain=2.0, conditions=10_000)
     spread, W = np.array([1.5, 1.0, 0.5]), rng.normal(size=(S * R, start))
     return Design(cast(Any, observations), V, spread, W, tuple(blocks), tuple(patterns))
 
@@ -231,7 +231,7 @@ def test_probabilities_of_all_that_was_looked_at() -> None:
     """They sum to one, the likeliest first; what acts on the observations is in it, what does not is not."""
     design = tiny(5, {"a": 2, "b": 3, SLOW: 1})
     moved = (design.W[:, design.blocks[1].at] @ np.array([4.0, -3.0, 5.0])).reshape(S, R) @ design.V.T
-    observations = SimpleNamespace(values=design.observations.values + moved, to_explain=6.0)
+    observations = SimpleNamespace(values=design.observations.values + moved, to_explain=6.0, conditions=10_000)
     posterior = Search(replace(design, observations=cast(Any, observations))).run().posterior()
     assert posterior.probability.sum() == pytest.approx(1.0)
     assert (np.diff(posterior.probability) <= 0).all()

@@ -52,9 +52,6 @@ def changes(clean: xr.Dataset, improved: Model, model: Model) -> tuple[np.ndarra
     return rows.values - base, improved.context(rows).base - base
 
 
-@pytest.mark.xfail(
-    strict=True, reason="unnamed curves of each chamber's own pressure take all of a regulator's gains"
-)
 def test_regulator(make_lab) -> None:
     """Gains that are off by up to 10 %, up and down, S-shaped: each chamber's comes back."""
     lab = make_lab()
