@@ -99,16 +99,16 @@ def _best(example: Example, spectra: dict) -> tuple[int, dict[str, Floats]]:
 def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats]]:
     """Log evidence of a change under a prior of unit size, and the second moments of its coefficients by block."""
     parts = []
-    shared = factor(prior.shared, 1e-7)
+    shared = factor(prior.shared)
     if columns["shared"].shape[1]:
         parts.append(columns["shared"] @ shared)
     own = columns.get("own")
-    L = factor(prior.own, 1e-7)
+    L = factor(prior.own)
     if own is not None and L.size:
         n, C, _ = own.shape
         parts.append((own @ L).reshape(n, -1))
     P = columns["pattern"]
-    M = factor(prior.pattern, 1e-7)
+    M = factor(prior.pattern)
     if P.shape[1]:
         K = len(y) // len(P)
         Q = P @ M

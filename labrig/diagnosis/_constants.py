@@ -33,6 +33,9 @@ SURE = 0.9
 """Probability from which on an effect is called sure."""
 POSSIBLE = 0.1
 """Probability from which on an effect is called possible."""
+INEXACT = 0.05
+"""Share of what there is to explain by which a law is off its family anywhere, like noise: the median over the laws of
+the development half, each left out, is 2 to 10 %."""
 PER_CONDITION = 5
 """Most independent numbers that one condition (set-point, what was before, octave of the time held) is worth: repeats
 lower the noise, but a law is off there by the same each time."""

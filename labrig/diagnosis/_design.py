@@ -20,8 +20,8 @@ _MOST_DIRECTIONS = 24
 _LEAST_INFORMATION = 3.0
 _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
-_LEAST_SHARE = 5e-4
-"""Share of a family's variance below which a direction is left out: 2 % of its size, far less than laws are off."""
+_LEAST_SHARE = 2e-5
+"""Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _EVEN = 0.2
 
 
@@ -204,7 +204,8 @@ class _Layout:
         flat = flat / np.sqrt(total).astype(np.float32)
         W = self.lift(flat.reshape(F, r, -1))
         power, U = np.linalg.eigh((W.T @ W).astype(np.float64))
-        keep = power > max(_LEAST_INFORMATION, _LEAST_SHARE * power.sum())
+        seen = _LEAST_INFORMATION / max(1.0, self.observations.to_explain) ** 2
+        keep = power > max(seen, _LEAST_SHARE * power.sum())
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         if not keep.any():
             return None
@@ -260,7 +261,7 @@ class _Layout:
         f = f / np.sqrt((f**2).sum() / len(f))
         G = self.observations.whiten @ f
         power, U = np.linalg.eigh(G.T @ G)
-        keep = power > max(0.1, 1e-7 * power[-1])
+        keep = power > max(0.1 / max(1.0, self.observations.to_explain) ** 2, 1e-7 * power[-1])
         return (G @ U[:, keep])[:, ::-1]
 
     def fields(self, values: Floats) -> tuple[Floats, Floats]:

@@ -39,9 +39,10 @@ class Search:
     def __init__(self, design: Design) -> None:
         self.design = design
         observations = design.observations
-        numbers = min(k.INDEPENDENT, k.PER_CONDITION * observations.conditions)
-        self.sums = Sums.of(design, min(1.0, numbers / observations.values.size))
         self.T = observations.to_explain
+        numbers = min(k.INDEPENDENT, k.PER_CONDITION * observations.conditions)
+        worth = min(1.0, numbers / observations.values.size) / (1 + (k.INEXACT * self.T) ** 2)
+        self.sums = Sums.of(design, worth)
         self.blocks: dict[str, list[int]] = {}
         for i, block in enumerate(design.blocks):
             self.blocks.setdefault(block.owner, []).append(i)

@@ -79,7 +79,7 @@ def shipped() -> dict:
     return json.loads(FILE.read_text(encoding="utf-8"))["spectra"] if FILE.is_file() else {}
 
 
-def factor(covariance: Floats, tolerance: float = 1e-4) -> Floats:
+def factor(covariance: Floats, tolerance: float = 1e-10) -> Floats:
     """L with L L' = covariance, only for the directions that carry more than `tolerance` of its trace."""
     if covariance.size == 0:
         return covariance

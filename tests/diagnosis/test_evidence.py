@@ -231,7 +231,9 @@ def test_probabilities_of_all_that_was_looked_at() -> None:
     """They sum to one, the likeliest first; what acts on the observations is in it, what does not is not."""
     design = tiny(5, {"a": 2, "b": 3, SLOW: 1})
     moved = (design.W[:, design.blocks[1].at] @ np.array([4.0, -3.0, 5.0])).reshape(S, R) @ design.V.T
-    observations = SimpleNamespace(values=design.observations.values + moved, to_explain=6.0, conditions=10_000)
+    observations = SimpleNamespace(
+        values=design.observations.values + moved, to_explain=6.0, conditions=10_000
+    )
     posterior = Search(replace(design, observations=cast(Any, observations))).run().posterior()
     assert posterior.probability.sum() == pytest.approx(1.0)
     assert (np.diff(posterior.probability) <= 0).all()
