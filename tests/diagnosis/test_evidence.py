@@ -200,8 +200,9 @@ def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
     assert log_evidence(one.raised(at, [3.0])) == pytest.approx(log_evidence(two.raised(at, [3.0])), abs=1e-3)
 
 
-def test_a_search_scores_by_evidence_and_prior() -> None:
+def test_a_search_scores_by_evidence_and_prior(monkeypatch: pytest.MonkeyPatch) -> None:
     """The score of a form beside a free pattern is its dense log density, those absent kept small, and its prior."""
+    monkeypatch.setattr(k, "INEXACT", 0.0)
     design = tiny(3, {"a": 2, "b": 3, "?clock": 2, SLOW: 1}, {"?history": 2})
     search = Search(design)
     present = max(search.sizes)

@@ -31,7 +31,7 @@ def lay_out(example: str, data: str) -> None:
 
 
 def test_the_leaking_chamber_by_commands(desk: Path, labrig) -> None:
-    """Ultimaker_020, as a person types it: a leak is among what one hold allows, and the figures say how much it takes."""
+    """Ultimaker_020, as a person types it: a leak is among what one hold allows."""
     lay_out("zillen_leak", "zillen_airchamber_leak")
     code, out, err = labrig("import", "--mapping", "ultimaker_020.yaml", "-o", "run")
     assert (code, err) == (0, "")
