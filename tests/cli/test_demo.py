@@ -66,10 +66,11 @@ def test_its_last_lines_work(demo):
 @pytest.mark.slow
 @pytest.mark.parametrize("hide", ["hysteresis", "coupling", "regulator"])
 def test_other_effects(tmp_path, hide):
-    """Other effects are named as surely."""
+    """Other effects are among what is named, alone where nothing else could be it."""
     assert labrig(tmp_path, "demo", "--hide", hide, "--out", "here").returncode == 0
     found = json.loads((tmp_path / "here" / "diagnosis.json").read_text())
-    assert (found["verdict"], found["effects"]) == ("identified", [hide])
+    assert found["verdict"] in {"identified", "confounded"}
+    assert hide in {*found["effects"], *found["rivals"]}
 
 
 @pytest.mark.slow
