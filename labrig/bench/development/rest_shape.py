@@ -1,5 +1,7 @@
 """Rest shape: the body was made or mounted otherwise than modelled; each point is off by a constant of its own."""
 
+from abc import abstractmethod
+
 import numpy as np
 
 from labrig.bench._nature import Array, Law, Path, Setting
@@ -18,9 +20,9 @@ class _Offset(Law):
             self.rig, self._field(setting) * span(self.rig) * setting.random.uniform(0.08, 0.25)
         )
 
+    @abstractmethod
     def _field(self, setting: Setting) -> Array:
         """Where each marker goes, (M, 3), in natural units."""
-        raise NotImplementedError
 
     def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
         return values + strength * self._offset_mm
