@@ -86,6 +86,28 @@ def smooth_field(setting: Setting) -> Array:
     return field / np.sqrt(np.mean(field**2))
 
 
+def down(tilt_deg: Array) -> Array:
+    """The direction (T, 3) of gravity, seen from a base turned about x."""
+    turn = np.deg2rad(tilt_deg)
+    return np.stack([np.zeros_like(turn), -np.sin(turn), -np.cos(turn)], axis=1)
+
+
+def long_axis(rig: Rig) -> tuple[Array, Array]:
+    """The direction (3,) in which the body is longest, and each marker's place (M,) along it, from 0 to 1."""
+    assert rig.rest_mm is not None
+    axis = np.linalg.svd(rig.rest_mm - rig.rest_mm.mean(axis=0), full_matrices=False)[2][0]
+    along = rig.rest_mm @ axis
+    return axis, (along - along.min()) / np.ptp(along)
+
+
+def pattern(rig: Rig) -> Array:
+    """How the observables (K,) move when all chambers fill at once, as a direction of length 1."""
+    every = rig.shape(np.ones((1, len(rig.chambers))))[0] - rig.at_rest
+    most = alone(rig)[0]
+    way = every if np.linalg.norm(every) > 0.3 * np.linalg.norm(most) else most
+    return way / np.linalg.norm(way)
+
+
 def direction(random: np.random.Generator) -> Array:
     """A direction (3,) drawn by chance."""
     vector = random.normal(size=3)
@@ -100,6 +122,12 @@ def full(rig: Rig, kpa: Array) -> Array:
 def reached(rig: Rig, path: Path) -> Array:
     """The largest deflection (C,) of each chamber on a path, at least a tenth."""
     return np.maximum(rig.deflection(path.kpa).max(axis=0), 0.1)
+
+
+def either_way(setting: Setting, low: float, high: float, share: float = 1.0) -> Array:
+    """Errors (C,) of either sign, their sizes between low and high."""
+    count = len(setting.rig.chambers)
+    return some(setting.random, count, low, high, share) * setting.random.choice([-1.0, 1.0], count)
 
 
 def some(random: np.random.Generator, count: int, low: float, high: float, share: float = 1.0) -> Array:

@@ -4,6 +4,7 @@ A path tells the whole story, pauses between sessions included; before its first
 """
 
 import numpy as np
+from scipy.optimize import nnls
 
 from labrig.bench._nature import Array, Ints, Path
 
@@ -36,6 +37,22 @@ def lagged(path: Path, drive: Array, tau_s: Array) -> Array:
         state = state + share[i] * (drive[i] - state)
         out[i] = state
     return out
+
+
+UNIT_S = 60.0
+"""Chains below yield 1 in all after a minute under constant load."""
+
+
+def as_chain(compliance: Array, time_s: Array) -> tuple[Array, Array]:
+    """A retarded compliance at times (N,) as a chain: its times in s and how much each yields, 1 in a minute in all."""
+    tau_s = np.geomspace(0.3, 3e4, 16)
+    yields = nnls(-np.expm1(-time_s[:, None] / tau_s), compliance)[0]
+    return in_a_minute(tau_s[yields > 0], yields[yields > 0])
+
+
+def in_a_minute(tau_s: Array, yields: Array) -> tuple[Array, Array]:
+    """A chain, scaled so that it yields 1 in a minute."""
+    return tau_s, yields / np.sum(yields * -np.expm1(-UNIT_S / tau_s))
 
 
 def plays(drive: Array, half_width: Array) -> Array:

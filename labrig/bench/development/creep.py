@@ -1,23 +1,10 @@
 """Creep: the walls go on yielding under load, ever slower, and come back as slowly: linear in the load's history."""
 
 import numpy as np
-from scipy.optimize import nnls
 
 from labrig.bench._nature import Array, Law, Path, Setting
 from labrig.bench.development._places import full, some
-from labrig.bench.development._story import lagged
-
-_UNIT_S = 60.0
-"""Compliances below are 1 after a minute under constant load."""
-
-
-def _as_chain(compliance: Array, time_s: Array) -> tuple[Array, Array]:
-    """A retarded compliance at times (N,) as a chain: its times in s and how much each yields, 1 in a minute in all."""
-    tau_s = np.geomspace(0.3, 3e4, 16)
-    yields = nnls(-np.expm1(-time_s[:, None] / tau_s), compliance)[0]
-    tau_s, yields = tau_s[yields > 0], yields[yields > 0]
-    return tau_s, yields / np.sum(yields * -np.expm1(-_UNIT_S / tau_s))
-
+from labrig.bench.development._story import as_chain, lagged
 
 _TIMES_S = np.geomspace(0.3, 1e4, 80)
 
@@ -53,7 +40,7 @@ class LogarithmicCreep(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         begins_s = np.exp(setting.random.uniform(np.log(0.5), np.log(8)))
-        self._tau_s, self._yields = _as_chain(np.log1p(_TIMES_S / begins_s), _TIMES_S)
+        self._tau_s, self._yields = as_chain(np.log1p(_TIMES_S / begins_s), _TIMES_S)
         self._size = some(setting.random, len(self.rig.chambers), 0.06, 0.15)
 
     def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
@@ -71,7 +58,7 @@ class FindleyPowerLaw(Law):
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        self._tau_s, self._yields = _as_chain(_TIMES_S ** setting.random.uniform(0.12, 0.4), _TIMES_S)
+        self._tau_s, self._yields = as_chain(_TIMES_S ** setting.random.uniform(0.12, 0.4), _TIMES_S)
         self._steep = setting.random.uniform(0.2, 1.2)
         self._size = some(setting.random, len(self.rig.chambers), 0.06, 0.16)
 
@@ -93,7 +80,7 @@ class StretchedExponential(Law):
         super().__init__(setting)
         tau_s = np.exp(setting.random.uniform(np.log(8), np.log(150)))
         stretch = setting.random.uniform(0.4, 0.8)
-        self._tau_s, self._yields = _as_chain(-np.expm1(-((_TIMES_S / tau_s) ** stretch)), _TIMES_S)
+        self._tau_s, self._yields = as_chain(-np.expm1(-((_TIMES_S / tau_s) ** stretch)), _TIMES_S)
         self._size = some(setting.random, len(self.rig.chambers), 0.06, 0.16)
 
     def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:

@@ -7,7 +7,7 @@ from labrig.bench.development._places import full, some
 from labrig.bench.development._story import pauses, plays, steps
 
 
-def _sliding(drive: Array, give: Array) -> Array:
+def sliding(drive: Array, give: Array) -> Array:
     """Which way each part slides, (T, C) from -1 to 1, turning within 2 `give` (C,) of the drive."""
     return (drive - plays(drive, give[None])[:, 0]) / give
 
@@ -27,7 +27,7 @@ class Coulomb(Law):
         self._held = some(setting.random, count, 0.02, 0.06)
 
     def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
-        way = _sliding(full(self.rig, kpa), self._give)
+        way = sliding(full(self.rig, kpa), self._give)
         return kpa - strength * self._held * self.rig.high_kpa * way
 
 
@@ -105,4 +105,4 @@ class LoadedCoulomb(Law):
     def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
         drive = full(self.rig, kpa)
         held = self._held + self._loaded * np.maximum(drive, 0.0)
-        return kpa - strength * self.rig.high_kpa * held * _sliding(drive, self._give)
+        return kpa - strength * self.rig.high_kpa * held * sliding(drive, self._give)

@@ -3,13 +3,7 @@
 import numpy as np
 
 from labrig.bench._nature import Array, Law, Path, Setting
-from labrig.bench.development._places import body_mm, compliance, moved, positions, span
-
-
-def _down(tilt_deg: Array) -> Array:
-    """The direction (T, 3) of gravity, seen from a base turned about x."""
-    turn = np.deg2rad(tilt_deg)
-    return np.stack([np.zeros_like(turn), -np.sin(turn), -np.cos(turn)], axis=1)
+from labrig.bench.development._places import body_mm, compliance, down, moved, positions, span
 
 
 class OwnWeight(Law):
@@ -27,7 +21,7 @@ class OwnWeight(Law):
         self._sag_mm = span(self.rig) * setting.random.uniform(0.05, 0.2) * compliance(self.rig) ** power
 
     def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
-        sag = self._sag_mm[:, None] * _down(path.tilt_deg)[:, None]
+        sag = self._sag_mm[:, None] * down(path.tilt_deg)[:, None]
         return moved(self.rig, values, positions(self.rig, values) + strength * sag)
 
 
@@ -47,7 +41,7 @@ class InflatedDroop(Law):
 
     def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
         gives = 1 / (1 + self._stiffer * np.maximum(deflection, 0.0).mean(axis=1))
-        sag = self._sag_mm[:, None] * (gives[:, None] * _down(path.tilt_deg))[:, None]
+        sag = self._sag_mm[:, None] * (gives[:, None] * down(path.tilt_deg))[:, None]
         return moved(self.rig, values, positions(self.rig, values) + strength * sag)
 
 
@@ -96,6 +90,6 @@ class PayloadAtAPoint(Law):
         )
 
     def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
-        down = path.payload_kg[:, None] * _down(path.tilt_deg)
-        points = positions(self.rig, values) + strength * self._mm_per_kg[:, None] * down[:, None]
+        pull = path.payload_kg[:, None] * down(path.tilt_deg)
+        points = positions(self.rig, values) + strength * self._mm_per_kg[:, None] * pull[:, None]
         return moved(self.rig, values, points)

@@ -10,7 +10,7 @@ from labrig.bench.development._places import some
 _AIR_KPA = 101.3
 
 
-def _bled(kpa: Array, age_s: Array, rate_kpa_per_s: Callable[[Array], Array]) -> Array:
+def bled(kpa: Array, age_s: Array, rate_kpa_per_s: Callable[[Array], Array]) -> Array:
     """The pressure (T,) that is left of `kpa` (T,) after `age_s` (T,), if it falls by a rate that it alone sets."""
     level = np.geomspace(1e-3, max(float(kpa.max()), 1.0) * 1.01, 600)
     slow = 1 / rate_kpa_per_s(level)
@@ -53,7 +53,7 @@ class OrificeLeak(Law):
         for c in np.flatnonzero(strength * self._per_s):
             high = float(self.rig.high_kpa[c])
             scale = strength * self._per_s[c] * high / self._flow(np.array([high]))[0]
-            out[:, c] = _bled(kpa[:, c], path.hold_s, lambda p, scale=scale: scale * self._flow(p))
+            out[:, c] = bled(kpa[:, c], path.hold_s, lambda p, scale=scale: scale * self._flow(p))
         return out
 
     def _flow(self, kpa: Array) -> Array:

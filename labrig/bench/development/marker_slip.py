@@ -6,7 +6,7 @@ from labrig.bench._nature import Array, Law, Path, Setting
 from labrig.bench.development._places import direction, shift, span
 
 
-class _Slip(Law):
+class Slip(Law):
     """What the laws below share: which marker slips, when, and where to at first."""
 
     effect = "marker_slip"
@@ -28,7 +28,7 @@ class _Slip(Law):
         return self._own * shift(self.rig, length_mm * direction(self._random))
 
 
-class Jump(_Slip):
+class Jump(Slip):
     """Level shift: a marker is knocked off at one moment and sits elsewhere ever after.
 
     R. S. Tsay, Outliers, level shifts, and variance changes in time series, J. Forecasting 7, 1988.
@@ -38,7 +38,7 @@ class Jump(_Slip):
         return values + strength * (path.time_s >= self._at_s)[:, None] * self._way_mm
 
 
-class SlidingGlue(_Slip):
+class SlidingGlue(Slip):
     """Yielding glue: from a moment on a marker slides away, fast at first, until it sticks again.
 
     C. Creton, Pressure-sensitive adhesives: an introductory course, MRS Bulletin 28, 2003.
@@ -53,7 +53,7 @@ class SlidingGlue(_Slip):
         return values + strength * gone[:, None] * self._way_mm
 
 
-class StickSlip(_Slip):
+class StickSlip(Slip):
     """Stick-slip peeling: the same marker comes off in two steps, the second one otherwise directed.
 
     A. N. Gent, R. P. Petrich, Adhesion of viscoelastic materials to rigid substrates, Proc. Royal Society A 310, 1969.

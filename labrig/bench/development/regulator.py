@@ -3,13 +3,7 @@
 import numpy as np
 
 from labrig.bench._nature import Array, Law, Path, Setting
-from labrig.bench.development._places import full, some
-
-
-def _either_way(setting: Setting, low: float, high: float, share: float = 1.0) -> Array:
-    """Errors (C,) of either sign, their sizes between low and high."""
-    count = len(setting.rig.chambers)
-    return some(setting.random, count, low, high, share) * setting.random.choice([-1.0, 1.0], count)
+from labrig.bench.development._places import either_way, full, some
 
 
 class WrongGain(Law):
@@ -22,7 +16,7 @@ class WrongGain(Law):
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        self._gain = _either_way(setting, 0.04, 0.15, 0.8)
+        self._gain = either_way(setting, 0.04, 0.15, 0.8)
 
     def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
         return kpa * np.maximum(1 + strength * self._gain, 0.0)
@@ -38,7 +32,7 @@ class ZeroOffset(Law):
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        self._offset = _either_way(setting, 0.02, 0.08, 0.8)
+        self._offset = either_way(setting, 0.02, 0.08, 0.8)
         self._only_open = bool(setting.random.random() < 0.5)
 
     def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
@@ -79,7 +73,7 @@ class BentCharacteristic(Law):
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        self._bow = _either_way(setting, 0.02, 0.07, 0.8)
+        self._bow = either_way(setting, 0.02, 0.07, 0.8)
 
     def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
         load = np.clip(full(self.rig, kpa), 0.0, 1.0)

@@ -8,7 +8,7 @@ from labrig.bench._nature import Array, Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, smooth_field, span, spread
 
 
-class _Offset(Law):
+class Offset(Law):
     """What the laws below share: a constant change (K,) of the markers, in mm."""
 
     effect = "rest_shape"
@@ -28,7 +28,7 @@ class _Offset(Law):
         return values + strength * self._offset_mm
 
 
-class ScatteredMarkers(_Offset):
+class ScatteredMarkers(Offset):
     """Scattered landmarks: each marker was set beside its place, independently of the others.
 
     C. Goodall, Procrustes methods in the statistical analysis of shape, J. Royal Statistical Society B 53, 1991.
@@ -38,7 +38,7 @@ class ScatteredMarkers(_Offset):
         return setting.random.normal(size=(len(self.rig.marker_names), 3))
 
 
-class SmoothWarp(_Offset):
+class SmoothWarp(Offset):
     """Warp: the whole body is bent smoothly, as a cast comes out of its mould.
 
     F. L. Bookstein, Principal warps: thin-plate splines and the decomposition of deformations, IEEE Trans. Pattern
@@ -49,7 +49,7 @@ class SmoothWarp(_Offset):
         return smooth_field(setting)
 
 
-class CurledSide(_Offset):
+class CurledSide(Offset):
     """Curl: beyond a line the body curls up or down with the square of the distance, like a bimetal strip.
 
     S. Timoshenko, Analysis of bi-metal thermostats, J. Optical Society of America 11, 1925.

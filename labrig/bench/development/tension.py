@@ -7,7 +7,7 @@ import numpy as np
 from labrig.bench._nature import Array, Law, Path, Setting
 
 
-class _HeldBack(Law):
+class HeldBack(Law):
     """What the laws below share: a part of the pressure, set by the deflection itself, is spent on the tension."""
 
     effect = "tension"
@@ -30,7 +30,7 @@ class _HeldBack(Law):
         return deflection + (0.5 * (low + high) - free)
 
 
-class LaplaceTension(_HeldBack):
+class LaplaceTension(HeldBack):
     """Laplace's law in a bulge test: a residual stress holds back in proportion to the bulge's height.
 
     M. K. Small, W. D. Nix, Analysis of the accuracy of the bulge test in determining the mechanical properties of thin
@@ -47,7 +47,7 @@ class LaplaceTension(_HeldBack):
         return self._tight * deflection
 
 
-class StringTension(_HeldBack):
+class StringTension(HeldBack):
     """Tight strings: a constant pull along the skin acts against the load by the sine of its slope, up to a limit.
 
     S. S. Antman, Nonlinear Problems of Elasticity, 2nd ed., Springer, 2005.
@@ -63,7 +63,7 @@ class StringTension(_HeldBack):
         return self._pull * deflection / np.hypot(deflection, self._reach)
 
 
-class OrthotropicTension(_HeldBack):
+class OrthotropicTension(HeldBack):
     """Warp and weft: the two pulls of a fabric differ, so that some chambers are held back far more than others.
 
     B. Forster, M. Mollaert, European Design Guide for Tensile Surface Structures, TensiNet, 2004.
