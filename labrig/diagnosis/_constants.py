@@ -10,6 +10,8 @@ P_TRACE = 0.3
 """Prior probability that an effect leaves a trace; a trace is no name."""
 LEVELS = (0.5, 1.0, 2.0)
 """Prior sd of an effect that is present, in multiples of what there is to explain: around it, a factor of two apart."""
+FLOOR_SPREAD = 0.35
+"""Prior sd of the logarithm of the noise's size where repeats alone say it: their scatter on the development half."""
 LEAST_FLOORS = 0.5
 """Prior sd, in floors, of the smallest effect that counts as present."""
 SLOW_FLOORS = (0.05, 0.2, 0.6)
@@ -25,6 +27,10 @@ MATERIAL = 0.2
 
 Of laws left out of the development half, other effects take up to 0.22 of the misfit; one of a pair is mostly above.
 """
+BESIDE = 1.5
+"""By how much an effect must be larger than what moves beside it without a name, to be worth a name."""
+BESIDE_FORM = 0.5
+"""The same beside an error of form of the base."""
 MATERIAL_SPREAD = 0.15
 """How soft that limit is, in logarithms: of parts near it a misfit of another's law is as likely as an effect."""
 SMALLEST_FLOORS = 0.25

@@ -9,7 +9,7 @@ from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
 from labrig.effects import Context, Effect
-from labrig.effects._family import Space
+from labrig.effects._family import Space, motion_scale
 from labrig.effects._fields import frame_modes
 from labrig.effects._rows import Floats
 
@@ -23,6 +23,8 @@ _NEARLY_ALIKE = 0.1
 _LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _EVEN = 0.2
+_THE_SAME = 1e-3
+_ROWS_COMPARED = 50
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,9 @@ def design_of(
     """
     context = observations.context
     named = [(name, space) for name, effect in effects.items() for space in effect.family(context)]
-    others = [("?" + space.spectrum, space) for space in unnamed(context)]
-    V, spread = directions(observations, [space for _, space in named])
+    known = [space for _, space in named]
+    others = [("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, known)]
+    V, spread = directions(observations, known)
     made, free = [], []
     count: dict[str, int] = {}
     layout = _Layout(observations, V)
@@ -121,6 +124,24 @@ def _share(owner: str, space: Space, count: Mapping[str, int], context: Context)
     if space.scanned:
         return 1.0 / space.scanned
     return 1.0 / count[owner]
+
+
+def has_name(space: Space, named: Sequence[Space]) -> bool:
+    """Whether one space with a name holds all that this one does: what has a name is not unnamed as well."""
+    kind = {f.kind for f in space.features}
+    some = slice(None, None, max(1, len(space.features[0].values) // _ROWS_COMPARED))
+    own = np.stack([f.values[some].ravel() for f in space.features], axis=1)
+    own = own / np.maximum(np.linalg.norm(own, axis=0), 1e-300)
+    for other in named:
+        like = [f.values[some].ravel() for f in other.features if f.kind in kind]
+        if len(kind) > 1 or len(like) < own.shape[1]:
+            continue
+        basis = np.stack(like, axis=1)
+        basis = basis / np.maximum(np.linalg.norm(basis, axis=0), 1e-300)
+        left = own - basis @ np.linalg.lstsq(basis, own, rcond=None)[0]
+        if np.linalg.norm(left, axis=0).max() < _THE_SAME:
+            return True
+    return False
 
 
 def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Floats, Floats]:
@@ -241,7 +262,8 @@ class _Layout:
             r = V.shape[1]
             L = factor(prior.pattern)
             L = L[:, np.argsort(-(L**2).sum(axis=0))][:, : max(1, _FREE_COLUMNS // r)]
-            Q = (np.stack(patterns, axis=1) @ L).astype(np.float32)
+            size = float(np.sqrt(np.mean((motion_scale(self.observations.context) / unit) ** 2)))
+            Q = (size * np.stack(patterns, axis=1) @ L).astype(np.float32)
             wide = np.zeros((len(Q), r, Q.shape[1], r), dtype=np.float32)
             wide[:, np.arange(r), :, np.arange(r)] = Q[None]
             out.append(wide.reshape(len(Q), r, -1))

@@ -1,7 +1,7 @@
 """The way of a residual: observations, design, evidence, verdict, formula, result."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from labrig.diagnosis._candidates import Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fit_named
+from labrig.diagnosis._noise_scale import FEW, noise_scale, rescaled
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import Search
@@ -48,9 +49,20 @@ def diagnose(
     """
     ready = prepared(rows_from(runs), model)
     effects = {n: e for n, e in model.library().items() if n not in without}
-    observations = observe(ready.context, ready.residual, ready.floor)
+    ready, observations = observed(ready, effects)
     verdict = verdict_on(observations, ready, effects, tolerance)
     return result_of(ready, observations, verdict, model, effects)
+
+
+def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations]:
+    """The observations; of few observables, with the noise that is left when everything is asked."""
+    observations = observe(ready.context, ready.residual, ready.floor)
+    few = ready.residual.shape[1] < FEW and observations.n_captures >= k.FEWEST_OBSERVATIONS
+    if not few:
+        return ready, observations
+    design = design_of(observations, effects, ready.declared, ready.calibrated)
+    ready = replace(ready, floor=rescaled(ready.floor, noise_scale(design)))
+    return ready, observe(ready.context, ready.residual, ready.floor)
 
 
 def verdict_on(

@@ -6,7 +6,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
+from scipy.linalg.blas import ssyrk
+from scipy.linalg.lapack import dpotri
 
 from labrig.diagnosis._design import DECLARED, Design
 from labrig.effects._rows import Floats
@@ -87,7 +89,8 @@ def beside_free(sums: Sums, variance: Floats) -> Beside:
     if not halves:
         return Beside(sums.A, sums.b, square, logdet)
     half = np.concatenate(halves).astype(np.float32)
-    gram = (half.T @ half).astype(np.float64)
+    upper = ssyrk(1.0, half, trans=1)
+    gram = (np.triu(upper) + np.triu(upper, 1).T).astype(np.float64)
     return Beside(sums.A - gram[1:, 1:], sums.b - gram[1:, 0], square, logdet)
 
 
@@ -101,10 +104,11 @@ class State:
     @cached_property
     def _inverse(self) -> tuple[Floats, Floats, float]:
         precision = self.sums.A + np.diag(self.sd**-2.0)
-        factor = cho_factor(precision, lower=True)
-        cov = cho_solve(factor, np.eye(len(self.sd)))
-        logdet = 2 * float(np.log(np.diag(factor[0])).sum()) + 2 * float(np.log(self.sd).sum())
-        return (cov + cov.T) / 2, cov @ self.sums.b, logdet
+        L = np.linalg.cholesky(precision)
+        half = dpotri(L, lower=1)[0]
+        cov = np.tril(half) + np.tril(half, -1).T
+        logdet = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(self.sd).sum())
+        return cov, cov @ self.sums.b, logdet
 
     @property
     def covariance(self) -> Floats:

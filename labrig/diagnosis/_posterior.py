@@ -33,6 +33,9 @@ class Posterior:
     probability: Floats
 
 
+_LOOKED_AT = 2
+
+
 class Search:
     """Looks at sets of effects within each background of free patterns."""
 
@@ -103,8 +106,18 @@ class Search:
             self.found.setdefault(owners, []).append((value, whole, slow))
         return value
 
-    def forms(self, owner: str) -> Iterable[tuple[str, int, float]]:
-        for block in self.blocks[owner]:
+    def forms(
+        self, background: Raised, slow: float, start: Raised, owner: str
+    ) -> Iterable[tuple[str, int, float]]:
+        """The forms of an owner that are worth a look beside a set: its best spaces, at every size."""
+        size = self.sizes[len(self.sizes) // 2]
+        blocks = self.blocks[owner]
+        if len(blocks) > _LOOKED_AT:
+            value = {
+                b: self.score(background, slow, tuple(sorted([*start, (owner, b, size)]))) for b in blocks
+            }
+            blocks = sorted(blocks, key=lambda b: -value[b])[:_LOOKED_AT]
+        for block in blocks:
             for size in (*self.traces, *self.sizes):
                 yield owner, block, size
 
@@ -117,7 +130,7 @@ class Search:
             if owner in have:
                 continue
             best: dict[bool, tuple[float, Raised]] = {}
-            for form in self.forms(owner):
+            for form in self.forms(background, slow, start, owner):
                 trace = form[2] in self.traces
                 if full and not trace:
                     continue

@@ -5,14 +5,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.effects import Context
-from labrig.effects._family import Space, acting, field, pattern, pressure
+from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import frame_modes, scale_mode
 from labrig.effects._rows import Floats
 
-FORMS = ("?form", "?static", "?place", "?rigid", "?lever")
+FORMS = ("?form", "?static", "?cross", "?place", "?rigid", "?lever")
 """What is a function of the pressures alone: a base that is wrong in form, no missing memory."""
 FORM = "form"
 """The base's own error of form: each chamber's deflection, in a pattern of its own."""
+
+
+_FEWEST_EVENTS = 4
 
 
 def unnamed(context: Context) -> Iterator[Space]:
@@ -27,7 +30,10 @@ def unnamed(context: Context) -> Iterator[Space]:
         yield Space(FORM, FORM, acting(columns))
         yield Space("pressures together", "static", acting(list(_static(x))))
         yield from _lever(context)
+        yield from _cross(x)
         yield from _history(context)
+        yield from _use(context)
+    yield from _covariates(context)
     yield Space("place", "place", (pattern("always", np.ones(F)),))
     if (rows.axis >= 0).sum() >= 3:
         modes = np.concatenate([frame_modes(context), scale_mode(context)[:, :, None]], axis=2)
@@ -102,13 +108,68 @@ def _lever(context: Context) -> Iterator[Space]:
         yield Space("where chambers act", "lever", acting(out))
 
 
+def _cross(x: Floats) -> Iterator[Space]:
+    """What the others' pressures do through each chamber."""
+    C = x.shape[1]
+    if C > 1:
+        other = [(k, np.roll(x, k, axis=1)) for k in range(1, C)]
+        out = [pressure(f"chamber + {k}", y, 0.5) for k, y in other]
+        out += [pressure(f"chamber + {k} load", x * y) for k, y in other]
+        yield Space("other chambers through the pressures", "cross", acting(out), 0.5)
+
+
+def _use(context: Context) -> Iterator[Space]:
+    """How much each chamber has been moved so far, and how often any: wear, fatigue, running in."""
+    rows = context.rows
+    x, moved = rows.fraction, np.abs(rows.event_actuation - context.previous) / context.span
+    travel = np.cumsum(moved, axis=0)
+    if len(travel) < _FEWEST_EVENTS or travel.max() <= 0:
+        return
+    often = np.cumsum((moved > 0).any(axis=1))[:, None] * np.ones_like(travel)
+    out = []
+    for name, used in (("travel", travel / travel.max()), ("moves", often / often.max())):
+        for power in (0.5, 1.0):
+            own = (used**power)[rows.event]
+            out += [
+                pressure(f"{name} {power}", own, 0.3),
+                pressure(f"{name} {power} load", own * x),
+                pressure(f"{name} {power} load2", own * x * x, 0.3),
+            ]
+        early = -np.expm1(-used / 0.1)[rows.event]
+        out.append(pressure(f"{name} early load", early * x, 0.5))
+    yield Space("use so far through the pressures", "use", acting(out), 0.6)
+
+
+def _covariates(context: Context) -> Iterator[Space]:
+    """What follows something else that was recorded: at any place, and by the load."""
+    out, through = [], []
+    rows = context.rows
+    x = rows.fraction
+    has_axis = (rows.axis >= 0).sum() >= 3
+    modes = frame_modes(context) if has_axis else np.zeros((*context.base.shape, 0))
+    modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * motion_scale(context)[:, None]
+    for name, cov in context.rows.covariates.items():
+        if np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
+            z = (cov.values - cov.values.mean()) / np.ptp(cov.values)
+            out += [pattern(name, z), pattern(f"{name} square", z * z, 0.2)]
+            out += [pattern(f"{name} x {c}", z * x[:, c], 0.5) for c in range(x.shape[1])]
+            even = np.repeat(z[:, None], x.shape[1], axis=1)
+            through += [pressure(name, even), pressure(f"{name} load", even * x)]
+            through += [
+                field(f"{name} mode {j}", modes[:, :, j] * z[:, None], 0.5) for j in range(modes.shape[2])
+            ]
+    if out:
+        yield Space("what was recorded beside", "beside", acting(out))
+        yield Space("what was recorded beside, as one body", "along", acting(through))
+
+
 def _history(context: Context) -> Iterator[Space]:
     rows = context.rows
     x, ev = rows.fraction, rows.event
     before = context.previous / context.span
     change = np.abs(rows.event_actuation - context.previous) / context.span
     who = change.argmax(axis=1)
-    last, peak = np.zeros_like(change), np.zeros_like(change)
+    last, peak, ever = np.zeros_like(change), np.zeros_like(change), np.zeros_like(change)
     for e, b in enumerate(context.started):
         if change[e].max() > 1e-9:
             last[e, who[e]] = 1.0
@@ -117,7 +178,9 @@ def _history(context: Context) -> Iterator[Space]:
         fade = 1.0
         if b >= 0 and context.has_time:
             fade = np.exp(-max(rows.event_time_s[e] - rows.event_time_s[b], 0) / 60.0)
-        peak[e] = np.maximum(rows.event_actuation[e] / context.span, peak[b] * fade if b >= 0 else 0.0)
+        level = rows.event_actuation[e] / context.span
+        ever[e] = np.maximum(level, ever[b] if b >= 0 else 0.0)
+        peak[e] = np.maximum(level, peak[b] * fade if b >= 0 else 0.0)
     gap, most, mover = before[ev] - x, peak[ev], last[ev]
     held = context.elapsed_s[:, None]
     through = [
@@ -130,14 +193,33 @@ def _history(context: Context) -> Iterator[Space]:
         pressure("gap fading", gap * np.exp(-held / 10), 0.5),
         pressure("mover", mover * x, 0.5),
         pressure("load in hold", x * np.log1p(held), 0.5),
+        pressure("ever", ever[ev], 0.5),
+        pressure("ever load", ever[ev] * x, 0.5),
     ]
+    if context.has_time:
+        lags = [(tau, (context.relaxed(tau) - rows.actuation) / context.span) for tau in (8.0, 60.0, 400.0)]
+        through += [pressure(f"lag {tau}", lag, 0.5) for tau, lag in lags]
     yield Space("history through the pressures", "through", acting(through))
     C = x.shape[1]
     columns = [pattern(f"gap {c}", gap[:, c]) for c in range(C)]
     columns += [pattern(f"mover {c}", mover[:, c] - mover[:, c].mean()) for c in range(C) if C > 1]
     columns += [pattern(f"peak {c}", (most - x)[:, c]) for c in range(C)]
     columns += [pattern(f"direction {c}", context.direction[ev][:, c], 0.5) for c in range(C)]
+    columns += [pattern(f"ever {c}", ever[ev][:, c], 0.5) for c in range(C)]
+    columns += [pattern(f"switch {i}", state[ev], 0.5) for i, state in enumerate(_switches(context))]
     yield Space("history", "history", acting(columns))
+
+
+def _switches(context: Context) -> Iterator[np.ndarray]:
+    """States (E,) that go over at a high load of all chambers together and come back at a low one."""
+    load = (context.rows.event_actuation / context.span).mean(axis=1)
+    for low, high in ((0.2, 0.5), (0.35, 0.65), (0.5, 0.8)):
+        back, over = np.quantile(load, low), np.quantile(load, high)
+        state = np.zeros(len(load))
+        for e, b in enumerate(context.started):
+            before = state[b] if b >= 0 else 0.0
+            state[e] = 1.0 if load[e] >= over else 0.0 if load[e] <= back else before
+        yield state
 
 
 def slow_noise(context: Context, index: np.ndarray) -> Floats:

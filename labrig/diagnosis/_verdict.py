@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.special import ndtr
@@ -56,10 +57,21 @@ class Answer:
     least: float
     """The size, in floors, from which a part is worth a name."""
 
+    @cached_property
+    def limit(self) -> float:
+        """The size, in floors, from which an effect is worth a name: beside what has none, a larger one."""
+        moving = [size for owner, size in self.unnamed.items() if owner not in FORMS]
+        forms = [size for owner, size in self.unnamed.items() if owner in FORMS]
+        return max(
+            self.least,
+            k.BESIDE * float(np.sqrt(np.sum(np.square(moving)))),
+            k.BESIDE_FORM * float(np.sqrt(np.sum(np.square(forms)))),
+        )
+
     @property
     def names(self) -> tuple[str, ...]:
         """The effects that are worth a name."""
-        return tuple(o for o in self.sizes if self.counts(o) >= self.least)
+        return tuple(o for o in self.sizes if self.counts(o) >= self.limit)
 
     def counts(self, name: str) -> float:
         """By how many floors an effect counts: its size, but no more than would be missed without it."""
@@ -68,17 +80,12 @@ class Answer:
 
     def worth(self, name: str) -> float:
         """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
-        return float(ndtr(np.log(max(self.counts(name), 1e-12) / self.least) / k.MATERIAL_SPREAD))
-
-    @property
-    def moving(self) -> bool:
-        """Whether something without a name depends on more than the pressures."""
-        return any(owner not in FORMS for owner in self.unnamed)
+        return float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit) / k.MATERIAL_SPREAD))
 
     @property
     def verdict(self) -> str:
         """The word for it alone."""
-        if self.moving or (self.unnamed and not self.names):
+        if self.unnamed and not self.names:
             return "unknown"
         return ("nothing_missing", "identified")[bool(self.names)] if len(self.names) < 2 else "multiple"
 

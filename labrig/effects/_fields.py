@@ -40,6 +40,48 @@ def scale_mode(context: Context) -> Floats:
     return mode
 
 
+def strain_modes(context: Context) -> Floats:
+    """How each observable changes when the measuring frame's axes are skew or scaled unlike, (F, K, 5).
+
+    Small symmetric strains without a change of the mean scale, about `centre_of`: xy, yz, zx, and x and y against z.
+    """
+    rows = context.rows
+    where = _places(context)
+    strain = np.zeros((5, 3, 3))
+    for j, (a, b) in enumerate(((0, 1), (1, 2), (2, 0))):
+        strain[j, a, b] = strain[j, b, a] = 1.0
+    strain[3], strain[4] = np.diag([1.0, 0.0, -1.0]), np.diag([0.0, 1.0, -1.0])
+    modes = np.zeros((*context.base.shape, 5))
+    for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
+        modes[:, k] = where[:, rows.marker[k]] @ strain[:, rows.axis[k]].T
+    return modes
+
+
+def smooth_places(context: Context) -> Floats:
+    """Smooth fields over the body at rest, (K, q): polynomials of degree 0 to 2 of the place, along each axis.
+
+    Each of size one, root mean square over the observables of its axis; none where places at rest are unknown.
+    """
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    if rows.rest_mm is None or not np.isfinite(rows.rest_mm).all() or len(own) < 9:
+        return np.zeros((len(rows.marker), 0))
+    place = rows.rest_mm - rows.rest_mm.mean(axis=0)
+    place = place / (np.sqrt((place**2).mean(axis=0)) + 1e-9 * (1 + np.abs(place).max()))
+    x, y, z = place.T
+    bent = [x * x - (x * x).mean(), y * y - (y * y).mean(), x * y, y * z, z * x]
+    fields = []
+    for shape in (np.ones_like(x), x, y, z, *bent):
+        for a in range(3):
+            field = np.zeros(len(rows.marker))
+            mine = own[rows.axis[own] == a]
+            field[mine] = shape[rows.marker[mine]]
+            size = np.sqrt((field[mine] ** 2).mean()) if len(mine) else 0.0
+            if size > 1e-3:
+                fields.append(field / size)
+    return np.array(fields).T if fields else np.zeros((len(rows.marker), 0))
+
+
 def centre_of(context: Context) -> Floats:
     """The mean place of the markers at rest, mm, (3,): measured, else predicted of the vented rig."""
     if context.centre is not None:

@@ -44,6 +44,8 @@ class Delay(Effect):
         out = lags(context, (0.15, 0.3, 0.6, 1.2, 2.4), 0.0)
         gap = (context.previous[context.rows.event] - context.rows.actuation) / context.span
         for tau in (0.3, 0.6, 1.2, 2.4):
+            behind = (context.relaxed(tau) - context.rows.actuation) / context.span
+            out.append(pressure(f"venting {tau}", np.maximum(behind, 0.0), 0.3))
             q = context.elapsed_s[:, None] / tau
             out += [
                 pressure(f"second order {tau}", gap * (1 + q) * np.exp(-q), 0.5),

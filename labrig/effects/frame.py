@@ -7,7 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
-from labrig.effects._fields import frame_modes, scale_mode
+from labrig.effects._fields import frame_modes, scale_mode, strain_modes
 from labrig.effects._rows import Floats
 
 
@@ -42,20 +42,22 @@ class Frame(Effect):
             )
 
     def family(self, context: Context) -> Iterator[Space]:
-        """A rigid motion and a scale of the measuring frame, always the same or another in each session."""
+        """A rigid motion, a scale and a skew of the measuring frame, always the same or another in each session."""
         rows = context.rows
         if (rows.axis >= 0).sum() < 3:
             return
         scale = motion_scale(context)
-        modes = np.concatenate([frame_modes(context), scale_mode(context)[:, :, None]], axis=2)
+        modes = [frame_modes(context), scale_mode(context)[:, :, None], strain_modes(context)]
+        modes = np.concatenate(modes, axis=2)
         size = np.sqrt((modes**2).mean(axis=(0, 1)))
         modes = modes / np.where(size > 0, size, 1.0) * scale[None, :, None]
-        names = ("x", "y", "z", "about x", "about y", "about z", "scale")
-        whole = [field(n, modes[:, :, j], 1.0 if j < 6 else 0.3) for j, n in enumerate(names)]
+        names = ("x", "y", "z", "about x", "about y", "about z", "scale", "xy", "yz", "zx", "x - z", "y - z")
+        likely = [1.0] * 6 + [0.3] + [0.1] * 5
+        whole = [field(n, modes[:, :, j], likely[j]) for j, n in enumerate(names)]
         yield Space("always", "frame", acting(whole))
         if len(rows.sessions) > 1:
             out = [
-                field(f"{n} session {s}", modes[:, :, j] * (rows.session == s)[:, None])
+                field(f"{n} session {s}", modes[:, :, j] * (rows.session == s)[:, None], likely[j])
                 for j, n in enumerate(names)
                 for s in range(len(rows.sessions))
             ]

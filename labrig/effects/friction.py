@@ -79,6 +79,7 @@ class Friction(Effect):
         for r in (0.01, 0.025):
             z = (context.play(r) - u) / span / r
             out += [pressure(f"presliding {r}", z, 0.5), pressure(f"presliding {r} load", z * x, 0.5)]
+        out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.1)]
         yield Space("sliding", "friction", acting(out))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:

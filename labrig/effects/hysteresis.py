@@ -55,7 +55,7 @@ class Hysteresis(Effect):
             context.deflection_slope,
         )
         out = []
-        for r in (0.03, 0.06, 0.12, 0.25, 0.45):
+        for r in (0.03, 0.06, 0.12, 0.25, 0.45, 0.7):
             lag = (context.play(r) - u) / span
             out += [pressure(f"play {r}", lag), pressure(f"play {r} tilted", lag * (2 * x - 1), 0.25)]
             if not context.linear:

@@ -6,7 +6,8 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, pattern
+from labrig.effects._family import Space, field, motion_scale, pattern
+from labrig.effects._fields import smooth_places
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
@@ -31,8 +32,12 @@ class RestShape(Effect):
         yield Variant("offset", (Term.pattern("offset", np.ones(len(context.base))),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Another place at rest for each observable."""
-        yield Space("shape", "rest_shape", (pattern("rest", np.ones(len(context.base))),))
+        """Another place at rest for each observable, and what is smooth over the body above all."""
+        always = np.ones(len(context.base))
+        scale = motion_scale(context)
+        smooth = [always[:, None] * scale * shape for shape in smooth_places(context).T]
+        fields = [field(f"smooth {i}", values, 0.1) for i, values in enumerate(smooth)]
+        yield Space("shape", "rest_shape", (pattern("rest", always, 0.2), *fields))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))

@@ -1,0 +1,55 @@
+"""How large the noise is where few observables were measured: repeats alone say it badly, so all spaces are asked."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labrig.diagnosis import _constants as k
+from labrig.diagnosis._design import Design
+from labrig.diagnosis._floor import Floor
+from labrig.effects._rows import Floats
+
+FEW = 6
+"""Observables below which the residuals' spectrum says nothing about the noise."""
+_SCALES = np.geomspace(0.2, 5.0, 33)
+_SIZES = np.geomspace(0.2, 20.0, 14)
+
+
+def noise_scale(design: Design) -> float:
+    """By how much the noise of a capture's mean is larger than the floor says, by the evidence of everything together.
+
+    Every space, named or not, acts at one common size; noise is what none of them can follow. The logarithm of the
+    scale has a prior around zero (`FLOOR_SPREAD`), since the floor comes from repeats, which are few. Of the captures'
+    means only, since noise within holds is well known.
+    """
+    n, r = design.observations.n_captures, design.V.shape[1]
+    values = (design.observations.values @ design.V)[:n].reshape(-1)
+    covariance = _everything(design, n, r)
+    power, U = np.linalg.eigh(covariance)
+    power, square = np.maximum(power, 0.0), (U.T @ values) ** 2
+    log = np.empty(len(_SCALES))
+    for i, scale in enumerate(_SCALES):
+        variance = np.square(_SIZES)[:, None] * power + scale**2
+        evidence = -0.5 * (np.log(variance) + square / variance).sum(axis=1)
+        log[i] = np.logaddexp.reduce(evidence) - 0.5 * (np.log(scale) / k.FLOOR_SPREAD) ** 2
+    p = np.exp(log - log.max())
+    return float(np.exp((p * np.log(_SCALES)).sum() / p.sum()))
+
+
+def _everything(design: Design, n: int, r: int) -> Floats:
+    """The covariance (n r, n r) of means when every owner acts at one floor."""
+    W = design.W.reshape(-1, r, design.W.shape[1])[:n].reshape(n * r, -1).astype(float)
+    owners = [b.owner for b in design.blocks]
+    total = np.zeros((n * r, n * r))
+    for block in design.blocks:
+        own = W[:, block.at]
+        total += own @ own.T / owners.count(block.owner)
+    for free in design.free:
+        G = free.G[:n]
+        total += np.kron(G @ G.T, np.diag(design.spread))
+    return total / (len(set(owners)) + len(design.free))
+
+
+def rescaled(floor: Floor, scale: float) -> Floor:
+    """The floor with the noise of captures' means so much larger."""
+    return replace(floor, mean=floor.mean * scale)
