@@ -22,12 +22,12 @@ P_UNNAMED = 0.003
 """Prior probability of each kind of structure without a name: a name explains more often than none does."""
 INDEPENDENT = 2000
 """Most independent numbers that a campaign is worth, however many it has: models of neighbours are never exact."""
-MATERIAL = 0.2
+MATERIAL = 0.17
 """Share (root mean square) of what is explained that must be missed without an effect for it to be worth a name.
 
 Of laws left out of the development half, other effects take up to 0.22 of the misfit; one of a pair is mostly above.
 """
-BESIDE = 1.5
+BESIDE = 1.0
 """By how much an effect must be larger than what moves beside it without a name, to be worth a name."""
 BESIDE_FORM = 0.5
 """The same beside an error of form of the base."""

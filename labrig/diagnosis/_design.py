@@ -23,7 +23,6 @@ _NEARLY_ALIKE = 0.1
 _LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _EVEN = 0.2
-_THE_SAME = 1e-3
 _ROWS_COMPARED = 50
 
 
@@ -127,21 +126,27 @@ def _share(owner: str, space: Space, count: Mapping[str, int], context: Context)
 
 
 def has_name(space: Space, named: Sequence[Space]) -> bool:
-    """Whether one space with a name holds all that this one does: what has a name is not unnamed as well."""
-    kind = {f.kind for f in space.features}
-    some = slice(None, None, max(1, len(space.features[0].values) // _ROWS_COMPARED))
-    own = np.stack([f.values[some].ravel() for f in space.features], axis=1)
-    own = own / np.maximum(np.linalg.norm(own, axis=0), 1e-300)
-    for other in named:
-        like = [f.values[some].ravel() for f in other.features if f.kind in kind]
-        if len(kind) > 1 or len(like) < own.shape[1]:
-            continue
-        basis = np.stack(like, axis=1)
-        basis = basis / np.maximum(np.linalg.norm(basis, axis=0), 1e-300)
-        left = own - basis @ np.linalg.lstsq(basis, own, rcond=None)[0]
-        if np.linalg.norm(left, axis=0).max() < _THE_SAME:
-            return True
-    return False
+    """Whether one space with a name holds nearly all that this one does: what has a name is not unnamed as well."""
+    own = _by_kind(space)
+    return any(all(_within(f, known.get(kind)) for kind, f in own.items()) for known in map(_by_kind, named))
+
+
+def _by_kind(space: Space) -> dict[str, Floats]:
+    """The features of a space by their kind, some rows of each, as unit columns."""
+    out = {}
+    for kind in {f.kind for f in space.features}:
+        values = [f.values for f in space.features if f.kind == kind]
+        step = max(1, len(values[0]) // _ROWS_COMPARED)
+        columns = np.stack([v[::step].ravel() for v in values], axis=1)
+        out[kind] = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    return out
+
+
+def _within(columns: Floats, basis: Floats | None) -> bool:
+    if basis is None or not columns.shape[1] <= basis.shape[1] <= len(basis) / 2:
+        return False
+    left = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
+    return bool(np.linalg.norm(left, axis=0).max() < _NEARLY_ALIKE)
 
 
 def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Floats, Floats]:

@@ -25,6 +25,8 @@ class Floor:
     within: Floats
     how: str
     repeats: dict[str, float | None]
+    freedom: int = 0
+    """How many differences between repeats with the same history it comes from; 0 where from none."""
 
     @property
     def row(self) -> Floats:
@@ -57,7 +59,7 @@ def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
     groups = {u: np.array([unit == u for unit in rows.unit]) for u in dict.fromkeys(rows.unit)}
     mean, within = np.zeros(len(rows.unit)), np.zeros(len(rows.unit))
     repeats: dict[str, float | None] = {}
-    hows = []
+    hows, freedom = [], 0
     for number, own in enumerate(groups.values()):
         kinds, pairs = _repeat_spread(context, means[:, own], captures)
         bulk = bulk_noise(means[:, own], lost) if len(captures) >= 12 else float("nan")
@@ -81,8 +83,9 @@ def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
         within[own] = inside if inside > 0 else 0.0
         hows.append(how if same is not None else f"{how} (no same-history repeats)")
         if number == 0:
+            freedom = pairs * int(own.sum()) if how.startswith("repeats") else 0
             repeats = {"within a capture": inside if inside > 0 else None, **kinds}
-    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats)
+    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom)
 
 
 def _tiny(residual: Floats) -> float:

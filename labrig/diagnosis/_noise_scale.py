@@ -19,19 +19,24 @@ def noise_scale(design: Design) -> float:
     """By how much the noise of a capture's mean is larger than the floor says, by the evidence of everything together.
 
     Every space, named or not, acts at one common size; noise is what none of them can follow. The logarithm of the
-    scale has a prior around zero (`FLOOR_SPREAD`), since the floor comes from repeats, which are few. Of the captures'
-    means only, since noise within holds is well known.
+    scale has a prior around zero: repeats may differ by what they remember, too, so that the noise may well be smaller
+    (`FLOOR_SPREAD`); larger it is only as far as the repeats were few. Of the captures' means only, since noise within
+    holds is well known.
     """
     n, r = design.observations.n_captures, design.V.shape[1]
     values = (design.observations.values @ design.V)[:n].reshape(-1)
     covariance = _everything(design, n, r)
     power, U = np.linalg.eigh(covariance)
     power, square = np.maximum(power, 0.0), (U.T @ values) ** 2
+    few = min(1.0 / np.sqrt(max(design.observations.floor.freedom, 1)), 2 * k.FLOOR_SPREAD)
     log = np.empty(len(_SCALES))
     for i, scale in enumerate(_SCALES):
         variance = np.square(_SIZES)[:, None] * power + scale**2
         evidence = -0.5 * (np.log(variance) + square / variance).sum(axis=1)
-        log[i] = np.logaddexp.reduce(evidence) - 0.5 * (np.log(scale) / k.FLOOR_SPREAD) ** 2
+        log[i] = (
+            np.logaddexp.reduce(evidence)
+            - 0.5 * (np.log(scale) / (few if scale > 1 else k.FLOOR_SPREAD)) ** 2
+        )
     p = np.exp(log - log.max())
     return float(np.exp((p * np.log(_SCALES)).sum() / p.sum()))
 

@@ -21,8 +21,6 @@ _FAR_FROM_NEIGHBOURS = 4.0
 _AROUND = 2
 _LONG = 6
 """Rows of a hold from which on it is compared with all longer ones."""
-_FEW = 8
-"""Observables below which nothing but the rows of its own hold can tell that a value is mistaken."""
 _TO_TELL = 3
 """Rows of a hold, at least, of which one can be told to be mistaken."""
 _RARE = 3.0
@@ -55,25 +53,14 @@ def _clean(residual: Floats, capture: Ints, at: Floats) -> tuple[Floats, int]:
         rows[:, seen], dropped = _clean(residual[:, seen], capture, at)
         return rows, dropped
     captures, index = np.unique(capture, return_inverse=True)
-    far = _passing(_far(residual, at, index), index)
-    if residual.shape[1] < _FEW and np.median(np.bincount(index)) >= _TO_TELL:
-        far &= ~_agreed(far, index)
-    rows = np.where(far, np.nan, residual)
+    rows = np.where(_passing(_far(residual, at, index), index), np.nan, residual)
     rows = np.where(_far_in_hold(rows, index), np.nan, rows)
     means, _ = capture_means(rows, capture)
-    told = residual.shape[1] >= _FEW or np.median(np.bincount(index)) < _TO_TELL
-    if len(captures) >= 6 and told:
+    if len(captures) >= 6:
         own = np.arange(len(captures))
         held_at, _ = capture_means(at, capture)
         rows = np.where(_passing(_far(means, held_at, own), own)[index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
-
-
-def _agreed(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
-    """Entries whose whole hold is as far: with few observables that is what was there, however rare."""
-    many = np.zeros((int(index.max()) + 1, far.shape[1]))
-    np.add.at(many, index, far)
-    return (2 * many > np.bincount(index)[:, None])[index]
 
 
 def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
@@ -93,7 +80,7 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
 def _far(values: Floats, at: Floats, index: Ints) -> NDArray[np.bool_]:
     """Which entries are far from what the others say, (n, K); measured `at` (n, q), in the captures `index` (n,)."""
     _, spread = _middle_and_spread(values)
-    if values.shape[1] < _FEW or len(values) < 12:
+    if values.shape[1] < 8 or len(values) < 12:
         far = _far_from_neighbours(values, spread)
         return far & ~_believed(values, far, at, index)
     off = np.abs(values - _smooth(values))

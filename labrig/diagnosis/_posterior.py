@@ -82,7 +82,7 @@ class Search:
         """Log prior probability of one form of a set; what has no name is rarer, as a trace too."""
         out = 0.0
         for owner, block, size in raised:
-            usual = k.P_UNNAMED if owner.startswith("?") else k.P_EFFECT
+            usual = k.P_EFFECT if is_name(owner) else k.P_UNNAMED
             if block >= 0:
                 out += np.log(self.design.blocks[block].share)
             if size in self.traces:

@@ -142,25 +142,24 @@ def _use(context: Context) -> Iterator[Space]:
 
 def _covariates(context: Context) -> Iterator[Space]:
     """What follows something else that was recorded: at any place, and by the load."""
-    out, through = [], []
+    out = []
     rows = context.rows
     x = rows.fraction
     has_axis = (rows.axis >= 0).sum() >= 3
     modes = frame_modes(context) if has_axis else np.zeros((*context.base.shape, 0))
     modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * motion_scale(context)[:, None]
-    for name, cov in context.rows.covariates.items():
-        if np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
-            z = (cov.values - cov.values.mean()) / np.ptp(cov.values)
-            out += [pattern(name, z), pattern(f"{name} square", z * z, 0.2)]
-            out += [pattern(f"{name} x {c}", z * x[:, c], 0.5) for c in range(x.shape[1])]
-            even = np.repeat(z[:, None], x.shape[1], axis=1)
-            through += [pressure(name, even), pressure(f"{name} load", even * x)]
-            through += [
-                field(f"{name} mode {j}", modes[:, :, j] * z[:, None], 0.5) for j in range(modes.shape[2])
-            ]
+    for name, cov in rows.covariates.items():
+        if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
+            continue
+        z = (cov.values - cov.values.mean()) / np.ptp(cov.values)
+        out += [pattern(name, z), pattern(f"{name} square", z * z, 0.2)]
+        out += [pattern(f"{name} x {c}", z * x[:, c], 0.5) for c in range(x.shape[1])]
+        whole = (cov.values / np.abs(cov.values).max())[:, None]
+        body = [field(f"mode {j}", modes[:, :, j] * whole, 0.5) for j in range(modes.shape[2])]
+        held = [pressure("held", np.repeat(whole, x.shape[1], axis=1)), pressure("held load", whole * x)]
+        yield Space(f"{name}, as one body", "along", acting([*held, *body]))
     if out:
         yield Space("what was recorded beside", "beside", acting(out))
-        yield Space("what was recorded beside, as one body", "along", acting(through))
 
 
 def _history(context: Context) -> Iterator[Space]:

@@ -7,6 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
+from labrig.effects._fields import frame_modes
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
 
@@ -99,7 +100,7 @@ class Gravity(Effect):
                 angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
                 loads += [("sine", np.sin(angle)), ("cosine", np.cos(angle) - np.cos(angle).mean())]
         has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
-        out = [pattern(name, values) for name, values in loads]
+        out = [pattern(name, values, 0.003) for name, values in loads]
         if has_axis and context.moves:
             scale = motion_scale(context)
             give = np.abs(context.jacobian * context.span).sum(axis=2)
@@ -113,15 +114,19 @@ class Gravity(Effect):
             ]
             out += [pressure(f"{n} held load", v[:, None] * rows.fraction, 0.3) for n, v in loads]
             ways = [("own", np.ones(len(give)), 1.0)] + [(n, v, 1.0) for n, v in loads]
+            modes = frame_modes(context)
+            modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * scale[:, None]
+            for way, factor, weight in ways[1:]:  # a motion as one body by the own weight is the frame's
+                out += [
+                    field(f"{way} body {j}", modes[:, :, j] * factor[:, None], 0.25 * weight)
+                    for j in range(6)
+                ]
             for way, factor, weight in ways:
                 for a, letter in enumerate("xyz"):
                     own = rows.axis == a
                     out.append(
                         field(f"{way} {letter} give", np.where(own, give, 0.0) * factor[:, None], weight)
                     )
-                    if way != "own":  # an even shift by the own weight is the frame's
-                        even = np.where(own, scale, 0.0) * factor[:, None]
-                        out.append(field(f"{way} {letter} even", even, 0.25 * weight))
         if out:
             yield Space("weight", "gravity", acting(out))
 
