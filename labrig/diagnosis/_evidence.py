@@ -6,14 +6,14 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
-from scipy.linalg.blas import ssyrk
-from scipy.linalg.lapack import dpotri
+from scipy.linalg import get_blas_funcs, get_lapack_funcs, solve_triangular
 
 from labrig.diagnosis._design import DECLARED, Design
 from labrig.effects._rows import Floats
 
 _NEGLIGIBLE = 1e-4
+_SYRK = get_blas_funcs(("syrk",), dtype=np.float32)[0]
+_POTRI = get_lapack_funcs(("potri",), dtype=np.float64)[0]
 EVEN = (DECLARED, "?place")
 """Free patterns that spread evenly over the observables, wherever the base moves them."""
 DECLARED_FLOORS = 300.0
@@ -89,7 +89,7 @@ def beside_free(sums: Sums, variance: Floats) -> Beside:
     if not halves:
         return Beside(sums.A, sums.b, square, logdet)
     half = np.concatenate(halves).astype(np.float32)
-    upper = ssyrk(1.0, half, trans=1)
+    upper = _SYRK(1.0, half, trans=1)
     gram = (np.triu(upper) + np.triu(upper, 1).T).astype(np.float64)
     return Beside(sums.A - gram[1:, 1:], sums.b - gram[1:, 0], square, logdet)
 
@@ -105,7 +105,7 @@ class State:
     def _inverse(self) -> tuple[Floats, Floats, float]:
         precision = self.sums.A + np.diag(self.sd**-2.0)
         L = np.linalg.cholesky(precision)
-        half = dpotri(L, lower=1)[0]
+        half = _POTRI(L, lower=1)[0]
         cov = np.tril(half) + np.tril(half, -1).T
         logdet = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(self.sd).sum())
         return cov, cov @ self.sums.b, logdet
@@ -142,6 +142,16 @@ class State:
         for s, value in zip(slices, sds, strict=True):
             sd[s] = value
         return State(self.sums, sd)
+
+
+def free_fit(sums: Sums, variance: Floats, columns: Floats) -> Floats:
+    """Posterior means (g, r) of the free patterns' coefficients, beside the columns' coefficients (P,)."""
+    out = np.zeros_like(variance)
+    left = sums.GY - sums.GW @ columns.astype(sums.GW.dtype)
+    for j in range(sums.r):
+        h = np.sqrt(variance[:, j])
+        out[:, j] = h * np.linalg.solve(np.eye(len(h)) + h[:, None] * sums.GG * h, h * left[:, j])
+    return out
 
 
 def unexplained(sums: Beside, slices: Sequence[slice], sds: Sequence[float]) -> float:

@@ -45,12 +45,16 @@ class Observations:
     @cached_property
     def to_explain(self) -> float:
         """How much more than noise there is in the rows of what was seen, root mean square, in floors."""
+        return self.size_of(self.values, noise=1.0)
+
+    def size_of(self, values: Floats, noise: float = 0.0) -> float:
+        """How large such observations (S, K), less their `noise`, are in the rows of what was seen, in floors."""
         count = np.bincount(self.capture, minlength=self.n_captures)
         within = float(np.median(self.floor.within / self.unit))
-        values = self.values[:, self.seen]
-        means, contrasts = values[: self.n_captures], values[self.n_captures :]
-        rows = float((count[:, None] * (means**2 - 1)).sum()) + within**2 * float((contrasts**2 - 1).sum())
-        return float(np.sqrt(max(rows / (count.sum() * values.shape[1]), 0.0)))
+        square = values[:, self.seen] ** 2 - noise**2
+        means, contrasts = square[: self.n_captures], square[self.n_captures :]
+        rows = float((count[:, None] * means).sum()) + within**2 * float(contrasts.sum())
+        return float(np.sqrt(max(rows / (count.sum() * square.shape[1]), 0.0)))
 
     @cached_property
     def conditions(self) -> int:

@@ -8,7 +8,15 @@ import numpy as np
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Design
-from labrig.diagnosis._evidence import DECLARED_FLOORS, State, Sums, beside_free, free_variances, unexplained
+from labrig.diagnosis._evidence import (
+    DECLARED_FLOORS,
+    State,
+    Sums,
+    beside_free,
+    free_fit,
+    free_variances,
+    unexplained,
+)
 from labrig.effects._rows import Floats
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -67,9 +75,7 @@ class Search:
     def state(self, background: Raised, slow: float) -> State:
         key = (background, slow)
         if key not in self.states:
-            sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: DECLARED_FLOORS}
-            sd |= {owner: size for owner, _, size in background}
-            beside = beside_free(self.sums, free_variances(self.design, sd))
+            beside = beside_free(self.sums, free_variances(self.design, self.free_sizes(background)))
             own = np.empty(self.design.W.shape[1])
             for block in self.design.blocks:
                 several = len(self.blocks[block.owner])
@@ -77,6 +83,11 @@ class Search:
                 own[block.at] = fixed.get(block.owner, self.spike / np.sqrt(several))
             self.states[key] = State(beside, own)
         return self.states[key]
+
+    def free_sizes(self, background: Raised) -> dict[str, float]:
+        """The prior sd of each free pattern, floors, when those of a background are raised."""
+        sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: DECLARED_FLOORS}
+        return sd | {owner: size for owner, _, size in background}
 
     def prior(self, raised: Raised) -> float:
         """Log prior probability of one form of a set; what has no name is rarer, as a trace too."""
@@ -246,20 +257,29 @@ def missed(search: "Search", e: Explanation, least: float) -> dict[str, float]:
 
 
 def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
-    """How large each part of an explanation is in the joint fit, root mean square in floors, and its sd, by owner."""
+    """How large each part of an explanation is in the joint fit, root mean square in floors, and its sd, by owner.
+
+    Of free patterns without an sd.
+    """
+    design = search.design
     background = tuple(q for q in e.raised if q[1] < 0)
     state = search.state(background, e.slow)
     raised = [q for q in e.raised if q[1] >= 0]
-    blocks = [search.design.blocks[b] for _, b, _ in raised]
-    if not blocks:
-        return {}
-    fitted = state.fitted([b.at for b in blocks], [s for _, _, s in raised])
+    blocks = [design.blocks[b] for _, b, _ in raised]
+    fitted = state.fitted([b.at for b in blocks], [s for _, _, s in raised]) if blocks else state
     out = {}
     for (owner, _, _), block in zip(raised, blocks, strict=True):
         w, cov = fitted.mean[block.at], fitted.covariance[block.at, block.at]
         size = float(np.sqrt(max(w @ block.rms @ w, 0.0)))
         way = block.rms @ w / max(size, 1e-300)
         out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))))
+    if background:
+        beta = free_fit(search.sums, free_variances(design, search.free_sizes(background)), fitted.mean)
+        starts = np.cumsum([0, *(f.G.shape[1] for f in design.free)])
+        for i, free in enumerate(design.free):
+            if any(owner == free.owner for owner, _, _ in background):
+                values = free.G @ beta[starts[i] : starts[i + 1]] @ design.V.T
+                out[free.owner] = (design.observations.size_of(values), 0.0)
     return out
 
 

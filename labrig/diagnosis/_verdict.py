@@ -104,7 +104,8 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     for e, p in kept:
         found, lost = sizes(search, e), missed(search, e, least)
         parts = {o: (*s, lost[o]) for o, s in found.items() if is_name(o)}
-        unnamed = {o: size for o, size in lost.items() if o.startswith("?") and size >= least}
+        unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
+        unnamed = {o: size for o, size in unnamed.items() if size >= least}
         out.append(Answer(float(p / total), parts, unnamed, least))
     return out
 
