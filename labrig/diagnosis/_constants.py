@@ -28,13 +28,13 @@ MATERIAL = 0.17
 Of laws left out of the development half, other effects take up to 0.22 of the misfit; one of a pair is mostly above.
 """
 BESIDE = 1.0
-"""By how much an effect must be larger than what moves beside it without a name, to be worth a name."""
-BESIDE_FORM = 0.5
-"""The same beside an error of form of the base."""
+"""By how much an effect must be larger than what stands beside it without a name, to be worth a name."""
 MATERIAL_SPREAD = 0.15
 """How soft that limit is, in logarithms: of parts near it a misfit of another's law is as likely as an effect."""
 SMALLEST_FLOORS = 0.25
 """Floors below which nothing is worth a name."""
+REST_FLOORS = 1.0
+"""Floors from which on what no space follows is a finding: the floor itself is hardly ever off by 40 %."""
 SURE = 0.9
 """Probability from which on an effect is called sure."""
 POSSIBLE = 0.1

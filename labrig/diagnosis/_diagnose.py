@@ -14,7 +14,7 @@ from labrig.diagnosis._formula import fit_named
 from labrig.diagnosis._noise_scale import FEW, noise_scale, rescaled
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._parameters import entry_of
-from labrig.diagnosis._posterior import Search
+from labrig.diagnosis._posterior import REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
@@ -82,7 +82,8 @@ def verdict_on(
 
 def words_of(design: Design) -> dict[str, str]:
     """What carries each space without a name, in words, by owner."""
-    return {b.owner: b.space.key for b in (*design.blocks, *design.free) if b.owner.startswith("?")}
+    words = {b.owner: b.space.key for b in (*design.blocks, *design.free) if b.owner.startswith("?")}
+    return words | {REST: "nothing that was recorded"}
 
 
 @dataclass(frozen=True)

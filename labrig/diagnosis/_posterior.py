@@ -41,6 +41,8 @@ class Posterior:
     probability: Floats
 
 
+REST = "?rest"
+"""What is more than noise and that no space follows."""
 _LOOKED_AT = 2
 
 
@@ -259,7 +261,7 @@ def missed(search: "Search", e: Explanation, least: float) -> dict[str, float]:
 def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
     """How large each part of an explanation is in the joint fit, root mean square in floors, and its sd, by owner.
 
-    Of free patterns without an sd.
+    Of free patterns without an sd; `REST` is what nothing follows, above the noise.
     """
     design = search.design
     background = tuple(q for q in e.raised if q[1] < 0)
@@ -273,13 +275,16 @@ def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
         size = float(np.sqrt(max(w @ block.rms @ w, 0.0)))
         way = block.rms @ w / max(size, 1e-300)
         out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))))
-    if background:
-        beta = free_fit(search.sums, free_variances(design, search.free_sizes(background)), fitted.mean)
-        starts = np.cumsum([0, *(f.G.shape[1] for f in design.free)])
-        for i, free in enumerate(design.free):
-            if any(owner == free.owner for owner, _, _ in background):
-                values = free.G @ beta[starts[i] : starts[i + 1]] @ design.V.T
-                out[free.owner] = (design.observations.size_of(values), 0.0)
+    beta = free_fit(search.sums, free_variances(design, search.free_sizes(background)), fitted.mean)
+    observations, all_free = design.observations, np.zeros((len(design.observations.values), beta.shape[1]))
+    start = 0
+    for free in design.free:
+        part = free.G @ beta[start : start + free.G.shape[1]]
+        start, all_free = start + free.G.shape[1], all_free + part
+        if any(owner == free.owner for owner, _, _ in background):
+            out[free.owner] = (observations.size_of(part @ design.V.T), 0.0)
+    explained = (design.W @ fitted.mean.astype(design.W.dtype)).reshape(all_free.shape) + all_free
+    out[REST] = (observations.size_of(observations.values - explained @ design.V.T, noise=1.0), 0.0)
     return out
 
 

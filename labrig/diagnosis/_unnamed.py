@@ -9,8 +9,6 @@ from labrig.effects._family import Space, acting, field, motion_scale, pattern, 
 from labrig.effects._fields import frame_modes, scale_mode
 from labrig.effects._rows import Floats
 
-FORMS = ("?form", "?static", "?cross", "?place", "?rigid", "?lever")
-"""What is a function of the pressures alone: a base that is wrong in form, no missing memory."""
 FORM = "form"
 """The base's own error of form: each chamber's deflection, in a pattern of its own."""
 

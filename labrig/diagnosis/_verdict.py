@@ -9,8 +9,7 @@ from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._posterior import Search, is_name, missed, sizes
-from labrig.diagnosis._unnamed import FORMS
+from labrig.diagnosis._posterior import REST, Search, is_name, missed, sizes
 
 
 @dataclass(frozen=True)
@@ -60,13 +59,7 @@ class Answer:
     @cached_property
     def limit(self) -> float:
         """The size, in floors, from which an effect is worth a name: beside what has none, a larger one."""
-        moving = [size for owner, size in self.unnamed.items() if owner not in FORMS]
-        forms = [size for owner, size in self.unnamed.items() if owner in FORMS]
-        return max(
-            self.least,
-            k.BESIDE * float(np.sqrt(np.sum(np.square(moving)))),
-            k.BESIDE_FORM * float(np.sqrt(np.sum(np.square(forms)))),
-        )
+        return max(self.least, k.BESIDE * float(np.linalg.norm(list(self.unnamed.values()))))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -106,6 +99,8 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
         parts = {o: (*s, lost[o]) for o, s in found.items() if is_name(o)}
         unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
         unnamed = {o: size for o, size in unnamed.items() if size >= least}
+        if found[REST][0] >= k.REST_FLOORS:
+            unnamed[REST] = found[REST][0]
         out.append(Answer(float(p / total), parts, unnamed, least))
     return out
 
