@@ -20,11 +20,13 @@ NUMBERS = len(get_args(get_args(Answer.__annotations__["sizes"])[1]))
 """Of each effect an answer has its size, the sd of that, and perhaps what would be missed without it."""
 
 
-def answer(probability: float, *names: str, beside: str = "", **sizes: float) -> Answer:
+def answer(
+    probability: float, *names: str, beside: str = "", unnamed: float = 2 * LARGE, **sizes: float
+) -> Answer:
     """An explanation with these effects, well worth a name, with others of given sizes, and something unnamed."""
     all_sizes = {**dict.fromkeys(names, LARGE), **sizes}
     found = {name: cast(Any, (size, 0.5, size)[:NUMBERS]) for name, size in all_sizes.items()}
-    return Answer(probability, found, {beside: LARGE} if beside else {}, LEAST)
+    return Answer(probability, found, {beside: unnamed} if beside else {}, LEAST)
 
 
 def told(*answers: Answer) -> Verdict:
@@ -75,23 +77,24 @@ def test_confounded() -> None:
 
 
 def test_unknown() -> None:
-    """Something that moves and has no name is unknown, with a name beside it or without; what carries it is said."""
+    """Something without a name is unknown, alone or beside a smaller name; what carries it is said."""
     for answers in (
         (answer(1.0, beside="?history"),),
-        (answer(0.7, "leak", beside="?history"), answer(0.3, "leak")),
+        (answer(0.97, "leak", beside="?history"), answer(0.03, "leak")),
     ):
         verdict = told(*answers)
         assert (verdict.verdict, verdict.effects, verdict.carried_by) == ("unknown", (), "history")
         assert verdict.probability == pytest.approx(answers[0].probability)
-        assert verdict.beside == {"history": pytest.approx(LARGE * answers[0].probability)}
+        assert verdict.beside == {"history": pytest.approx(2 * LARGE * answers[0].probability)}
 
 
-def test_an_error_of_form_stands_beside_a_name() -> None:
-    """Unnamed structure that is a function of the pressures leaves a name its name; alone it is unknown."""
-    verdict = told(answer(1.0, "leak", beside="?form"))
+@pytest.mark.parametrize("beside", ["?form", "?history", "?time"])
+def test_a_name_larger_than_what_has_none_keeps_it(beside: str) -> None:
+    """A name stands beside unnamed structure that is smaller; how large that is, and what carries it, is said."""
+    verdict = told(answer(1.0, "leak", beside=beside, unnamed=0.6 * LARGE))
     assert (verdict.verdict, verdict.effects) == ("identified", ("leak",))
-    assert verdict.beside == {"each chamber by itself": pytest.approx(LARGE)}
-    assert told(answer(1.0, beside="?form")).verdict == "unknown"
+    assert verdict.beside == {WORDS[beside]: pytest.approx(0.6 * LARGE)}
+    assert told(answer(1.0, "leak", beside=beside, unnamed=1.6 * LARGE)).verdict == "unknown"
 
 
 def test_what_is_too_small_has_no_name() -> None:
