@@ -152,6 +152,8 @@ def _covariates(context: Context) -> Iterator[Space]:
         z = (cov.values - cov.values.mean()) / np.ptp(cov.values)
         out += [pattern(name, z), pattern(f"{name} square", z * z, 0.2)]
         out += [pattern(f"{name} x {c}", z * x[:, c], 0.5) for c in range(x.shape[1])]
+        if not context.moves:
+            continue
         whole = (cov.values / np.abs(cov.values).max())[:, None]
         body = [field(f"mode {j}", modes[:, :, j] * whole, 0.5) for j in range(modes.shape[2])]
         held = [pressure("held", np.repeat(whole, x.shape[1], axis=1)), pressure("held load", whole * x)]
