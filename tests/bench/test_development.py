@@ -64,16 +64,22 @@ def change(law: Law, path: Path, strength: float) -> Array:
 
 @pytest.mark.parametrize("kind", LAWS, ids=lambda law: law.__name__)
 def test_a_law_changes_nothing_at_strength_0_and_more_the_stronger_it_is(kind: type[Law]) -> None:
-    """On every rig that has what it needs, a law's change is finite, and grows with its strength from nothing."""
+    """A law's change is finite, and grows with its strength from nothing; some begin at a threshold.
+
+    On a rig that hardly shows it (chambers that oppose each other bulge under no neighbour) it may do nothing.
+    """
+    shown = 0
     for rig in RIGS:
         if fits(kind, rig):
             path = make_path(rig)
             law = kind(Setting(rig, path, np.random.default_rng(11)))
             sizes = [np.sqrt(np.mean(change(law, path, s) ** 2)) for s in (0.0, 0.3, 1.0, 2.0, 4.0)]
             assert np.isfinite(sizes).all()
-            assert sizes[0] == 0
-            assert sizes[2] > 0
-            assert (np.diff(sizes) > 0).all(), (rig.kind, sizes)
+            assert sizes[0] < 1e-9
+            assert (np.diff(sizes) >= 0).all(), (rig.kind, sizes)
+            assert sizes[4] > sizes[2] or sizes[4] == 0, (rig.kind, sizes)
+            shown += sizes[4] > 0
+    assert shown
 
 
 @pytest.mark.parametrize("kind", LAWS, ids=lambda law: law.__name__)
@@ -98,7 +104,7 @@ def test_every_effect_has_three_published_laws_and_four_more_have_no_effect() ->
         assert {law.effect for law in laws} == {effect}
     assert len(DEVELOPMENT.outside) >= 4
     assert not {law.effect for law in DEVELOPMENT.outside} & set(EFFECTS)
-    assert all(re.search(r"\b(17|18|19|20)\d\d\.", law.__doc__ or "") for law in LAWS)
+    assert all(re.search(r"\b(16|17|18|19|20)\d\d\.", law.__doc__ or "") for law in LAWS)
 
 
 @pytest.mark.parametrize("kind", DEVELOPMENT.rigs.values(), ids=lambda rig: rig.kind)

@@ -16,9 +16,9 @@ from labrig.model import Model
     [
         ("null", 2, "nothing_missing"),
         ("single", 3, "identified"),
-        ("pair", 0, "multiple"),
+        ("pair", 1, "multiple"),
         ("confounded", 3, "confounded"),
-        ("outside", 2, "unknown"),
+        ("outside", 3, "unknown"),
     ],
 )
 def test_the_verdict_is_right(
