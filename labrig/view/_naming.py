@@ -17,6 +17,10 @@ _CARRIES = {
     "time through the pressures": "changes over the session as if the pressures did",
     "history through the pressures": "depends on the pressures before, as if those now were not as commanded",
     "history": "depends on the pressures before",
+    "other chambers through the pressures": "is what the other chambers do through each",
+    "use so far through the pressures": "grows with how much the chambers have been moved",
+    "what was recorded beside": "follows something else that was logged",
+    "nothing that was recorded": "follows nothing that was logged",
 }
 
 
