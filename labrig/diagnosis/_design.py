@@ -78,7 +78,10 @@ def design_of(
     context = observations.context
     named = [(name, space) for name, effect in effects.items() for space in effect.family(context)]
     known = [space for _, space in named]
-    others = [("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, known)]
+    named_by_kind = [by_kind(space) for space in known]
+    others = [
+        ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
+    ]
     V, spread = directions(observations, known)
     made, free = [], []
     count: dict[str, int] = {}
@@ -125,13 +128,13 @@ def _share(owner: str, space: Space, count: Mapping[str, int], context: Context)
     return 1.0 / count[owner]
 
 
-def has_name(space: Space, named: Sequence[Space]) -> bool:
+def has_name(space: Space, named: Sequence[Mapping[str, Floats]]) -> bool:
     """Whether one space with a name holds nearly all that this one does: what has a name is not unnamed as well."""
-    own = _by_kind(space)
-    return any(all(_within(f, known.get(kind)) for kind, f in own.items()) for known in map(_by_kind, named))
+    own = by_kind(space)
+    return any(all(_within(f, known.get(kind)) for kind, f in own.items()) for known in named)
 
 
-def _by_kind(space: Space) -> dict[str, Floats]:
+def by_kind(space: Space) -> dict[str, Floats]:
     """The features of a space by their kind, some rows of each, as unit columns."""
     out = {}
     for kind in {f.kind for f in space.features}:

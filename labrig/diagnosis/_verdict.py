@@ -47,7 +47,7 @@ class Verdict:
 @dataclass(frozen=True)
 class Answer:
     """One explanation as an answer: effects, each with its size in the joint fit, the sd of that, and what would be
-    missed without it, in floors; and what has no name, with what would be missed.
+    missed without it, in floors; and what has no name, with its size (no more than would be missed).
     """
 
     probability: float

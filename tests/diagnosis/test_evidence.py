@@ -13,7 +13,7 @@ from scipy.stats import multivariate_normal
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Block, Design, FreeBlock
-from labrig.diagnosis._evidence import State, Sums, beside_free, free_variances, unexplained
+from labrig.diagnosis._evidence import State, Sums, beside_free, free_fit, free_variances, unexplained
 from labrig.diagnosis._posterior import Search
 from labrig.effects._family import Space
 
@@ -243,3 +243,17 @@ def test_probabilities_of_all_that_was_looked_at() -> None:
         sum(p for e, p in zip(posterior.explanations, posterior.probability, strict=True) if "a" in e.owners)
         < 0.2
     )
+
+
+def test_free_patterns_are_those_of_the_joint_fit() -> None:
+    """Free coefficients beside the columns' posterior means are the joint posterior mean, solved densely."""
+    design = tiny(3, free={"?f": 2})
+    sd, variance = np.full(design.W.shape[1], 0.8), np.outer([0.5, 2.0], [1.0, 0.3, 1.7])
+    sums = Sums.of(design)
+    columns = State(beside_free(sums, variance), sd).mean
+    G = design.free[0].G
+    X = np.column_stack([design.W, *(np.kron(G[:, [g]], np.eye(R)) for g in range(2))])
+    prior = np.concatenate([sd**-2.0, (1 / variance).ravel()])
+    joint = np.linalg.solve(X.T @ X + np.diag(prior), X.T @ seen(design))
+    assert np.allclose(columns, joint[: len(columns)], atol=1e-3)
+    assert np.allclose(free_fit(sums, variance, columns).ravel(), joint[len(columns) :], atol=1e-3)

@@ -1,0 +1,50 @@
+"""Where repeats say little: the noise of few observables, twins without a name, and what nothing follows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import diagnose
+from labrig.diagnosis._design import by_kind, design_of, has_name
+from labrig.diagnosis._noise_scale import noise_scale, rescaled
+from labrig.diagnosis._observations import observe
+from labrig.diagnosis._problem import prepared, rows_from
+from labrig.effects._family import Space, pattern, pressure
+
+
+@pytest.mark.parametrize("wrong", [0.5, 1.0, 2.0])
+def test_a_floor_that_is_wrong_is_put_right(make_lab, wrong: float) -> None:
+    """Of one force beside a leak by an orifice, the noise comes back, whatever few repeats said."""
+    lab = make_lab(chambers=1, force=True, captures=80, long_s=(3.0, 8.0, 20.0))
+    lost = np.sqrt(lab.u) * 0.02 * lab.hold_s[:, :, None]
+    model = lab.model()
+    ready = prepared(rows_from(lab.dataset(lab.predict(lab.u - lost) + lab.noise())), model)
+    alone = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), model)
+    true = (
+        observe(alone.context, alone.residual, alone.floor).values[: lab.captures].std() * alone.floor.mean[0]
+    )
+    floor = replace(ready.floor, mean=np.full(1, wrong * true), freedom=1)
+    scale = noise_scale(design_of(observe(ready.context, ready.residual, floor), model.library()))
+    assert rescaled(floor, scale).mean[0] == pytest.approx(true, rel=0.3)
+
+
+def test_what_has_a_name_is_not_unnamed_as_well() -> None:
+    """A space in another's span is left out; one with a direction of its own, or of another kind, stays."""
+    t = np.linspace(0, 1, 200)
+    named = [by_kind(Space("named", "named", (pattern("one", np.ones(200)), pattern("two", t))))]
+    assert has_name(Space("a", "a", (pattern("tilted", 3 - 2 * t),)), named)
+    assert not has_name(Space("b", "b", (pattern("wave", np.cos(9 * t)),)), named)
+    assert not has_name(Space("c", "c", (pressure("pressure", np.ones((200, 1))),)), named)
+
+
+def test_what_nothing_follows_is_unknown(make_lab) -> None:
+    """An error by chance for each set-point, the same when it is repeated, is no noise and has no name."""
+    lab = make_lab(captures=60)
+    values = lab.predict(lab.u)
+    for i, u in enumerate(lab.commanded):
+        seed = int(1000 * np.abs(u).sum())
+        values[i] += np.random.default_rng(seed).normal(size=values.shape[2:]) * 1.0
+    summary = diagnose(lab.dataset(values + lab.noise()), lab.model()).summary
+    assert summary["verdict"] == "unknown"
+    assert summary["unnamed"]["nothing that was recorded"] > 0.5
