@@ -25,14 +25,14 @@ INDEPENDENT = 2000
 MATERIAL = 0.17
 """Share (root mean square) of what is explained that must be missed without an effect for it to be worth a name.
 
-Read off 80 single effects and 36 pairs of the development half, each law left out of its spectrum: 0.12 calls other laws'
-misfits effects (11 % of the singles), 0.2 loses one of a pair (39 % of the pairs right, 53 % at 0.15 to 0.17).
+Read off 80 single effects and 36 pairs of the development half, each law left out of its spectrum: 0.12 calls misfits
+of other laws effects (11 % of the singles), 0.2 loses one of a pair (39 % of the pairs right, 53 % at 0.15 to 0.17).
 """
 BESIDE = 1.0
 """By how much an effect must be larger than what stands beside it without a name, to be worth a name.
 
-Equal, for want of a better reason; of 0.5 to 4, on the same left-out laws, single effects do not care and deleted families
-gain up to 1.5 or 2.
+Equal, for want of a better reason; of 0.5 to 4, on the same left-out laws, single effects do not care, and
+deleted families gain up to 1.5 or 2.
 """
 MATERIAL_SPREAD = 0.15
 """How soft that limit is, in logarithms: of parts near it a misfit of another's law is as likely as an effect."""
