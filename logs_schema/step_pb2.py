@@ -25,7 +25,7 @@ _sym_db = _symbol_database.Default()
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16logs_schema/step.proto\x12\x06labrig\x1a\x1fgoogle/protobuf/timestamp.proto\"\xfa\x01\n\x04Step\x12-\n\ttimestamp\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\r\n\x05index\x18\x02 \x01(\r\x12\x0c\n\x04kind\x18\x03 \x01(\t\x12!\n\x05state\x18\x04 \x01(\x0e\x32\x12.labrig.Step.State\x12\x11\n\tstep_json\x18\x05 \x01(\t\x12\x13\n\x0bresult_json\x18\x06 \x01(\t\x12\x11\n\tstarted_s\x18\x07 \x01(\x01\x12\x0f\n\x07\x65nded_s\x18\x08 \x01(\x01\"7\n\x05State\x12\x0b\n\x07UNKNOWN\x10\x00\x12\x0b\n\x07STARTED\x10\x01\x12\x08\n\x04\x44ONE\x10\x02\x12\n\n\x06\x46\x41ILED\x10\x03\"\x8b\x01\n\x07\x43\x61pture\x12-\n\ttimestamp\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\r\x12\x10\n\x08setpoint\x18\x03 \x03(\x01\x12\x0f\n\x07session\x18\x04 \x01(\t\x12\x0e\n\x06repeat\x18\x05 \x01(\t\x12\r\n\x05\x65vent\x18\x06 \x01(\x05\"\xc0\x01\n\x04Plan\x12-\n\ttimestamp\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x11\n\tprocedure\x18\x02 \x01(\t\x12\x17\n\x0fparameters_json\x18\x03 \x01(\t\x12\x13\n\x0bplan_sha256\x18\x04 \x01(\t\x12\r\n\x05steps\x18\x05 \x01(\r\x12\x12\n\nestimate_s\x18\x06 \x01(\x01\x12\x10\n\x08run_json\x18\x07 \x01(\t\x12\x13\n\x0blayout_json\x18\x08 \x01(\tb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x16logs_schema/step.proto\x12\x06labrig\x1a\x1fgoogle/protobuf/timestamp.proto\"\x8a\x02\n\x04Step\x12-\n\ttimestamp\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\r\n\x05index\x18\x02 \x01(\r\x12\x0c\n\x04kind\x18\x03 \x01(\t\x12!\n\x05state\x18\x04 \x01(\x0e\x32\x12.labrig.Step.State\x12\x11\n\tstep_json\x18\x05 \x01(\t\x12\x13\n\x0bresult_json\x18\x06 \x01(\t\x12\x11\n\tstarted_s\x18\x07 \x01(\x01\x12\x0f\n\x07\x65nded_s\x18\x08 \x01(\x01\x12\x0e\n\x06wall_s\x18\t \x01(\x01\"7\n\x05State\x12\x0b\n\x07UNKNOWN\x10\x00\x12\x0b\n\x07STARTED\x10\x01\x12\x08\n\x04\x44ONE\x10\x02\x12\n\n\x06\x46\x41ILED\x10\x03\"\x8b\x01\n\x07\x43\x61pture\x12-\n\ttimestamp\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\r\x12\x10\n\x08setpoint\x18\x03 \x03(\x01\x12\x0f\n\x07session\x18\x04 \x01(\t\x12\x0e\n\x06repeat\x18\x05 \x01(\t\x12\r\n\x05\x65vent\x18\x06 \x01(\x05\"\xc0\x01\n\x04Plan\x12-\n\ttimestamp\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x11\n\tprocedure\x18\x02 \x01(\t\x12\x17\n\x0fparameters_json\x18\x03 \x01(\t\x12\x13\n\x0bplan_sha256\x18\x04 \x01(\t\x12\r\n\x05steps\x18\x05 \x01(\r\x12\x12\n\nestimate_s\x18\x06 \x01(\x01\x12\x10\n\x08run_json\x18\x07 \x01(\t\x12\x13\n\x0blayout_json\x18\x08 \x01(\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -33,11 +33,11 @@ _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'logs_schema.step_pb2', _glo
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
   _globals['_STEP']._serialized_start=68
-  _globals['_STEP']._serialized_end=318
-  _globals['_STEP_STATE']._serialized_start=263
-  _globals['_STEP_STATE']._serialized_end=318
-  _globals['_CAPTURE']._serialized_start=321
-  _globals['_CAPTURE']._serialized_end=460
-  _globals['_PLAN']._serialized_start=463
-  _globals['_PLAN']._serialized_end=655
+  _globals['_STEP']._serialized_end=334
+  _globals['_STEP_STATE']._serialized_start=279
+  _globals['_STEP_STATE']._serialized_end=334
+  _globals['_CAPTURE']._serialized_start=337
+  _globals['_CAPTURE']._serialized_end=476
+  _globals['_PLAN']._serialized_start=479
+  _globals['_PLAN']._serialized_end=671
 # @@protoc_insertion_point(module_scope)

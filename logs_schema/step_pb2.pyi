@@ -11,7 +11,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Step(_message.Message):
-    __slots__ = ("timestamp", "index", "kind", "state", "step_json", "result_json", "started_s", "ended_s")
+    __slots__ = ("timestamp", "index", "kind", "state", "step_json", "result_json", "started_s", "ended_s", "wall_s")
     class State(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = ()
         UNKNOWN: _ClassVar[Step.State]
@@ -30,6 +30,7 @@ class Step(_message.Message):
     RESULT_JSON_FIELD_NUMBER: _ClassVar[int]
     STARTED_S_FIELD_NUMBER: _ClassVar[int]
     ENDED_S_FIELD_NUMBER: _ClassVar[int]
+    WALL_S_FIELD_NUMBER: _ClassVar[int]
     timestamp: _timestamp_pb2.Timestamp
     index: int
     kind: str
@@ -38,7 +39,8 @@ class Step(_message.Message):
     result_json: str
     started_s: float
     ended_s: float
-    def __init__(self, timestamp: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., index: _Optional[int] = ..., kind: _Optional[str] = ..., state: _Optional[_Union[Step.State, str]] = ..., step_json: _Optional[str] = ..., result_json: _Optional[str] = ..., started_s: _Optional[float] = ..., ended_s: _Optional[float] = ...) -> None: ...
+    wall_s: float
+    def __init__(self, timestamp: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., index: _Optional[int] = ..., kind: _Optional[str] = ..., state: _Optional[_Union[Step.State, str]] = ..., step_json: _Optional[str] = ..., result_json: _Optional[str] = ..., started_s: _Optional[float] = ..., ended_s: _Optional[float] = ..., wall_s: _Optional[float] = ...) -> None: ...
 
 class Capture(_message.Message):
     __slots__ = ("timestamp", "capture", "setpoint", "session", "repeat", "event")

@@ -40,4 +40,4 @@ class Hold(Procedure):
                     settle_s = min(self.settle_s, held_s / 2)
                     yield Actuate(target)
                     yield Settle(settle_s)
-                    yield Record(held_s - settle_s, label=label)
+                    yield Record(held_s - settle_s, label=label, sag=True)

@@ -56,4 +56,4 @@ class Programme(Procedure):
         yield Actuate(target, label=point.label)
         yield Settle(settle_s)
         if point.record:
-            yield Record(point.hold_s - settle_s, repeat=point.repeat, label=point.label)
+            yield Record(point.hold_s - settle_s, repeat=point.repeat, label=point.label, sag=True)

@@ -168,7 +168,7 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str,
         registration_error_mm=math.nan if scan.registration_error_mm is None else scan.registration_error_mm,
         folder=session.folder,
     )
-    facts = {name: value for name, value in vars(result).items() if name != "folder"}
+    facts = {name: value for name, value in vars(result).items() if name not in ("folder", "missed")}
     if session.log is not None:
         with session.signals.shield():
             session.log.write(

@@ -66,7 +66,11 @@ def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int, f
     if isinstance(step, Record):
         return _recording(values, series, index)
     if isinstance(step, Scan):
-        return Scanned(**{**values, "files": tuple(values["files"]), "folder": folder})
+        fields = {
+            name: value for name, value in values.items() if name not in ("commanded_kpa", "reached_kpa")
+        }
+        missed = tuple(values.get("missed", ()))
+        return Scanned(**{**fields, "files": tuple(values["files"]), "missed": missed, "folder": folder})
     if isinstance(step, Vent):
         return Vented(tuple(values["pressure_kpa"]), values["took_s"])
     return None
@@ -85,6 +89,7 @@ def _recording(values: dict[str, Any], series: RunSeries, index: int) -> Recordi
         position_mm=frames.values.astype(np.float64),
         pressure_time_s=np.asarray(samples.time_ns * 1e-9, np.float64),
         pressure_kpa=samples.values,
+        missed=tuple(values.get("missed", ())),
     )
 
 

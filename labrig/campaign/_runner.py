@@ -10,6 +10,7 @@ import numpy as np
 
 from drivers import Clock, DeviceError, RealClock, VentNotConfirmedError, VentReport
 from labrig._errors import LabrigError
+from labrig.campaign._attempt import attempt
 from labrig.campaign._execute import execute, limit_errors, vent
 from labrig.campaign._observe import Observation, Observer, Progress
 from labrig.campaign._plan import Plan, dry_run, rig_info
@@ -18,11 +19,11 @@ from labrig.campaign._procedure import Procedure
 from labrig.campaign._replay import holds_to_restore, read_completed
 from labrig.campaign._runfile import check_resumable, run_facts, write_run_yaml
 from labrig.campaign._scans import keep_sealed
-from labrig.campaign._session import Control, Session
+from labrig.campaign._session import Control, LogGoneError, Session
 from labrig.campaign._signals import Interrupted, SignalGuard
 from labrig.campaign._steps import Actuate, Completed, Record, Result, Settle, Step
 from labrig.campaign._walk import Walk
-from labrig.log import Layout, LogWriter, read_run_yaml, segment_path, segment_paths
+from labrig.log import Layout, LogWriter, last_logged_s, read_run_yaml, segment_path, segment_paths
 from labrig.rig import Rig
 
 _PROGRESS_S = 0.5
@@ -90,6 +91,7 @@ def resume(
     seed = int(old.get("seed", 0))
     plan = _checked_plan(procedure, rig, seed)
     check_resumable(folder, old, run_facts(procedure, rig, seed, plan, {}))
+    rig.clock.advance_to(last_logged_s(folder))
     completed = read_completed(folder)
     if not procedure.closed_loop and len(completed) >= len(plan.steps):
         raise LabrigError(f"{folder} is complete: all {len(completed)} steps are done")
@@ -120,6 +122,7 @@ class _Run:
     ) -> None:
         self.procedure, self.rig, self.folder, self.facts = procedure, rig, folder, facts
         self.plan, self.completed, self.control = plan, completed, watching.control
+        self.history = [Completed(done.index, done.step) for done in completed]
         self.seed = int(facts["seed"])
         observers = [*watching.observers, *([_Callback(progress)] if progress else [])]
         self.observation = Observation(observers)
@@ -190,22 +193,20 @@ class _Run:
             return self._replay(index, step)
         session = self._session()
         if index == len(self.completed) and index > 0:
+            session.event(f"resumed after {len(self.completed)} completed steps")
             self._restore(step)
         if broken := limit_errors(step, self.rig.config):
             raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; nothing was moved")
         if self.control.paused and isinstance(step, Actuate):
             self._pause()
         self.step, self.step_started_s = step, session.now_s()
-        session.begin_step(step, index)
-        done = Completed(index, step, None, self.step_started_s)
-        session.step_message(done, "STARTED")
-        result, logged = execute(session, step)
-        done = Completed(index, step, result, self.step_started_s, session.now_s())
-        session.step_message(done, "DONE", logged)
-        self.captures_done += isinstance(step, Record)
-        self.observation.tell("step_done", done)
+        taken = attempt(session, index, step, self._again, self._pause_for_fault)
+        session.step_message(taken.done, "DONE", taken.logged)
+        self.history.append(Completed(index, step))
+        self.captures_done += isinstance(step, Record) and taken.counts
+        self.observation.tell("step_done", taken.done)
         self._report(step, index + 1)
-        return result
+        return taken.done.result
 
     def _session(self) -> Session:
         if self.session is None:
@@ -219,18 +220,26 @@ class _Run:
                 f"cannot resume {self.folder}: step {index} was {done.step.to_dict()}, and the procedure now asks "
                 f"for {step.to_dict()}; start a new run"
             )
-        self.captures_done += isinstance(step, Record)
+        self.captures_done += isinstance(step, Record) and not getattr(done.result, "missed", ())
         return done.result
 
     def _restore(self, next_step: Step) -> None:
-        """Bring a resumed rig back to where the run stopped: the same set-points, held as long as they were."""
+        """Bring a vented rig back to where the run was: the same set-points, held as long as they were."""
         session = self._session()
-        session.event(f"resumed after {len(self.completed)} completed steps")
-        for actuate, held_s in holds_to_restore(self.completed, next_step):
-            session.begin_step(actuate, len(self.completed) - 1)
+        for actuate, held_s in holds_to_restore(self.history, next_step):
+            session.begin_step(actuate, len(self.history) - 1)
             execute(session, actuate, "restore")
-            session.begin_step(Settle(held_s), len(self.completed) - 1)
+            session.begin_step(Settle(held_s), len(self.history) - 1)
             execute(session, Settle(held_s))
+
+    def _again(self, step: Step) -> None:
+        """Vent, and come back to where the rig was before `step`: what was lost on the way is sent again."""
+        vent(self._session(), "repeat")
+        self._restore(step)
+
+    def _pause_for_fault(self) -> None:
+        self.control.pause()
+        self._pause()
 
     def _pause(self) -> None:
         session = self._session()
@@ -295,6 +304,8 @@ class _Run:
         if isinstance(vented, DeviceError):
             because = f"; the run had ended because: {_reason(error)}" if error is not None else ""
             raise VentNotConfirmedError(f"{vented}{because}") from error
+        if isinstance(error, LogGoneError):
+            raise LabrigError(f"{error}; {self._saved()}; the chambers are vented") from error
         if isinstance(error, OSError):
             raise LabrigError(
                 f"the log in {self.folder} cannot be written: {error.strerror or error}; the chambers are vented"
@@ -302,8 +313,20 @@ class _Run:
         if isinstance(error, KeyboardInterrupt):
             done = f"after {self.walk.index} steps and {self.captures_done} captures"
             raise Interrupted(f"stopped by {_reason(error)} {done}; the chambers are vented") from error
+        if isinstance(error, DeviceError):
+            raise type(error)(f"{error}; the chambers are vented") from error
         if error is not None:
             raise error
+
+    def _saved(self) -> str:
+        """Where the captures are of a run whose folder is gone."""
+        log = self.session.log if self.session is not None else None
+        if log is None or log.rescued is None:
+            return "what it held could not be saved"
+        before = (
+            " (what was logged before this file is where the folder went)" if self.next_segment > 1 else ""
+        )
+        return f"what it held is saved in {log.rescued}, {self.captures_done} captures{before}"
 
 
 def vent_for_sure(rig: Rig) -> VentReport | DeviceError:

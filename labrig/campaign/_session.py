@@ -9,11 +9,14 @@ from typing import Any
 import numpy as np
 
 from drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
+from labrig._errors import LabrigError
 from labrig.campaign._observe import Observation
 from labrig.campaign._signals import SignalGuard
 from labrig.campaign._steps import Completed, Floats, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import Rig
+
+_LOG_THERE_S = 1.0
 
 TICK_S = 0.05
 """How often devices are asked what is new while the run waits, s."""
@@ -25,10 +28,14 @@ kept in memory until the file is closed."""
 
 
 class Control:
-    """Asks a run to pause or go on, from any thread; a pause begins before the next actuation, vented."""
+    """Asks a run to pause or go on, from any thread; a pause begins before the next actuation, vented.
 
-    def __init__(self) -> None:
+    `attended` says that somebody can end a pause; without, a run that would pause for a fault ends instead.
+    """
+
+    def __init__(self, *, attended: bool = False) -> None:
         self._paused = threading.Event()
+        self.attended = attended
 
     @property
     def paused(self) -> bool:
@@ -49,6 +56,10 @@ class Control:
             self.go_on()
         else:
             self.pause()
+
+
+class LogGoneError(LabrigError):
+    """The file that the run is logged to is no longer there."""
 
 
 @dataclass
@@ -80,7 +91,7 @@ class Session:
         self.held = Held()
         self._steps_in_segment = 0
         now_s = self.clock.now_s()
-        self._last_sample_s = self._last_frame_s = now_s
+        self._last_sample_s = self._last_frame_s = self._log_seen_s = now_s
         self.on_tick: Callable[[], None] = _nothing
 
     def now_s(self) -> float:
@@ -122,6 +133,7 @@ class Session:
             self.observation.tell("frame", frame)
         self.on_tick()
         self._check(samples)
+        self._check_log()
 
     def _write(self, samples: list[PressureSample], frames: list[MarkerFrame]) -> None:
         if self.log is None:
@@ -151,6 +163,14 @@ class Session:
                         f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
                         f"{safety.over_pressure_kpa:g} kPa above its limit of {chamber.max_kpa:g} kPa"
                     )
+
+    def _check_log(self) -> None:
+        """A folder that somebody deletes does not stop the writing: it must be looked for."""
+        if self.log is None or self.clock.now_s() - self._log_seen_s < _LOG_THERE_S:
+            return
+        self._log_seen_s = self.clock.now_s()
+        if self.log.gone:
+            raise LogGoneError(f"{self.log.path} was deleted or moved while the run went on")
 
     def forget_silence(self) -> None:
         """Begin the staleness checks anew, after something that did not poll."""
@@ -197,6 +217,7 @@ class Session:
                 result_json=json.dumps(result) if result is not None else "",
                 started_s=completed.started_s,
                 ended_s=completed.ended_s,
+                wall_s=self.clock.wall_s(),
             )
             if state == "DONE":
                 self.log.step_done()

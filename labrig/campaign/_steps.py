@@ -50,13 +50,15 @@ class Settle(Step):
 class Record(Step):
     """Record for `duration_s`: one capture; answered by `Recording`.
 
-    Captures with the same non-empty `repeat` are repeats of one set-point.
+    Captures with the same non-empty `repeat` are repeats of one set-point. The pressures must hold through the
+    recording; where they may `sag`, because that is what one wants to see, only its beginning is checked.
     """
 
     kind: ClassVar[str] = "record"
     duration_s: float = 1.0
     repeat: str = ""
     label: str = ""
+    sag: bool = False
 
 
 @dataclass(frozen=True)
@@ -115,12 +117,16 @@ class Settled:
 
 @dataclass(frozen=True)
 class Recording:
-    """One capture as it was recorded: N frames of M markers (NaN: not seen), P samples of C pressures."""
+    """One capture as it was recorded: N frames of M markers (NaN: not seen), P samples of C pressures.
+
+    `missed` names the chambers that did not follow; the capture does not count then (`on_miss: skip` in rig.yaml).
+    """
 
     time_s: Floats
     position_mm: Floats
     pressure_time_s: Floats
     pressure_kpa: Floats
+    missed: tuple[str, ...] = ()
 
     @property
     def mean_mm(self) -> Floats:
@@ -151,7 +157,8 @@ def _mean(values: Floats) -> Floats:
 class Scanned:
     """A scan: its files as the scanner left them, their common hash, its size, and the registration error.
 
-    `files` are relative to `folder`, the run's, which is None in a dry run: there is no scan then.
+    `files` are relative to `folder`, the run's, which is None in a dry run: there is no scan then. `missed` is as
+    for a `Recording`.
     """
 
     files: tuple[str, ...]
@@ -159,6 +166,7 @@ class Scanned:
     vertices: int
     triangles: int
     registration_error_mm: float = math.nan
+    missed: tuple[str, ...] = ()
     folder: Path | None = field(default=None, repr=False, compare=False)
 
     @property

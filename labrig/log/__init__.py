@@ -9,6 +9,7 @@ from labrig.log._rig_dataset import RunSeries, Series, run_series
 from labrig.log._runs import RunSummary, find_runs, summarise
 from labrig.log._segments import (
     LoadedSegment,
+    last_logged_s,
     load_segments,
     read_run_yaml,
     segment_path,
@@ -31,6 +32,7 @@ __all__ = [
     "dataset_from",
     "find_runs",
     "import_table",
+    "last_logged_s",
     "layout_of",
     "load_segments",
     "open_run",

@@ -74,6 +74,7 @@ class _Capture:
     measured: Floats
     position_mm: Floats | None
     covariates: Floats | None
+    wall_s: float
 
 
 def marker_series(messages: Messages, markers: int) -> tuple[Series, Series]:
@@ -151,6 +152,7 @@ def rig_arrays(segments: list[LoadedSegment]) -> CampaignArrays:
         measured=_padded([capture.measured for capture in captures], (len(layout.chambers),)),
         position_mm=_optional([capture.position_mm for capture in captures], (len(layout.markers), 3)),
         covariates=_optional([capture.covariates for capture in captures], (len(layout.covariates),)),
+        wall_s=[capture.wall_s for capture in captures],
     )
 
 
@@ -188,7 +190,7 @@ def _captures(
     captures, last_end, last_event = [], 0, -1
     for payload in loaded.messages(Topic.STEP).payload:
         step = Step.FromString(payload)
-        if step.state != Step.DONE or step.kind != "record":
+        if step.state != Step.DONE or step.kind != "record" or _missed(step.result_json):
             continue
         start_ns, end_ns = to_ns(step.started_s), to_ns(step.ended_s)
         event = int(np.searchsorted(times, start_ns, side="right")) - 1
@@ -209,10 +211,16 @@ def _captures(
                 measured=interpolate(pressures, time_ns),
                 position_mm=None if frames is None else frames.values[rows],
                 covariates=None if environment is None else interpolate(environment, time_ns),
+                wall_s=step.wall_s,
             )
         )
         last_end, last_event = end_ns, event
     return captures
+
+
+def _missed(result_json: str) -> bool:
+    """Whether the pressures did not follow: the capture is in the log and does not count."""
+    return bool(result_json) and bool(json.loads(result_json).get("missed"))
 
 
 def _rows(rows: list[Floats], width: int) -> Floats:

@@ -47,7 +47,7 @@ def summarise(folder: Path) -> RunSummary:
         folder=folder,
         run=segments[0].run or (read_run_yaml(folder) if folder.is_dir() else {}),
         state=_state(segments[-1]),
-        captures=kinds["record"] + tables,
+        captures=sum(kind == "record" and not values.get("missed") for _, kind, values in steps) + tables,
         steps_done=len({index for index, _, _ in steps}),
         sessions=len({loaded.layout.session for loaded in segments}),
         duration_s=(max(t[-1] for t in times) - min(t[0] for t in times)) * 1e-9 if times else 0.0,

@@ -51,6 +51,13 @@ def _joined(first: LoadedSegment, second: LoadedSegment) -> LoadedSegment:
     return replace(first, segment=replace(first.segment, topics=topics, closed=second.segment.closed))
 
 
+def last_logged_s(folder: Path) -> float:
+    """The time of the last message of a run on the run's clock, s; 0 if there is none."""
+    segments, _ = load_segments(folder)
+    times = [of.time_ns[-1] for loaded in segments for of in loaded.segment.topics.values() if of.time_ns]
+    return max(times, default=0) * 1e-9
+
+
 def segment_paths(folder: Path) -> list[tuple[int, Path]]:
     """The segments of a run folder by their numbers."""
     found = [(int(match[1]), path) for path in folder.iterdir() if (match := _NAME.fullmatch(path.name))]

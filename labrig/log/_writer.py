@@ -13,6 +13,7 @@ from drivers import MarkerFrame, PressureSample
 from labrig._errors import LabrigError
 from labrig.log._frames import FrameEncoder
 from labrig.log._layout import Layout, layout_to_text, pack_metadata
+from labrig.log._rescue import rescue
 from labrig.log._topics import Topic, descriptor_set, topic_table
 
 _CHUNK_BYTES = 1024 * 1024 - 64 * 1024
@@ -53,8 +54,10 @@ class LogWriter:
 
         self.path = Path(path)
         self.layout = layout
+        self._run = run or {}
+        self.rescued: Path | None = None
         try:
-            self._file = self.path.open("xb")
+            self._file = self.path.open("x+b")
         except FileExistsError:
             raise LabrigError(f"{self.path} exists already, and a log is never overwritten") from None
         self.closed = False
@@ -163,6 +166,11 @@ class LogWriter:
         """A prediction or a residual of the markers, mm, shape (M, 3)."""
         self.write(topic, time_s, model=model, vector_mm=np.asarray(vector_mm, float).ravel().tolist())
 
+    @property
+    def gone(self) -> bool:
+        """Whether the file was deleted or moved, or its folder was; writing to it goes on without an error."""
+        return not self.path.exists()
+
     def size_bytes(self) -> int:
         """How much of the file is written; what is still in the open chunk does not count."""
         return self._file.tell()
@@ -181,7 +189,8 @@ class LogWriter:
     def close(self, reason: str = "") -> None:
         """Write the indexes and close the file; calling it again does nothing.
 
-        `reason` says why the run ended, in the metadata record "labrig.end"; left out when it goes on.
+        `reason` says why the run ended, in the metadata record "labrig.end"; left out when it goes on. A file that
+        was deleted or moved is saved in a new folder, `rescued`.
         """
         if self.closed:
             return
@@ -193,5 +202,7 @@ class LogWriter:
             self._writer.finish()
             self._file.flush()
             os.fsync(self._file.fileno())
+            if self.gone:
+                self.rescued = rescue(self._file, self.path, self._run)
         finally:
             self._file.close()

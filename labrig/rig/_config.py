@@ -1,7 +1,7 @@
 """rig.yaml: which chambers, markers and devices a rig has, checked before anything is connected."""
 
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -56,6 +56,20 @@ class SafetyConfig(_Section):
     think_s: float = Field(default=60.0, gt=0.0)
 
 
+class FollowConfig(_Section):
+    """How far a chamber may be from its set-point while it is recorded, and what happens when it is farther.
+
+    It may be `tolerance_kpa` and `tolerance_share` of the set-point off. A capture that misses is taken again
+    `repeats` times. Then the run vents and waits for a person (`pause`; where nobody can answer, it ends), goes on
+    without counting the capture (`skip`), or ends (`abort`).
+    """
+
+    tolerance_kpa: float = Field(default=3.0, gt=0.0)
+    tolerance_share: float = Field(default=0.1, ge=0.0, lt=1.0)
+    repeats: int = Field(default=1, ge=0)
+    on_miss: Literal["pause", "skip", "abort"] = "pause"
+
+
 class RigConfig(_Section):
     """A rig as rig.yaml describes it; `folder` is where the file lies, for the paths in it."""
 
@@ -67,6 +81,7 @@ class RigConfig(_Section):
     mocap: DeviceConfig | None = None
     scanner: DeviceConfig | None = None
     simulated: dict[str, Any] | None = None
+    follow: FollowConfig = FollowConfig()
     safety: SafetyConfig = SafetyConfig()
     folder: Path = Path()
 

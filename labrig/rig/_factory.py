@@ -39,7 +39,8 @@ def connect(
     if guard if guard is not None else isinstance(clock, RealClock) and not simulated_here:
         if simulated_here:
             raise LabrigError(f"rig {config.name}: a simulated pressure controller cannot be guarded")
-        makers["pressure"] = lambda: GuardedPressure(config, "pressure", guard_log)
+        link_clock = clock if isinstance(clock, RealClock) else None
+        makers["pressure"] = lambda: GuardedPressure(config, "pressure", guard_log, link_clock)
     devices: dict[str, Any] = {}
     try:
         for role, make in makers.items():

@@ -20,6 +20,7 @@ from drivers import (
     DeviceError,
     Identity,
     PressureSample,
+    RealClock,
     VentNotConfirmedError,
     VentReport,
 )
@@ -29,17 +30,29 @@ from labrig.rig._config import RigConfig
 _START_S = 30.0
 _CALL_S = 15.0
 _CLOSE_S = 5.0
+_SILENT_S = 3.0
+"""A guard that is at work says so twice a second; one that says nothing for so long does not run any more."""
+
 _ERRORS = {kind.__name__: kind for kind in (DeviceError, VentNotConfirmedError, LabrigError)}
 
 
 class GuardedPressure:
     """A `PressureController` in a process of its own, which vents when this one is gone or hangs.
 
-    `log` is a file that the guard appends to when it acts on its own.
+    A guard that does not answer is ended, so that the link is free, and the next `vent` is another guard's, or made
+    from here where none can be started. `log` is a file that the guard appends to when it acts on its own.
     """
 
-    def __init__(self, config: RigConfig, name: str = "pressure", log: Path | None = None) -> None:
+    def __init__(
+        self,
+        config: RigConfig,
+        name: str = "pressure",
+        log: Path | None = None,
+        clock: RealClock | None = None,
+    ) -> None:
         self.name = name
+        self._clock = clock or RealClock()
+        self._guards_offset_s = self._clock.offset_s
         self.channels: Sequence[Channel] = config.channels
         self._config, self._log = config, log
         self._process: subprocess.Popen[str] | None = None
@@ -74,15 +87,17 @@ class GuardedPressure:
             **options,
         )
         self._answers = queue.Queue()
+        self._guards_offset_s = self._clock.offset_s
         threading.Thread(target=_read, args=(self._process, self._answers), daemon=True).start()
         setup = {
             "id": 0,
             "rig": self._config.to_dict(),
             "folder": str(self._config.folder.resolve()),
             "log": str(self._log.resolve()) if self._log is not None else None,
+            "offset_s": self._guards_offset_s,
         }
         self._send(setup)
-        self._receive(0, _START_S)
+        self._receive(0, _START_S, silent_s=_START_S)
 
     def identify(self) -> Identity:
         """Who the device behind the guard is."""
@@ -94,17 +109,33 @@ class GuardedPressure:
 
     def samples(self) -> list[PressureSample]:
         """Every measurement since the last call; each call is a sign of life."""
+        ahead_s = self._clock.offset_s - self._guards_offset_s
         return [
-            PressureSample(time_s, np.array(values, float))
+            PressureSample(time_s + ahead_s, np.array(values, float))
             for time_s, values in self._call({"do": "samples"})
         ]
 
     def vent(self, timeout_s: float = 10.0) -> VentReport:
-        """Vent and confirm; if the guard is gone, a new one is started for it."""
+        """Vent and confirm; if the guard is gone, a new one is started for it, or the vent is made from here."""
         if self._process is None or self._process.poll() is not None:
-            self.connect()
+            try:
+                self._start()
+            except (OSError, DeviceError):
+                return self._vent_from_here(timeout_s)
+            self._call({"do": "connect"})
         answer = self._call({"do": "vent", "timeout_s": timeout_s}, timeout_s + _CALL_S)
         return VentReport(np.array(answer["pressure_kpa"], float), answer["took_s"])
+
+    def _vent_from_here(self, timeout_s: float) -> VentReport:
+        """Vent over a link of this process's own, because there is no guard."""
+        from labrig.rig._factory import device_maker
+
+        device = device_maker(self._config, "pressure", self._config.pressure, self._clock)()
+        try:
+            device.connect()
+            return device.vent(timeout_s)
+        finally:
+            device.close()
 
     def allow_silence(self, duration_s: float) -> None:
         """Say that the next sign of life may take this long."""
@@ -139,14 +170,15 @@ class GuardedPressure:
         except (OSError, ValueError):
             raise self._gone() from None
 
-    def _receive(self, number: int, timeout_s: float) -> Any:
+    def _receive(self, number: int, timeout_s: float, silent_s: float = _SILENT_S) -> Any:
         """The answer to a request; those to earlier ones, whose callers gave up, are passed over."""
         end = time.monotonic() + timeout_s
         while True:
+            left_s = end - time.monotonic()
             try:
-                line = self._answers.get(timeout=max(0.0, end - time.monotonic()))
+                line = self._answers.get(timeout=max(0.0, min(left_s, silent_s)))
             except queue.Empty:
-                raise DeviceError(f"{self.name}: the guard does not answer for {timeout_s:g} s") from None
+                raise self._stuck(min(timeout_s, silent_s)) from None
             if line is None:
                 raise self._gone()
             answer = json.loads(line)
@@ -155,6 +187,14 @@ class GuardedPressure:
         if "error" in answer:
             raise _ERRORS.get(answer["error"], DeviceError)(answer["message"])
         return answer["value"]
+
+    def _stuck(self, silent_s: float) -> DeviceError:
+        """End a guard that is stopped or hangs: it holds the link, and nobody else can vent meanwhile."""
+        if self._process is not None:
+            self._process.kill()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(_CLOSE_S)
+        return DeviceError(f"{self.name}: the guard did not answer for {silent_s:g} s and was ended")
 
     def _gone(self) -> DeviceError:
         code = self._process.poll() if self._process is not None else None

@@ -27,15 +27,16 @@ from labrig.rig._factory import device_maker
 
 _RETRY_S = 0.5
 _IDLE_S = 0.1
+_BEAT_S = 0.5
 _SIGNALS = ("SIGTERM", "SIGINT", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
 
 
 class Guard:
     """Holds one pressure controller and carries out what the runner asks of it."""
 
-    def __init__(self, config: RigConfig, log: Path | None) -> None:
+    def __init__(self, config: RigConfig, log: Path | None, clock: RealClock) -> None:
         self.config, self._log_path = config, log
-        self.device: Any = device_maker(config, "pressure", config.pressure, RealClock())()
+        self.device: Any = device_maker(config, "pressure", config.pressure, clock)()
         self.armed = False
         self.vented_alone: str | None = None
         self.deadline = float("inf")
@@ -121,7 +122,41 @@ class Guard:
             self._log_path = None
 
 
-def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: TextIO) -> None:
+class Answers:
+    """The guard's output: one line for each answer, and one twice a second while an answer is being made.
+
+    That is how the runner tells a device that takes long from a guard that no longer runs.
+    """
+
+    def __init__(self, output: TextIO) -> None:
+        self._output = output
+        self._lock = threading.Lock()
+        self._busy = threading.Event()
+        threading.Thread(target=self._beat, daemon=True).start()
+
+    def __enter__(self) -> None:
+        self._busy.set()
+
+    def __exit__(self, *_: object) -> None:
+        self._busy.clear()
+
+    def say(self, answer: dict[str, Any]) -> None:
+        """Write a line; raises `OSError` when nobody reads."""
+        with self._lock:
+            print(json.dumps(answer), file=self._output, flush=True)
+
+    def _beat(self) -> None:
+        while True:
+            self._busy.wait()
+            time.sleep(_BEAT_S)
+            if self._busy.is_set():
+                try:
+                    self.say({"id": None})
+                except (OSError, ValueError):  # the runner is gone: the end of the input tells the guard
+                    return
+
+
+def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: Answers) -> None:
     """Answer requests until they end, and see to it that the chambers are vented then."""
     safety = guard.config.safety
     why = "the runner is gone"
@@ -140,10 +175,11 @@ def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: TextIO) ->
                 break
             request = json.loads(line)
             guard.deadline = time.monotonic() + max(safety.heartbeat_s, request.get("allow_s", 0.0))
-            answer = json.dumps({**guard.answer(request), "id": request["id"]})
+            with answers:
+                answer = guard.answer(request)
             guard.deadline = max(guard.deadline, time.monotonic() + safety.heartbeat_s)
             try:
-                print(answer, file=answers, flush=True)
+                answers.say({**answer, "id": request["id"]})
             except OSError:
                 break
     except BaseException as error:
@@ -165,13 +201,13 @@ def main() -> int:
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
     log = Path(setup["log"]) if setup["log"] else None
     try:
-        guard = Guard(config, log)
+        guard = Guard(config, log, RealClock(setup["offset_s"]))
     except (DeviceError, LabrigError) as error:
         print(json.dumps({"id": 0, "error": type(error).__name__, "message": str(error)}), flush=True)
         return 1
     print(json.dumps({"id": 0, "value": None}), flush=True)
     threading.Thread(target=_read, args=(requests,), daemon=True).start()
-    serve(guard, requests, sys.stdout)
+    serve(guard, requests, Answers(sys.stdout))
     return 0
 
 

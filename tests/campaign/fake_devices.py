@@ -84,7 +84,11 @@ class _Fake:
 
 
 class FakePressure(_Fake):
-    """A pressure controller; `faults`: lost_until_s, stale, over_kpa, never_vents."""
+    """A pressure controller; `faults`: lost_until_s, stale, over_kpa, never_vents, and
+
+    leaks: by chamber, how fast it empties for each kPa in it, kPa/s, against the filling that the world's time
+    constant stands for; infinite where the tube is off. leaks_until_vents: the leaks end with so many vents.
+    """
 
     def __init__(self, name: str, clock: Clock, channels: tuple[Channel, ...]) -> None:
         super().__init__(name, clock)
@@ -108,7 +112,17 @@ class FakePressure(_Fake):
         if self.faults.get("stale"):
             return []
         over = self.faults.get("over_kpa", 0.0)
-        return [PressureSample(time_s, self.world.pressure(time_s) + over) for time_s in self._ticks()]
+        return [
+            PressureSample(time_s, self._left(self.world.pressure(time_s)) + over) for time_s in self._ticks()
+        ]
+
+    def _left(self, pressure_kpa: Any) -> Any:
+        """What a leak leaves of a pressure: filling and emptying through two conductances in balance."""
+        left = np.array(pressure_kpa)
+        if len(self.vents) < self.faults.get("leaks_until_vents", math.inf):
+            for chamber, rate in self.faults.get("leaks", {}).items():
+                left[chamber] /= 1.0 + rate * TIME_CONSTANT_S
+        return left
 
     def vent(self, timeout_s: float = 10.0) -> VentReport:
         self._check_link()

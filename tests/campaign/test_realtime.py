@@ -20,7 +20,7 @@ class Scans(Procedure):
     def steps(self, rig: RigInfo) -> Steps:
         """Four steps."""
         yield Actuate((20.0, 20.0))
-        yield Settle(0.2)
+        yield Settle(1.0)
         yield Scan(self.timeout_s)
         yield Record(0.3)
 
@@ -52,7 +52,7 @@ def test_a_scanner_that_does_not_even_time_out_is_left(
     monkeypatch.setattr("labrig.campaign._execute._SCAN_GRACE_S", 0.2)
     with pytest.raises(DeviceError) as caught:
         run(Scans(timeout_s=0.3), rig, tmp_path / "run")
-    assert str(caught.value) == "scanner: no scan within 0.5 s"
+    assert str(caught.value) == "scanner: no scan within 0.5 s; the chambers are vented"
     assert np.abs(rig.pressure.world.pressure(rig.clock.now_s())).max() <= 0.5
 
 
@@ -61,5 +61,7 @@ def test_the_devices_of_a_rig_may_fail_to_answer_at_all(rig: Any, tmp_path: Path
     rig.mocap.faults["lost"] = True
     with pytest.raises(DeviceError) as caught:
         run(Scans(), rig, tmp_path / "run")
-    assert str(caught.value) == "mocap: nothing was received within 5 s; check that it is streaming"
+    assert str(caught.value) == (
+        "mocap: nothing was received within 5 s; check that it is streaming; the chambers are vented"
+    )
     assert {command for _, command in rig.pressure.world.commands} == {(0.0, 0.0)}

@@ -100,11 +100,12 @@ def test_a_closed_loop_is_checked_step_by_step(fake: Any, tmp_path: Path) -> Non
     class Greedy(Closed):
         def steps(self, rig: RigInfo) -> Steps:
             yield Actuate((50.0, 50.0))
+            yield Settle(2.0)
             recording = yield Record(0.5)
             yield Actuate((50.0 + 4 * recording.mean_mm[0, 2], 50.0))
 
     with pytest.raises(
-        LabrigError, match=r"^step 2 \(actuate\): c1 \d+\.\d+ kPa is above its limit of 60 kPa"
+        LabrigError, match=r"^step 3 \(actuate\): c1 \d+\.\d+ kPa is above its limit of 60 kPa"
     ):
         run(Greedy(target_mm=9.0), fake.rig, tmp_path / "run", fake.clock)
     assert max(command[1][0] for command in fake.pressure.world.commands) == 50.0
