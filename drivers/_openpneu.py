@@ -21,6 +21,7 @@ Build = Literal["published", "full"]
 CONTROLLED_KPA = 100.0
 REPLY_S = 0.5
 TRIES = 3
+FIND_S = 5.0  # a board that boots slowly, on a computer that is busy
 MAX_PENDING = 4096
 ASK_HZ = 20.0  # sets of readings a second in the dialect without telemetry
 
@@ -178,7 +179,8 @@ class OpenPneuWire:
                 self._ask("CON", _anything, tries=1)
 
     def _detect(self) -> Dialect:
-        for _ in range(TRIES):
+        found_by = time.monotonic() + FIND_S
+        while time.monotonic() < found_by:
             self._replies.clear()
             self._send("AT")
             deadline = time.monotonic() + REPLY_S

@@ -56,7 +56,7 @@ class ViconOptions:
     mm_per_unit: float = 1.0
     rename: Mapping[str, str] = field(default_factory=dict)
     mode: Mode = "push"
-    timeout_s: float = 3.0
+    timeout_s: float = 5.0
     subscribe_s: float = 2.0
     stale_after_s: float = 0.25
     silence_s: float = 30.0

@@ -79,6 +79,7 @@ class PressureOptions:
     over_kpa: float = 10.0
     vent_below_kpa: float = 3.0
     call_s: float = 8.0
+    open_s: float = 12.0
     ramp_hz: float = 20.0
     max_samples: int = 65536
 
@@ -138,7 +139,7 @@ class WiredPressure:
         if self._open and self._problem is None:
             return
         try:
-            self._request(self._reopen)
+            self._request(self._reopen, self._options.open_s)
         except DeviceError:
             self.close()
             raise

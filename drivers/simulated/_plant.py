@@ -71,6 +71,7 @@ class PlantBody(Body, Protocol):
 class SimulatedPlant:
     """A surface, its air supply, its cameras and what is hidden in them; may be used from several threads.
 
+    Pressures never wait for a shape that is being worked out: a real controller does not wait for the cameras either.
     Its time begins with whatever it is asked first. `capture_floor_mm` is the noise floor of a capture of 20
     frames (see `drivers/simulated/_observer.py` for what it is made of).
     """
@@ -91,7 +92,9 @@ class SimulatedPlant:
         self._engine = Engine(surface, self._hidden)
         self._observer = observer
         self._attention = Attention(surface) if is_exact(surface) else None  # type: ignore[arg-type]
-        self._lock = threading.Lock()
+        self._lock = threading.Lock()  # of the pressures; held for moments
+        self._eyes = threading.Lock()  # of what is seen; held while a shape is worked out
+        self._unseen: list[tuple[float, Array]] = []  # commands that those who look have not heard of
         self._start_s: float | None = None
         self._target = np.zeros(len(channels))
 
@@ -109,9 +112,7 @@ class SimulatedPlant:
                 return
             self._target = target.copy()
             self._engine.command(now_s, target)
-            self._observer.next_hold(now_s)
-            if self._attention is not None:
-                self._attention.command(now_s, target)
+            self._unseen.append((now_s, target))
 
     def prepare(self, pressure_kpa: ArrayLike) -> None:
         """Work out what takes long about set-points (C,), kPa, before it is asked for; any thread may."""
@@ -129,8 +130,8 @@ class SimulatedPlant:
 
     def markers_mm(self, time_s: float) -> Array:
         """True marker positions in the measuring frame, mm, (M, 3), without noise."""
-        with self._lock:
-            return self._seen(self._since_start(np.array([time_s])))[0]
+        with self._eyes:
+            return self._seen(*self._moments(np.array([time_s])))[0]
 
     def observe(self, time_s: float) -> tuple[Array, NDArray[np.int8]]:
         """One frame: positions, mm, (M, 3), NaN where occluded; `MarkerStatus` (M,)."""
@@ -139,18 +140,29 @@ class SimulatedPlant:
 
     def observe_frames(self, time_s: Array) -> tuple[Array, NDArray[np.int8]]:
         """Many frames at once, at rising times (F,): (F, M, 3) mm and (F, M)."""
-        with self._lock:
-            time_s = self._since_start(time_s)
-            return self._observer.look(time_s, self._seen(time_s))
+        with self._eyes:
+            time_s, deflection = self._moments(time_s)
+            return self._observer.look(time_s, self._seen(time_s, deflection))
 
     def surface(self, time_s: float) -> tuple[Array, NDArray[np.int64]]:
         """The whole surface at one time: vertices, mm, (V, 3), and triangles (T, 3)."""
-        with self._lock:
-            _, deflection = self._engine.state(self._since_start(np.array([time_s])))
+        with self._eyes:
+            _, deflection = self._moments(np.array([time_s]))
             return self._surface.mesh_at(deflection[0]), self._surface.triangles
 
-    def _seen(self, time_s: Array) -> Array:
-        _, deflection = self._engine.state(time_s)
+    def _moments(self, time_s: Array) -> tuple[Array, Array]:
+        """Times since the start (F,) and the deflections (F, C) then; whoever looks hears of new commands first."""
+        with self._lock:
+            since_s = self._since_start(time_s)
+            deflection = self._engine.state(since_s)[1]
+            commands, self._unseen = self._unseen, []
+        for command_s, target in commands:
+            self._observer.next_hold(command_s)
+            if self._attention is not None:
+                self._attention.command(command_s, target)
+        return since_s, deflection
+
+    def _seen(self, time_s: Array, deflection: Array) -> Array:
         shape = self._surface.shape_mm(deflection)
         if self._attention is not None:
             shape = shape + self._attention.correction_mm(time_s, deflection)

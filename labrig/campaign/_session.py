@@ -1,5 +1,6 @@
 """One session of a run: polls the devices, logs what they say, and notices when the rig is no longer safe."""
 
+import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -170,6 +171,7 @@ class Session:
             return
         self._log_seen_s = self.clock.now_s()
         if self.log.gone:
+            self._log_seen_s = math.inf  # said once; what comes now is the vent and the end
             raise LogGoneError(f"{self.log.path} was deleted or moved while the run went on")
 
     def forget_silence(self) -> None:

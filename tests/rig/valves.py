@@ -106,8 +106,11 @@ class Valves:
 class ValveClient:
     """The pressure controller of a rig whose chambers are `Valves`."""
 
-    def __init__(self, name: str, clock: Clock, channels: tuple[Channel, ...], port: int) -> None:
+    def __init__(
+        self, name: str, clock: Clock, channels: tuple[Channel, ...], port: int, identify_s: float = 0.0
+    ) -> None:
         self.name, self.clock, self.channels, self.port = name, clock, channels, port
+        self._identify_s = identify_s
         self._socket: socket.socket | None = None
         self._file: Any = None
         self._last_s = 0.0
@@ -122,7 +125,8 @@ class ValveClient:
         self._file = self._socket.makefile("rw")
 
     def identify(self) -> Identity:
-        """Valves."""
+        """Valves, after a while."""
+        time.sleep(self._identify_s)
         return Identity(self.name, "valves", "valves of a test")
 
     def close(self) -> None:

@@ -1,14 +1,16 @@
 """The plant: valves, noise, occlusion, determinism, and effects of the size that was asked for."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from drivers import DeviceError, MarkerStatus
+from drivers import DeviceError, MarkerStatus, SimulatedClock
 from drivers.simulated import build_plant, hide, reveal, seal
 from drivers.simulated._calibration import reference_programme, run_programme
 from drivers.simulated._plant import make_hidden
+from drivers.simulated._wire_plant import SharedPlant
 from drivers.simulated.hidden import EFFECTS
 from labrig.physics import reduced_surface
 
@@ -165,3 +167,31 @@ def test_what_cannot_be_hidden_or_revealed_is_said(tmp_path: Path) -> None:
     with pytest.raises(DeviceError) as error:
         reveal(tmp_path)
     assert str(error.value) == f"simulated: {tmp_path / 'sealed.json'} is damaged and cannot be opened"
+
+
+def test_pressures_do_not_wait_for_a_shape_that_is_worked_out() -> None:
+    """A controller answers and takes commands while the cameras' picture of the surface is still being made."""
+    import threading
+
+    plant = build_plant(rig(), Path())
+    shared = SharedPlant(plant, SimulatedClock(0.0))
+    looking, go_on = threading.Event(), threading.Event()
+    shape_mm = plant._surface.shape_mm
+
+    def slow(deflection_mm: np.ndarray) -> np.ndarray:
+        looking.set()
+        assert go_on.wait(30.0)
+        return shape_mm(deflection_mm)
+
+    plant._surface = SimpleNamespace(shape_mm=slow)  # type: ignore[assignment]
+    seen: list[np.ndarray] = []
+    camera = threading.Thread(target=lambda: seen.append(shared.observe()[0]))
+    camera.start()
+    assert looking.wait(30.0)
+    shared.command(np.full(9, 20.0))
+    shared.clock.sleep(3.0)
+    assert shared.pressure_kpa() == pytest.approx(np.full(9, 20.0), abs=0.5)
+    assert not seen
+    go_on.set()
+    camera.join()
+    assert seen[0].shape == plant.rest_mm.shape
