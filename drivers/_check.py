@@ -12,6 +12,9 @@ from drivers._protocols import DeviceError, MarkerStatus
 MAX_UNSEEN = 0.25  # the part of the markers that may be covered in a rig that is well
 
 
+State = Literal["well", "look", "bad"]
+
+
 @dataclass(frozen=True)
 class Finding:
     """One line of a check: which device, what was looked at, how it is, and what was seen.
@@ -21,7 +24,7 @@ class Finding:
 
     device: str
     what: str
-    state: Literal["well", "look", "bad"]
+    state: State
     text: str
 
 

@@ -125,6 +125,7 @@ class ModbusWire:
         self.write(np.zeros(len(options.outputs)))
         for step in self._map.start:
             self._write(step.address, step.value & 0xFFFF)
+        self._set_watchdog()
         self._open_gates()
 
     def identify(self) -> tuple[str, dict[str, str]]:
@@ -133,6 +134,8 @@ class ModbusWire:
         for name, register in self._map.registers.items():
             value = self._read(register.table, register.address, 1)[0]
             details[name] = str(signed(value) if register.signed else value)
+        if self._map.watchdog is not None:
+            details["watchdog"] = f"{self._map.watchdog.timeout_s:g} s"
         return f"{self._map.name} at {self._options.where}, unit {self._options.unit_id}", details
 
     def write(self, pressure_kpa: NDArray[np.float64]) -> None:
@@ -181,6 +184,18 @@ class ModbusWire:
     def _slots(self) -> list[int]:
         each = self._map.gate.outputs_each if self._map.gate else 1
         return sorted({output // each for output in self._options.outputs})
+
+    def _set_watchdog(self) -> None:
+        watchdog = self._map.watchdog
+        if watchdog is None:
+            return
+        self._write(watchdog.address, watchdog.value & 0xFFFF)
+        kept = self._read("holding", watchdog.address, 1)[0]
+        if kept != watchdog.value & 0xFFFF:
+            raise WireError(
+                f"{self._map.name} at {self._options.where} does not keep its watchdog: register "
+                f"{watchdog.address} reads {kept} after {watchdog.value} was written"
+            )
 
     def _open_gates(self) -> None:
         gate = self._map.gate

@@ -43,6 +43,15 @@ class Write(_Strict):
     value: int = Field(ge=-32768, le=65535)
 
 
+class Watchdog(Write):
+    """The device's own: written at the start and read back, it brings every output to ambient when nobody has
+
+    spoken to the device for `timeout_s`.
+    """
+
+    timeout_s: float = Field(gt=0, le=3600)
+
+
 class Gate(_Strict):
     """Outputs that act only while a program runs in their slot: written to `command`, seen in `status`."""
 
@@ -69,6 +78,7 @@ class RegisterMap(_Strict):
     setpoint: Registers
     measured: Registers
     start: tuple[Write, ...] = ()
+    watchdog: Watchdog | None = None
     gate: Gate | None = None
     registers: dict[str, Register] = {}
     faults: tuple[str, ...] = ()

@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,8 @@ START_S = 5.0
 class ModbusTwin:
     """Serves a map's registers over TCP, or RTU on `serial` (a device path). `port` 0 takes a free one.
 
-    Set-points act while every `start` register holds its value and, with a gate, the slot's program runs.
+    Set-points act while every `start` register holds its value and, with a gate, the slot's program runs. A watchdog
+    that was set forgets them when no request came for its time.
     `outputs` are the map's outputs that the plant's chambers are on.
     """
 
@@ -37,6 +39,7 @@ class ModbusTwin:
         self._outputs = tuple(range(len(plant.channels))) if outputs is None else outputs
         self._serial, self._baudrate = serial, baudrate
         self._holding: dict[int, int] = {}
+        self._heard_at = time.monotonic()
         self._lock = threading.Lock()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._server: Any = None
@@ -85,8 +88,25 @@ class ModbusTwin:
         if not self._serial:
             self.port = self._server.transport.sockets[0].getsockname()[1]
         self._started.set()
+        watching = asyncio.create_task(self._watch())
         await self._server.serving
+        watching.cancel()
         await asyncio.sleep(0)
+
+    async def _watch(self) -> None:
+        """The device's watchdog: outputs to ambient when nobody speaks to it any more."""
+        watchdog = self._map.watchdog
+        while watchdog is not None:
+            await asyncio.sleep(watchdog.timeout_s / 10)
+            silent_s = time.monotonic() - self._heard_at
+            with self._lock:
+                bites = (
+                    self._holding.get(watchdog.address) == watchdog.value and silent_s > watchdog.timeout_s
+                )
+                for address in self._map.setpoint.addresses if bites else ():
+                    self._holding[address] = 0
+            if bites:
+                self._plant.command(self._acting_kpa())
 
     def _addresses(self, table: str) -> list[int]:
         found = {register.address for register in self._map.registers.values() if register.table == table}
@@ -95,6 +115,7 @@ class ModbusTwin:
                 found.update(registers.addresses)
         if table == "holding":
             found.update(step.address for step in self._map.start)
+            found.update([self._map.watchdog.address] if self._map.watchdog is not None else [])
         if self._map.gate is not None:
             if table == "holding":
                 found.update(self._map.gate.command)
@@ -126,6 +147,7 @@ class ModbusTwin:
         current_registers: list[int],
         set_values: list[int] | list[bool] | None,
     ) -> None:
+        self._heard_at = time.monotonic()
         if function_code in (3, 4) and set_values is None:
             table = "input" if function_code == 4 else "holding"
             now = self._read_all(table)

@@ -27,7 +27,8 @@ class Miss:
 
     def __str__(self) -> str:
         return (
-            f"{self.chamber} was asked for {self.commanded_kpa:.1f} kPa and reads {self.measured_kpa:.1f} kPa "
+            f"{self.chamber} was asked for {self.commanded_kpa:.1f} kPa and reads "
+            f"{round(self.measured_kpa, 1) + 0.0:.1f} kPa "
             f"(it may be {self.tolerance_kpa:.1f} kPa off)"
         )
 

@@ -37,6 +37,13 @@ def run(
     ] = False,
     live: Annotated[bool, typer.Option("--live", help="Watch in a window.")] = False,
     serve: Annotated[bool, typer.Option("--serve", help="Watch in a browser on this machine.")] = False,
+    unattended: Annotated[
+        bool,
+        typer.Option(
+            "--unattended",
+            help="Nobody is near: only on a rig that vents by itself when this computer is gone.",
+        ),
+    ] = False,
     model: Annotated[
         Path | None, typer.Option(help="While watching, show what the simulator of this model predicts.")
     ] = None,
@@ -58,7 +65,7 @@ def run(
             kind = type(read_procedure(procedure, [])) if written else find_procedure(procedure)
             typer.echo("\n" + parameters_help(kind))
         return
-    request = Request(rig, out, seed, realtime, live, serve, model)
+    request = Request(rig, out, seed, realtime, live, serve, model, unattended)
     if resume is not None:
         if procedure or context.args or dry_run:
             raise LabrigError(

@@ -17,7 +17,7 @@ from labrig.campaign import run as run_procedure
 from labrig.cli._procedures import find_procedure, read_procedure, source_of
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import read_run_yaml, summarise
-from labrig.rig import RigConfig, connect, load_rig
+from labrig.rig import RigConfig, check_unattended, connect, load_rig
 
 if TYPE_CHECKING:
     from labrig.campaign import Plan
@@ -36,6 +36,7 @@ class Request:
     live: bool
     serve: bool
     model: Path | None = None
+    unattended: bool = False
 
 
 def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
@@ -110,6 +111,7 @@ def do_resume(folder: Path, request: Request) -> None:
         request.live,
         request.serve,
         request.model,
+        request.unattended,
     )
     _go(procedure, config, folder, request, None)
 
@@ -123,13 +125,16 @@ def _go(
 ) -> None:
     """Connect, run (or resume, if there is no context), and report."""
     clock = _clock(config, request)
-    control = Control()
+    control = Control(attended=not request.unattended and sys.stdin.isatty())
     with Screen(control) as screen:
         observers: list[Observer] = [screen, *_viewers(request, config)]
         watching = Watching(observers, control, dict(context or {}))
         guard_log = folder / "guard.log"
         try:
             with connect(config, clock, guard_log=guard_log) as rig:
+                if request.unattended:
+                    what = check_unattended(rig)
+                    typer.echo(f"labrig: unattended: {what}", err=True)
                 if context is None:
                     resume_run(procedure, rig, folder, watching=watching)
                 else:

@@ -1,8 +1,10 @@
 """The rig: rig.yaml, the devices it names, and what keeps it safe."""
 
+from labrig.rig._chambers import Filling, Fillings, fill_in_turn
 from labrig.rig._config import (
     ChamberConfig,
     DeviceConfig,
+    FollowConfig,
     RigConfig,
     SafetyConfig,
     describe,
@@ -10,19 +12,29 @@ from labrig.rig._config import (
     parse_rig,
 )
 from labrig.rig._factory import connect, device_makers
+from labrig.rig._findings import chamber_findings, swapped_markers
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._rig import Rig
+from labrig.rig._unattended import check_unattended, what_vents_alone
 
 __all__ = [
     "ChamberConfig",
     "DeviceConfig",
+    "Filling",
+    "Fillings",
+    "FollowConfig",
     "GuardedPressure",
     "Rig",
     "RigConfig",
     "SafetyConfig",
+    "chamber_findings",
+    "check_unattended",
     "connect",
     "describe",
     "device_makers",
+    "fill_in_turn",
     "load_rig",
     "parse_rig",
+    "swapped_markers",
+    "what_vents_alone",
 ]

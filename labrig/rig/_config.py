@@ -43,7 +43,11 @@ class DeviceConfig(BaseModel):
 
 
 class SafetyConfig(_Section):
-    """When labrig gives up and vents."""
+    """When labrig gives up and vents.
+
+    `vents_alone` says in words what vents the chambers when this computer is gone, if something does: a relay, a
+    controller of its own. Without it, or a device with a watchdog, a run is not left unattended.
+    """
 
     vent_timeout_s: float = Field(default=10.0, gt=0.0)
     vent_patience_s: float = Field(default=60.0, gt=0.0)
@@ -54,6 +58,7 @@ class SafetyConfig(_Section):
     heartbeat_s: float = Field(default=2.0, gt=0.0)
     guard_patience_s: float = Field(default=3600.0, gt=0.0)
     think_s: float = Field(default=60.0, gt=0.0)
+    vents_alone: str = ""
 
 
 class FollowConfig(_Section):

@@ -18,6 +18,7 @@ from labrig.campaign import (
     Observer,
     Procedure,
     Record,
+    Recording,
     RigInfo,
     Settle,
     Steps,
@@ -129,7 +130,8 @@ def test_a_capture_that_missed_may_be_left_out(make_rig: Callable[..., Any], tmp
     assert open_run(tmp_path / "run").sizes["capture"] == 0
     assert summarise(tmp_path / "run").captures == 0
     assert summarise(tmp_path / "run").state == "completed"
-    recordings = [done.result for done in read_completed(tmp_path / "run") if isinstance(done.step, Record)]
+    results = [done.result for done in read_completed(tmp_path / "run")]
+    recordings = [result for result in results if isinstance(result, Recording)]
     assert [recording.missed for recording in recordings] == [("c1",), ("c1",)]
 
 

@@ -35,8 +35,8 @@ class SmallPlant:
         self.commands.append(self._target_kpa)
 
     def pressure_kpa(self, time_s):
-        keep = np.exp(-(time_s - self._time_s) / 0.03)
-        self._time_s = time_s
+        keep = np.exp(-max(0.0, time_s - self._time_s) / 0.03)  # a camera may ask a moment late
+        self._time_s = max(time_s, self._time_s)
         self._pressure_kpa = self._target_kpa + (self._pressure_kpa - self._target_kpa) * keep
         if self.stuck_kpa is not None:
             self._pressure_kpa = np.full(len(self.channels), self.stuck_kpa)

@@ -348,3 +348,31 @@ def test_nothing_listens(driver):
     assert str(error.value) == (
         f"pressure: no Modbus device answers at 127.0.0.1:{port} within 1 s (right address, switched on?)"
     )
+
+
+def test_a_devices_own_watchdog_vents_when_nobody_speaks(tmp_path, shared, closing, driver, until):
+    """Set at the start, named in the identity; when the link is cut with chambers under pressure, they are vented."""
+    text = (MAPS / "festo-vtem.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "watched.yaml"
+    path.write_text(text + "watchdog: {address: 40100, value: 500, timeout_s: 0.5}\n", encoding="utf-8")
+    twin = closing(ModbusTwin(shared, load_map(path)).start())
+    device = driver(twin.port, map=str(path))
+    device.connect()
+    assert device.identify().details["watchdog"] == "0.5 s"
+    device.set(np.array([20.0, 20.0, 20.0, 20.0]))
+    until(lambda: shared.pressure_kpa().min() > 19.0)
+    device._wire._client.close()  # as a computer that dies: no set-point 0 is sent
+    device._wire._client.connect = lambda: False
+    until(lambda: shared.pressure_kpa().max() < 1.0)
+
+
+def test_a_watchdog_that_is_not_kept_is_no_watchdog(tmp_path, shared, closing, driver, monkeypatch):
+    """The register is read back: a device that does not keep it is not used."""
+    text = (MAPS / "festo-vtem.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "watched.yaml"
+    path.write_text(text + "watchdog: {address: 40100, value: 500, timeout_s: 0.5}\n", encoding="utf-8")
+    twin = ModbusTwin(shared, load_map(path))
+    monkeypatch.setattr(twin, "_read_all", lambda _: {40100: 7})
+    closing(twin.start())
+    with pytest.raises(DeviceError, match="does not keep its watchdog: register 40100 reads 7 after 500"):
+        driver(twin.port, map=str(path)).connect()

@@ -1,0 +1,39 @@
+"""What `labrig rig check` does with chambers: fill each in turn, and hold what came of it against the rig file."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from drivers import DeviceError, RealClock, SimulatedClock
+from drivers._check import Finding
+from labrig.rig import Fillings, RigConfig, chamber_findings, connect, fill_in_turn, swapped_markers
+
+
+def check_chambers(config: RigConfig, model: Path | None, tell: Callable[[str], None]) -> list[Finding]:
+    """Fill each chamber alone, under the guard, and vent; a device that fails becomes a finding."""
+    kinds = {device.kind for device in config.devices.values() if device is not None}
+    clock = SimulatedClock() if kinds == {"simulated"} else RealClock()
+    if config.scanner is not None:
+        config = config.model_copy(update={"scanner": None})
+    try:
+        with connect(config, clock) as rig:
+            fillings = fill_in_turn(rig, tell)
+            config = rig.config
+    except DeviceError as error:
+        return [Finding("pressure", "filling", "bad", str(error).removeprefix("pressure: "))]
+    findings = chamber_findings(config, fillings)
+    if model is not None:
+        findings += swapped_markers(config, fillings, _expected_mm(config, model, fillings))
+    return findings
+
+
+def _expected_mm(config: RigConfig, model: Path, fillings: Fillings) -> np.ndarray:
+    """How far a model lets the markers move when each chamber is filled alone, (C, M, 3)."""
+    from labrig.view import live_predict
+
+    predict = live_predict(model, config.markers)
+    chambers = len(config.chambers)
+    levels = [filling.level_kpa for filling in fillings.of]
+    rest_mm = predict(np.zeros(chambers))
+    return np.array([predict(np.eye(chambers)[n] * level) - rest_mm for n, level in enumerate(levels)])
