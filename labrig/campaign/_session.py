@@ -151,6 +151,11 @@ class Session:
                         f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
                         f"{safety.over_pressure_kpa:g} kPa above its limit of {chamber.max_kpa:g} kPa"
                     )
+                if pressure_kpa < chamber.min_kpa - safety.over_pressure_kpa:
+                    raise DeviceError(
+                        f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
+                        f"{safety.over_pressure_kpa:g} kPa below its limit of {chamber.min_kpa:g} kPa"
+                    )
 
     def forget_silence(self) -> None:
         """Begin the staleness checks anew, after something that did not poll."""
