@@ -56,3 +56,21 @@ def test_a_log_that_was_closed_survives_with_its_end(disk: Any, tmp_path: Path, 
     assert summarise(left).state == (reason or "closed")
     assert summarise(left).warnings == []
     assert (left / "log.000.mcap").read_bytes() == (folder / "log.000.mcap").read_bytes()
+
+
+def test_what_is_lost_of_a_log_without_its_end_is_counted(tmp_path: Path) -> None:
+    """A log that was cut has no counts at its end: the messages' own numbers say how many are missing."""
+    path = tmp_path / "log.000.mcap"
+    writer = LogWriter(path, LAYOUT)
+    ends = []
+    for index in range(3):
+        _write_step(writer, index)
+        writer.step_done()
+        ends.append(path.stat().st_size)
+    writer.abandon()
+    whole = bytearray(path.read_bytes())
+    whole[ends[0] + 80] ^= 0xFF  # in the second chunk
+    path.write_bytes(whole)
+    segments, warnings = load_segments(path)
+    assert len(segments[0].messages(Topic.STEP).payload) == 2
+    assert "log.000.mcap: 1 of 3 messages on /step are lost" in warnings
