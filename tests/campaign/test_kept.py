@@ -32,7 +32,7 @@ class Told(Procedure):
 
     def steps(self, rig: RigInfo) -> Steps:
         """Two captures and a scan."""
-        steps = [Actuate((20.0, 10.0)), Settle(0.5), Record(0.5), Scan(), Actuate((10.0, 10.0)), Record(0.5)]
+        steps = [Actuate((20.0, 10.0)), Settle(3.0), Record(0.5), Scan(), Note("a note"), Record(0.5)]
         for number, step in enumerate(steps, 1):
             yield step
             self.heard(number)
@@ -85,6 +85,7 @@ class Seeks(Procedure):
         pressure_kpa = 10.0
         for _ in range(8):
             yield Actuate((pressure_kpa, pressure_kpa))
+            yield Settle(3.0)
             recording = yield Record(0.2)
             pressure_kpa = (
                 10.0 + self.gain * float(recording.mean_mm[0, 2]) + float(recording.time_s[0]) % 7.0
@@ -136,7 +137,7 @@ def test_a_session_is_followed_from_where_it_began(make_rig: Callable[..., Any],
     assert all(item.started_s > 1000.0 for item in second[4:])
     resume(Seeks(), rigs[2].rig, folder, rigs[2].clock)
     third = read_completed(folder)
-    assert [item.index for item in third] == list(range(24))
+    assert [item.index for item in third] == list(range(32))
     assert [item.step for item in third[:8]] == [item.step for item in second]
 
 
@@ -148,6 +149,6 @@ def test_a_closed_loop_that_was_edited_is_refused(make_rig: Callable[..., Any], 
     edited = type("Seeks", (Seeks,), {"gain": 2.0})
     with pytest.raises(LabrigError) as caught:
         resume(edited(), second.rig, folder, second.clock)
-    assert str(caught.value).startswith(f"cannot resume {folder}: step 2 was {{'kind': 'note', 'text': '")
+    assert str(caught.value).startswith(f"cannot resume {folder}: step 3 was {{'kind': 'note', 'text': '")
     assert str(caught.value).endswith("; start a new run")
     assert {command for _, command in second.pressure.world.commands} == {(0.0, 0.0)}

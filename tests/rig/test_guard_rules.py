@@ -4,8 +4,10 @@ import io
 import json
 import queue
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,17 +15,18 @@ import pytest
 
 from drivers import DeviceError, VentNotConfirmedError, VentReport
 from labrig.rig import GuardedPressure, load_rig
-from labrig.rig._guard_process import Guard, serve
+from labrig.rig._guard_process import main
 
 HEARTBEAT_S = 2.0
 NEVER_S = 1e6
 
 
 class Clock:
-    """Stands in for the module `time`."""
+    """Stands in for the module `time`; only the thread that made it moves it."""
 
     def __init__(self) -> None:
         self.now_s = 1000.0
+        self._mine = threading.current_thread()
 
     def monotonic(self) -> float:
         """The time now."""
@@ -31,7 +34,10 @@ class Clock:
 
     def sleep(self, duration_s: float) -> None:
         """Move on."""
-        self.now_s += duration_s
+        if threading.current_thread() is self._mine:
+            self.now_s += duration_s
+        else:
+            time.sleep(duration_s)
 
 
 class Chambers:
@@ -91,6 +97,9 @@ class Input:
         self.silent_until_s = self.clock.now_s + moment
         return self.get(timeout)
 
+    def put(self, _line: str | None) -> None:
+        """The end of the standard input, which says nothing here."""
+
 
 SET = {"do": "set", "pressure_kpa": [40.0, 30.0]}
 SAMPLES = {"do": "samples"}
@@ -115,14 +124,24 @@ def chambers(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> Chambers:
 
 @pytest.fixture
 def guard(
-    write_rig: Callable[..., Path], clock: Clock, chambers: Chambers, tmp_path: Path
+    write_rig: Callable[..., Path],
+    clock: Clock,
+    chambers: Chambers,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> Callable[..., list[str]]:
-    """Let a guard serve an input to its end; returns the lines of its log."""
+    """Let a guard serve an input to its end, here and without signals; returns the lines of its log."""
 
     def serve_all(*moments: dict[str, Any] | float | str) -> list[str]:
         config = load_rig(write_rig(safety={"heartbeat_s": HEARTBEAT_S}))
         log = tmp_path / "guard.log"
-        serve(Guard(config, log), Input(clock, *moments), io.StringIO())  # type: ignore[arg-type]
+        setup = {"id": 0, "rig": config.to_dict(), "folder": str(tmp_path), "log": str(log), "offset_s": 0.0}
+        requests = Input(clock, *moments)
+        fake = SimpleNamespace(Queue=lambda: requests, Empty=queue.Empty)
+        monkeypatch.setattr("labrig.rig._guard_process.queue", fake)
+        monkeypatch.setattr("labrig.rig._guard_process.signal", SimpleNamespace())
+        monkeypatch.setattr("sys.stdin", io.StringIO(json.dumps(setup) + "\n"))
+        assert main() == 0
         lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
         return [line.split(" ", 1)[1] for line in lines]
 
