@@ -164,7 +164,8 @@ def lines_of(outcomes: list[Outcome]) -> list[str]:
         "copy, and the first test beside the code that fails then "
         f"(at most {max(outcome.took_s for outcome in outcomes):.0f} s each).",
         "",
-        f"**{noticed} of {len(outcomes)} noticed.**",
+        f"**{noticed} of {len(outcomes)} noticed.** The tests were written against this list: it says that none of "
+        "these goes unnoticed, not how many others would.",
         "",
         "| Change | in | noticed by |",
         "|---|---|---|",

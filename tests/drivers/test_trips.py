@@ -94,6 +94,7 @@ def hear(wire, *readings):
         (ABOVE, "a reads 70.5 kPa, its limits are 0 to 60 kPa"),
         (BELOW, "b reads -30.5 kPa, its limits are -20 to 40 kPa"),
     ],
+    ids=["above", "below"],
 )
 def test_the_third_reading_outside_the_limits_stops_the_device(wire, device, outside, text):
     """Above the highest or below the lowest limit: three readings in a row trip, and no more are waited for."""
@@ -106,7 +107,7 @@ def test_the_third_reading_outside_the_limits_stops_the_device(wire, device, out
     )
 
 
-@pytest.mark.parametrize("outside", [ABOVE, BELOW])
+@pytest.mark.parametrize("outside", [ABOVE, BELOW], ids=["above", "below"])
 def test_two_readings_outside_the_limits_do_not(wire, device, outside):
     """Two readings outside, one inside and two outside again are no reason to stop."""
     hear(wire, outside, outside, FINE, outside, outside)
@@ -157,6 +158,7 @@ def test_three_calm_readings_confirm_a_vent(wire, device):
         [(1.0, -10.0)] * 5,  # vacuum
         [CALM, CALM, (np.nan, 0.0)] * 2,
     ],
+    ids=["two", "two and two", "vacuum", "no sensor"],
 )
 def test_fewer_than_three_calm_readings_in_a_row_confirm_nothing(wire, device, readings):
     """Neither two, nor three with another between them, nor any under vacuum or without a sensor."""
