@@ -105,7 +105,6 @@ class OpenPneuWire:
         self._parser = StreamParser()
         self._measured.clear()
         self._written.clear()
-        self._partial = []
         self._missed = 0
         self._noise = b""
         self._wait(options.boot_s)
@@ -169,6 +168,7 @@ class OpenPneuWire:
 
     def _start(self) -> None:
         self._written.clear()
+        self._partial = []  # a set of readings that was begun before shows what was then
         pairs = self._options.build == "published" and self._dialect == "published"
         for output in sorted({n - n % 2 for n in self._options.outputs} if pairs else self._options.outputs):
             self._target(output, 0.0)

@@ -173,16 +173,17 @@ class WiredPressure:
         if self._thread is None:
             raise VentNotConfirmedError(f"{self.name}: vent not confirmed: not connected")
         trouble = ""
+        stopped = False
         asked_at = float("-inf")
         while (now := time.monotonic()) - began < timeout_s:
             if now - asked_at > 1.0:
                 asked_at = now
                 left_s = max(0.1, timeout_s - (now - began))
                 try:
-                    self._request(self._begin_vent, left_s)
-                    trouble = ""
+                    self._request(self._stop if stopped else self._begin_vent, left_s)
+                    stopped, trouble = True, ""
                 except DeviceError as error:
-                    trouble = str(error).removeprefix(f"{self.name}: ")
+                    stopped, trouble = False, str(error).removeprefix(f"{self.name}: ")
             if self._calm >= CALM_SAMPLES and self._latest is not None and not trouble:
                 self._venting = False
                 self._problem = None
@@ -287,7 +288,12 @@ class WiredPressure:
         self._commanded = commanded
 
     def _begin_vent(self) -> None:
+        self._stop()
+        for measured in self._wire.poll(0.0):  # from before the device had stopped: confirms nothing
+            self._take(measured)
         self._calm = 0
+
+    def _stop(self) -> None:
         self._target = np.zeros(len(self.channels))
         self._commanded = np.zeros(len(self.channels))
         if not self._open:

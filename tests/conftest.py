@@ -3,6 +3,8 @@
 The laboratory's formulas are its own too: nothing of it comes from `labrig.effects` or `drivers.simulated`.
 """
 
+import os
+import stat
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -199,3 +201,45 @@ class Lab:
 def make_lab(tmp_path: Path) -> Callable[..., Lab]:
     """Builds a laboratory in the test's own folder."""
     return lambda **settings: Lab(tmp_path, **settings)
+
+
+class Disk:
+    """A disk as a power cut leaves it: of each file what its last fsync saw, of each folder the names at its last.
+
+    Windows makes names durable by itself, and has no fsync of folders: all names are known there.
+    """
+
+    def __init__(self) -> None:
+        self._bytes: dict[int, int] = {}
+        self._names: dict[int, dict[str, int]] = {}
+
+    def fsync(self, number: int) -> None:
+        """Stands in for `os.fsync`."""
+        status = os.fstat(number)
+        if stat.S_ISDIR(status.st_mode):
+            with os.scandir(number) as entries:
+                self._names[status.st_ino] = {entry.name: entry.inode() for entry in entries}
+        else:
+            self._bytes[status.st_ino] = status.st_size
+
+    def cut(self, folder: Path, target: Path) -> Path:
+        """Copy what would be left of a folder to `target`, which it returns."""
+        target.mkdir()
+        known = self._names.get(folder.stat().st_ino, {})
+        for path in folder.iterdir():
+            number = path.stat().st_ino
+            if os.name == "posix" and known.get(path.name) != number:
+                continue
+            if path.is_dir():
+                self.cut(path, target / path.name)
+            else:
+                (target / path.name).write_bytes(path.read_bytes()[: self._bytes.get(number, 0)])
+        return target
+
+
+@pytest.fixture
+def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
+    """Whatever is written in this test is lost to a power cut unless it was synced."""
+    disk = Disk()
+    monkeypatch.setattr("os.fsync", disk.fsync)
+    return disk

@@ -1,6 +1,7 @@
 """What a run's log says was completed, as the results that the procedure was given then."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -29,14 +30,19 @@ from labrig.log import LoadedSegment, RunSeries, Topic, load_segments, run_serie
 def read_completed(folder: Path) -> list[Completed]:
     """Every completed step from the first one on, without gaps, with its result.
 
+    A session goes on from what could be read when it began. Should an earlier one have steps beyond that, as where
+    its log is damaged, they are of no use: the procedure went on with other results.
+
     Raises `LabrigError` when the log cannot be read.
     """
     segments, _ = load_segments(folder)
     found: dict[int, Completed] = {}
     for loaded in sessions(segments):
         series = run_series(loaded)
-        for completed in _done(loaded, series, folder):
-            found.setdefault(completed.index, completed)
+        done = _done(loaded, series, folder)
+        began = done[0].index if done else math.inf
+        found = {index: completed for index, completed in found.items() if index < began}
+        found |= {completed.index: completed for completed in done}
     steps = []
     while len(steps) in found:
         steps.append(found[len(steps)])

@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from labrig import __version__
+from labrig._durable import sync_folder
 from labrig._errors import LabrigError
 from labrig._git import git_commit
 from labrig.campaign._plan import Plan, plan_facts, sha256_of
@@ -68,6 +69,8 @@ def write_run_yaml(folder: Path, facts: dict[str, Any]) -> None:
         file.flush()
         os.fsync(file.fileno())
     partial.replace(folder / "run.yaml")
+    sync_folder(folder)
+    sync_folder(folder.parent)
 
 
 def check_resumable(folder: Path, old: dict[str, Any], new: dict[str, Any]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from drivers import Scan
+from labrig._durable import sync_folder
 from labrig.rig import RigConfig
 
 _SEALED = "sealed.json"
@@ -19,7 +20,9 @@ def keep_scan(scan: Scan, folder: Path) -> tuple[str, ...]:
     names may come again.
     """
     scans = folder / "scans"
-    scans.mkdir(exist_ok=True)
+    if not scans.exists():
+        scans.mkdir()
+        sync_folder(folder)
     number = 1 + max((int(path.name[:3]) for path in scans.glob("[0-9][0-9][0-9]_*")), default=-1)
     if not scan.files:
         path = scans / f"{number:03d}_scan.ply"
@@ -54,6 +57,7 @@ def _publish(partial: Path, path: Path) -> None:
     with partial.open("rb+") as file:
         os.fsync(file.fileno())
     partial.replace(path)
+    sync_folder(path.parent)
 
 
 def keep_sealed(config: RigConfig, folder: Path) -> None:

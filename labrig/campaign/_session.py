@@ -164,6 +164,11 @@ class Session:
                         f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
                         f"{safety.over_pressure_kpa:g} kPa above its limit of {chamber.max_kpa:g} kPa"
                     )
+                if pressure_kpa < chamber.min_kpa - safety.over_pressure_kpa:
+                    raise DeviceError(
+                        f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
+                        f"{safety.over_pressure_kpa:g} kPa below its limit of {chamber.min_kpa:g} kPa"
+                    )
 
     def _check_log(self) -> None:
         """A folder that somebody deletes does not stop the writing: it must be looked for."""

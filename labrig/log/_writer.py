@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drivers import MarkerFrame, PressureSample
+from labrig._durable import sync_folder
 from labrig._errors import LabrigError
 from labrig.log._frames import FrameEncoder
 from labrig.log._layout import Layout, layout_to_text, pack_metadata
@@ -29,17 +30,6 @@ def to_ns(time_s: float) -> int:
         whole = int(time_s)
         return whole * 1_000_000_000 + int((time_s - whole) * 1e9 + 0.5)
     return _MAX_NS if time_s >= _MAX_S else 0
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make a new file's name durable, too. POSIX only: Windows has no way to ask for it, and no need."""
-    if os.name != "posix":
-        return
-    number = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(number)
-    finally:
-        os.close(number)
 
 
 class LogWriter:
@@ -69,7 +59,7 @@ class LogWriter:
         try:
             self._begin(layout, run)
             self.step_done()
-            _sync_folder(self.path.parent)
+            sync_folder(self.path.parent)
         except BaseException:
             self.abandon()
             raise
