@@ -7,6 +7,7 @@ import typer
 
 from labrig._errors import LabrigError
 from labrig.cli._app import app
+from labrig.cli._places import check_folder
 
 _RUN_SETTINGS = {"allow_extra_args": True, "ignore_unknown_options": True}
 _RUN_NAME = typer.Argument(metavar="RUN", help="A run folder.")
@@ -60,9 +61,9 @@ def run(
         return
     request = Request(rig, out, seed, realtime, live, serve, model)
     if resume is not None:
-        if procedure or context.args or dry_run:
+        if procedure or context.args or dry_run or out is not None:
             raise LabrigError(
-                "--resume goes on with what the run was; it takes no procedure, parameters or --dry-run"
+                "--resume goes on with what the run was; it takes no procedure, parameters, --out or --dry-run"
             )
         do_resume(resume, request)
         return
@@ -78,7 +79,10 @@ def run(
 
 @app.command()
 def runs(
-    folder: Annotated[Path, typer.Argument(help="A folder that holds runs.")] = Path("runs"),
+    folder: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FOLDER]", help="A folder that holds runs; else ./runs, or this one."),
+    ] = None,
 ) -> None:
     """List the runs in a folder: when, what, how far, and how each ended."""
     from labrig.cli._run_tables import print_runs
@@ -106,6 +110,7 @@ def recover(
     from labrig.log import summarise
 
     target = out or run.with_name(f"{run.name.removesuffix('.mcap')}-recovered")
+    check_folder(target.parent, "-o")
     lost = recover_run(run, target)
     for line in lost:
         typer.echo(f"lost: {line}")

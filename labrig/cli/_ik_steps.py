@@ -14,6 +14,7 @@ from rich.table import Table
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.cli._places import check_folder, replaced
 from labrig.ik import Solved, load_shape_model, solve_files
 from labrig.view import write_ik_report
 
@@ -31,6 +32,7 @@ def do_ik(
     cluster: str | None,
 ) -> None:
     """Raises `LabrigError` if the model is of no use, or if no target could be solved."""
+    check_folder(out)
     limits = _limits(rig, model) if rig is not None else None
     columns = TextColumn("targets"), BarColumn(), MofNCompleteColumn()
     with (
@@ -50,12 +52,13 @@ def do_ik(
     failed = [one for one in solved if one.result is None]
     if len(failed) == len(solved):
         raise LabrigError(failed[0].error)
+    said = replaced(out / "report.html")
     out.mkdir(parents=True, exist_ok=True)
     _write_json(solved, model, out / "ik.json")
     report = write_ik_report(solved, str(model), out)
     for one in failed:
         typer.echo(f"labrig: {one.error}", err=True)
-    typer.echo(f"report: {report}")
+    typer.echo(f"report: {report}{said}")
     if failed:
         raise typer.Exit(2)
 

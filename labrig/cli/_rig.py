@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._group import Group
+from labrig.cli._places import check_folder
 
 if TYPE_CHECKING:
     from threading import Event
@@ -17,8 +19,7 @@ if TYPE_CHECKING:
 rig_app = typer.Typer(
     name="rig",
     help="Try a rig's devices, simulate them on local ports, record and replay what they say.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
+    cls=Group,
 )
 app.add_typer(rig_app)
 
@@ -92,6 +93,7 @@ def simulate(
     _one_of("build", build, ("full", "published"))
     _one_of("up", up, ("z", "y"))
     _one_of("scan-unit", scan_unit, ("mm", "cm", "m", "inch"))
+    check_folder(out, "-o")
     _not_somebodys(out / "rig.yaml")
     content, folder = _simulated_rig(rig, surface, seed)
     options = TwinOptions(
@@ -127,6 +129,7 @@ def record(
     from labrig.rig import load_rig
 
     config = load_rig(rig)
+    check_folder(out, "-o")
     if out.exists() and any(out.iterdir()):
         raise LabrigError(f"{out} is not empty: record into a new folder")
     out.mkdir(parents=True, exist_ok=True)
@@ -156,6 +159,7 @@ def replay(
     from labrig._errors import LabrigError
     from labrig.rig import load_rig
 
+    check_folder(out, "-o")
     content = load_rig(recording / "rig.yaml").to_dict()
     content.pop("safety", None)
     listening: dict[str, str] = {}

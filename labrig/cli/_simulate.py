@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._places import check_folder
 
 
 @app.command("simulate")
@@ -27,6 +28,7 @@ def simulate_command(
 
     from labrig.physics import load_model_shell, simulate
 
+    check_folder(out)
     shell = load_model_shell(source)
     console = Console()
     columns = (

@@ -7,6 +7,7 @@ from pathlib import Path
 import typer
 
 from labrig._errors import LabrigError
+from labrig.cli._places import check_folder
 
 
 def show(run: Path, model: Path | None, save: Path | None, web: bool) -> None:
@@ -18,6 +19,7 @@ def show(run: Path, model: Path | None, save: Path | None, web: bool) -> None:
     if save is not None:
         if save.exists():
             raise LabrigError(f"{save} exists already; choose another name for the recording")
+        check_folder(save.parent, "--save")
         _record(run, model, save)
         typer.echo(f"recording: {save}")
         return
