@@ -11,6 +11,8 @@ import typer
 
 from drivers import Clock, DeviceError, RealClock, SimulatedClock
 from labrig._errors import LabrigError
+from labrig._fields import check_fields
+from labrig._yaml import read_yaml
 from labrig.campaign import Control, Interrupted, Observer, Procedure, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
@@ -18,7 +20,7 @@ from labrig.campaign import run as run_procedure
 from labrig.cli._places import check_folder
 from labrig.cli._procedures import find_procedure, read_procedure, source_of
 from labrig.cli._run_screen import Screen, duration_text
-from labrig.log import RunSummary, read_run_yaml, summarise
+from labrig.log import RunSummary, summarise
 from labrig.rig import RigConfig, connect, load_rig
 
 if TYPE_CHECKING:
@@ -126,10 +128,12 @@ def do_resume(folder: Path, request: Request) -> None:
         raise LabrigError(f"{folder} is no run folder; `labrig runs` lists those in ./runs")
     if known := _known(folder):
         _refuse_finished(folder, known)
-    facts = read_run_yaml(folder)
+    written = folder / "run.yaml"
+    facts = read_yaml(written, "run", begins="procedure: ...") if written.exists() else {}
     if "source" not in facts or "rig_file" not in facts:
         raise LabrigError(f"{folder} cannot be resumed: it has no run.yaml of `labrig run`")
-    procedure = find_procedure(str(facts["source"])).model_validate(facts["parameters"])
+    parameters = {} if facts.get("parameters") is None else facts["parameters"]
+    procedure = check_fields(find_procedure(str(facts["source"])), parameters, f"{written}: parameters")
     config = load_rig(request.rig or Path(str(facts["rig_file"])))
     request = Request(
         request.rig,

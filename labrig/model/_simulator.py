@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import numpy as np
-import yaml
 from scipy.interpolate import CubicHermiteSpline
 
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 from labrig.effects import Rows
 from labrig.effects._rows import Floats
 from labrig.model._file import SimulatorBase
@@ -33,14 +33,7 @@ class SimulatorModel:
         from labrig.physics import load_surface
 
         path = folder / spec.rig
-        try:
-            rig = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise LabrigError(
-                f"{path}: can't read the rig file of the simulator ({error.strerror})"
-            ) from error
-        except yaml.YAMLError as error:
-            raise LabrigError(f"{path}: is not YAML") from error
+        rig = read_yaml(path, "rig of the simulator")
         self._surface = load_surface(rig, path.parent, spec.parameters)
         names = list(self._surface.marker_names)
         unknown = [m for m in rows.markers if m not in names]

@@ -5,7 +5,6 @@ from labrig.rig._config import (
     DeviceConfig,
     RigConfig,
     SafetyConfig,
-    describe,
     load_rig,
     parse_rig,
 )
@@ -21,7 +20,6 @@ __all__ = [
     "RigConfig",
     "SafetyConfig",
     "connect",
-    "describe",
     "device_makers",
     "load_rig",
     "parse_rig",

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 from labrig.view._fields import Floats
 from labrig.view._live import Predict
 
@@ -25,13 +25,7 @@ def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
             f"{model}: base: the live view needs a simulator to predict with, this is '{base.kind}'"
         )
     path = model.parent / base.rig
-    try:
-        rig = yaml.safe_load(path.read_text(encoding="utf-8"))
-        surface = load_surface(rig, path.parent, base.parameters)
-    except OSError as error:
-        raise LabrigError(f"{path}: can't read the rig file of the simulator ({error.strerror})") from None
-    except yaml.YAMLError:
-        raise LabrigError(f"{path}: is not YAML") from None
+    surface = load_surface(read_yaml(path, "rig of the simulator"), path.parent, base.parameters)
     names = list(surface.marker_names)
     for marker in markers:
         if marker not in names:

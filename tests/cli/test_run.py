@@ -183,7 +183,7 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
         (("mine.py", "--rig", "rig.yaml", "--high-kpa"), "mine: --high-kpa needs a value"),
         (
             ("mine.py", "--rig", "rig.yaml", "--high-kpa", "much"),
-            "mine: --high-kpa: Input should be a valid number, unable to parse string as a number",
+            "mine: --high-kpa: should be a valid number, not 'much'",
         ),
         (("mine.py", "--rig", "none.yaml"), "cannot read the rig none.yaml: No such file or directory"),
         (
