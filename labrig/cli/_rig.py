@@ -1,7 +1,5 @@
 """Commands: rig check, simulate, record, replay."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +8,7 @@ import typer
 from labrig.cli._app import app
 from labrig.cli._group import Group
 from labrig.cli._places import check_folder
+from labrig.cli._signals import ending_on_signals
 
 if TYPE_CHECKING:
     from threading import Event
@@ -111,7 +110,7 @@ def simulate(
     )
     plant = build_plant(content, folder)
     name = str(content["name"])
-    with _ending_on_signals() as ended, TwinRig(plant, name, out, RealClock(), options) as twins:
+    with ending_on_signals() as ended, TwinRig(plant, name, out, RealClock(), options) as twins:
         file = _write_rig(out, twins.rig, "simulate")
         _say(file, twins.listening)
         _wait(ended, seconds)
@@ -163,7 +162,7 @@ def replay(
     content = load_rig(recording / "rig.yaml").to_dict()
     content.pop("safety", None)
     listening: dict[str, str] = {}
-    with _ending_on_signals() as ended, ExitStack() as stack:
+    with ending_on_signals() as ended, ExitStack() as stack:
         for role in ("pressure", "mocap"):
             file = recording / f"{role}.wire"
             if not file.is_file():
@@ -281,24 +280,6 @@ def _wait(ended: "Event", seconds: float | None) -> None:
     while not ended.is_set() and (left_s := end - time.monotonic()) > 0:
         ended.wait(min(left_s, 0.2))
     typer.echo("ended")
-
-
-@contextmanager
-def _ending_on_signals() -> Iterator["Event"]:
-    """An event that Ctrl-C, SIGTERM and Windows' SIGBREAK set, so that the ports are let go."""
-    import signal
-    import threading
-
-    ended = threading.Event()
-    names = [name for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)]
-    before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
-    try:
-        for number in before:
-            signal.signal(number, lambda *_: ended.set())
-        yield ended
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _one_of(option: str, value: str, allowed: tuple[str, ...]) -> None:
