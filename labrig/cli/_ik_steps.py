@@ -20,6 +20,7 @@ from labrig.view import write_ik_report
 
 _SHOWN = 40
 _GAPS = 3
+_SAID_S = 1.0
 
 
 def do_ik(
@@ -98,6 +99,9 @@ def _print_table(solved: Sequence[Solved]) -> None:
             ", ".join(result.limited),
         )
     console.print(table)
+    compile_s = sum(one.result.compile_s for one in solved if one.result is not None)
+    if compile_s > _SAID_S:
+        typer.echo(f"compiling took {compile_s:.0f} s beside that: once on this computer")
     if len(solved) > _SHOWN:
         typer.echo(f"and {len(solved) - _SHOWN} more: see ik.json")
     if len(solved) == 1 and (result := solved[0].result) is not None:
