@@ -85,7 +85,7 @@ def blind(
     todo = plan(names, count, seed, halves)
     asked = {key_of(*one) for one in todo}
     console = Console()
-    with Progress(console=console, transient=True) as progress:
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("campaigns", total=len(todo))
         if resume:
             progress.advance(task, sum(r["key"] in asked for r in read_records(out)))

@@ -19,7 +19,7 @@ def run(
     procedure: Annotated[
         str,
         typer.Argument(
-            metavar="[PROCEDURE]", help="A procedure's name, or a file (my_procedure.py, next.yaml)."
+            metavar="PROCEDURE", help="A procedure's name, or a file (my_procedure.py, next.yaml)."
         ),
     ] = "",
     rig: Annotated[Path | None, typer.Option(help="The rig file.")] = None,
@@ -81,7 +81,7 @@ def run(
 def runs(
     folder: Annotated[
         Path | None,
-        typer.Argument(metavar="[FOLDER]", help="A folder that holds runs; else ./runs, or this one."),
+        typer.Argument(metavar="FOLDER", help="A folder that holds runs; else ./runs, or this one."),
     ] = None,
 ) -> None:
     """List the runs in a folder: when, what, how far, and how each ended."""

@@ -15,7 +15,7 @@ def complaint(error: Exception) -> str:
     if (said := getattr(error, "format_message", None)) is None:
         return _line(str(error))
     context = getattr(error, "ctx", None)
-    return _line(said()) + (f" See: {context.command_path} --help" if context is not None else "")
+    return _line(said()) + (f" (see {context.command_path} --help)" if context is not None else "")
 
 
 def exit_code(error: Exception) -> int:

@@ -10,6 +10,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig._near import meant
 from labrig.cli._program import activation, call
 
 if TYPE_CHECKING:
@@ -81,7 +82,9 @@ def _hidden(hide: str, seed: int) -> dict[str, Any]:
     if not hide:
         return choose(seed)
     if hide != "nothing" and hide not in EFFECTS:
-        raise LabrigError(f"--hide: there is no effect '{hide}'; choose nothing, {', '.join(EFFECTS)}")
+        raise LabrigError(
+            f"--hide: there is no effect '{hide}'; choose nothing, {', '.join(EFFECTS)}{meant(hide, EFFECTS)}"
+        )
     return hide_effect(hide, seed=seed)
 
 

@@ -90,7 +90,7 @@ def import_(
     output: Annotated[Path, typer.Option("-o", "--output", help="The run folder to make.")],
     table: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[TABLE]...", help="CSV, Parquet or C3D; else the mapping's."),
+        typer.Argument(metavar="TABLE...", help="CSV, Parquet or C3D; else the mapping's."),
     ] = None,
 ) -> None:
     """Make a run of somebody's own table."""
@@ -131,7 +131,7 @@ def list_effects() -> None:
 
 
 @effects_app.command("show")
-def show_effect(name: Annotated[str, typer.Argument(help="The effect's name.")]) -> None:
+def show_effect(name: Annotated[str, typer.Argument(metavar="NAME", help="The effect's name.")]) -> None:
     """Show one effect: meaning, parameters, signature, the experiment that isolates it."""
     from labrig.effects import get
 
@@ -145,7 +145,7 @@ def show_effect(name: Annotated[str, typer.Argument(help="The effect's name.")])
 
 @effects_app.command("new")
 def new_effect(
-    name: Annotated[str, typer.Argument(help="Name of the new effect, such as humidity.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new effect, such as humidity.")],
 ) -> None:
     """Write a file of your own effect that works at once; edit its formula."""
     from labrig.effects import write_template

@@ -35,10 +35,11 @@ def do_ik(
     """Raises `LabrigError` if the model is of no use, or if no target could be solved."""
     check_folder(out)
     limits = _limits(rig, model) if rig is not None else None
+    console = Console(stderr=True)
     columns = TextColumn("targets"), BarColumn(), MofNCompleteColumn()
     with (
         Executor(workers, cluster) as executor,
-        Progress(*columns, console=Console(stderr=True), transient=True) as shown,
+        Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown,
     ):
         task = shown.add_task("targets", total=len(targets))
         solved = solve_files(
@@ -49,10 +50,10 @@ def do_ik(
             executor,
             lambda done: shown.update(task, completed=done),
         )
-    _print_table(solved)
     failed = [one for one in solved if one.result is None]
     if len(failed) == len(solved):
-        raise LabrigError(failed[0].error)
+        raise LabrigError(failed[0].error + (f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""))
+    _print_table(solved)
     said = replaced(out / "report.html")
     out.mkdir(parents=True, exist_ok=True)
     _write_json(solved, model, out / "ik.json")

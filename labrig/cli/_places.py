@@ -12,7 +12,9 @@ def check_folder(folder: Path, option: str = "--out") -> None:
     while not there.exists() and there != there.parent:
         there = there.parent
     if not there.is_dir():
-        raise LabrigError(f"{option} {folder}: {there} is a file; choose a folder")
+        raise LabrigError(
+            f"{option} {folder}: {'this' if there == folder else there} is a file; choose a folder"
+        )
     if not os.access(there, os.W_OK | os.X_OK):
         raise LabrigError(
             f"{option} {folder}: nothing can be written into {there.resolve()}; choose another folder"

@@ -7,6 +7,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_origin
 
 from labrig._errors import LabrigError
+from labrig._near import meant
 from labrig._yaml import read_yaml
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ def find_procedure(text: str) -> "type[Procedure]":
         if text not in known:
             raise LabrigError(
                 f"there is no procedure {text!r}; there are {', '.join(known)}, or name a file (my_procedure.py)"
+                + meant(text, known)
             )
         return known[text]
     return _from_file(Path(file), wanted)
@@ -143,8 +145,11 @@ def _take(kind: "type[Procedure]", rest: list[str]) -> tuple[str, Any]:
     if field is None and name.startswith("no_") and name[3:] in kind.model_fields:
         return name[3:], False
     if field is None or not option.startswith("--"):
-        options = ", ".join(_option(field) for field in kind.model_fields)
-        raise LabrigError(f"{kind.procedure_name()} has no option {option}; it has {options or 'none'}")
+        options = [_option(field) for field in kind.model_fields]
+        raise LabrigError(
+            f"{kind.procedure_name()} has no option {option}; it has {', '.join(options) or 'none'}"
+            + meant(option, options)
+        )
     if field.annotation is bool and not equals:
         return name, True
     if not equals:

@@ -131,8 +131,8 @@ def record(
     check_folder(out, "-o")
     if out.exists() and any(out.iterdir()):
         raise LabrigError(f"{out} is not empty: record into a new folder")
-    out.mkdir(parents=True, exist_ok=True)
     content = _recorded_rig(config)
+    out.mkdir(parents=True, exist_ok=True)
     _record_session(config, out, RealClock(), seconds)
     file = _write_rig(out, content, "record")
     typer.echo(f"recorded into {out}; `labrig rig replay {out}` answers from it ({file.name} is its rig)")
@@ -159,6 +159,8 @@ def replay(
     from labrig.rig import load_rig
 
     check_folder(out, "-o")
+    if not (recording / "rig.yaml").is_file():
+        raise LabrigError(f"{recording} holds no recording: `labrig rig record` makes one")
     content = load_rig(recording / "rig.yaml").to_dict()
     content.pop("safety", None)
     listening: dict[str, str] = {}

@@ -67,6 +67,8 @@ def do_validate(request: ValidateRequest) -> None:
 
 def do_report(run: Path, rig: Path | None) -> None:
     """Go on with a run that was not finished; report in either case."""
+    if not run.is_dir():
+        raise LabrigError(f"{run} is no run folder; `labrig runs` lists those in ./runs")
     if read_run_yaml(run).get("procedure") != "validate":
         raise LabrigError(f"{run} is no run of validate")
     if summarise(run).state != "completed":

@@ -39,7 +39,7 @@ def test_it_is_a_module(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "labrig", "show"]
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
     assert (ran.returncode, ran.stdout) == (2, "")
-    assert ran.stderr == "labrig: Missing argument 'RUN'. See: labrig show --help\n"
+    assert ran.stderr == "labrig: Missing argument 'RUN'. (see labrig show --help)\n"
 
 
 def test_a_wrong_word_is_answered_with_the_near_one(labrig: Run) -> None:
@@ -47,7 +47,7 @@ def test_a_wrong_word_is_answered_with_the_near_one(labrig: Run) -> None:
     code, _, err = labrig("compair")
     assert (code, err) == (
         2,
-        "labrig: No such command 'compair'. Did you mean 'compare'? See: labrig --help\n",
+        "labrig: No such command 'compair'. Did you mean 'compare'? (see labrig --help)\n",
     )
 
 

@@ -60,8 +60,8 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_file_in_the_way_of_a_folder(desk: Path, labrig: Run, words: tuple[str, ...], option: str) -> None:
     """A folder that is a file, or below one, is refused at once, and the file stays as it is."""
     before = sorted(desk.iterdir())
-    for out in ("file", "file/below/it"):
-        said = f"labrig: {option} {Path(out)}: file is a file; choose a folder\n"
+    for out, which in (("file", "this"), ("file/below/it", "file")):
+        said = f"labrig: {option} {Path(out)}: {which} is a file; choose a folder\n"
         assert labrig(*words, option, out) == (2, "", said)
     assert (desk / "file").read_text() == "mine"
     assert sorted(desk.iterdir()) == before

@@ -162,7 +162,7 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
         (
             ("capturo", "--rig", "rig.yaml"),
             "there is no procedure 'capturo'; there are capture, hold, idle, pairs, programme, repeatability, "
-            "survey, sweep, validate, or name a file (my_procedure.py)",
+            "survey, sweep, validate, or name a file (my_procedure.py); did you mean capture?",
         ),
         (("none.py", "--rig", "rig.yaml"), "there is no file none.py"),
         (
@@ -178,7 +178,7 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
         (("two.py:C", "--rig", "rig.yaml"), "two.py has no procedure C; it has A, B"),
         (
             ("mine.py", "--rig", "rig.yaml", "--hihg-kpa", "3"),
-            "mine has no option --hihg-kpa; it has --high-kpa, --gently, --stops",
+            "mine has no option --hihg-kpa; it has --high-kpa, --gently, --stops; did you mean --high-kpa?",
         ),
         (("mine.py", "--rig", "rig.yaml", "--high-kpa"), "mine: --high-kpa needs a value"),
         (
