@@ -12,6 +12,11 @@ from labrig._errors import LabrigError
 
 Checked = TypeVar("Checked", bound=BaseModel)
 _UNPARSED = ", unable to parse"
+_PLAIN = {
+    "should be a valid tuple": "should be a list",
+    "should be a valid list": "should be a list",
+    "should be a valid dictionary": "should hold fields (name: value)",
+}
 
 
 @dataclass(frozen=True)
@@ -86,7 +91,7 @@ def _fault(error: Any, content: Any) -> Fault:
     node, last = content, len(error["loc"]) - 1
     for number, part in enumerate(error["loc"]):
         if isinstance(node, list | tuple) and isinstance(part, int):
-            node = node[part]
+            node = node[part] if part < len(node) else None
             name = node.get("name") if isinstance(node, dict) else None
             names.append(name if isinstance(name, str) and name else f"entry {part + 1}")
         elif isinstance(node, dict) and (part in node or (number == last and error["type"] == "missing")):
@@ -113,6 +118,7 @@ def _words(error: Any) -> str:
     if not said.startswith("Input should"):
         return said
     said = said.removeprefix("Input ").partition(_UNPARSED)[0]
+    said = _PLAIN.get(said, said)
     return f"{said}, not {_short(given)}"
 
 

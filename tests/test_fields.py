@@ -31,6 +31,7 @@ class Box(Strict):
     bags: list[Bag] = []
     table: str | list[str | Bag] | None = None
     colour: Literal["red", "blue"] = "red"
+    size_mm: tuple[float, float] = (1.0, 1.0)
 
 
 def complaint(folder: Path, text: str) -> str:
@@ -55,10 +56,12 @@ def complaint(folder: Path, text: str) -> str:
         ),
         ("lid: x\ncolor: red\n", ", line 2: color: there is no such field; did you mean colour?"),
         (
-            "lid: x\nsize: 3\n",
-            ", line 2: size: there is no such field; there are lid, bags, table, colour",
+            "lid: x\nweight: 3\n",
+            ", line 2: weight: there is no such field; there are lid, bags, table, colour, size_mm",
         ),
         ("bags: []\n", ": lid: is missing"),
+        ("lid: x\nsize_mm: [1]\n", ", line 2: size_mm: entry 2: is missing"),
+        ("lid: x\nbags: 3\n", ", line 2: bags: should be a list, not 3"),
         ("lid: x\nbags:\n- volume_ml: 1\n", ", line 3: bags: entry 1: name: is missing"),
         (
             "lid: x\nbags: [{name: a, volume_ml: much}]\n",

@@ -6,7 +6,6 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from labrig._errors import LabrigError
-from labrig._yaml import read_yaml
 from labrig.effects import Rows
 from labrig.effects._rows import Floats
 from labrig.model._file import SimulatorBase
@@ -30,11 +29,11 @@ class SimulatorModel:
     kind = "simulator"
 
     def __init__(self, spec: SimulatorBase, folder: Path, rows: Rows) -> None:
-        from labrig.physics import load_surface
+        from labrig.physics import load_surface, of_rig_file, read_rig_file
 
         path = folder / spec.rig
-        rig = read_yaml(path, "rig of the simulator")
-        self._surface = load_surface(rig, path.parent, spec.parameters)
+        with of_rig_file(path):
+            self._surface = load_surface(read_rig_file(path), path.parent, spec.parameters)
         names = list(self._surface.marker_names)
         unknown = [m for m in rows.markers if m not in names]
         if unknown or (rows.marker < 0).any() or (rows.axis < 0).any():

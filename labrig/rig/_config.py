@@ -113,6 +113,8 @@ def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, .
             raise ValueError(
                 "simulated.plant says how a shell differs from its model: not for a surface (the reduced model)"
             )
+        if not isinstance(simulated["surface"], str):
+            raise ValueError("simulated.surface: the name of a surface is needed")
         return
     from labrig.physics import plant_shell
 

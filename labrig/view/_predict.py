@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig._yaml import read_yaml
 from labrig.view._fields import Floats
 from labrig.view._live import Predict
 
@@ -17,7 +16,7 @@ def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
     which need a campaign's history. Raises `LabrigError` where the base is no simulator, or lacks a marker.
     """
     from labrig.model import read_model_file
-    from labrig.physics import load_surface
+    from labrig.physics import load_surface, of_rig_file, read_rig_file
 
     base = read_model_file(model).base
     if base.kind != "simulator":
@@ -25,7 +24,8 @@ def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
             f"{model}: base: the live view needs a simulator to predict with, this is '{base.kind}'"
         )
     path = model.parent / base.rig
-    surface = load_surface(read_yaml(path, "rig of the simulator"), path.parent, base.parameters)
+    with of_rig_file(path):
+        surface = load_surface(read_rig_file(path), path.parent, base.parameters)
     names = list(surface.marker_names)
     for marker in markers:
         if marker not in names:

@@ -81,3 +81,71 @@ def test_the_folder_above_a_run_is_not_the_run(desk: Path, labrig: Run) -> None:
 def test_usage_has_single_brackets(labrig: Run, command: str) -> None:
     """An argument that may be left out stands in one pair of brackets."""
     assert "[[" not in labrig(command, "--help")[1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "chambers: [{name: c1, max_kpa: 60}, ",
+            "chambers: [",
+            "{named}: chambers: surface 'membrane' has 4, the rig names 3",
+        ),
+        (
+            "surface: membrane",
+            "surface: moon",
+            "{named}: simulated.surface: there is no surface 'moon' (known: mannequin, membrane)",
+        ),
+    ],
+)
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("run", "idle", "--rig", "rig.yaml", "--out", "new"), "rig bench"),
+        (("ik", "target.xyz", "--model", "model.yaml"), "rig.yaml"),
+    ],
+)
+def test_a_rig_that_its_simulator_cannot_be(
+    desk: Path, labrig: Run, words: tuple[str, ...], named: str, old: str, new: str, said: str
+) -> None:
+    """The rig is named, whether a run or a model asks for its simulator."""
+    assert old in RIG
+    (desk / "rig.yaml").write_text(RIG.replace(old, new))
+    assert labrig(*words) == (2, "", f"labrig: {said.format(named=named)}\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("chambers: [{", "chambers: 3 #", "rig.yaml, line 2: chambers: should be a list, not 3"),
+        (
+            "simulated: {surface: membrane}",
+            "simulated: [1]",
+            "rig.yaml, line 5: simulated: should hold fields (name: value), not a list",
+        ),
+    ],
+)
+@pytest.mark.parametrize(
+    "words", [("run", "idle", "--rig", "rig.yaml"), ("ik", "target.xyz", "--model", "model.yaml")]
+)
+def test_a_rig_of_wrong_types(
+    desk: Path, labrig: Run, words: tuple[str, ...], old: str, new: str, said: str
+) -> None:
+    """A number or a list in place of something else is said with its line, whoever reads the file."""
+    (desk / "rig.yaml").write_text(RIG.replace(old, new))
+    assert labrig(*words) == (2, "", f"labrig: {said}\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        ("surface: membrane", "surface: membrane, noise_mm: much", "simulated: "),
+        ("mocap: {kind: simulated}", "mocap: {kind: simulated, rate_hz: fast}", "mocap (simulated): "),
+    ],
+)
+def test_a_simulated_device_of_wrong_values(desk: Path, labrig: Run, old: str, new: str, place: str) -> None:
+    """A word where a simulated device wants a number is said with the rig and the device, not as unexpected."""
+    (desk / "rig.yaml").write_text(RIG.replace(old, new))
+    code, out, err = labrig("run", "idle", "--rig", "rig.yaml", "--out", "new")
+    assert (code, out) == (2, "")
+    assert err.startswith(f"labrig: rig bench: {place}could not convert string to float")
