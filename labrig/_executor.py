@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from labrig._errors import LabrigError
+from labrig._extras import missing
 
 ATTEMPTS = 3
 """How often a task may lose its worker before the work is given up."""
@@ -129,7 +130,7 @@ def _connect(address: str) -> Any:
     try:
         from distributed import Client
     except ImportError:
-        raise LabrigError("--cluster needs the `cluster` extra: pip install 'labrig[cluster]'") from None
+        raise missing("--cluster", "cluster") from None
     try:
         return Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:

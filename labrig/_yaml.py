@@ -1,5 +1,6 @@
-"""YAML files of people's own, read with one-line complaints."""
+"""YAML files of people's own, read with one-line complaints that name the file and the line."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,42 @@ def read_yaml(path: Path, what: str, hint: str = "", begins: str = "name: ...") 
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise LabrigError(f"cannot read the {what} {path}: {error.strerror or error}{hint}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise LabrigError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
+    except UnicodeDecodeError:
+        raise LabrigError(f"{path} is not a text file; a {what} is YAML") from None
+    except yaml.YAMLError as error:
+        raise LabrigError(f"{path}{_fault(error)}") from None
     if not isinstance(content, dict):
         raise LabrigError(f"{path} is not a {what}: it should begin with `{begins}`")
     return content
+
+
+def line_of(path: Path, place: Sequence[str | int]) -> int | None:
+    """The line of a YAML file at which a place in it stands, or as much of it as there is; None for the file itself.
+
+    A place is the keys and the numbers of entries that lead there.
+    """
+    try:
+        node = yaml.compose(path.read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError):
+        return None
+    line = None
+    for part in place:
+        if isinstance(node, yaml.SequenceNode) and isinstance(part, int) and part < len(node.value):
+            node = mark = node.value[part]
+        elif isinstance(node, yaml.MappingNode):
+            found = [(key, value) for key, value in node.value if key.value == str(part)]
+            if not found:
+                break
+            mark, node = found[-1]
+        else:
+            break
+        line = mark.start_mark.line + 1
+    return line
+
+
+def _fault(error: yaml.YAMLError) -> str:
+    mark = getattr(error, "problem_mark", None)
+    where = f", line {mark.line + 1}" if mark is not None else ""
+    problem = str(getattr(error, "problem", None) or getattr(error, "reason", None) or "unreadable")
+    tab = "; indent with spaces, not with a tab" if "'\\t'" in problem else ""
+    return f"{where}: is not YAML ({problem}{tab})"

@@ -109,7 +109,7 @@ def test_a_cluster_that_is_not_there(monkeypatch):
     with pytest.raises(LabrigError, match=r"^--cluster tcp://127.0.0.1:9: no Dask scheduler answers there"):
         Executor(cluster="tcp://127.0.0.1:9")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(LabrigError, match=r"^--cluster needs the `cluster` extra: pip install"):
+    with pytest.raises(LabrigError, match=r"^--cluster needs packages .* pip install '\.\[cluster\]'$"):
         Executor(cluster="tcp://127.0.0.1:9")
 
 

@@ -3,13 +3,17 @@
 import importlib
 import os
 import sys
+import traceback
 
 import typer
 
+from labrig.cli._complaints import complaint, exit_code
+from labrig.cli._group import Group
+
 app = typer.Typer(
     name="labrig",
+    cls=Group,
     help="Run a soft-robotics rig, log its campaigns, and find the physics its model is missing.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -28,43 +32,50 @@ _COMMAND_MODULES = (
     "_ik",
     "_validate",
 )
+_DEBUG = "--debug"
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from labrig import __version__
+
+        typer.echo(f"labrig {__version__}")
+        raise typer.Exit
 
 
 @app.callback()
-def _options(debug: bool = typer.Option(False, "--debug", help="Show the traceback of an error.")) -> None:
-    """Options that go before the command."""
-    global _debug
-    _debug = debug
-
-
-_debug = False
+def _options(
+    debug: bool = typer.Option(
+        False, _DEBUG, help="Show the traceback of an error; also behind the command."
+    ),
+    version: bool = typer.Option(
+        False, "--version", callback=_version, is_eager=True, help="Show the version and exit."
+    ),
+) -> None:
+    """Options that go before the command; `main` takes --debug wherever it stands."""
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; the only place where an exception becomes an exit code."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # small matrices: more threads would wait for each other
+    given = sys.argv[1:] if arguments is None else arguments
+    words = [word for word in given if word != _DEBUG]
     for module in _COMMAND_MODULES:
         importlib.import_module(f"labrig.cli.{module}")
     try:
-        code = app(args=arguments, standalone_mode=False)
+        code = app(args=words, standalone_mode=False, prog_name="labrig")
+        sys.stdout.flush()
     except typer.Exit as error:
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
         print("labrig: interrupted", file=sys.stderr)
         code = 130
+    except BrokenPipeError:  # whoever read the output has ended, as in `labrig runs | head -1`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 1
     except Exception as error:
-        if _debug:
-            raise
-        exit_code = getattr(error, "exit_code", None)
-        if exit_code is None:
-            print(
-                f"labrig: unexpected {type(error).__name__}: {error} (run again with --debug and report it)",
-                file=sys.stderr,
-            )
-            exit_code = 1
-        else:
-            format_message = getattr(error, "format_message", None)
-            text = format_message() if format_message else str(error)
-            print(f"labrig: {' '.join(text.splitlines())}", file=sys.stderr)
-        code = exit_code
+        if len(words) < len(given):
+            traceback.print_exc()
+        print(f"labrig: {complaint(error)}", file=sys.stderr)
+        code = exit_code(error)
     sys.exit(code if isinstance(code, int) else 0)

@@ -6,10 +6,10 @@ from typing import Annotated
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._group import Group
+from labrig.cli._places import check_file, check_folder
 
-bench = typer.Typer(
-    help="Blind campaigns: hide an effect, and see whether it is found.", no_args_is_help=True
-)
+bench = typer.Typer(help="Blind campaigns: hide an effect, and see whether it is found.", cls=Group)
 app.add_typer(bench, name="bench")
 
 
@@ -26,6 +26,7 @@ def draw_campaign(
     """Write one blind campaign as plain files: table.csv, map.yaml, base.py, model.yaml, and truth.json."""
     from labrig.bench import draw, write_campaign
 
+    check_folder(out)
     write_campaign(draw(class_name, seed, half, captures=captures), out)
     typer.echo(
         f"{out}: table.csv, map.yaml, model.yaml (import, then diagnose); truth.json says what is hidden"
@@ -77,12 +78,14 @@ def blind(
     )
     from labrig.bench._run import key_of
 
+    check_folder(out)
+    _check_results(results)
     names = list(CLASSES) if classes == "all" else _names(classes)
     halves = list(HALVES) if half == "both" else [half]
     todo = plan(names, count, seed, halves)
     asked = {key_of(*one) for one in todo}
     console = Console()
-    with Progress(console=console, transient=True) as progress:
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("campaigns", total=len(todo))
         if resume:
             progress.advance(task, sum(r["key"] in asked for r in read_records(out)))
@@ -114,6 +117,7 @@ def learn(
     """Learn how large which member of each effect's family is, from the laws of the development half."""
     from labrig.bench import learn_all, write_spectra
 
+    check_file(out, "--out")
     how = f"labrig bench learn --n {count} --seed {seed}"
     write_spectra(learn_all(range(seed, seed + count)), out, how)
     typer.echo(f"{out}: learnt from {count} campaigns")
@@ -135,6 +139,8 @@ def settle(
 
     from labrig.bench import run_settle, settle_records, settle_rows, write_settle
 
+    check_folder(out)
+    _check_results(results)
     console = Console(highlight=False)
     for record in run_settle(out, seed, count, most):
         end = f"{record['captures']} captures" if record["settled"] else f"not settled ({record['verdict']})"
@@ -169,10 +175,17 @@ def speed(
         sizes = [int(size) for size in _names(captures)]
     except ValueError:
         raise LabrigError(f"bench: --captures {captures}: whole numbers with commas between them") from None
+    _check_results(results)
     timed = [time_diagnosis(size, seed) for size in sizes]
     Console().print(speed_table(timed))
     if results is not None:
         write_speed(timed, results)
+
+
+def _check_results(path: Path | None) -> None:
+    """Raise `LabrigError` for a Markdown file that could not be written in the end."""
+    if path is not None:
+        check_file(path, "--results")
 
 
 def _names(text: str) -> list[str]:

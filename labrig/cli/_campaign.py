@@ -7,6 +7,7 @@ import typer
 
 from labrig._errors import LabrigError
 from labrig.cli._app import app
+from labrig.cli._places import check_folder
 
 _RUN_SETTINGS = {"allow_extra_args": True, "ignore_unknown_options": True}
 _RUN_NAME = typer.Argument(metavar="RUN", help="A run folder.")
@@ -18,7 +19,7 @@ def run(
     procedure: Annotated[
         str,
         typer.Argument(
-            metavar="[PROCEDURE]", help="A procedure's name, or a file (my_procedure.py, next.yaml)."
+            metavar="PROCEDURE", help="A procedure's name, or a file (my_procedure.py, next.yaml)."
         ),
     ] = "",
     rig: Annotated[Path | None, typer.Option(help="The rig file.")] = None,
@@ -67,9 +68,9 @@ def run(
         return
     request = Request(rig, out, seed, realtime, live, serve, model, unattended)
     if resume is not None:
-        if procedure or context.args or dry_run:
+        if procedure or context.args or dry_run or out is not None:
             raise LabrigError(
-                "--resume goes on with what the run was; it takes no procedure, parameters or --dry-run"
+                "--resume goes on with what the run was; it takes no procedure, parameters, --out or --dry-run"
             )
         do_resume(resume, request)
         return
@@ -85,7 +86,10 @@ def run(
 
 @app.command()
 def runs(
-    folder: Annotated[Path, typer.Argument(help="A folder that holds runs.")] = Path("runs"),
+    folder: Annotated[
+        Path | None,
+        typer.Argument(metavar="FOLDER", help="A folder that holds runs; else ./runs, or this one."),
+    ] = None,
 ) -> None:
     """List the runs in a folder: when, what, how far, and how each ended."""
     from labrig.cli._run_tables import print_runs
@@ -113,6 +117,7 @@ def recover(
     from labrig.log import summarise
 
     target = out or run.with_name(f"{run.name.removesuffix('.mcap')}-recovered")
+    check_folder(target.parent, "-o")
     lost = recover_run(run, target)
     for line in lost:
         typer.echo(f"lost: {line}")

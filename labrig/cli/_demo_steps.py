@@ -10,6 +10,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig._near import meant
+from labrig.cli._program import activation, call
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -63,10 +65,10 @@ def run_demo(hide: str, seed: int, out: Path) -> Path:
     )
     console.print(f"A simulated rig hides {what} (seed {seed}).")
     _campaign(console, folder, seed)
-    result = _diagnosis(console, folder)
+    result, final = _diagnosis(console, folder)
     _pictures(console, folder, result)
     console.print()
-    console.print(_waterfall(console, result))
+    console.print(_waterfall(console, final))
     _closing(console, folder, result, time.monotonic() - began)
     return folder
 
@@ -80,7 +82,9 @@ def _hidden(hide: str, seed: int) -> dict[str, Any]:
     if not hide:
         return choose(seed)
     if hide != "nothing" and hide not in EFFECTS:
-        raise LabrigError(f"--hide: there is no effect '{hide}'; choose nothing, {', '.join(EFFECTS)}")
+        raise LabrigError(
+            f"--hide: there is no effect '{hide}'; choose nothing, {', '.join(EFFECTS)}{meant(hide, EFFECTS)}"
+        )
     return hide_effect(hide, seed=seed)
 
 
@@ -134,8 +138,11 @@ def _campaign(console: Console, folder: Path, seed: int) -> None:
     )
 
 
-def _diagnosis(console: Console, folder: Path) -> "Result":
-    """Compare, diagnose and improve, as the commands of these names do."""
+def _diagnosis(console: Console, folder: Path) -> "tuple[Result, Result]":
+    """Compare, diagnose and improve, as the commands of these names do; the diagnosis, and what stands in the end.
+
+    A diagnosis weighs what is only possible as well, so its error is not that of the model which improve writes.
+    """
     with console.status("comparing"):
         import labrig
         from labrig.diagnosis import compare, diagnose, improve, write_json
@@ -155,7 +162,7 @@ def _diagnosis(console: Console, folder: Path) -> "Result":
         _say(console, "", said.unnamed)
     if result.summary["verdict"] not in ("identified", "multiple"):
         _say(console, "improve", "nothing is added: the model stays as it is")
-        return result
+        return result, result
     with console.status("improving"):
         better = improve(run, model, result.summary["effects"])
         path = folder / "model.improved.yaml"
@@ -163,7 +170,7 @@ def _diagnosis(console: Console, folder: Path) -> "Result":
             better.improved.save(path)
     _say(console, "improve", summary_words(better.summary).headline)
     _say(console, "", f"The model with it is {path}.")
-    return result
+    return result, better
 
 
 def _pictures(console: Console, folder: Path, result: "Result") -> None:
@@ -199,5 +206,8 @@ def _closing(console: Console, folder: Path, result: "Result", took_s: float) ->
     console.print(summary_words(result.summary).headline, style="bold", soft_wrap=True)
     console.print(f"Done in {took_s:.0f} s. Look at it, watch it, and open what was sealed:", soft_wrap=True)
     console.print(f"  {(folder / 'report.html').resolve()}", soft_wrap=True)
-    console.print(f"  labrig view {folder}", soft_wrap=True)
-    console.print(f"  labrig reveal {folder / 'run'}", soft_wrap=True)
+    console.print(f"  {call('view', folder)}", soft_wrap=True, markup=False)
+    console.print(f"  {call('reveal', folder / 'run')}", soft_wrap=True, markup=False)
+    if line := activation():
+        console.print("So that `labrig` alone works in this terminal:", soft_wrap=True)
+        console.print(f"  {line}", soft_wrap=True, markup=False)

@@ -6,6 +6,8 @@ from typing import Annotated
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._group import Group
+from labrig.cli._places import check_file, check_folder, replaced
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")]
 ModelOption = Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")]
@@ -18,6 +20,7 @@ def compare(runs: Runs, model: ModelOption, out: OutOption = Path("compare")) ->
     from labrig.diagnosis import compare as compare_runs
     from labrig.diagnosis import write_json
 
+    check_folder(out)
     result = compare_runs(_open(runs), _load(model))
     _table(result.summary, "compare")
     _finish(result, out, "compare", write_json)
@@ -39,6 +42,7 @@ def diagnose(
 
     if tolerance is not None and not tolerance > 0:
         raise LabrigError(f"--tolerance {tolerance:g}: must be larger than 0")
+    check_folder(out)
     opened, questioned = _open(runs), _load(model)
     result = diagnose_runs(opened, questioned, tolerance=tolerance)
     plan_next(opened, questioned, result.summary)
@@ -69,8 +73,8 @@ def improve(
 
     if output.exists():
         raise LabrigError(f"{output}: already exists; choose another name for the new model")
-    if not output.parent.is_dir():
-        raise LabrigError(f"{output}: the folder {output.parent} does not exist")
+    check_file(output)
+    check_folder(out)
     result = improve_model(_open(runs), _load(model), add, force=force)
     assert result.improved is not None
     result.improved.save(output)
@@ -86,12 +90,13 @@ def import_(
     output: Annotated[Path, typer.Option("-o", "--output", help="The run folder to make.")],
     table: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[TABLE]...", help="CSV, Parquet or C3D; else the mapping's."),
+        typer.Argument(metavar="TABLE...", help="CSV, Parquet or C3D; else the mapping's."),
     ] = None,
 ) -> None:
     """Make a run of somebody's own table."""
     from labrig.log import import_table
 
+    check_folder(output.parent, "-o")
     run = import_table(mapping, output, tables=table or ())
     sizes = run.sizes
     observables = 3 * sizes.get("marker", 0) + sizes.get("observable", 0)
@@ -101,7 +106,7 @@ def import_(
     )
 
 
-effects_app = typer.Typer(no_args_is_help=False, help="The physical effects that a model can lack.")
+effects_app = typer.Typer(cls=Group, help="The physical effects that a model can lack.")
 app.add_typer(effects_app, name="effects")
 
 
@@ -126,7 +131,7 @@ def list_effects() -> None:
 
 
 @effects_app.command("show")
-def show_effect(name: Annotated[str, typer.Argument(help="The effect's name.")]) -> None:
+def show_effect(name: Annotated[str, typer.Argument(metavar="NAME", help="The effect's name.")]) -> None:
     """Show one effect: meaning, parameters, signature, the experiment that isolates it."""
     from labrig.effects import get
 
@@ -140,7 +145,7 @@ def show_effect(name: Annotated[str, typer.Argument(help="The effect's name.")])
 
 @effects_app.command("new")
 def new_effect(
-    name: Annotated[str, typer.Argument(help="Name of the new effect, such as humidity.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new effect, such as humidity.")],
 ) -> None:
     """Write a file of your own effect that works at once; edit its formula."""
     from labrig.effects import write_template
@@ -163,10 +168,11 @@ def _load(path: Path):
 def _finish(result, out: Path, name: str, write_json) -> None:
     from labrig.view import write_report
 
+    said = replaced(out / "report.html")
     out.mkdir(parents=True, exist_ok=True)
     write_json(result.summary, out / f"{name}.json")
     report = write_report(result, out)
-    _say(f"report: {report}")
+    _say(f"report: {report}{said}")
 
 
 def _table(summary: dict, title: str) -> None:

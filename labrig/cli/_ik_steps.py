@@ -14,11 +14,13 @@ from rich.table import Table
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.cli._places import check_folder, replaced
 from labrig.ik import Solved, load_shape_model, solve_files
 from labrig.view import write_ik_report
 
 _SHOWN = 40
 _GAPS = 3
+_SAID_S = 1.0
 
 
 def do_ik(
@@ -31,11 +33,13 @@ def do_ik(
     cluster: str | None,
 ) -> None:
     """Raises `LabrigError` if the model is of no use, or if no target could be solved."""
+    check_folder(out)
     limits = _limits(rig, model) if rig is not None else None
+    console = Console(stderr=True)
     columns = TextColumn("targets"), BarColumn(), MofNCompleteColumn()
     with (
         Executor(workers, cluster) as executor,
-        Progress(*columns, console=Console(stderr=True), transient=True) as shown,
+        Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown,
     ):
         task = shown.add_task("targets", total=len(targets))
         solved = solve_files(
@@ -46,16 +50,17 @@ def do_ik(
             executor,
             lambda done: shown.update(task, completed=done),
         )
-    _print_table(solved)
     failed = [one for one in solved if one.result is None]
     if len(failed) == len(solved):
-        raise LabrigError(failed[0].error)
+        raise LabrigError(failed[0].error + (f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""))
+    _print_table(solved)
+    said = replaced(out / "report.html")
     out.mkdir(parents=True, exist_ok=True)
     _write_json(solved, model, out / "ik.json")
     report = write_ik_report(solved, str(model), out)
     for one in failed:
         typer.echo(f"labrig: {one.error}", err=True)
-    typer.echo(f"report: {report}")
+    typer.echo(f"report: {report}{said}")
     if failed:
         raise typer.Exit(2)
 
@@ -95,6 +100,9 @@ def _print_table(solved: Sequence[Solved]) -> None:
             ", ".join(result.limited),
         )
     console.print(table)
+    compile_s = sum(one.result.compile_s for one in solved if one.result is not None)
+    if compile_s > _SAID_S:
+        typer.echo(f"compiling took {compile_s:.0f} s beside that: once on this computer")
     if len(solved) > _SHOWN:
         typer.echo(f"and {len(solved) - _SHOWN} more: see ik.json")
     if len(solved) == 1 and (result := solved[0].result) is not None:

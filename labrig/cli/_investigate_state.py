@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig.cli._places import check_folder
 
 STATE = "investigation.json"
 
@@ -89,6 +90,7 @@ def command(settings: Settings) -> str:
 
 def begun(settings: Settings, resume: bool) -> Investigation:
     path = settings.out / STATE
+    check_folder(settings.out)
     if not resume:
         if settings.out.exists() and any(settings.out.iterdir()):
             raise LabrigError(f"{settings.out} is not empty; choose another --out, or go on with --resume")
@@ -99,7 +101,10 @@ def begun(settings: Settings, resume: bool) -> Investigation:
     except (OSError, json.JSONDecodeError):
         raise LabrigError(f"{settings.out} has no investigation to go on with") from None
     if content["state"] not in {"under way", "interrupted", "out of budget"}:
-        raise LabrigError(f"{settings.out} is finished ({content['state']}): there is nothing to go on with")
+        raise LabrigError(
+            f"{settings.out} is finished ({content['state']}): see {settings.out / 'report.html'}, or begin anew with "
+            "another --out"
+        )
     known = {k: content[k] for k in ("rounds", "units", "confirmation", "waterfall", "model", "warnings")}
     return Investigation(settings, **known)
 

@@ -34,6 +34,7 @@ def do_investigate(settings: Settings, resume: bool) -> None:
     from labrig.model import Model
 
     model, config = Model.load(settings.model), load_rig(settings.rig)
+    there = settings.out.exists()
     investigation = begun(settings, resume)
     settings = investigation.settings
     bench = Bench(config, settings.rig, settings.realtime)
@@ -42,8 +43,10 @@ def do_investigate(settings: Settings, resume: bool) -> None:
         with bench.opened():
             _loop(investigation, bench, model, console)
     except (KeyboardInterrupt, LabrigError, DeviceError) as error:
-        if not any(settings.out.iterdir()):
-            raise  # nothing was measured
+        if not any(settings.out.iterdir()):  # nothing was measured
+            if not there:
+                settings.out.rmdir()
+            raise
         what = str(error) or "interrupted"
         investigation.end("interrupted", f"Interrupted: {what}.")
         where = f"{len(investigation.rounds)} rounds are in {settings.out}; go on with: {command(settings)}"

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig.cli._places import check_file, check_folder, replaced
 
 if TYPE_CHECKING:
     from labrig.campaign import Plan
@@ -39,8 +40,8 @@ def do_next(
         raise LabrigError(f"{output}: a procedure file ends in .yaml")
     if output.exists() and not force:
         raise LabrigError(f"{output} exists; choose another name, or overwrite it with --force")
-    if not output.parent.is_dir():
-        raise LabrigError(f"{output}: the folder {output.parent} does not exist")
+    check_file(output)
+    check_folder(out)
     config = load_rig(rig)
     opened = [labrig.open_run(run) for run in runs]
     for name, run in zip(runs, opened, strict=True):
@@ -57,14 +58,14 @@ def do_next(
         "procedure": str(output),
         "rig": config.name,
     }
-    replaced = output.exists()
+    of_procedure, of_report = replaced(output), replaced(out / "report.html")
     write_procedure(experiment, config, output)
     out.mkdir(parents=True, exist_ok=True)
     write_json(report, out / "next.json")
     page = write_experiment(report, experiment.programme(), out)
     print_experiment(report)
-    typer.echo(f"procedure: {output}" + (" (replaced)" if replaced else ""))
-    typer.echo(f"report: {page}")
+    typer.echo(f"procedure: {output}{of_procedure}")
+    typer.echo(f"report: {page}{of_report}")
     typer.echo(f"to run it: labrig run {output} --rig {rig} --dry-run")
 
 

@@ -7,6 +7,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_origin
 
 from labrig._errors import LabrigError
+from labrig._near import meant
 from labrig._yaml import read_yaml
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ def find_procedure(text: str) -> "type[Procedure]":
         if text not in known:
             raise LabrigError(
                 f"there is no procedure {text!r}; there are {', '.join(known)}, or name a file (my_procedure.py)"
+                + meant(text, known)
             )
         return known[text]
     return _from_file(Path(file), wanted)
@@ -111,21 +113,27 @@ def parse_parameters(
     """
     from pydantic import ValidationError
 
-    from labrig.rig import describe
+    from labrig._fields import check_fields, first_fault
 
     given: dict[str, Any] = {}
     rest = list(arguments)
     while rest:
         name, value = _take(kind, rest)
         given[name] = value
+    content = {**(values or {}), **given}
     try:
-        return kind.model_validate({**(values or {}), **given})
+        return kind.model_validate(content)
     except ValidationError as error:
-        name, _, what = describe(error).partition(": ")
-        if file and name.split(".")[0] not in given:
-            raise LabrigError(f"{file}: {name}: {what}") from None
-        option = f"--{name.split('.')[0].replace('_', '-')}"
-        raise LabrigError(f"{kind.procedure_name()}: {option}: {what}") from None
+        fault, _ = first_fault(error, kind, content)
+        if file and not set(fault.place[:1]) & set(given):
+            return check_fields(kind, content, file, Path(file))
+        option, *inside = fault.names or ("",)
+        where = [kind.procedure_name(), *([_option(option)] if option else []), *inside]
+        raise LabrigError(": ".join([*where, fault.what])) from None
+
+
+def _option(field: str) -> str:
+    return f"--{field.replace('_', '-')}"
 
 
 def _take(kind: "type[Procedure]", rest: list[str]) -> tuple[str, Any]:
@@ -137,8 +145,11 @@ def _take(kind: "type[Procedure]", rest: list[str]) -> tuple[str, Any]:
     if field is None and name.startswith("no_") and name[3:] in kind.model_fields:
         return name[3:], False
     if field is None or not option.startswith("--"):
-        options = ", ".join(f"--{field.replace('_', '-')}" for field in kind.model_fields)
-        raise LabrigError(f"{kind.procedure_name()} has no option {option}; it has {options or 'none'}")
+        options = [_option(field) for field in kind.model_fields]
+        raise LabrigError(
+            f"{kind.procedure_name()} has no option {option}; it has {', '.join(options) or 'none'}"
+            + meant(option, options)
+        )
     if field.annotation is bool and not equals:
         return name, True
     if not equals:
@@ -160,9 +171,7 @@ def parameters_help(kind: "type[Procedure]") -> str:
         if isinstance(default, tuple):
             shown = ",".join(f"{item:g}" for item in default if isinstance(item, int | float))
         value = "required" if field.is_required() else f"[{shown}]" if shown != "" else ""
-        rows.append(
-            (f"--{name.replace('_', '-')}", _choices(field.annotation), value, field.description or "")
-        )
+        rows.append((_option(name), _choices(field.annotation), value, field.description or ""))
     widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
     for row in rows:
         padded = "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=False))

@@ -1,13 +1,14 @@
 """Commands: rig check, simulate, record, replay."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._group import Group
+from labrig.cli._places import check_folder
+from labrig.cli._signals import ending_on_signals
 
 if TYPE_CHECKING:
     from threading import Event
@@ -17,8 +18,7 @@ if TYPE_CHECKING:
 rig_app = typer.Typer(
     name="rig",
     help="Try a rig's devices, simulate them on local ports, record and replay what they say.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
+    cls=Group,
 )
 app.add_typer(rig_app)
 
@@ -103,6 +103,7 @@ def simulate(
     _one_of("build", build, ("full", "published"))
     _one_of("up", up, ("z", "y"))
     _one_of("scan-unit", scan_unit, ("mm", "cm", "m", "inch"))
+    check_folder(out, "-o")
     _not_somebodys(out / "rig.yaml")
     content, folder = _simulated_rig(rig, surface, seed)
     options = TwinOptions(
@@ -120,7 +121,7 @@ def simulate(
     )
     plant = build_plant(content, folder)
     name = str(content["name"])
-    with _ending_on_signals() as ended, TwinRig(plant, name, out, RealClock(), options) as twins:
+    with ending_on_signals() as ended, TwinRig(plant, name, out, RealClock(), options) as twins:
         file = _write_rig(out, twins.rig, "simulate")
         _say(file, twins.listening)
         _wait(ended, seconds)
@@ -138,10 +139,11 @@ def record(
     from labrig.rig import load_rig
 
     config = load_rig(rig)
+    check_folder(out, "-o")
     if out.exists() and any(out.iterdir()):
         raise LabrigError(f"{out} is not empty: record into a new folder")
-    out.mkdir(parents=True, exist_ok=True)
     content = _recorded_rig(config)
+    out.mkdir(parents=True, exist_ok=True)
     _record_session(config, out, RealClock(), seconds)
     file = _write_rig(out, content, "record")
     typer.echo(f"recorded into {out}; `labrig rig replay {out}` answers from it ({file.name} is its rig)")
@@ -167,10 +169,13 @@ def replay(
     from labrig._errors import LabrigError
     from labrig.rig import load_rig
 
+    check_folder(out, "-o")
+    if not (recording / "rig.yaml").is_file():
+        raise LabrigError(f"{recording} holds no recording: `labrig rig record` makes one")
     content = load_rig(recording / "rig.yaml").to_dict()
     content.pop("safety", None)
     listening: dict[str, str] = {}
-    with _ending_on_signals() as ended, ExitStack() as stack:
+    with ending_on_signals() as ended, ExitStack() as stack:
         for role in ("pressure", "mocap"):
             file = recording / f"{role}.wire"
             if not file.is_file():
@@ -288,24 +293,6 @@ def _wait(ended: "Event", seconds: float | None) -> None:
     while not ended.is_set() and (left_s := end - time.monotonic()) > 0:
         ended.wait(min(left_s, 0.2))
     typer.echo("ended")
-
-
-@contextmanager
-def _ending_on_signals() -> Iterator["Event"]:
-    """An event that Ctrl-C, SIGTERM and Windows' SIGBREAK set, so that the ports are let go."""
-    import signal
-    import threading
-
-    ended = threading.Event()
-    names = [name for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)]
-    before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
-    try:
-        for number in before:
-            signal.signal(number, lambda *_: ended.set())
-        yield ended
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _one_of(option: str, value: str, allowed: tuple[str, ...]) -> None:

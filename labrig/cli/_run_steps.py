@@ -1,5 +1,6 @@
 """What `labrig run` does: connect, run or resume, and say in one line how it ended."""
 
+import math
 import sys
 from dataclasses import dataclass
 from datetime import datetime
@@ -10,13 +11,16 @@ import typer
 
 from drivers import Clock, DeviceError, RealClock, SimulatedClock
 from labrig._errors import LabrigError
+from labrig._fields import check_fields
+from labrig._yaml import read_yaml
 from labrig.campaign import Control, Interrupted, Observer, Procedure, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
+from labrig.cli._places import check_folder
 from labrig.cli._procedures import find_procedure, read_procedure, source_of
 from labrig.cli._run_screen import Screen, duration_text
-from labrig.log import read_run_yaml, summarise
+from labrig.log import RunSummary, summarise
 from labrig.rig import RigConfig, check_unattended, connect, load_rig
 
 if TYPE_CHECKING:
@@ -88,6 +92,7 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     rig_file = _named(request.rig)
     config = load_rig(rig_file)
     folder = request.out or _new_folder(procedure)
+    _check_new(folder)
     context = {
         "source": source_of(type(procedure)),
         "rig_file": str(rig_file.resolve()),
@@ -96,12 +101,40 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     _go(procedure, config, folder, request, context)
 
 
+def _check_new(folder: Path) -> None:
+    """Raise `LabrigError` for a folder that can't be made, or that holds a run, with what to do with that one."""
+    check_folder(folder)
+    if not folder.is_dir() or (known := _known(folder)) is None:
+        return
+    _refuse_finished(folder, known)
+    raise LabrigError(
+        f"{folder} holds a run already ({known.state}){_go_on(folder)}, or choose another --out"
+    )
+
+
+def _refuse_finished(folder: Path, known: RunSummary) -> None:
+    """Raise `LabrigError` for a run of which no step is left, with what can be done with it."""
+    facts = known.run
+    done = not facts.get("closed_loop") and known.steps_done >= facts.get("steps", math.inf)
+    if done or known.state == "completed":
+        raise LabrigError(
+            f"{folder} is finished: all its {known.captures} captures are there; compare a model with them "
+            f"(labrig compare {folder} --model MODEL.yaml), or measure again into another --out"
+        )
+
+
 def do_resume(folder: Path, request: Request) -> None:
     """Go on with a run; procedure, parameters and rig are those that run.yaml names."""
-    facts = read_run_yaml(folder)
+    if not folder.is_dir():
+        raise LabrigError(f"{folder} is no run folder; `labrig runs` lists those in ./runs")
+    if known := _known(folder):
+        _refuse_finished(folder, known)
+    written = folder / "run.yaml"
+    facts = read_yaml(written, "run", begins="procedure: ...") if written.exists() else {}
     if "source" not in facts or "rig_file" not in facts:
         raise LabrigError(f"{folder} cannot be resumed: it has no run.yaml of `labrig run`")
-    procedure = find_procedure(str(facts["source"])).model_validate(facts["parameters"])
+    parameters = {} if facts.get("parameters") is None else facts["parameters"]
+    procedure = check_fields(find_procedure(str(facts["source"])), parameters, f"{written}: parameters")
     config = load_rig(request.rig or Path(str(facts["rig_file"])))
     request = Request(
         request.rig,
@@ -151,11 +184,16 @@ def _go(
 
 def _go_on(folder: Path) -> str:
     """How to go on with a run, if something of it is done."""
+    known = _known(folder)
+    return f"; go on with: labrig run --resume {folder}" if known is not None and known.steps_done else ""
+
+
+def _known(folder: Path) -> RunSummary | None:
+    """What a folder holds; None where that is no run."""
     try:
-        done = summarise(folder).steps_done
+        return summarise(folder)
     except LabrigError:
-        return ""
-    return f"; go on with: labrig run --resume {folder}" if done else ""
+        return None
 
 
 def _viewers(request: Request, config: RigConfig) -> list[Observer]:

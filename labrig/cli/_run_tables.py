@@ -12,11 +12,13 @@ from labrig.cli._run_screen import duration_text
 from labrig.log import RunSummary, find_runs, summarise
 
 
-def print_runs(folder: Path) -> None:
-    """One line for each run below a folder."""
+def print_runs(named: Path | None) -> None:
+    """One line for each run below a folder: the one that is named, ./runs, or the current one."""
+    folder = named or (Path("runs") if Path("runs").is_dir() else Path())
     found = find_runs(folder)
     if not found:
-        raise LabrigError(f"{folder} holds no runs")
+        where = str(folder) if folder != Path() else "there is no folder runs here, and this one"
+        raise LabrigError(f"{where} holds no runs; name the folder that does: labrig runs FOLDER")
     table = Table(
         "run", "started", "procedure", "captures", "length", "size", "state", box=None, pad_edge=False
     )

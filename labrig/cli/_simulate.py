@@ -6,12 +6,16 @@ from typing import Annotated
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._places import check_folder
 
 
 @app.command("simulate")
 def simulate_command(
     source: Annotated[
-        str, typer.Argument(help="A rig.yaml with simulated.shell, a shell's YAML, or its name.")
+        str,
+        typer.Argument(
+            metavar="SOURCE", help="A rig.yaml with simulated.shell, a shell's YAML, or its name."
+        ),
     ],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the simulations.")],
     count: Annotated[int, typer.Option(min=2, help="How many, corners of the range included.")] = 1000,
@@ -27,6 +31,7 @@ def simulate_command(
 
     from labrig.physics import load_model_shell, simulate
 
+    check_folder(out)
     shell = load_model_shell(source)
     console = Console()
     columns = (
@@ -35,7 +40,7 @@ def simulate_command(
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("simulations", total=count)
         found = simulate(
             shell,

@@ -6,9 +6,10 @@ from typing import Annotated
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._group import Group
 
 train = typer.Typer(
-    help="Learn the forward model from simulations, and its fix from a run of the rig.", no_args_is_help=True
+    help="Learn the forward model from simulations, and its fix from a run of the rig.", cls=Group
 )
 app.add_typer(train, name="train")
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import typer
 
 from labrig import LabrigError
+from labrig.cli._places import check_file, check_folder, replaced
 
 if TYPE_CHECKING:
     from labrig.surrogate import Trained, TrainedWarp, WarpedModel
@@ -30,7 +31,8 @@ def forward(
     from labrig.surrogate import save_model, train_forward, training_set
     from labrig.surrogate._train_forward import Method
 
-    _writable(output)
+    check_file(output)
+    check_folder(out)
     if method not in get_args(Method):
         raise LabrigError(f"--method {method}: choose one of {', '.join(get_args(Method))}")
     data = training_set(open_simulations(simulations), simulations)
@@ -38,13 +40,13 @@ def forward(
         data = data.without_slopes()
     wanted = [method, *(["paper"] if paper and method != "paper" else [])]
     trained = {name: train_forward(data, name, share, seed) for name in wanted}  # type: ignore[arg-type]
+    of_model, of_report = replaced(output), replaced(out / "report.html")
     save_model(trained[method].model, output)
     rows = [_row(name, one, data.slopes is not None) for name, one in trained.items()]
     _print(_HEAD, rows, f"{len(data)} simulations, errors in mm on those that were not learned from")
     _report_forward(trained, rows, out, simulations, output)
-    typer.echo(
-        f"{output}: forward model of {len(data.chamber_names)} chambers; report: {out / 'report.html'}"
-    )
+    typer.echo(f"{output}: forward model of {len(data.chamber_names)} chambers{of_model}")
+    typer.echo(f"report: {out / 'report.html'}{of_report}")
 
 
 def _row(name: str, one: "Trained", slopes: bool) -> list[str]:
@@ -124,11 +126,6 @@ def _write_json(path: Path, content: Any) -> None:
     partial.replace(path)
 
 
-def _writable(output: Path) -> None:
-    if not output.parent.is_dir():
-        raise LabrigError(f"{output}: the folder {output.parent} does not exist")
-
-
 def sim2real(
     run: Path, model: Path, output: Path, method: str, frames: int | None, seed: int, out: Path
 ) -> None:
@@ -136,7 +133,8 @@ def sim2real(
     import labrig
     from labrig.surrogate import METHODS, frames_of, load_forward, save_model, shots_of, train_warp
 
-    _writable(output)
+    check_file(output)
+    check_folder(out)
     if method not in METHODS:
         raise LabrigError(f"--method {method}: choose one of {', '.join(METHODS)}")
     forward = load_forward(model)
@@ -147,11 +145,13 @@ def sim2real(
         captured = captured.take(slice(0, frames)) if frames else captured
     scans = shots_of(run, forward.chamber_names) if method in ("scans", "both") else []
     trained = train_warp(forward, captured, scans, method, seed)  # type: ignore[arg-type]
+    of_model, of_report = replaced(output), replaced(out / "report.html")
     save_model(trained.model, output)
     rows = _fix_rows(trained)
     _print(_FIX_HEAD, rows, f"{run.name}, method {method}: errors in mm at what was left out in turn")
     _report_fix(trained, rows, out, run, output, method)
-    typer.echo(f"{output}: the model as it is on the rig; report: {out / 'report.html'}")
+    typer.echo(f"{output}: the model as it is on the rig{of_model}")
+    typer.echo(f"report: {out / 'report.html'}{of_report}")
 
 
 _FIX_HEAD = ("model", "mean", "p95", "max", "points")

@@ -11,7 +11,7 @@ from labrig.cli._app import app
 @app.command()
 def validate(
     targets: Annotated[
-        list[Path] | None, typer.Argument(metavar="[TARGET]...", help="Shapes: OBJ, PLY, STL, XYZ.")
+        list[Path] | None, typer.Argument(metavar="TARGET...", help="Shapes: OBJ, PLY, STL, XYZ.")
     ] = None,
     rig: Annotated[Path | None, typer.Option(help="The rig file.")] = None,
     model: Annotated[

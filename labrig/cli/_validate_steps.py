@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig.cli._places import check_folder
 from labrig.cli._run_steps import Request, do_resume, do_run
 from labrig.ik import outcomes
 from labrig.log import read_run_yaml, summarise
@@ -50,6 +51,7 @@ def do_validate(request: ValidateRequest) -> None:
         if not path.is_file():
             raise LabrigError(f"{path} does not exist")
     folder = request.out or _new_folder()
+    check_folder(folder)
     arguments = [
         "--targets", ",".join(str(path.resolve()) for path in request.targets),
         "--model", str(request.model.resolve()),
@@ -65,6 +67,8 @@ def do_validate(request: ValidateRequest) -> None:
 
 def do_report(run: Path, rig: Path | None) -> None:
     """Go on with a run that was not finished; report in either case."""
+    if not run.is_dir():
+        raise LabrigError(f"{run} is no run folder; `labrig runs` lists those in ./runs")
     if read_run_yaml(run).get("procedure") != "validate":
         raise LabrigError(f"{run} is no run of validate")
     if summarise(run).state != "completed":

@@ -7,17 +7,20 @@ from pathlib import Path
 import typer
 
 from labrig._errors import LabrigError
+from labrig.cli._places import check_folder
+from labrig.cli._signals import ending_on_signals
+
+_LOOK_S = 0.2
 
 
 def show(run: Path, model: Path | None, save: Path | None, web: bool) -> None:
     """Show `run` in a window or in a browser, or save its recording; raises `LabrigError`."""
-    from labrig.view import start_viewer
-
     if not run.exists():
         raise LabrigError(f"{run} does not exist; name a run folder, an .mcap log or an .rrd recording")
     if save is not None:
         if save.exists():
             raise LabrigError(f"{save} exists already; choose another name for the recording")
+        check_folder(save.parent, "--save")
         _record(run, model, save)
         typer.echo(f"recording: {save}")
         return
@@ -27,14 +30,23 @@ def show(run: Path, model: Path | None, save: Path | None, web: bool) -> None:
         if recording is None:
             recording = folder / f"{run.resolve().stem}.rrd"
             _record(run, model, recording)
-        viewer = start_viewer(recording.resolve(), web=web)
-        typer.echo(f"open {viewer.page} (Ctrl-C ends)" if web else "close the viewer's window to go on")
-        try:
-            viewer.process.wait()
-        finally:
-            viewer.stop()
+        _watch(recording.resolve(), web)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _watch(recording: Path, web: bool) -> None:
+    """A viewer of a recording, until its window is closed or a signal ends it: it never outlives this command."""
+    from labrig.view import start_viewer
+
+    with ending_on_signals() as ended:
+        viewer = start_viewer(recording, web=web)
+        try:
+            typer.echo(f"open {viewer.page} (Ctrl-C ends)" if web else "close the viewer's window to go on")
+            while viewer.process.poll() is None and not ended.wait(_LOOK_S):
+                pass
+        finally:
+            viewer.stop()
 
 
 def _finished(run: Path) -> Path | None:

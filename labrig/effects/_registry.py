@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from labrig._errors import LabrigError
+from labrig._near import meant
 from labrig.effects._effect import Effect
 
 USER_FOLDER = "effects"
@@ -45,7 +46,8 @@ def get(name: str, *folders: Path) -> Effect:
     """The effect called `name`; raises `LabrigError` that lists what there is."""
     found = library(*folders)
     if name not in found:
-        raise LabrigError(f"there is no effect {name!r}; choose one of: {', '.join(sorted(found))}")
+        known = ", ".join(sorted(found))
+        raise LabrigError(f"there is no effect {name!r}; choose one of: {known}{meant(name, found)}")
     return found[name]
 
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig._yaml import read_yaml
 from labrig.ik._evaluate import ShapeModel
 from labrig.ik._memory import Remembering
 from labrig.ik._models import ShellModel, SurfaceModel
@@ -45,10 +44,11 @@ def _base_shape(base: Any, folder: Path, path: Path) -> ShapeModel:
 
 def rig_shape(path: Path, parameters: Mapping[str, float] | None = None) -> ShapeModel:
     """The simulator of a rig.yaml, with the rig's chambers and limits; a shell at other `parameters`, if given."""
-    rig = read_yaml(path, "rig")
-    from labrig.physics import has_shell, reduced_surface, rig_shell
+    from labrig.physics import has_shell, of_rig_file, read_rig_file, reduced_surface, rig_shell
 
-    if has_shell(rig):
-        return ShellModel(rig_shell(rig, path.parent).changed(None, **(parameters or {})))
-    limits = [float(c.get("max_kpa", 60.0)) for c in rig.get("chambers") or [] if isinstance(c, dict)]
-    return SurfaceModel(reduced_surface(rig), np.array(limits) if limits else 60.0)
+    rig = read_rig_file(path)
+    with of_rig_file(path):
+        if has_shell(rig):
+            return ShellModel(rig_shell(rig, path.parent).changed(None, **(parameters or {})))
+        limits = [float(c.get("max_kpa", 60.0)) for c in rig.get("chambers") or [] if isinstance(c, dict)]
+        return SurfaceModel(reduced_surface(rig), np.array(limits) if limits else 60.0)

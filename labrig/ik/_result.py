@@ -45,8 +45,8 @@ class IkResult:
     distance between the model's surface and the target, over the samples that have the target opposite (`share` of
     all); `signed_mm` (P,) distances at `uv` (P, 2), positive where the surface stands out, NaN where nothing is
     opposite; `sd_kpa` (C,) how far each pressure could move if what remains were chance; `iterations` over all
-    `starts`; `time_s` of the search, `prepare_s` of the target; `inverted` if the target's triangles face inwards,
-    which is allowed for.
+    `starts`; `time_s` of the search, `prepare_s` of the target, `compile_s` of numba beside both; `inverted` if the
+    target's triangles face inwards, which is allowed for.
     """
 
     chamber_names: tuple[str, ...]
@@ -69,6 +69,7 @@ class IkResult:
     inverted: bool = False
     notes: tuple[str, ...] = field(default=())
     gap_facts: tuple[Any, ...] = field(default=(), repr=False)
+    compile_s: float = 0.0
 
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
@@ -108,6 +109,7 @@ class IkResult:
             "starts": self.starts,
             "time_ms": round(1e3 * self.time_s, 2),
             "prepare_ms": round(1e3 * self.prepare_s, 2),
+            "compile_ms": round(1e3 * self.compile_s, 2),
             "gaps": [
                 {
                     "depth_mm": _number(gap.depth_mm),

@@ -1,6 +1,6 @@
 """Inverse kinematics of one model: starts where they are needed, the search, and what it says of the result."""
 
-import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from labrig.ik._descent import FAR_AWAY, NOWHERE, Descent, History, Pose, State
 from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
 from labrig.ik._poses import lies_near, likeliest, spread_actuations
 from labrig.ik._result import IkResult
+from labrig.ik._stopwatch import stopwatch
 from labrig.surface import Mesh, Target, grid
 
 Floats = NDArray[np.float64]
@@ -66,21 +67,25 @@ class Solver:
         near); `start_kpa` (C,) the pressures to begin with (left out: half of each range). Raises `LabrigError` when
         the target has nothing in common with the surface.
         """
-        began = time.perf_counter()
-        goal = target if isinstance(target, Target) else Target(target)
-        _ = goal.mesh.normals, goal.mesh.border
-        prepared = time.perf_counter()
-        first = self.half_kpa if start_kpa is None else np.asarray(start_kpa, float)
-        best, history, starts = self._from_poses(goal, np.clip(first, self.low, self.high), pose, iterations)
-        if start_kpa is None and self._stuck(best, goal):
-            for share in _OTHER_SHARES:
-                second = self.low + share * (self.high - self.low)
-                again, more = self.descent.run(
-                    goal, second, Pose(best.rotation, best.translation), iterations
-                )
-                starts, history = starts + 1, history + more
-                best = min(best, again, key=lambda state: state.cost)
-        return self._result(goal, best, history, starts, time.perf_counter() - prepared, prepared - began)
+        with stopwatch() as so_far:
+            goal = target if isinstance(target, Target) else Target(target)
+            _ = goal.mesh.normals, goal.mesh.border
+            prepare_s, _ = so_far()
+            first = self.half_kpa if start_kpa is None else np.asarray(start_kpa, float)
+            best, history, starts = self._from_poses(
+                goal, np.clip(first, self.low, self.high), pose, iterations
+            )
+            if start_kpa is None and self._stuck(best, goal):
+                for share in _OTHER_SHARES:
+                    second = self.low + share * (self.high - self.low)
+                    again, more = self.descent.run(
+                        goal, second, Pose(best.rotation, best.translation), iterations
+                    )
+                    starts, history = starts + 1, history + more
+                    best = min(best, again, key=lambda state: state.cost)
+            work_s, compile_s = so_far()
+        result = self._result(goal, best, history, starts, work_s - prepare_s, prepare_s)
+        return replace(result, compile_s=compile_s)
 
     def _shape(self, pressure: Floats) -> Mesh:
         return Mesh(np.asarray(self.evaluate(pressure)[0], float), self.triangles)

@@ -1,12 +1,13 @@
 """MAP.yaml: what the columns of somebody's own table mean."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labrig._errors import LabrigError
+from labrig._fields import check_fields
+from labrig._yaml import read_yaml
 
 
 class _Strict(BaseModel):
@@ -145,27 +146,9 @@ class Mapping(_Strict):
 
 
 def read_mapping(path: Path) -> Mapping:
-    """Read a MAP.yaml; raises `LabrigError` that names the file and the field."""
-    try:
-        content: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise LabrigError(f"{path}: can't read the mapping ({error.strerror})") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        line = getattr(getattr(error, "problem_mark", None), "line", None)
-        where = f", line {line + 1}" if line is not None else ""
-        raise LabrigError(
-            f"{path}{where}: is not YAML ({getattr(error, 'problem', 'unreadable')})"
-        ) from error
-    if not isinstance(content, dict):
-        raise LabrigError(f"{path}: is empty or not a mapping; see docs/how-to/your-data.md")
-    try:
-        mapping = Mapping.model_validate(content)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(
-            str(p) for p in first["loc"] if not str(p).startswith(("str", "list", "Table", "Cov", "dict"))
-        )
-        raise LabrigError(f"{path}: {where}: {first['msg'].removeprefix('Value error, ')}") from error
+    """Read a MAP.yaml; raises `LabrigError` that names the file, the line and the field."""
+    content = read_yaml(path, "mapping", begins="table: ...")
+    mapping = check_fields(Mapping, content, str(path), path)
     names = [a.name for a in mapping.actuation]
     if len(set(names)) < len(names):
         raise LabrigError(f"{path}: actuation: two entries have the same name")

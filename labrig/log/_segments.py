@@ -79,7 +79,9 @@ def load_segments(path: Path) -> tuple[list[LoadedSegment], list[str]]:
         raise LabrigError(f"{path} does not exist; name a run folder or an .mcap file")
     numbered = [(0, path)] if path.is_file() else segment_paths(path)
     if not numbered:
-        raise LabrigError(f"{path} is not a run: it holds no log.000.mcap")
+        below = next((one for one in sorted(path.glob("*/")) if one.is_dir() and segment_paths(one)), None)
+        hint = f"; did you mean {below}?" if below is not None else ""
+        raise LabrigError(f"{path} is not a run: it holds no log.000.mcap{hint}")
     warnings = [] if path.is_file() else _missing(path, [number for number, _ in numbered])
     loaded, unreadable = [], []
     for number, file in numbered:

@@ -1,12 +1,13 @@
 """model.yaml: a base and its effects, as a person reads and edits them."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from labrig._errors import LabrigError
+from labrig._fields import check_fields
+from labrig._yaml import read_yaml
 
 Numbers = float | list[float] | list[list[float]]
 
@@ -101,29 +102,9 @@ class ModelFile(_Strict):
 
 
 def read_model_file(path: Path) -> ModelFile:
-    """Read a model.yaml; raises `LabrigError` that names the file and the field."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise LabrigError(f"{path}: can't read the model file ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise LabrigError(f"{path}: is not a text file; a model is YAML") from error
-    try:
-        content: Any = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        line = getattr(getattr(error, "problem_mark", None), "line", None)
-        where = f", line {line + 1}" if line is not None else ""
-        raise LabrigError(
-            f"{path}{where}: is not YAML ({getattr(error, 'problem', 'unreadable')})"
-        ) from error
-    if not isinstance(content, dict) or "base" not in content:
-        raise LabrigError(f"{path}: a model needs 'base:', for example  base: {{kind: static, degree: 1}}")
-    try:
-        return ModelFile.model_validate(content)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise LabrigError(f"{path}: {where}: {first['msg']}") from error
+    """Read a model.yaml; raises `LabrigError` that names the file, the line and the field."""
+    content = read_yaml(path, "model", begins="base: {kind: static, degree: 1}")
+    return check_fields(ModelFile, content, str(path), path)
 
 
 def write_model_file(model: ModelFile, path: Path) -> None:

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-import yaml
 from scipy.interpolate import CubicHermiteSpline
 
 from labrig._errors import LabrigError
@@ -30,18 +29,11 @@ class SimulatorModel:
     kind = "simulator"
 
     def __init__(self, spec: SimulatorBase, folder: Path, rows: Rows) -> None:
-        from labrig.physics import load_surface
+        from labrig.physics import load_surface, of_rig_file, read_rig_file
 
         path = folder / spec.rig
-        try:
-            rig = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise LabrigError(
-                f"{path}: can't read the rig file of the simulator ({error.strerror})"
-            ) from error
-        except yaml.YAMLError as error:
-            raise LabrigError(f"{path}: is not YAML") from error
-        self._surface = load_surface(rig, path.parent, spec.parameters)
+        with of_rig_file(path):
+            self._surface = load_surface(read_rig_file(path), path.parent, spec.parameters)
         names = list(self._surface.marker_names)
         unknown = [m for m in rows.markers if m not in names]
         if unknown or (rows.marker < 0).any() or (rows.axis < 0).any():

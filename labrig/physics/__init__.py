@@ -1,5 +1,6 @@
 """The simulators that a rig's models start from: pressures in, the shape of the inflated surface out."""
 
+from labrig.physics._rig_file import of_rig_file, read_rig_file
 from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._shell_file import shipped_shells
 from labrig.physics._shell_parameters import ShellParameter
@@ -25,8 +26,10 @@ __all__ = [
     "load_model_shell",
     "load_shell",
     "load_surface",
+    "of_rig_file",
     "open_simulations",
     "plant_shell",
+    "read_rig_file",
     "reduced_surface",
     "rig_shell",
     "shipped_shells",

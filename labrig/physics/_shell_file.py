@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from labrig._errors import LabrigError
+from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 from labrig.physics._geometry import grid_points, spread_points
 from labrig.physics._quantity import Unit, convert
@@ -136,27 +137,20 @@ def read_shell(source: str | Path | dict[str, Any]) -> ShellFile:
     Raises `LabrigError` naming the file, the field and what is wrong with it.
     """
     if isinstance(source, dict):
-        return _parse(source, "shell", Path())
+        return _parse(source, "shell", Path(), None)
     if str(source) in shipped_shells():
         path = Path(str(resources.files("labrig.physics") / "shells" / f"{source}.yaml"))
     else:
         path = Path(source)
     content = read_yaml(path, "shell", f" (shipped shells: {', '.join(shipped_shells())})")
-    return _parse(content, str(path), path.resolve().parent)
+    return _parse(content, str(path), path.resolve().parent, path)
 
 
-def _parse(content: dict[str, Any], where: str, folder: Path) -> ShellFile:
+def _parse(content: dict[str, Any], where: str, folder: Path, path: Path | None) -> ShellFile:
     core = content.get("core")
     if isinstance(core, dict) and isinstance(core.get("control_points"), str):
         content = {**content, "core": _with_points(core, where, folder)}
-    try:
-        return ShellFile.model_validate(content)
-    except ValidationError as error:
-        first, *others = error.errors(include_url=False)
-        place = ".".join(str(part) for part in first["loc"])
-        message = first["msg"].removeprefix("Value error, ")
-        more = f" (and {len(others)} more)" if others else ""
-        raise LabrigError(f"{where}: {place + ': ' if place else ''}{message}{more}") from None
+    return check_fields(ShellFile, content, where, path)
 
 
 def _with_points(core: dict[str, Any], where: str, folder: Path) -> dict[str, Any]:

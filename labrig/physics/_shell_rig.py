@@ -5,6 +5,7 @@ from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
+from labrig.physics._rig_file import of_rig_file, read_rig_file
 from labrig.physics._shell import Shell, load_shell
 from labrig.physics._shell_file import shipped_shells
 
@@ -60,8 +61,9 @@ def load_model_shell(source: str | Path) -> Shell:
     content = read_yaml(path, "rig or shell")
     if not {"pressure", "simulated"} & set(content):
         return load_shell(path)
-    if not has_shell(content):
+    if not has_shell(read_rig_file(path)):
         raise LabrigError(
             f"{path}: a rig with a reduced `simulated: {{surface: ...}}`: there is no shell to simulate"
         )
-    return rig_shell(content, path.parent)
+    with of_rig_file(path):
+        return rig_shell(read_rig_file(path), path.parent)

@@ -7,10 +7,10 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig._yaml import read_yaml
 from labrig.surface import Spline
 
 Array = NDArray[np.float64]
@@ -65,9 +65,9 @@ def open_simulations(path: str | Path) -> Simulations:
     try:
         with np.load(folder / DATA_FILE, allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in arrays.files}
-        shell = yaml.safe_load((folder / SHELL_FILE).read_text(encoding="utf-8"))
+        shell = read_yaml(folder / SHELL_FILE, "shell")
         return Simulations(**{"jacobian": None, **found}, shell=shell)
-    except (OSError, EOFError, ValueError, TypeError, BadZipFile, yaml.YAMLError) as error:
+    except (OSError, EOFError, ValueError, TypeError, BadZipFile) as error:
         raise LabrigError(
             f"{folder}: cannot be read as simulations ({' '.join(str(error).split())})"
         ) from None

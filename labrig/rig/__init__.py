@@ -7,7 +7,6 @@ from labrig.rig._config import (
     FollowConfig,
     RigConfig,
     SafetyConfig,
-    describe,
     load_rig,
     parse_rig,
 )
@@ -30,7 +29,6 @@ __all__ = [
     "chamber_findings",
     "check_unattended",
     "connect",
-    "describe",
     "device_makers",
     "fill_in_turn",
     "load_rig",

@@ -3,10 +3,11 @@
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from drivers import Channel
 from labrig._errors import LabrigError
+from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 
 
@@ -88,7 +89,7 @@ class RigConfig(_Section):
     simulated: dict[str, Any] | None = None
     follow: FollowConfig = FollowConfig()
     safety: SafetyConfig = SafetyConfig()
-    folder: Path = Path()
+    folder: Path = Field(default=Path(), exclude=True)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -120,7 +121,7 @@ class RigConfig(_Section):
 
     def to_dict(self) -> dict[str, Any]:
         """The content of rig.yaml with every default written out."""
-        return self.model_dump(mode="json", exclude={"folder"}, exclude_none=True)
+        return self.model_dump(mode="json", exclude_none=True)
 
 
 def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, ...], folder: Path) -> None:
@@ -132,6 +133,8 @@ def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, .
             raise ValueError(
                 "simulated.plant says how a shell differs from its model: not for a surface (the reduced model)"
             )
+        if not isinstance(simulated["surface"], str):
+            raise ValueError("simulated.surface: the name of a surface is needed")
         return
     from labrig.physics import plant_shell
 
@@ -148,21 +151,10 @@ def load_rig(path: str | Path) -> RigConfig:
     Raises `LabrigError` naming the file, the field and what is wrong with it.
     """
     path = Path(path)
-    return parse_rig(read_yaml(path, "rig"), str(path), path.resolve().parent)
+    content = {**read_yaml(path, "rig"), "folder": path.resolve().parent}
+    return check_fields(RigConfig, content, str(path), path)
 
 
 def parse_rig(content: dict[str, Any], where: str, folder: Path) -> RigConfig:
     """A rig from the content of its file; raises `LabrigError` as `load_rig` does."""
-    try:
-        return RigConfig.model_validate({**content, "folder": folder})
-    except ValidationError as error:
-        raise LabrigError(f"{where}: {describe(error)}") from None
-
-
-def describe(error: ValidationError) -> str:
-    """The first thing that pydantic found wrong, as `field: what`, and how many more there are."""
-    first, *others = error.errors(include_url=False)
-    place = ".".join(str(part) for part in first["loc"])
-    message = first["msg"].removeprefix("Value error, ")
-    more = f" (and {len(others)} more)" if others else ""
-    return f"{place}: {message}{more}" if place else f"{message}{more}"
+    return check_fields(RigConfig, {**content, "folder": folder}, where)

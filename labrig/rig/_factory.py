@@ -149,7 +149,13 @@ class _Simulated:
         def make() -> Any:
             simulated = importlib.import_module("drivers.simulated")
             if self._plant is None:
-                self._plant = simulated.build_plant(self.config.to_dict(), self.folder)
+                try:
+                    self._plant = simulated.build_plant(self.config.to_dict(), self.folder)
+                except LabrigError as error:
+                    said = str(error).removeprefix("rig: ")
+                    raise LabrigError(f"rig {self.config.name}: {said}") from None
+                except (TypeError, ValueError) as error:
+                    raise LabrigError(f"rig {self.config.name}: simulated: {error}") from None
             kind = {
                 "pressure": simulated.SimulatedPressure,
                 "mocap": simulated.SimulatedMocap,
@@ -157,7 +163,7 @@ class _Simulated:
             }[role]
             try:
                 return kind(self._plant, self.clock, role, **options)
-            except TypeError as error:
+            except (TypeError, ValueError) as error:
                 raise LabrigError(f"rig {self.config.name}: {role} (simulated): {error}") from None
 
         return make

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from labrig._errors import LabrigError
+from labrig._extras import missing
 from labrig.surrogate._kernel import Floats
 from labrig.surrogate._network import Network
 
@@ -36,9 +36,7 @@ def import_torch() -> Any:
     try:
         import torch
     except ImportError as error:
-        raise LabrigError(
-            "training a network needs the `learn` extra: pip install 'labrig[learn]'"
-        ) from error
+        raise missing("training a network", "learn") from error
     return torch
 
 

@@ -27,7 +27,10 @@ _TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
 
 @dataclass(frozen=True)
 class TrainedWarp:
-    """A fixed model; distances, mm, at what was left out of it in turn: as simulated, and as fixed; time, s."""
+    """A fixed model, and distances, mm, at what was left out of it in turn: as simulated and as fixed; time, s.
+
+    Both are of the same points, one after the other. `simulated_mm` is empty where there are no markers.
+    """
 
     model: WarpedModel
     simulated_mm: Floats
@@ -66,15 +69,12 @@ def train_warp(
         shots = _placed(forward, shots)
     if method in ("function", "marker"):
         assert frames is not None
-        model, left_out, facts = _paper(forward, frames, method, seed, calibrate)
+        model, left_out, simulated, facts = _paper(forward, frames, method, seed, calibrate)
     else:
         merged = None if method == "scans" or frames is None else frames.merged()
         fixed = fix(forward, merged, [] if method == "ours" else shots, gain_sd)
         model, left_out, facts = fixed.model, fixed.left_out_mm, fixed.facts
-    simulated = np.zeros(0)
-    if frames is not None:
-        off = frames.position_mm - forward.points(frames.pressure_kpa, forward.markers(frames.marker_names))
-        simulated = np.linalg.norm(off[frames.captured], axis=1)
+        simulated = np.zeros(0) if merged is None else _off(forward, merged)
     about = {
         "frames": 0 if frames is None else len(frames),
         "complete_frames": 0 if frames is None else int(frames.complete.sum()),
@@ -88,7 +88,7 @@ def train_warp(
 
 def _paper(
     forward: ForwardModel, frames: Frames, method: str, seed: int, calibrate: bool
-) -> tuple[WarpedModel, Floats, dict[str, Any]]:
+) -> tuple[WarpedModel, Floats, Floats, dict[str, Any]]:
     from labrig.surrogate._paper_warp import PAPER_C, train_function, train_marker
 
     train = train_function if method == "function" else train_marker
@@ -96,18 +96,24 @@ def _paper(
     model = WarpedModel(forward, uv, PAPER_C, train(forward, frames, seed))
     group = frames.set_points()
     fold = (np.random.default_rng(seed).permutation(group.max() + 1) % _FOLDS)[group]
-    errors: list[Floats] = []
+    errors, simulated = [np.zeros(0)], [np.zeros(0)]
     for k in range(_FOLDS if calibrate else 0):
         try:
             part = WarpedModel(forward, uv, PAPER_C, train(forward, frames.take(fold != k), seed))
         except LabrigError:
             continue  # too few complete frames are left
         beside = frames.take(fold == k)
-        off = part.points(beside.pressure_kpa, uv) - beside.position_mm
-        errors.append(np.linalg.norm(off[beside.captured], axis=1))
-    left_out = np.concatenate(errors) if errors else np.zeros(0)
+        errors.append(_off(part, beside))
+        simulated.append(_off(forward, beside))
+    left_out = np.concatenate(errors)
     deviation = float(np.quantile(left_out, 0.95)) / 1.96 if left_out.size else 1.0
-    return replace(model, noise_mm=deviation), left_out, {"c_per_mm2": PAPER_C}
+    return replace(model, noise_mm=deviation), left_out, np.concatenate(simulated), {"c_per_mm2": PAPER_C}
+
+
+def _off(model: ForwardModel | WarpedModel, frames: Frames) -> Floats:
+    """How far a model's markers are from where they were captured, mm, frame by frame."""
+    off = model.points(frames.pressure_kpa, model.markers(frames.marker_names)) - frames.position_mm
+    return np.linalg.norm(off[frames.captured], axis=1)
 
 
 def _placed(forward: ForwardModel, shots: list[Shot]) -> list[Shot]:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from labrig._errors import LabrigError
 from labrig.view._fields import Floats
@@ -17,7 +16,7 @@ def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
     which need a campaign's history. Raises `LabrigError` where the base is no simulator, or lacks a marker.
     """
     from labrig.model import read_model_file
-    from labrig.physics import load_surface
+    from labrig.physics import load_surface, of_rig_file, read_rig_file
 
     base = read_model_file(model).base
     if base.kind != "simulator":
@@ -25,13 +24,8 @@ def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
             f"{model}: base: the live view needs a simulator to predict with, this is '{base.kind}'"
         )
     path = model.parent / base.rig
-    try:
-        rig = yaml.safe_load(path.read_text(encoding="utf-8"))
-        surface = load_surface(rig, path.parent, base.parameters)
-    except OSError as error:
-        raise LabrigError(f"{path}: can't read the rig file of the simulator ({error.strerror})") from None
-    except yaml.YAMLError:
-        raise LabrigError(f"{path}: is not YAML") from None
+    with of_rig_file(path):
+        surface = load_surface(read_rig_file(path), path.parent, base.parameters)
     names = list(surface.marker_names)
     for marker in markers:
         if marker not in names:

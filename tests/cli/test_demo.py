@@ -1,5 +1,6 @@
 """`labrig demo`: from a rig that hides something to its name, with everything that it leaves."""
 
+import io
 import json
 import subprocess
 import sys
@@ -54,13 +55,16 @@ def test_it_leaves_everything(demo):
 
 @pytest.mark.slow
 def test_its_last_lines_work(demo):
-    """The commands that it names at the end do what it says."""
+    """The commands that it names at the end do what it says, in a shell, as they stand."""
     folder, ran = demo
-    report, view, reveal = (line.strip() for line in ran.stdout.splitlines()[-3:])
+    lines = [line.strip() for line in ran.stdout.splitlines()]
+    first = next(number for number, line in enumerate(lines) if line.startswith("Done in "))
+    report, view, reveal = lines[first + 1 : first + 4]
     assert report == str((folder / "labrig-demo" / "report.html").resolve())
-    assert labrig(folder, *view.split()[1:], "--save", "saved.rrd").returncode == 0
+    shell = {"cwd": folder, "shell": True, "capture_output": True, "text": True, "timeout": 60}
+    assert subprocess.run(f"{view} --save saved.rrd", **shell, check=False).returncode == 0
     assert (folder / "saved.rrd").read_bytes() == (folder / "labrig-demo" / "demo.rrd").read_bytes()
-    assert labrig(folder, *reveal.split()[1:]).stdout == "creep: 1 mm rms\n"
+    assert subprocess.run(reveal, **shell, check=False).stdout == "creep: 1 mm rms\n"
 
 
 @pytest.mark.slow
@@ -126,3 +130,35 @@ def test_the_seed_chooses_and_says_nothing():
     chosen = [_hidden("", seed) for seed in range(12)]
     assert chosen == [_hidden("", seed) for seed in range(12)]
     assert len({json.dumps(setting["effects"]) for setting in chosen}) > 4
+
+
+def test_its_words_and_its_table_say_one_error(tmp_path, monkeypatch):
+    """The error with what was found is the improved model's, in the sentence and in the table, not the diagnosis's."""
+    from types import SimpleNamespace
+
+    from rich.console import Console
+
+    import labrig.diagnosis
+    import labrig.model
+    from labrig.cli._demo_steps import _diagnosis, _waterfall
+
+    error = {"base": 0.9, "model": 0.252, "floor": 0.1}
+    added = {"effects": ["creep"], "units": "mm", "error": error, "where": [], "warnings": []}
+    found = {**added, "verdict": "identified", "error": {**error, "model": 0.177}, "rivals": ["leak"]}
+    found |= {"effects_considered": [], "unnamed": {}, "probability": 0.9}
+    result = SimpleNamespace(
+        summary=found, waterfall=[("base", 0.9), ("+ leak", 0.177)], write=lambda path: None
+    )
+    better = SimpleNamespace(summary=added, waterfall=[("base", 0.9), ("+ creep", 0.252)], improved=None)
+    compared = SimpleNamespace(summary={**added, "effects": []})
+    for name, given in (("compare", compared), ("diagnose", result), ("improve", better)):
+        monkeypatch.setattr(labrig.diagnosis, name, lambda *_, given=given: given)
+    monkeypatch.setattr(labrig.model.Model, "load", lambda path: None)
+    monkeypatch.setattr("labrig.open_run", lambda path: None, raising=False)
+    with Console(record=True, width=100, file=io.StringIO()) as console:
+        _, final = _diagnosis(console, tmp_path)
+        console.print(_waterfall(console, final))
+    printed = console.export_text().replace("\u00a0", " ")
+    assert "falls from 0.9 mm to 0.252 mm" in printed
+    assert "0.252" in printed.splitlines()[-1]
+    assert "0.177" not in printed

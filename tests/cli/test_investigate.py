@@ -87,7 +87,8 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     code, _, err = labrig(*line, "--resume")
     assert (code, err) == (
         2,
-        "labrig: investigation is finished (settled): there is nothing to go on with\n",
+        f"labrig: investigation is finished (settled): see {Path('investigation/report.html')}, or begin anew with "
+        "another --out\n",
     )
 
 

@@ -50,7 +50,7 @@ def test_points_that_need_a_person_are_left_out(lab, labrig: Run) -> None:
     [
         (
             "procedure: programme\npoints: [{hold_s: -1}]\n",
-            "p.yaml: points.0.hold_s: Input should be greater than 0 (and 1 more)",
+            "p.yaml, line 2: points: entry 1: hold_s: should be greater than 0, not -1",
         ),
         ("points: []\n", "p.yaml: a procedure file begins with its name, such as `procedure: programme`"),
         (

@@ -33,7 +33,7 @@ def test_a_leak_that_is_hidden_in_the_simulated_rig_is_found(
 ) -> None:
     """Its formula is the simulator's; the check says that chambers lose pressure, and how fast."""
     lab("leak")
-    code, out, err = _check(capsys)
+    code, _, err = _check(capsys)
     assert code == 3
     assert "leaks: it loses" in err
 

@@ -94,6 +94,33 @@ def test_the_default_folder_is_new_each_time(lab: Path, labrig: Run) -> None:
     assert len(list((lab / "runs").iterdir())) == 2
 
 
+def test_a_finished_run_says_what_can_be_done_with_it(lab: Path, labrig: Run) -> None:
+    """Neither --resume nor the same --out goes round in a circle: compare, or measure into another folder."""
+    assert labrig("run", "mine.py", "--rig", "rig.yaml", "--out", "one")[0] == 0
+    kept = (lab / "one" / "log.000.mcap").read_bytes()
+    message = (
+        "labrig: one is finished: all its 2 captures are there; compare a model with them "
+        "(labrig compare one --model MODEL.yaml), or measure again into another --out\n"
+    )
+    assert labrig("run", "--resume", "one") == (2, "", message)
+    assert labrig("run", "mine.py", "--rig", "rig.yaml", "--out", "one") == (2, "", message)
+    assert (lab / "one" / "log.000.mcap").read_bytes() == kept
+
+
+def test_runs_are_listed_from_where_one_is(lab: Path, labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a name: those in ./runs, where there is none those in the current folder, or what to name."""
+    assert labrig("runs") == (
+        2,
+        "",
+        "labrig: there is no folder runs here, and this one holds no runs; name the folder that does: "
+        "labrig runs FOLDER\n",
+    )
+    assert labrig("run", "mine.py", "--rig", "rig.yaml", "--out", "runs/one")[0] == 0
+    assert labrig("runs")[1].splitlines()[1].startswith("one ")
+    monkeypatch.chdir(lab / "runs")
+    assert labrig("runs")[1].splitlines()[1].startswith("one ")
+
+
 def test_a_users_procedure_has_its_parameters_as_options(lab: Path, labrig: Run) -> None:
     """Numbers, flags and lists; help shows them."""
     words = ("--high-kpa", "12", "--no-gently", "--stops", "0.25,0.5,1")
@@ -135,7 +162,7 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
         (
             ("capturo", "--rig", "rig.yaml"),
             "there is no procedure 'capturo'; there are capture, hold, idle, pairs, programme, repeatability, "
-            "survey, sweep, validate, or name a file (my_procedure.py)",
+            "survey, sweep, validate, or name a file (my_procedure.py); did you mean capture?",
         ),
         (("none.py", "--rig", "rig.yaml"), "there is no file none.py"),
         (
@@ -151,19 +178,20 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
         (("two.py:C", "--rig", "rig.yaml"), "two.py has no procedure C; it has A, B"),
         (
             ("mine.py", "--rig", "rig.yaml", "--hihg-kpa", "3"),
-            "mine has no option --hihg-kpa; it has --high-kpa, --gently, --stops",
+            "mine has no option --hihg-kpa; it has --high-kpa, --gently, --stops; did you mean --high-kpa?",
         ),
         (("mine.py", "--rig", "rig.yaml", "--high-kpa"), "mine: --high-kpa needs a value"),
         (
             ("mine.py", "--rig", "rig.yaml", "--high-kpa", "much"),
-            "mine: --high-kpa: Input should be a valid number, unable to parse string as a number",
+            "mine: --high-kpa: should be a valid number, not 'much'",
         ),
         (("mine.py", "--rig", "none.yaml"), "cannot read the rig none.yaml: No such file or directory"),
         (
             ("mine.py", "--resume", "one"),
-            "--resume goes on with what the run was; it takes no procedure, parameters or --dry-run",
+            "--resume goes on with what the run was; it takes no procedure, parameters, --out or --dry-run",
         ),
-        (("--resume", "one"), "one cannot be resumed: it has no run.yaml of `labrig run`"),
+        (("--resume", "one"), "one is no run folder; `labrig runs` lists those in ./runs"),
+        (("--resume", "."), ". cannot be resumed: it has no run.yaml of `labrig run`"),
     ],
 )
 def test_a_mistake_is_one_line(lab: Path, labrig: Run, words: tuple[str, ...], message: str) -> None:

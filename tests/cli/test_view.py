@@ -1,5 +1,6 @@
 """`labrig view`: a run becomes a recording, or the viewer says why it cannot be seen."""
 
+import signal
 import subprocess
 import sys
 
@@ -68,3 +69,21 @@ def test_without_a_screen(tmp_path):
         "labrig: the rerun viewer found no screen; use --serve to watch in a browser, "
         "or open the .rrd file elsewhere\n",
     )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent as POSIX does")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT", "SIGHUP"])
+def test_no_viewer_is_left_behind(tmp_path, name):
+    """However `labrig view --serve` is told to end, the viewer that it started ends with it, and so does its port."""
+    psutil = pytest.importorskip("psutil")
+    (tmp_path / "demo.rrd").write_bytes(b"")
+    command = [sys.executable, "-m", "labrig", "view", str(tmp_path), "--serve"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as serving:
+        line = serving.stdout.readline()
+        assert line.startswith("open http://127.0.0.1:"), serving.stderr.read()
+        viewers = psutil.Process(serving.pid).children(recursive=True)
+        assert viewers
+        serving.send_signal(getattr(signal, name))
+        assert (serving.wait(60), serving.stderr.read()) == (0, "")
+    _, left = psutil.wait_procs(viewers, timeout=30)
+    assert left == []

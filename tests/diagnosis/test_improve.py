@@ -180,7 +180,7 @@ def test_from_measurements_to_a_better_model_by_commands(make_lab, labrig, monke
         ),
         (
             ("compare", "run", "--model", "none.yaml"),
-            "none.yaml: can't read the model file (No such file or directory)",
+            "cannot read the model none.yaml: No such file or directory",
         ),
     ],
 )

@@ -77,7 +77,11 @@ def test_the_good_ones_pass(desk: Path, labrig: Run) -> None:
         ),
         ("unit: s", "unit: kg", "map.yaml: time: unit 'kg' can't be converted to s"),
         ("table: t.csv", "table: u.csv", "u.csv: there is no such table"),
-        ("table: t.csv", "tabel: t.csv", "map.yaml: tabel: Extra inputs are not permitted"),
+        (
+            "table: t.csv",
+            "tabel: t.csv",
+            "map.yaml, line 1: tabel: there is no such field; did you mean table?",
+        ),
         (
             "table: t.csv\n",
             "",
@@ -86,7 +90,7 @@ def test_the_good_ones_pass(desk: Path, labrig: Run) -> None:
         (
             "capture: {column: capture}",
             "capture: {}",
-            "map.yaml: capture: give either 'column: NAME' or 'per: file'",
+            "map.yaml, line 3: capture: give either 'column: NAME' or 'per: file'",
         ),
         (
             "{column: p1, name: c1, unit: kPa}",
@@ -111,12 +115,12 @@ def test_the_good_ones_pass(desk: Path, labrig: Run) -> None:
         (
             "capture: {column: capture}",
             "capture: {column: capture}\nbetween_sessions: open",
-            "map.yaml: between_sessions: Input should be 'held', 'released' or 'unknown'",
+            "map.yaml, line 4: between_sessions: should be 'held', 'released' or 'unknown', not 'open'",
         ),
         (
             "capture: {column: capture}",
             "capture: {column: capture}\nformat: {every: 0}",
-            "map.yaml: format.every: Input should be greater than 0",
+            "map.yaml, line 4: format: every: should be greater than 0, not 0",
         ),
     ],
 )
@@ -191,13 +195,13 @@ def test_a_mapping_that_is_no_yaml(desk: Path, labrig: Run) -> None:
 def test_a_mapping_that_is_no_mapping(desk: Path, labrig: Run, text: str) -> None:
     """A list, a text or nothing at all is refused alike."""
     Path("map.yaml").write_text(text)
-    refuse(labrig, "map.yaml: is empty or not a mapping; see docs/how-to/your-data.md")
+    refuse(labrig, "map.yaml is not a mapping: it should begin with `table: ...`")
 
 
 def test_a_mapping_that_is_not_there(desk: Path, labrig: Run) -> None:
     """The reason is the system's own."""
     Path("map.yaml").unlink()
-    refuse(labrig, "map.yaml: can't read the mapping (No such file or directory)")
+    refuse(labrig, "cannot read the mapping map.yaml: No such file or directory")
 
 
 def test_a_mapping_without_actuation(desk: Path, labrig: Run) -> None:

@@ -253,9 +253,11 @@ def test_the_simulator_says_what_it_does_not_know(tmp_path: Path, monkeypatch: p
         == f"rig.yaml: its chambers are not the run's ({', '.join(names)})"
     )
     Path("rig.yaml").write_text("a: [")
-    assert complaint(data) == "rig.yaml: is not YAML"
+    assert complaint(data) == (
+        "rig.yaml, line 1: is not YAML (expected the node content, but found '<stream end>')"
+    )
     Path("rig.yaml").unlink()
-    assert complaint(data) == "rig.yaml: can't read the rig file of the simulator (No such file or directory)"
+    assert complaint(data) == "cannot read the rig of the simulator rig.yaml: No such file or directory"
 
 
 @pytest.fixture

@@ -193,3 +193,18 @@ def test_what_is_missing_is_said(forward, frames, shots):
         "sim2real: the method marker needs 2 frames with every marker, the run has 0; "
         "other methods use incomplete frames too"
     )
+
+
+@pytest.mark.parametrize("method", ["ours", "both", "function"])
+def test_errors_before_and_after_are_of_the_same_points(forward, frames, shots, method):
+    """As simulated and as fixed are compared over the same points, also where set-points come back."""
+    pytest.importorskip("torch")
+    twice = Frames(
+        NAMES,
+        np.concatenate([frames.pressure_kpa, frames.pressure_kpa[:5]]),
+        np.concatenate([frames.position_mm, frames.position_mm[:5] + 0.01]),
+    )
+    trained = train_warp(forward, twice, shots if method == "both" else [], method=method)
+    assert len(trained.simulated_mm) == len(trained.fixed_mm) > 0
+    if method != "function":  # the paper's network wants more frames
+        assert trained.fixed_mm.mean() < trained.simulated_mm.mean()

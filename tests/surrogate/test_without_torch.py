@@ -17,8 +17,11 @@ def test_default_needs_no_torch(data, monkeypatch, tmp_path):
 
 
 def test_networks_say_what_they_need(data, monkeypatch):
-    """Without torch a network's training names the extra that brings it."""
+    """Without torch a network's training says what installs it: from the checkout, for labrig is on no index."""
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(LabrigError) as caught:
         train_forward(data, "paper")
-    assert str(caught.value) == "training a network needs the `learn` extra: pip install 'labrig[learn]'"
+    assert str(caught.value) == (
+        "training a network needs packages that are not installed: go to the folder of labrig's pyproject.toml "
+        "and type: pip install '.[learn]'"
+    )

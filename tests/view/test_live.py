@@ -133,9 +133,7 @@ def test_a_model_that_cannot_predict(model):
     rig.unlink()
     with pytest.raises(LabrigError) as missing:
         live_predict(model)
-    assert (
-        str(missing.value) == f"{rig}: can't read the rig file of the simulator (No such file or directory)"
-    )
+    assert str(missing.value) == f"cannot read the rig of the simulator {rig}: No such file or directory"
     model.write_text("base: {kind: static, degree: 1}\n")
     with pytest.raises(LabrigError) as static:
         live_predict(model)

@@ -1,0 +1,11 @@
+"""What is said where a package is missing that labrig needs for one task only."""
+
+from labrig._errors import LabrigError
+
+
+def missing(task: str, extra: str) -> LabrigError:
+    """The error of a task whose packages the `extra` of pyproject.toml brings."""
+    return LabrigError(
+        f"{task} needs packages that are not installed: go to the folder of labrig's pyproject.toml "
+        f"and type: pip install '.[{extra}]'"
+    )
