@@ -9,6 +9,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, lags, pressure
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, by_chamber, of_step, shows
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
@@ -90,6 +91,21 @@ class Creep(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """Against the time in hold, where the holds show it; else against what is left of the pressures before."""
+        held = of_step(context, part)
+        if shows(held):
+            return held
+        rows, known = context.rows, part.shape["known"]
+        count = next(n for name, n in ELEMENTS.items() if part.form.startswith(name))
+        chain = [part.shape["tau_s"] * DECADE**i for i in range(count)]
+        slow, now = np.mean([context.relaxed(t) for t in chain], axis=0), rows.actuation
+        if "of the wall" in part.form:
+            slow = np.mean([context.strained(t) for t in chain], axis=0)
+            now = context.deflection * context.span / context.deflection_slope
+        what = "remembered pressure" + (f" − {100 * known:.0f} % of that now" if known else "")
+        return by_chamber(context, part, slow - known * now, what, rows.actuation_unit, named=True)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS

@@ -1,7 +1,8 @@
 """Known causes, made with formulas that the library does not have, are considered, sized and signed aright.
 
 What a laboratory (tests/conftest.py) measures is changed by a formula of the test's own; `diagnose` must call the
-effect of that kind sure, or possible at least; and what `improve` fits must follow what was put in, row by row.
+effect of that kind sure, or possible at least; what `improve` fits must follow what was put in, row by row; and the
+plot that gives the effect away must show it, with the fitted curve over what was measured.
 """
 
 from typing import Any
@@ -13,6 +14,7 @@ import xarray as xr
 from labrig.diagnosis import Result, diagnose, improve
 from labrig.effects import rows_of
 from labrig.model import Model, base_context, build_base
+from labrig.view._signature_figure import binned
 
 LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
 
@@ -33,11 +35,23 @@ def found(
     true, said = changes(lab.dataset(values, **extra), result.improved, model)
     assert np.sum(true * said) / np.sum(true**2) == pytest.approx(1.0, abs=0.15)
     assert np.corrcoef(true.ravel(), said.ravel())[0, 1] > 0.95
+    gives_away(result, name)
     assert not named or calls[name] in {"sure", "possible"}
     entry = result.improved.file.effects[-1].parameters
     fitted = {k: np.asarray(v.value) for k, v in entry.items()}
     sd = {k: np.asarray(v.sd) for k, v in entry.items() if v.sd is not None}
     return result, fitted, sd
+
+
+def gives_away(result: Result, name: str) -> None:
+    """The plot has names on its axes, and its curve goes through the means of what was measured, far from zero."""
+    (shown,) = result.signatures
+    assert shown.effect == name
+    assert min(len(shown.says), len(shown.x_name), len(shown.y_name)) > 0
+    assert len(shown.x) == len(shown.measured) == len(shown.fitted) == len(shown.weight) == len(shown.group)
+    means = [binned(shown, np.flatnonzero(shown.group == group)) for group in np.unique(shown.group)]
+    _, measured, fitted = np.concatenate(means, axis=1)
+    assert np.sqrt(np.mean((measured - fitted) ** 2)) < 0.35 * np.sqrt(np.mean(measured**2))
 
 
 def within(fitted: np.ndarray, true: Any, sd: np.ndarray, share: float = 0.0, size: float = 0.0) -> bool:
