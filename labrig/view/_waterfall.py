@@ -61,6 +61,7 @@ def _colour(label: str, index: int) -> str:
 def _meaning(label: str) -> str:
     return {
         "base": "the model as it was",
+        "model": "the model as it is",
         "ceiling": "what could be explained",
         "floor": "what repeats differ by",
     }.get(label, "effect added")
