@@ -128,10 +128,20 @@ def signatures_of(
             part.variant.shape,
         )
         sign = part.effect.sign(context, shown)
-        out.append(
-            Signature(name, part.effect.signature, **{f.name: getattr(sign, f.name) for f in fields(sign)})
-        )
+        points = {f.name: getattr(sign, f.name) for f in fields(sign)}
+        out.append(Signature(name, part.effect.signature, **points, chambers=_by_chamber(context, shown)))
     return out
+
+
+def _by_chamber(context: Context, part: Part) -> dict[str, tuple[float, float]]:
+    """How an effect changes the pressure of each chamber: as a share of it, and root mean square."""
+    if part.own is None:
+        return {}
+    u = context.rows.actuation
+    share = (part.own * u).sum(axis=0) / np.maximum((u**2).sum(axis=0), 1e-12)
+    size = np.sqrt((part.own**2).mean(axis=0))
+    names = context.rows.chambers
+    return {name: (float(share[c]), float(size[c])) for c, name in enumerate(names)}
 
 
 def _pressures(variant: Variant, each: Sequence[Floats]) -> Floats | None:

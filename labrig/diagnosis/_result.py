@@ -35,6 +35,8 @@ class Signature:
     fitted: Floats
     weight: Floats
     group: NDArray[np.str_]
+    chambers: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """Where it changes pressures: by how much each chamber's, as a share of it, and root mean square in its unit."""
 
 
 @dataclass(frozen=True)

@@ -98,6 +98,16 @@ def cloud(fields: "xr.Dataset") -> Cloud | None:
     )
 
 
+def most_moved_by(fields: "xr.Dataset") -> dict[str, str]:
+    """The chamber that moves each marker most, by the marker's name; empty where that is not known."""
+    if "reach" not in fields:
+        return {}
+    reach = np.nan_to_num(np.asarray(fields["reach"].values, dtype=float))
+    chambers = [str(name) for name in fields["chamber"].values]
+    markers = [str(name) for name in fields["marker"].values]
+    return {name: chambers[c] for name, c in zip(markers, reach.argmax(axis=1), strict=True)}
+
+
 def per_coordinate(residual: Floats) -> Floats:
     """Root mean square over the three coordinates (..., 3); NaN where one was not seen."""
     return np.sqrt((residual**2).mean(axis=-1))

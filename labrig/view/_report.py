@@ -14,7 +14,7 @@ from labrig.view._explorer import surface_explorer
 from labrig.view._fields import capture_words, cloud, skin, worst_captures
 from labrig.view._naming import added
 from labrig.view._page import Page, bar, table
-from labrig.view._report_effects import considered, ranking
+from labrig.view._report_effects import considered, ranking, values
 from labrig.view._signature_figure import signature
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
 from labrig.view._text import amount, capital, counted, listed, number, percent, word
@@ -65,6 +65,7 @@ def report_html(result: "Result") -> str:
     page = Page(f"labrig: {words.headline}")
     _opening(page, result)
     considered(page, result)
+    values(page, result)
     _waterfall(page, result)
     ranking(page, result.summary)
     _surface(page, result)
@@ -251,7 +252,7 @@ def _captures(page: Page, result: "Result") -> None:
 
 def _closing(page: Page, summary: dict[str, Any]) -> None:
     terms = {
-        "Error": "A root mean square over the captures, of markers per coordinate: a distance is up to 1.73 times it.",
+        "Error": "A root mean square over the captures, of markers per coordinate: a distance is 1.73 times as much.",
         "Held out": "Errors are measured on whole blocks of captures that took no part in the fit.",
         "Floor": f"What repeats of one set-point with the same history differ by: {amount(summary, 'floor')}.",
     }

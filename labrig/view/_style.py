@@ -87,9 +87,11 @@ footer { margin-top: 64px; border-top: 1px solid #e3e0d8; padding-top: 14px; col
 footer dt { font-weight: 600; color: #47525f; } footer dd { margin: 0 0 6px; max-width: 50em; }
 code { font: 13.5px ui-monospace, "SF Mono", Consolas, "DejaVu Sans Mono", monospace; background: #f1eee6;
   padding: 1px 5px; border-radius: 3px; }
-.scroll svg { min-width: 620px; }
+.narrow { display: none; } .narrow p { font-size: 14px; margin: 6px 0; }
+.lying { display: block; height: 12px; border-radius: 2px; margin-top: 2px; }
 @media (max-width: 760px) { table { font-size: 13px; } th { font-size: 12px; } th, td { padding-right: 7px; }
-  td.values { min-width: 38em; }
+  th.number { white-space: normal; }
+  td.values { min-width: 38em; } svg.wide { display: none; } .narrow { display: block; }
   .answers, .plots, .explorer .plots { grid-template-columns: minmax(0, 1fr); } main { padding: 24px 16px 48px; }
   h1 { font-size: 27px; } }
 @media print { main { max-width: none; } h2 { break-after: avoid; } .plot, table { break-inside: avoid; } }
