@@ -15,6 +15,8 @@ BELOW, ABOVE = "from below", "from above"
 _NAMED = 3  # chambers that a plot tells apart
 _NAMED_FROM = 0.3  # of the largest
 _RIDGE = 1e-4
+_BEGINNING = 1.3
+"""Rows of a hold up to so many times its first moment are its beginning."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,7 @@ def of_field(
     return Sign(
         name,
         unit,
-        f"share of {what}",
+        what,
         "%",
         x[some],
         100 * measured[some],
@@ -140,12 +142,30 @@ def of_field(
     )
 
 
-def of_step(context: Context, part: Part) -> Sign:
-    """The effect as a share of the last change of the pressures, against the time since it."""
+def of_step(context: Context, part: Part, growth: bool = False) -> Sign:
+    """The effect as a share of the last change of the pressures, against the time since it.
+
+    `growth`: what it has become since the beginning of each hold, so that what holds before have left is no matter.
+    """
     rows = context.rows
     step = rows.actuation - context.previous[rows.event]
     moved = np.einsum("fkc,fc->fk", context.jacobian, step)
-    return of_field(context, part, moved, "the last move", context.elapsed_s, "time in hold", "s")
+    what = "share of the last move"
+    if growth:
+        part, what = _since_the_beginning(context, part), "growth, share of the last move"
+    return of_field(context, part, moved, what, context.elapsed_s, "time in hold", "s")
+
+
+def _since_the_beginning(context: Context, part: Part) -> Part:
+    """The same without what it was at the beginning of each hold."""
+    time, capture = context.elapsed_s, context.rows.capture
+    _, index = np.unique(capture, return_inverse=True)
+    begin = np.full(int(index.max()) + 1, np.inf)
+    np.minimum.at(begin, index, time)
+    early = (time <= _BEGINNING * begin[index])[:, None]
+    change = part.change - held(context, np.where(early, part.change, np.nan))[index]
+    left = part.left - held(context, np.where(early, part.left, np.nan))[index]
+    return Part(part.form, change, left, part.noise, None, part.shape)
 
 
 def shows(sign: Sign, share: float = 0.3, bins: int = 12) -> bool:

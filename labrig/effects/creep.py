@@ -15,6 +15,8 @@ TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
 DECADE = 10.0
 SETTLE_S = 3.0
+LONG_HOLD = 5.0
+"""Times the usual settling: from so long a hold on, creep shows within it."""
 SHORTEST_S = 3.0
 """A lag behind the settled shape that is shorter than this is a delay."""
 
@@ -93,10 +95,12 @@ class Creep(Effect):
         return ("time in hold", "s", context.elapsed_s)
 
     def sign(self, context: Context, part: Part) -> Sign:
-        """Against the time in hold, where the holds show it; else against what is left of the pressures before."""
-        held = of_step(context, part)
-        if shows(held):
-            return held
+        """Its growth in the time in hold, where holds are long; else against what is left of the pressures before."""
+        time = context.elapsed_s
+        if time.max() > LONG_HOLD * max(float(time.min()), SETTLE_S):
+            held = of_step(context, part, growth=True)
+            if shows(held):
+                return held
         rows, known = context.rows, part.shape["known"]
         count = next(n for name, n in ELEMENTS.items() if part.form.startswith(name))
         chain = [part.shape["tau_s"] * DECADE**i for i in range(count)]

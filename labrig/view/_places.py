@@ -49,7 +49,7 @@ def _of_chambers(
     header = [kind, *(_title(name, entry) for name, entry in own.items())]
     columns = [(flat(entry["value"]), flat(entry.get("sd"))) for entry in own.values()]
     if chambers:
-        header += ["change of its pressure, %", f"root mean square, {unit}"]
+        header += ["as a change of pressure, %", f"root mean square, {unit}"]
     rows = []
     for i, label in enumerate(labels):
         row = [label, *(give_or_take(v[i], sd[i] if len(sd) == len(v) else None, 2) for v, sd in columns)]

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from labrig.diagnosis import Signature
 
 BINS = 16
-_LOGARITHMIC = 20.0  # times in hold that span so many times the shortest have a logarithmic axis
+_LOGARITHMIC = 10.0  # times in hold that span so many times the shortest have a logarithmic axis
 _FEWEST = 3  # points that a mean is worth drawing of
 
 
@@ -50,21 +50,32 @@ def signature(item: "Signature") -> Figure:
     )
     x = item.x[known]
     if item.x_name == "time in hold" and len(x) and x.min() > 0 and x.max() > _LOGARITHMIC * x.min():
-        layout["xaxis"] |= {"type": "log", "dtick": 1}
+        layout["xaxis"] |= {"type": "log", "dtick": "D2"}
     return {"data": data, "layout": layout}
 
 
 def binned(item: "Signature", inside: np.ndarray) -> tuple[Floats, Floats, Floats]:
-    """Means of x, measured and fitted of the points `inside`, in bins of equally many of them."""
-    order = inside[np.argsort(item.x[inside], kind="stable")]
-    places = len(np.unique(item.x[order]))
-    bins = places if item.x_name == "capture" else min(BINS, places, len(order) // _FEWEST)
-    parts = np.array_split(order, max(1, bins))
+    """Means of x, measured and fitted of the points `inside`, in bins along x."""
+    parts = _bins(item, inside[np.argsort(item.x[inside], kind="stable")])
     mean = [
         [np.average(values[p], weights=item.weight[p]) for p in parts if len(p)]
         for values in (item.x, item.measured, item.fitted)
     ]
     return np.array(mean[0]), np.array(mean[1]), np.array(mean[2])
+
+
+def _bins(item: "Signature", order: np.ndarray) -> list[np.ndarray]:
+    """Points in the `order` of their x, in parts: of one x each where there are few, else of equally many.
+
+    Of times in the hold each part is longer than the one before: there are few moments late in long holds.
+    """
+    x = item.x[order]
+    places = np.unique(x)
+    if len(places) <= BINS or item.x_name == "capture":
+        return np.split(order, np.searchsorted(x, places[1:]))
+    if item.x_name == "time in hold" and x[0] > 0:
+        return np.split(order, np.searchsorted(x, np.geomspace(x[0], x[-1], BINS + 1)[1:-1]))
+    return np.array_split(order, max(1, min(BINS, len(order) // _FEWEST)))
 
 
 def _title(name: str, unit: str) -> str:

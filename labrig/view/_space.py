@@ -40,7 +40,7 @@ def view_axes(rest_mm: Floats) -> tuple[Floats, Floats, Floats]:
 def camera(rest_mm: Floats) -> Figure:
     """Look at the side that bulges, a little from the right and above."""
     right, up, normal = view_axes(rest_mm)
-    eye = 1.95 * normal + 1.1 * right + 0.5 * up
+    eye = 2.1 * normal + 1.2 * right + 0.5 * up
     names = ("x", "y", "z")
     return {
         "eye": dict(zip(names, _plain(eye), strict=True)),

@@ -118,6 +118,7 @@ def _chambers(places_mm: Floats, outlines: Sequence[Outline]) -> list[Figure]:
             "mode": "text",
             **_at(middles),
             "text": [o.name for o in outlines],
+            "textposition": "bottom center",
             "textfont": {**FONT, "size": 14, "color": INK, "weight": 600},
             "hoverinfo": "skip",
         },

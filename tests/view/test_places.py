@@ -21,7 +21,7 @@ def test_gains_of_each_chamber_by_name():
         "chamber",
         "gain",
         "offset\u00a0kPa",
-        "change of its pressure, %",
+        "as a change of pressure, %",
         "root mean square, kPa",
     ]
     assert rows[1] == ["middle", "-0.200 ± 0.020", "2.00 ± 0.20", "-15.0", "5"]
