@@ -79,7 +79,8 @@ def _draw_result(recording: "Recording", result: "Result") -> None:
         scale = _draw_clouds(recording, markers, capture_numbers(fields), improved, floor)
         new = " + ".join(word(name) for name in added(summary)) or "best candidate"
         arrows = f"arrows: residual × {number(scale)}"
-        scenes.append(scene_in_front(f"Before: the model as it was ({arrows})", "/before", markers.rest_mm))
+        name = "Before: the model as it was" if improved else "The model as it is"
+        scenes.append(scene_in_front(f"{name} ({arrows})", "/before", markers.rest_mm))
         if improved:
             scenes.append(scene_in_front(f"After: with {new}", "/after", markers.rest_mm))
     curves = [_draw_errors(recording, result, improved)]
@@ -139,7 +140,7 @@ def _draw_errors(recording: "Recording", result: "Result", improved: bool) -> An
     before, after = residuals(result.fields)
     at = capture_numbers(result.fields)
     units = str(result.summary.get("units", ""))
-    recording.series("/error/before", "before", rgb(BEFORE), 2.0)
+    recording.series("/error/before", "before" if improved else "error", rgb(BEFORE), 2.0)
     recording.curve("/error/before", "capture", at, rms(before, axis=1))
     if improved:
         recording.series("/error/after", "after", rgb("#4fa3c1"), 2.0)
@@ -179,7 +180,8 @@ def _verdict(result: "Result") -> str:
     )
     lines[-2:] = [table]
     worst = worst_captures(result.fields, 5)
+    after = {w.capture: f" → {number(w.model)}" if has_improved(result.summary) else "" for w in worst}
     rows = "\n".join(
-        f"- capture {w.capture}: {number(w.base)} → {number(w.model)} {units} ({w.where})" for w in worst
+        f"- capture {w.capture}: {number(w.base)}{after[w.capture]} {units} ({w.where})" for w in worst
     )
     return "\n\n".join([*lines, "### The worst captures", rows])
