@@ -1,13 +1,13 @@
 """The way of a residual: observations, design, evidence, verdict, formula, result."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from labrig.diagnosis import _constants as k
-from labrig.diagnosis._candidates import Fit, fit, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fit_named
@@ -148,9 +148,9 @@ def result_of(
     }
     return Result(
         summary=summary,
-        fields=fields_of(context, chosen),
+        fields=fields_of(context, ready.residual, chosen),
         waterfall=_waterfall(ready, chosen, errors),
-        signatures=signatures_of(streams, context, found, verdict.effects or verdict.rivals),
+        signatures=signatures_of(context, ready.residual, ready.floor.row, _shown(chosen, verdict, found)),
         where=places,
         improved=improved if entries else None,
     )
@@ -162,6 +162,16 @@ def _chosen(ready: Prepared, verdict: Verdict, effects: dict[str, Effect]) -> Fi
     if verdict.verdict not in {"identified", "multiple", "confounded"} or not names:
         return None
     return fit_named(ready.streams, ready.context, [effects[n] for n in names])
+
+
+def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Candidate]]) -> dict[str, Fit]:
+    """The fit in which each effect is shown: what is sure, and each possible one beside it without the others."""
+    if chosen is None:
+        return {}
+    shown = dict.fromkeys(chosen.names, chosen)
+    sure = [p for p in chosen.parts if p.effect.name in verdict.effects]
+    shown |= {n: fit([*sure, found[n][0]]) for n in verdict.rivals if n in found and n not in shown}
+    return shown
 
 
 def _errors(ready: Prepared, chosen: Fit | None) -> _Errors:

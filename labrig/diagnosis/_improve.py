@@ -44,9 +44,9 @@ def compare(runs: "Sequence[Dataset] | Dataset", model: Model) -> Result:
     }
     return Result(
         summary=summary,
-        fields=fields_of(context, None),
+        fields=fields_of(context, residual, None),
         waterfall=[("model", float(error["model"])), ("floor", float(error["floor"]))],
-        signatures=signatures_of(streams, context, {}, ()),
+        signatures=[],
         where=places,
     )
 
@@ -112,11 +112,9 @@ def improve(
     }
     return Result(
         summary=summary,
-        fields=fields_of(context, chosen),
+        fields=fields_of(context, residual, chosen),
         waterfall=[*steps, ("floor", float(np.sqrt(floor_square)))],
-        signatures=signatures_of(
-            streams, context, {p.effect.name: [p] for p in chosen.parts}, [e.name for e in effects]
-        ),
+        signatures=signatures_of(context, residual, floor.row, dict.fromkeys(chosen.names, chosen)),
         where=places,
         improved=improved,
     )

@@ -1,32 +1,34 @@
 """What a report shows: the fields over the captures, and each effect's signature."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Candidate, Fit, change_of
+from labrig.diagnosis._candidates import Fit, change_of
+from labrig.diagnosis._columns import coefficients
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
-from labrig.diagnosis._streams import Streams
-from labrig.effects import Context
+from labrig.effects import Context, Variant
+from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def fields_of(context: Context, chosen: Fit | None) -> "Dataset":
-    """Measured, base and model, mean of each capture's hold, as a Dataset (capture, observable)."""
+def fields_of(context: Context, residual: Floats, chosen: Fit | None) -> "Dataset":
+    """Measured, base and model, mean of each capture's hold, as a Dataset (capture, observable).
+
+    Of markers also the error of each, from the `residual` (F, K) without mistaken values as `where` has it, and how far
+    each chamber alone moves them.
+    """
     import xarray as xr
 
     rows = context.rows
-    change = change_of(context, chosen) if chosen else np.zeros_like(context.base)
-    if chosen and chosen.columns.streams.declared is not None:
-        change = change + _refit(context, chosen, change)
-    if chosen and chosen.columns.streams.calibrated is not None:
-        change = change + _recalibrated(context, chosen, change)
+    change = whole_change(context, chosen) if chosen else np.zeros_like(context.base)
     seen = np.where(np.isfinite(rows.values), 1.0, np.nan)
     measured, captures = capture_means(rows.values, rows.capture)
     base, _ = capture_means(context.base * seen, rows.capture)
@@ -58,7 +60,32 @@ def fields_of(context: Context, chosen: Fit | None) -> "Dataset":
     if rows.rest_mm is not None:
         out["rest_mm"] = (("marker", "axis"), rows.rest_mm)
         out = out.assign_coords(marker=list(rows.markers[: len(rows.rest_mm)]), axis=list("xyz"))
+        out["error_before"] = ("marker", _of_markers(context, residual**2))
+        out["error_after"] = ("marker", _of_markers(context, (residual - change) ** 2))
+        reach = np.abs(context.jacobian).mean(axis=0) if context.reach is None else context.reach
+        by_chamber = [_of_markers(context, column[None] ** 2) for column in reach.T]
+        out["reach"] = (("marker", "chamber"), np.stack(by_chamber, axis=1))
     return out
+
+
+def _of_markers(context: Context, square: Floats) -> Floats:
+    """Root means of squares (n, K) over what was seen of each marker that has a place, (M,)."""
+    out = np.full(len(context.rows.rest_mm), np.nan)  # type: ignore[arg-type]
+    for m in range(len(out)):
+        own = square[:, context.rows.marker == m]
+        if np.isfinite(own).any():
+            out[m] = np.sqrt(np.nanmean(own))
+    return out
+
+
+def whole_change(context: Context, chosen: Fit) -> Floats:
+    """What the effects, and the base's own parameters fitted again beside them, change in the prediction, (F, K)."""
+    change = change_of(context, chosen)
+    if chosen.columns.streams.declared is not None:
+        change = change + _refit(context, chosen, change)
+    if chosen.columns.streams.calibrated is not None:
+        change = change + _recalibrated(context, chosen, change)
+    return change
 
 
 def _refit(context: Context, chosen: Fit, change: Floats) -> Floats:
@@ -84,24 +111,41 @@ def _recalibrated(context: Context, chosen: Fit, change: Floats) -> Floats:
 
 
 def signatures_of(
-    streams: Streams, context: Context, found: Mapping[str, Sequence[Candidate]], names: Sequence[str]
+    context: Context, residual: Floats, noise: Floats, fits: Mapping[str, Fit]
 ) -> list[Signature]:
-    """The residual along its leading direction against the covariate that betrays each effect."""
-    rows = context.rows
-    weight = 1 / streams.floor.row
-    residual = np.where(np.isfinite(context.residual), context.residual, 0.0)
-    _, _, Vt = np.linalg.svd(residual * weight, full_matrices=False)
-    leading = Vt[0] * weight
-    scale = np.sum(np.abs(leading)) or 1.0
-    along = residual @ (leading / scale)
-    if np.corrcoef(along, rows.fraction.mean(axis=1) + 1e-9 * np.arange(len(along)))[0, 1] < 0:
-        along = -along
-    turn = np.sign(context.direction[rows.event].sum(axis=1))
-    group = [{1.0: "up", -1.0: "down"}.get(float(s), "first") for s in turn]
-    shown = list(dict.fromkeys([*names, *sorted(found, key=lambda n: -found[n][0].score.gain)[:3]]))
+    """What gives each effect away, by name, in the fit that has it: with all other effects of that fit removed."""
     out = []
-    for name in shown:
-        if name in found:
-            covariate, unit, x = found[name][0].effect.covariate(context)
-            out.append(Signature(name, covariate, unit, x, along, group))
+    for name, chosen in fits.items():
+        i = chosen.names.index(name)
+        part = chosen.parts[i]
+        each = coefficients(part.columns, part.variant, chosen.own(i))
+        shown = Part(
+            part.variant.form,
+            contribution(context, part.variant, each),
+            residual - whole_change(context, chosen),
+            noise,
+            _pressures(part.variant, each),
+            part.variant.shape,
+        )
+        sign = part.effect.sign(context, shown)
+        points = {f.name: getattr(sign, f.name) for f in fields(sign)}
+        out.append(Signature(name, part.effect.signature, **points, chambers=_by_chamber(context, shown)))
     return out
+
+
+def _by_chamber(context: Context, part: Part) -> dict[str, tuple[float, float]]:
+    """How an effect changes the pressure of each chamber: as a share of it, and root mean square."""
+    if part.own is None:
+        return {}
+    u = context.rows.actuation
+    share = (part.own * u).sum(axis=0) / np.maximum((u**2).sum(axis=0), 1e-12)
+    size = np.sqrt((part.own**2).mean(axis=0))
+    names = context.rows.chambers
+    return {name: (float(share[c]), float(size[c])) for c, name in enumerate(names)}
+
+
+def _pressures(variant: Variant, each: Sequence[Floats]) -> Floats | None:
+    """The change of the pressures (F, C) that a form is, where all of its terms act on them."""
+    if any(term.kind != "pressure" for term in variant.terms):
+        return None
+    return np.sum([term.feature @ beta for term, beta in zip(variant.terms, each, strict=True)], axis=0)

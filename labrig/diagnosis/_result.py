@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.effects._rows import Floats
 
@@ -17,18 +18,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Signature:
-    """What is left of the base's error against the covariate that betrays an effect.
+    """What gives an effect away, as the points of a plot, with the model's other effects removed.
 
-    `x`, `residual` (N,): covariate and residual, the latter along the leading direction of the error;
-    `group` (N,): ``up``, ``down`` or ``first``, the stroke by which the capture was reached.
+    `says` is what to look for. `x`, `measured`, `fitted`, `weight` (N,): where the points lie, what was measured, what
+    the fitted effect says, how much each point tells; `group` (N,) names what is drawn apart. A unit of `1` is none.
     """
 
     effect: str
-    covariate: str
-    unit: str
+    says: str
+    x_name: str
+    x_unit: str
+    y_name: str
+    y_unit: str
     x: Floats
-    residual: Floats
-    group: list[str]
+    measured: Floats
+    fitted: Floats
+    weight: Floats
+    group: NDArray[np.str_]
+    chambers: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """Where it changes pressures: by how much each chamber's, as a share of it, and root mean square in its unit."""
 
 
 @dataclass(frozen=True)

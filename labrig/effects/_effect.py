@@ -10,6 +10,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._family import Space
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, along_own
 
 Acts = Literal["pressure", "mechanics", "observation"]
 Kind = Literal["pressure", "pattern", "frame", "field"]
@@ -120,6 +121,11 @@ class Effect(ABC):
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         """The covariate that betrays it, for plots: name, unit, values (F,)."""
         return ("load", "1", context.rows.fraction.mean(axis=1))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """What betrays it as the points of a plot: its own pattern against its covariate, unless it says more."""
+        name, unit, x = self.covariate(context)
+        return along_own(context, part, x, name, unit)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         """What a saved form needs and `context` has not, in words; empty where nothing is lacking."""

@@ -7,8 +7,9 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
-from labrig.effects._inside import inside
+from labrig.effects._inside import FORM, inside
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
 
 class Contact(Effect):
@@ -122,6 +123,14 @@ class Contact(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        if part.form.startswith("wall at "):
+            letter = part.form[-1]
+            return by_marker(context, part, "xyz".index(letter), 1.0 if part.form[-2] == "+" else -1.0)
+        if part.form in ("travel", FORM):
+            return by_marker(context, part)
+        return by_chamber(context, part, named=True)
 
 
 def _places(context: Context) -> Iterator[Space]:

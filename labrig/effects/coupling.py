@@ -10,6 +10,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, by_chamber
 
 
 class Coupling(Effect):
@@ -93,6 +94,13 @@ class Coupling(Effect):
         x = context.rows.fraction
         near = overlap(context)
         return ("product of neighbouring pressures", "1", ((x @ near) * x).sum(axis=1) / len(near))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        x = context.rows.fraction
+        product = x * (x @ overlap(context))
+        return by_chamber(
+            context, part, product, "pressure of the chamber x that of its neighbours", "of the range"
+        )
 
 
 def neighbour_pairs(near: Floats) -> list[tuple[int, int]]:

@@ -9,11 +9,14 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, lags, pressure
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, by_chamber, of_step, shows
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
 DECADE = 10.0
 SETTLE_S = 3.0
+LONG_HOLD = 5.0
+"""Times the usual settling: from so long a hold on, creep shows within it."""
 SHORTEST_S = 3.0
 """A lag behind the settled shape that is shorter than this is a delay."""
 
@@ -90,6 +93,23 @@ class Creep(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """Its growth in the time in hold, where holds are long; else against what is left of the pressures before."""
+        time = context.elapsed_s
+        if time.max() > LONG_HOLD * max(float(time.min()), SETTLE_S):
+            held = of_step(context, part, growth=True)
+            if shows(held):
+                return held
+        rows, known = context.rows, part.shape["known"]
+        count = next(n for name, n in ELEMENTS.items() if part.form.startswith(name))
+        chain = [part.shape["tau_s"] * DECADE**i for i in range(count)]
+        slow, now = np.mean([context.relaxed(t) for t in chain], axis=0), rows.actuation
+        if "of the wall" in part.form:
+            slow = np.mean([context.strained(t) for t in chain], axis=0)
+            now = context.deflection * context.span / context.deflection_slope
+        what = "remembered pressure" + (f" − {100 * known:.0f} % of that now" if known else "")
+        return by_chamber(context, part, slow - known * now, what, rows.actuation_unit, named=True)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS

@@ -8,6 +8,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, lags, pressure
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, of_step
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
 
@@ -55,6 +56,9 @@ class Delay(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        return of_step(context, part)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS

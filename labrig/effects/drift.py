@@ -9,6 +9,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, clocks, field, motion_scale, pattern, pressure
 from labrig.effects._fields import frame_modes
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, along_own, of_field
 
 HOUR_S = 3600.0
 _CELSIUS = {
@@ -115,6 +116,19 @@ class Drift(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in session", "s", context.session_time_s)
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """Against the clock or the temperature that it follows; a gain as a share of the displacement."""
+        rows = context.rows
+        clock = part.form.rsplit(", ", 1)[0]
+        name, unit, x = self.covariate(context)
+        if clock.endswith("over all sessions"):
+            name, x = "time since the run began", rows.time_s - np.nanmin(rows.time_s)
+        elif clock not in _BY_TIME and clock in rows.covariates:
+            name, unit, x = clock, rows.covariates[clock].unit, rows.covariates[clock].values
+        if part.form.endswith(", gain"):
+            return of_field(context, part, context.displacement, "share of the displacement", x, name, unit)
+        return along_own(context, part, x, name, unit)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         clock = form.rsplit(", ", 1)[0]

@@ -9,6 +9,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
 from labrig.effects._fields import frame_modes, scale_mode, strain_modes
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, by_capture
 
 
 class Frame(Effect):
@@ -65,3 +66,22 @@ class Frame(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """Each coordinate's mean over the captures against what one motion of the frame does to it."""
+        rows, one = context.rows, by_capture(context, part)
+        known = np.isfinite(one.left).any(axis=0) & (rows.axis >= 0)
+        motion, left = one.change[:, known].mean(axis=0), np.nanmean(one.left[:, known], axis=0)
+        axis = np.array([f"along {'xyz'[a]}" for a in rows.axis[known]])
+        unit = rows.unit[int(np.flatnonzero(known)[0])]
+        return Sign(
+            "what the frame does to a coordinate",
+            unit,
+            "mean error of the coordinate",
+            unit,
+            motion,
+            motion + left,
+            motion,
+            1 / part.noise[known] ** 2,
+            axis,
+        )

@@ -8,6 +8,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, along_own, by_chamber
 
 
 class Friction(Effect):
@@ -87,6 +88,14 @@ class Friction(Effect):
             if name in context.motion:
                 return (name, cov.unit, cov.values)
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        for name, (speed, _) in context.motion.items():
+            if part.form.startswith(f"Coulomb along {name}"):
+                return along_own(
+                    context, part, speed, f"speed of {name}", f"{context.rows.covariates[name].unit}/s"
+                )
+        return by_chamber(context, part, strokes=True)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         moving = form.removeprefix("Coulomb along ").removesuffix(", growing with load")

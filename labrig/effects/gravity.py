@@ -10,6 +10,7 @@ from labrig.effects._family import Space, acting, field, motion_scale, pattern, 
 from labrig.effects._fields import frame_modes
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, along_own, by_capture, held
 
 _NEWTON = 1 / 9.80665
 _PAYLOAD = {
@@ -20,6 +21,7 @@ _PAYLOAD = {
 }
 """Units of a payload, in kg (of a force: of the mass that weighs so much)."""
 _WHERE_COMPLIANT = {"sag": "weight", "payload": "weight_per_kg", "tilt": "weight_by_tilt"}
+_TILTED = {"tilt", "orientation", "angle"}
 _ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
 
 
@@ -51,7 +53,7 @@ class Gravity(Effect):
             known = np.isfinite(cov.values).all() and context.shows(np.ptp(cov.values) > 0)
             if known and cov.unit in _PAYLOAD and ("load" in name.lower() or "mass" in name.lower()):
                 loads.append(cov.values * _PAYLOAD[cov.unit])
-            if known and cov.unit in _ANGLE and name.lower() in {"tilt", "orientation", "angle"}:
+            if known and cov.unit in _ANGLE and name.lower() in _TILTED:
                 angle = cov.values * _ANGLE[cov.unit]
                 tilts += [np.sin(angle), np.cos(angle)]
         compliant = context.rows.rest_mm is not None and context.shows(context.moves)
@@ -96,7 +98,7 @@ class Gravity(Effect):
                 continue
             if "load" in name.lower() or "mass" in name.lower():
                 loads.append(("load", cov.values / np.abs(cov.values).max()))
-            if name.lower() in {"tilt", "orientation", "angle"}:
+            if name.lower() in _TILTED:
                 angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
                 loads += [("sine", np.sin(angle)), ("cosine", np.cos(angle) - np.cos(angle).mean())]
         has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
@@ -129,6 +131,32 @@ class Gravity(Effect):
                     )
         if out:
             yield Space("weight", "gravity", acting(out))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """Against payload or tilt, where it follows them; else against how far the pressures move each marker."""
+        for name, cov in context.rows.covariates.items():
+            if cov.unit in _PAYLOAD or name.lower() in _TILTED:
+                return along_own(context, part, cov.values, name, cov.unit)
+        return self._by_compliance(context, part)
+
+    def _by_compliance(self, context: Context, part: Part) -> Sign:
+        one = by_capture(context, part)
+        size = [np.nansum(one.change[:, context.rows.axis == a] ** 2) for a in range(3)]
+        axis = int(np.argmax(size))
+        along = held(context, list(self._yielding(context))[axis][1])
+        known = np.isfinite(one.left) & (context.rows.axis == axis)
+        unit = context.rows.unit[int(np.flatnonzero(context.rows.axis == axis)[0])]
+        return Sign(
+            "how far full pressures move the marker",
+            unit,
+            f"error along {'xyz'[axis]}",
+            unit,
+            along[known],
+            one.seen[known],
+            one.change[known],
+            one.weight[known],
+            np.full(int(known.sum()), ""),
+        )
 
     @staticmethod
     def _yielding(context: Context) -> Iterator[tuple[str, Floats]]:

@@ -6,6 +6,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, play_of, pressure
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, by_chamber
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
@@ -77,3 +78,6 @@ class Hysteresis(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        return by_chamber(context, part, strokes=True)

@@ -8,8 +8,11 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, of_field, pressures
 
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
+_HELD = 0.1
+"""Of the range: in a chamber with less, a share of its pressure says nothing."""
 
 
 class Leak(Effect):
@@ -59,6 +62,31 @@ class Leak(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """Shares of the pressures, of the chambers that lose most where each has its own, against the time in hold."""
+        rows, C = context.rows, len(context.rows.chambers)
+        time = context.elapsed_s
+        found = pressures(context, part)
+        if found is None or part.form == "exponential" or C == 1:
+            moved = np.einsum("fkc,fc->fk", context.jacobian, rows.actuation)
+            return of_field(context, part, moved, "share of the pressure", time, "time in hold", "s")
+        held = np.where(rows.fraction > _HELD, rows.actuation, np.nan)
+        measured, fitted, weight = found
+        worst = int(np.argmax(np.sqrt((fitted**2).mean(axis=0))))
+        some = np.isfinite(held[:, worst])
+        says, share = (weight * rows.actuation**2)[some, worst], 100 / held[some, worst]
+        return Sign(
+            "time in hold",
+            "s",
+            f"share of the pressure of {rows.chambers[worst]}",
+            "%",
+            time[some],
+            share * measured[some, worst],
+            share * fitted[some, worst],
+            says,
+            np.full(len(says), rows.chambers[worst]),
+        )
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "measured pressures" if form == "as measured" and context.measured_error is None else ""

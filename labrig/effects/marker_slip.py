@@ -9,6 +9,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, field, motion_scale
 from labrig.effects._rows import Floats, Rows
+from labrig.effects._sign import Part, Sign, by_capture
 from labrig.effects._spectrum import fill
 
 _ALONG = 5
@@ -157,6 +158,27 @@ class MarkerSlip(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        """The marker's error along the way that it slipped, and that of the others along it, capture by capture."""
+        rows, one = context.rows, by_capture(context, part)
+        slipped = int(part.shape.get("marker", 0))
+        way = np.zeros(3)
+        mine = np.flatnonzero(rows.marker == slipped)
+        way[rows.axis[mine]] = one.change[:, mine].sum(axis=0)
+        way /= np.linalg.norm(way) or 1.0
+        captures = np.unique(rows.capture).astype(float)
+        x, y, f, group = [], [], [], []
+        for m in np.unique(rows.marker[rows.marker >= 0]):
+            own = np.flatnonzero(rows.marker == m)
+            known = np.isfinite(one.left[:, own]).all(axis=1)
+            x.append(captures[known])
+            y.append((one.seen[:, own] @ way[rows.axis[own]])[known])
+            f.append((one.change[:, own] @ way[rows.axis[own]])[known])
+            group += [rows.markers[m] if m == slipped else "the other markers"] * int(known.sum())
+        x, y, f = (np.concatenate(each) for each in (x, y, f))
+        unit = rows.unit[int(mine[0])]
+        return Sign("capture", "1", "error along the slip", unit, x, y, f, np.ones(len(x)), np.array(group))
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         missing = "since_s" in parameters and not np.isfinite(context.rows.time_s).all()

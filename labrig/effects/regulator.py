@@ -7,6 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
+from labrig.effects._sign import Part, Sign, by_chamber
 
 
 class Regulator(Effect):
@@ -72,6 +73,9 @@ class Regulator(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, np.ndarray]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        return by_chamber(context, part, named=True)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "measured pressures" if form == "as measured" and context.measured_error is None else ""

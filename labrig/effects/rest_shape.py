@@ -10,6 +10,7 @@ from labrig.effects._family import Space, field, motion_scale, pattern
 from labrig.effects._fields import smooth_places
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, along_own
 
 
 class RestShape(Effect):
@@ -41,3 +42,7 @@ class RestShape(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        load = context.rows.actuation.mean(axis=1)
+        return along_own(context, part, load, "mean pressure", context.rows.actuation_unit)

@@ -9,6 +9,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
 from labrig.effects._rows import Floats
+from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
 
 class Tension(Effect):
@@ -74,3 +75,10 @@ class Tension(Effect):
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean travel", context.rows.unit[0], context.travel.mean(axis=1))
+
+    def sign(self, context: Context, part: Part) -> Sign:
+        if part.form == "restoring":
+            return by_chamber(
+                context, part, 100 * context.deflection, "deflection of the chamber, of the largest", "%"
+            )
+        return by_marker(context, part)

@@ -16,23 +16,31 @@ FLAT = 0.03  # the second extent of a cloud, as a share of its first, below whic
 
 @dataclass(frozen=True)
 class Cloud:
-    """Markers with all three axes: rest (M, 3) mm, and N captures measured and predicted (N, M, 3) mm."""
+    """Markers with all three axes: rest (M, 3) mm, and N captures measured and predicted (N, M, 3) mm.
+
+    Every error is a root mean square per coordinate, as in all tables; `before_mm`, `after_mm` (M,) are those of the
+    whole campaign. `reach` (M, C): how far each of the `chambers` alone moves each marker, where that is known.
+    """
 
     names: tuple[str, ...]
     rest_mm: Floats
     measured_mm: Floats
     base_mm: Floats
     model_mm: Floats
+    before_mm: Floats
+    after_mm: Floats
+    chambers: tuple[str, ...] = ()
+    reach: Floats | None = None
 
     @property
     def base_error_mm(self) -> Floats:
-        """Distance between measured and predicted before an effect was added, (N, M); NaN where unseen."""
-        return np.linalg.norm(self.measured_mm - self.base_mm, axis=2)
+        """Error before an effect was added, per coordinate, (N, M); NaN where unseen."""
+        return per_coordinate(self.measured_mm - self.base_mm)
 
     @property
     def model_error_mm(self) -> Floats:
         """The same for the improved model."""
-        return np.linalg.norm(self.measured_mm - self.model_mm, axis=2)
+        return per_coordinate(self.measured_mm - self.model_mm)
 
 
 @dataclass(frozen=True)
@@ -69,7 +77,40 @@ def cloud(fields: "xr.Dataset") -> Cloud | None:
     base, model = (
         ("base_everywhere", "model_everywhere") if "base_everywhere" in fields else ("base", "model")
     )
-    return Cloud(tuple(names), rest[known], pick("measured"), pick(base), pick(model))
+    measured, before, after = pick("measured"), pick(base), pick(model)
+
+    def error(variable: str, predicted: Floats) -> Floats:
+        if variable in fields:
+            return np.asarray(fields[variable].sel(marker=names).values, dtype=float)
+        return rms(per_coordinate(measured - predicted), axis=0)
+
+    reach = np.asarray(fields["reach"].sel(marker=names).values, dtype=float) if "reach" in fields else None
+    return Cloud(
+        tuple(names),
+        rest[known],
+        measured,
+        before,
+        after,
+        error("error_before", before),
+        error("error_after", after),
+        tuple(str(name) for name in fields["chamber"].values) if reach is not None else (),
+        reach,
+    )
+
+
+def most_moved_by(fields: "xr.Dataset") -> dict[str, str]:
+    """The chamber that moves each marker most, by the marker's name; empty where that is not known."""
+    if "reach" not in fields:
+        return {}
+    reach = np.nan_to_num(np.asarray(fields["reach"].values, dtype=float))
+    chambers = [str(name) for name in fields["chamber"].values]
+    markers = [str(name) for name in fields["marker"].values]
+    return {name: chambers[c] for name, c in zip(markers, reach.argmax(axis=1), strict=True)}
+
+
+def per_coordinate(residual: Floats) -> Floats:
+    """Root mean square over the three coordinates (..., 3); NaN where one was not seen."""
+    return np.sqrt((residual**2).mean(axis=-1))
 
 
 def skin(rest_mm: Floats, subdivisions: int = 2) -> Skin | None:
@@ -132,10 +173,20 @@ def rms(values: Floats, axis: int | tuple[int, ...] | None = None) -> Floats:
     return np.sqrt(np.where(count > 0, total / np.maximum(count, 1), np.nan))
 
 
+def counted(fields: "xr.Dataset") -> NDArray[np.int64]:
+    """The observables that errors are quoted for: those of the commonest unit."""
+    units = [str(unit) for unit in fields["unit"].values] if "unit" in fields.coords else []
+    commonest = max(dict.fromkeys(units), key=units.count) if units else ""
+    return np.array([k for k in range(fields.sizes["observable"]) if not units or units[k] == commonest])
+
+
 def residuals(fields: "xr.Dataset") -> tuple[Floats, Floats]:
-    """Measured minus predicted, (N, K), by the base and by the model."""
-    measured = np.asarray(fields["measured"].values, dtype=float)
-    return measured - np.asarray(fields["base"].values), measured - np.asarray(fields["model"].values)
+    """Measured minus predicted by the base and by the model, (N, K), of the observables that are counted."""
+    own = counted(fields)
+    measured, base, model = (
+        np.asarray(fields[name].values, dtype=float)[:, own] for name in ("measured", "base", "model")
+    )
+    return measured - base, measured - model
 
 
 @dataclass(frozen=True)
@@ -155,8 +206,8 @@ def worst_captures(fields: "xr.Dataset", count: int = 8) -> list[WorstCapture]:
     before, after = residuals(fields)
     error, improved = rms(before, axis=1), rms(after, axis=1)
     order = [int(i) for i in np.argsort(-np.nan_to_num(error, nan=-1.0)) if np.isfinite(error[i])][:count]
-    names = [str(name) for name in fields["observable"].values]
-    owners = [str(owner) or name for owner, name in zip(_marker_of(fields), names, strict=True)]
+    names, markers = [str(name) for name in fields["observable"].values], _marker_of(fields)
+    owners = [markers[k] or names[k] for k in counted(fields)]
     captures = fields["capture"].values
     sessions = fields["session"].values if "session" in fields.coords else None
     result = []
@@ -177,6 +228,15 @@ def worst_captures(fields: "xr.Dataset", count: int = 8) -> list[WorstCapture]:
             )
         )
     return result
+
+
+def capture_words(fields: "xr.Dataset", capture: int) -> str:
+    """A capture by its number, its session where there are several, and its set-points."""
+    session = ""
+    if "session" in fields.coords and len(set(fields["session"].values.tolist())) > 1:
+        session = f" ({fields['session'].values[capture]})"
+    set_points = _pressures(fields, capture)
+    return f"{fields['capture'].values[capture]}{session}" + (f": {set_points}" if set_points else "")
 
 
 def _marker_of(fields: "xr.Dataset") -> list[str]:
@@ -213,3 +273,12 @@ def _pressures(fields: "xr.Dataset", capture: int) -> str:
     shown = ", ".join(f"{chambers[k]} {values[k]:.3g}" for k in order[:4])
     more = ", …" if len(order) > 4 else ""
     return f"{shown}{more} {unit}".strip() if shown else "vented"
+
+
+def kept_captures(count: int, error: Floats, most: int) -> list[int]:
+    """Which captures can be looked at: all, or evenly many with the worst among them."""
+    if count <= most:
+        return list(range(count))
+    worst = np.argsort(-np.nan_to_num(error, nan=-1.0))[: most // 10]
+    even = np.linspace(0, count - 1, most - len(worst)).astype(int)
+    return sorted({int(i) for i in np.concatenate([even, worst])})

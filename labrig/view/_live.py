@@ -3,15 +3,16 @@
 import atexit
 import time
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drivers import MarkerFrame, PressureSample
 from labrig._errors import LabrigError
 from labrig.campaign import Completed, Observer, Progress, RigInfo, Step
-from labrig.view._colours import moved_colours, rgb
+from labrig.view._colours import STEPS, moved_colours, rgb
 from labrig.view._fields import Floats, rms, skin
+from labrig.view._legend import legend_picture
 from labrig.view._scene import CHAMBER_COLOURS, UNSEEN, draw_state, scene_in_front
 from labrig.view._style import BEFORE
 from labrig.view._viewer import Viewer, reachable, start_viewer
@@ -25,7 +26,7 @@ FRAME_S = 0.05  # frames that follow each other faster are not drawn
 SURFACE_S = 0.2
 SHOWN_S = 120.0
 LOOK_S = 2.0  # how often it is looked whether the viewer is still there
-ERROR_MM = 5.0  # where the colour scale of the error ends until a larger one is seen
+FLOOR_MM = 0.2  # noise floor that the colours of the error count in: while a run goes on nobody knows its own
 ARROWS = 10.0
 STEP_COLOURS = {
     "actuate": "#e58b55", "settle": "#e3c15b", "record": "#9cc069", "scan": "#6fb3c8",
@@ -52,7 +53,7 @@ class LiveView(Observer):
         self._frame_s = self._surface_s = -np.inf
         self._pressure: Floats | None = None
         self._last: Floats | None = None
-        self._top = ERROR_MM if predict is not None else 1.0
+        self._top = 1.0
         self._paused = False
         self._captures = 0
         self._looked_s = 0.0
@@ -92,17 +93,22 @@ class LiveView(Observer):
         rest = None if rest is None else rest[np.isfinite(rest).all(axis=1)]
         title = "Surface and markers"
         if self._predict is not None:
-            title += f" (colour: error; arrows: residual × {ARROWS:g})"
+            title += (
+                f" (colour: error, dark from {STEPS[-1] * FLOOR_MM:.2g} mm; arrows: residual × {ARROWS:g})"
+            )
         left = [] if rest is None or len(rest) < 3 else [scene_in_front(title, "/rig", rest)]
-        curves = [
-            _rerun.plot("measured, kPa", "/measured/**", SHOWN_S),
-            _rerun.plot("commanded, kPa", "/commanded/**", SHOWN_S),
+        curves: list[Any] = [
+            _rerun.plot("measured, kPa", "/measured/**", SHOWN_S, legend=False),
+            _rerun.plot("commanded, kPa", "/commanded/**", SHOWN_S, legend=False),
         ]
         if self._predict is not None:
             curves.insert(0, _rerun.plot("residual, mm rms", "/residual", SHOWN_S))
         plan = _rerun.stacked(
             _rerun.lanes("plan and interlock", "/plan"), _rerun.log_lines("events", "/events")
         )
+        floor = FLOOR_MM if self._predict is not None else None
+        recording.picture("/legend", legend_picture(floor, "mm", self._chambers))
+        curves.append(_rerun.picture("What the colours mean", "/legend"))
         top = _rerun.side_by_side(*left, _rerun.stacked(*curves), shares=[3.0, 2.0] if left else None)
         recording.arrange(
             _rerun.arrangement(_rerun.stacked(top, plan, shares=[3.0, 1.2]), "time", follow=True)
@@ -164,9 +170,8 @@ class LiveView(Observer):
     def _compare(self, recording: "Recording", position: Floats, predicted: Floats) -> None:
         residual = float(rms(position - predicted))
         if np.isfinite(residual):
-            self._top = max(self._top, 2.0 * residual)
             recording.value("/residual", residual)
-        draw_state(recording, "/rig", self._markers, self._skin, position, predicted, self._top, ARROWS)
+        draw_state(recording, "/rig", self._markers, self._skin, position, predicted, FLOOR_MM, ARROWS)
 
     def event(self, time_s: float, text: str, level: str) -> None:
         """Show the line; what is worse than INFO also colours the interlock."""

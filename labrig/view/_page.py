@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
+from labrig.view._explorer_script import LINKED_CAMERAS
 from labrig.view._style import CSS
 
 _CONFIG = {"displayModeBar": False, "responsive": True}
@@ -17,6 +18,7 @@ class Page:
         self._title = title
         self._body: list[str] = []
         self._figures: list[dict[str, Any]] = []
+        self._parts: dict[str, str] = {}
 
     def add(self, markup: str) -> None:
         """Append markup as it is."""
@@ -33,6 +35,10 @@ class Page:
         self._figures.append(figure)
         height = int(figure["layout"].get("height", 300))
         return f'<div class="drawn" id="plot{len(self._figures) - 1}" style="height:{height}px"></div>'
+
+    def script(self, name: str, text: str) -> None:
+        """Run a script once all figures are drawn; of one name only once."""
+        self._parts[name] = text
 
     def html(self) -> str:
         """The whole page; it loads nothing from anywhere."""
@@ -52,7 +58,8 @@ class Page:
         config = json.dumps(_CONFIG)
         return (
             f"<script>{get_plotlyjs()}</script>\n<script>const figures={figures};\n"
-            f'figures.forEach((f,i)=>Plotly.newPlot("plot"+i,f.data,f.layout,{config}));</script>\n'
+            f'Promise.all(figures.map((f,i)=>Plotly.newPlot("plot"+i,f.data,f.layout,{config}))).then(()=>{{'
+            f"{LINKED_CAMERAS}{''.join(self._parts.values())}}});</script>\n"
         )
 
 

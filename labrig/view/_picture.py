@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.view._colours import error_colours, rgb
+from labrig.view._colours import STEPS, error_colours, floor_for_colours, rgb
 from labrig.view._fields import Cloud, Floats, cloud, residuals, rms, skin
-from labrig.view._figures import view_axes
 from labrig.view._naming import added
+from labrig.view._space import view_axes
 from labrig.view._style import AFTER, BEFORE, CEILING, ERROR_SCALE, FLOOR, INK, MUTED
 from labrig.view._text import number, word
 from labrig.view._words import has_improved, note
@@ -51,25 +51,30 @@ def write_picture(result: "Result", path: str | Path) -> Path:
 
 def _surfaces(axes: list[Any], markers: Cloud, result: "Result") -> None:
     from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import LinearSegmentedColormap, Normalize
+    from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
     both = has_improved(result.summary)
-    before, after = rms(markers.base_error_mm, axis=0), rms(markers.model_error_mm, axis=0)
-    top = float(np.nanmax(np.concatenate([before, after]))) or 1.0
+    before, after = markers.before_mm, markers.after_mm
+    floor = floor_for_colours(result.summary.get("error", {}).get("floor"), before)
     new = " + ".join(word(name) for name in added(result.summary)) or "the best candidate"
     titles = ("the model as it was", f"with {new}") if both else ("the model as it is", "")
     for axis, error, title in zip(axes, (before, after), titles, strict=True):
         axis.set_axis_off()
         if title:
             axis.set_title(title, color=INK, fontsize=11)
-            _surface(axis, markers, error, top)
-    scale = ScalarMappable(Normalize(0, top), LinearSegmentedColormap.from_list("error", list(ERROR_SCALE)))
+            _surface(axis, markers, error, floor)
+    scale = ScalarMappable(
+        LogNorm(STEPS[0], STEPS[-1]), LinearSegmentedColormap.from_list("error", list(ERROR_SCALE))
+    )
     bar = axes[0].figure.colorbar(scale, ax=axes, shrink=0.7, pad=0.02, aspect=30)
-    bar.set_label(f"distance, rms, {result.summary.get('units', '')}", color=MUTED)
+    bar.set_ticks(list(STEPS), labels=[f"{s}" for s in STEPS])
+    bar.minorticks_off()
+    units = result.summary.get("units", "")
+    bar.set_label(f"error in noise floors of {number(floor)} {units}", color=MUTED)
     bar.outline.set_visible(False)
 
 
-def _surface(axis: Any, markers: Cloud, error: Floats, top: float) -> None:
+def _surface(axis: Any, markers: Cloud, error: Floats, floor: float) -> None:
     """The surface at rest as somebody in front of it sees it, lit from the left, in the colour of the error."""
     from matplotlib.collections import PolyCollection
 
@@ -84,7 +89,7 @@ def _surface(axis: Any, markers: Cloud, error: Floats, top: float) -> None:
         facing *= np.sign(facing[:, 2:3])
         light = facing @ LIGHT / np.maximum(np.linalg.norm(facing, axis=1), 1e-12)
         value = surface.vertices(np.nan_to_num(error))[surface.triangles].mean(axis=1)
-        colours = error_colours(np.clip(value, 0.0, None), top) / 255.0 * (0.55 + 0.5 * light)[:, None]
+        colours = error_colours(np.clip(value, 0.0, None), floor) / 255.0 * (0.55 + 0.5 * light)[:, None]
         order = np.argsort(corners[:, :, 2].mean(axis=1))
         faces = np.clip(colours[order], 0.0, 1.0)
         axis.add_collection(
@@ -92,7 +97,7 @@ def _surface(axis: Any, markers: Cloud, error: Floats, top: float) -> None:
         )
     points = markers.rest_mm @ turned.T
     known = np.isfinite(error)
-    shades = error_colours(error[known], top) / 255.0
+    shades = error_colours(error[known], floor) / 255.0
     axis.scatter(points[known, 0], points[known, 1], c=shades, s=16, edgecolors=INK, linewidths=0.6, zorder=3)
     axis.set_aspect("equal")
     axis.margins(0.04)
@@ -101,8 +106,9 @@ def _surface(axis: Any, markers: Cloud, error: Floats, top: float) -> None:
 def _errors(axis: Any, result: "Result") -> None:
     """The error of each capture, before and after, where there is no surface to draw."""
     before, after = residuals(result.fields)
-    axis.plot(rms(before, axis=1), color=BEFORE, label="before", linewidth=1.2)
-    if has_improved(result.summary):
+    both = has_improved(result.summary)
+    axis.plot(rms(before, axis=1), color=BEFORE, label="before" if both else "error", linewidth=1.2)
+    if both:
         axis.plot(rms(after, axis=1), color=AFTER, label="after", linewidth=1.2)
     axis.set_xlabel("capture", color=MUTED)
     axis.set_ylabel(f"rms error, {result.summary.get('units', '')}", color=MUTED)

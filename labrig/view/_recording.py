@@ -6,18 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.view._colours import rgb
+from labrig.view._colours import floor_for_colours, rgb
 from labrig.view._fields import (
     Cloud,
-    Floats,
     actuated,
     capture_numbers,
     cloud,
+    kept_captures,
     residuals,
     rms,
     skin,
     worst_captures,
 )
+from labrig.view._legend import legend_picture
 from labrig.view._naming import added
 from labrig.view._scene import CHAMBER_COLOURS, draw_state, scene_in_front
 from labrig.view._style import BEFORE, FLOOR
@@ -72,52 +73,56 @@ def _draw_result(recording: "Recording", result: "Result") -> None:
     markers = cloud(fields)
     improved = has_improved(summary)
     scenes: list[Any] = []
+    floor: float | None = None
     if markers is not None:
-        scale = _draw_clouds(recording, markers, capture_numbers(fields), improved)
+        floor = floor_for_colours(summary.get("error", {}).get("floor"), markers.before_mm)
+        scale = _draw_clouds(recording, markers, capture_numbers(fields), improved, floor)
         new = " + ".join(word(name) for name in added(summary)) or "best candidate"
         arrows = f"arrows: residual × {number(scale)}"
-        scenes.append(scene_in_front(f"Before: the model as it was ({arrows})", "/before", markers.rest_mm))
+        name = "Before: the model as it was" if improved else "The model as it is"
+        scenes.append(scene_in_front(f"{name} ({arrows})", "/before", markers.rest_mm))
         if improved:
             scenes.append(scene_in_front(f"After: with {new}", "/after", markers.rest_mm))
     curves = [_draw_errors(recording, result, improved)]
     if actuated(fields):
         curves.append(_draw_commanded(recording, fields))
     recording.text("/verdict", _verdict(result))
+    chambers = [str(name) for name in fields["chamber"].values] if actuated(fields) else []
     text = _rerun.page("Verdict", "/verdict")
+    if markers is not None or chambers:
+        recording.picture("/legend", legend_picture(floor, str(summary.get("units", "")), chambers))
+        text = _rerun.stacked(text, _rerun.picture("What the colours mean", "/legend"), shares=[2.5, 1.0])
     bottom = _rerun.side_by_side(*curves)
     if scenes:
         top = _rerun.side_by_side(*scenes, text, shares=[*([3.0] * len(scenes)), 2.0])
         view = _rerun.stacked(top, bottom, shares=[2.2, 1.0])
     else:
         view = _rerun.side_by_side(_rerun.stacked(*curves), text, shares=[2.0, 1.0])
-    recording.arrange(_rerun.arrangement(view, "capture"))
+    recording.arrange(_rerun.arrangement(view, "capture", at=worst_number(fields)))
 
 
-def _shown(count: int, error: Floats) -> list[int]:
-    """Which captures are drawn in 3D: all, or evenly many with the worst among them."""
-    if count <= MAX_CAPTURES:
-        return list(range(count))
-    even = np.linspace(0, count - 1, MAX_CAPTURES - 20).astype(int)
-    worst = np.argsort(-np.nan_to_num(error, nan=-1.0))[:20]
-    return sorted({int(i) for i in np.concatenate([even, worst])})
+def worst_number(fields: "xr.Dataset") -> int | None:
+    """The number of the capture with the largest error before anything was added; None where there is none."""
+    error = rms(residuals(fields)[0], axis=1)
+    return int(capture_numbers(fields)[np.nanargmax(error)]) if np.isfinite(error).any() else None
 
 
-def _draw_clouds(recording: "Recording", markers: Cloud, numbers: Any, improved: bool) -> float:
+def _draw_clouds(recording: "Recording", markers: Cloud, numbers: Any, improved: bool, floor: float) -> float:
     """Log every capture before and after; returns by how much the residual arrows are longer than the residuals."""
     size = float(np.ptp(markers.rest_mm, axis=0).max()) or 1.0
     before = markers.base_error_mm
     seen = before[np.isfinite(before)]
     top = float(np.quantile(seen, 0.98)) if seen.size else 1.0
-    scale = _round_down(ARROW_SHARE * size / (top or 1.0))
+    scale = _round_down(ARROW_SHARE * size / (np.sqrt(3.0) * top or 1.0))
     surface = skin(markers.rest_mm)
     states = [("/before", markers.base_mm)] + ([("/after", markers.model_mm)] if improved else [])
     for root, _ in states:
         recording.upright(root)
-    for n in _shown(len(before), rms(before, axis=1)):
+    for n in kept_captures(len(before), rms(before, axis=1), MAX_CAPTURES):
         recording.at(capture=int(numbers[n]))
         for root, predicted in states:
             measured = markers.measured_mm[n]
-            draw_state(recording, root, markers.names, surface, measured, predicted[n], top, scale)
+            draw_state(recording, root, markers.names, surface, measured, predicted[n], floor, scale)
     return scale
 
 
@@ -135,7 +140,7 @@ def _draw_errors(recording: "Recording", result: "Result", improved: bool) -> An
     before, after = residuals(result.fields)
     at = capture_numbers(result.fields)
     units = str(result.summary.get("units", ""))
-    recording.series("/error/before", "before", rgb(BEFORE), 2.0)
+    recording.series("/error/before", "before" if improved else "error", rgb(BEFORE), 2.0)
     recording.curve("/error/before", "capture", at, rms(before, axis=1))
     if improved:
         recording.series("/error/after", "after", rgb("#4fa3c1"), 2.0)
@@ -156,7 +161,7 @@ def _draw_commanded(recording: "Recording", fields: "xr.Dataset") -> Any:
         recording.series(path, name, rgb(CHAMBER_COLOURS[k % len(CHAMBER_COLOURS)]), 1.5, steps=True)
         recording.curve(path, "capture", capture_numbers(fields), commanded[:, k])
     unit = str(fields["commanded"].attrs.get("units", ""))
-    return _rerun.plot(f"commanded, {unit}", "/commanded/**")
+    return _rerun.plot(f"commanded, {unit}", "/commanded/**", legend=False)
 
 
 def _verdict(result: "Result") -> str:
@@ -175,7 +180,8 @@ def _verdict(result: "Result") -> str:
     )
     lines[-2:] = [table]
     worst = worst_captures(result.fields, 5)
+    after = {w.capture: f" → {number(w.model)}" if has_improved(result.summary) else "" for w in worst}
     rows = "\n".join(
-        f"- capture {w.capture}: {number(w.base)} → {number(w.model)} {units} ({w.where})" for w in worst
+        f"- capture {w.capture}: {number(w.base)}{after[w.capture]} {units} ({w.where})" for w in worst
     )
     return "\n\n".join([*lines, "### The worst captures", rows])

@@ -8,17 +8,18 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from labrig.view import _figures
-from labrig.view._fields import cloud, skin, worst_captures
+from labrig.view._colours import floor_for_colours
+from labrig.view._explorer import surface_explorer
+from labrig.view._fields import capture_words, cloud, skin, worst_captures
 from labrig.view._naming import added
 from labrig.view._page import Page, bar, table
-from labrig.view._report_effects import considered, ranking
+from labrig.view._report_effects import considered, ranking, values
+from labrig.view._signature_figure import signature
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
-from labrig.view._text import amount, counted, listed, number, percent, word
+from labrig.view._text import amount, capital, counted, listed, number, percent, word
 from labrig.view._waterfall import waterfall_svg
-from labrig.view._words import has_improved, meanings, note
+from labrig.view._words import fitted_anything, has_improved, meanings, note
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -64,6 +65,7 @@ def report_html(result: "Result") -> str:
     page = Page(f"labrig: {words.headline}")
     _opening(page, result)
     considered(page, result)
+    values(page, result)
     _waterfall(page, result)
     ranking(page, result.summary)
     _surface(page, result)
@@ -137,9 +139,10 @@ def _errors(summary: dict[str, Any]) -> str:
 def _waterfall(page: Page, result: "Result") -> None:
     if len(result.waterfall) < 2:
         return
+    which = "on held-out captures" if fitted_anything(result.summary) else "of the model as it stands"
     page.section(
         "From the model to the noise",
-        "Root-mean-square error on held-out captures. Nothing can be explained below the floor.",
+        f"Root-mean-square error {which}. Nothing can be explained below the floor.",
     )
     page.add(waterfall_svg(result.waterfall, str(result.summary.get("units", ""))))
 
@@ -153,25 +156,20 @@ def _surface(page: Page, result: "Result") -> None:
             "Measured against predicted",
             "Every number that was measured; on the dotted line the model is exact.",
         )
-        page.add(page.plot(_figures.fit(result.fields)))
+        page.add(page.plot(_figures.fit(result.fields, both)))
         return
     page.section(
         "On the surface",
-        "Distance between measured and predicted at each marker (root mean square over the campaign), on one scale. "
-        "Turn it with the mouse."
-        if both
-        else "Distance between measured and predicted at each marker (root mean square over the campaign). "
-        "Turn it with the mouse.",
+        "The error of each marker over the campaign, per coordinate as in all tables, in noise floors: the same "
+        "colours in every report. Turn it with the mouse; pick a capture to see its shape. Lines: where a chamber "
+        "alone moves the surface by half of its most or more.",
     )
-    before, after = _figures.surfaces(markers, skin(markers.rest_mm), units)
-    if both:
-        new = listed(added(summary)) or "the best candidate"
-        page.add(
-            f'<div class="plots"><div class="plot"><h3>Before: the model as it was</h3>{page.plot(before)}</div>'
-            f'<div class="plot"><h3>After: with {escape(new)}</h3>{page.plot(after)}</div></div>'
-        )
-    else:
-        page.add(page.plot(after))
+    new = listed(added(summary)) or "the best candidate"
+    titles = ["Before: the model as it was", f"After: with {new}"] if both else ["The model as it is"]
+    names = [capture_words(result.fields, n) for n in range(result.fields.sizes["capture"])]
+    surface = skin(markers.rest_mm)
+    floor = floor_for_colours(summary.get("error", {}).get("floor"), markers.before_mm)
+    surface_explorer(page, markers, surface, floor, units, titles, names)
 
 
 def _where(page: Page, result: "Result") -> None:
@@ -181,7 +179,8 @@ def _where(page: Page, result: "Result") -> None:
     units, top = str(result.summary.get("units", "")), max(float(row["error"]) for row in rows) or 1.0
     page.section(
         "Where it fails",
-        f"Error of the model as it was, in {units}, and its share of what can be explained. "
+        f"Error of the model as it {'was' if has_improved(result.summary) else 'is'}, in {units}, root mean square "
+        "per coordinate, and its share of what can be explained. "
         "Pale: not clear of the noise.",
     )
     blocks = []
@@ -212,52 +211,53 @@ def _first_number(name: str) -> float:
 
 
 def _signatures(page: Page, result: "Result") -> None:
-    shown = [item for item in result.signatures if np.ptp(np.nan_to_num(item.x)) > 0]
-    if not shown:
+    if not result.signatures:
         return
-    units = str(result.summary.get("units", ""))
     page.section(
         "What gives it away",
-        "What the model leaves over, against the quantity that betrays each effect; lines are means, up and down "
-        "strokes apart.",
+        "What was measured (dots: means; pale: single points) and what the fitted effect says (line), with all other "
+        "effects removed.",
     )
     blocks = [
-        f'<div class="plot"><h3>{escape(word(item.effect))}: {escape(item.covariate)}</h3>'
-        f"{page.plot(_figures.signature(item, units))}</div>"
-        for item in shown
+        f'<div class="plot"><h3>{escape(capital(word(item.effect)))}</h3><p class="about">{escape(item.says)}</p>'
+        f"{page.plot(signature(item))}</div>"
+        for item in result.signatures
     ]
     page.add(f'<div class="plots">{"".join(blocks)}</div>')
 
 
 def _captures(page: Page, result: "Result") -> None:
     units = str(result.summary.get("units", ""))
-    worst = worst_captures(result.fields)
+    worst, both = worst_captures(result.fields), has_improved(result.summary)
     if not worst:
         return
     page.section("Capture by capture", "The error of every capture in the order in which they were taken.")
     floor = result.summary.get("error", {}).get("floor")
-    page.add(page.plot(_figures.over_captures(result.fields, units, floor)))
+    page.add(page.plot(_figures.over_captures(result.fields, units, floor, both)))
     page.add("<h3>The worst captures</h3>")
     several = len({capture.session for capture in worst}) > 1
-    header = ["capture", "set-points", "worst at", f"before, {escape(units)}", f"after, {escape(units)}"]
+    errors = ["before", "after"] if both else ["error"]
+    header = ["capture", "set-points", "worst at", *(f"{name}, {escape(units)}" for name in errors)]
     cells = [
         [
             escape(capture.capture + (f" ({capture.session})" if several else "")),
             escape(capture.commanded),
             escape(capture.where),
-            number(capture.base),
-            number(capture.model),
+            *([number(capture.base), number(capture.model)] if both else [number(capture.base)]),
         ]
         for capture in worst
     ]
-    page.add(table(header, cells, ["", "", "", "number", "number"]))
+    page.add(table(header, cells, ["", "", "", "number", "number"][: len(header)]))
 
 
 def _closing(page: Page, summary: dict[str, Any]) -> None:
     terms = {
+        "Error": "A root mean square over the captures, of markers per coordinate: a distance is 1.73 times as much.",
         "Held out": "Errors are measured on whole blocks of captures that took no part in the fit.",
         "Floor": f"What repeats of one set-point with the same history differ by: {amount(summary, 'floor')}.",
     }
+    if not fitted_anything(summary):
+        del terms["Held out"]
     if summary.get("error", {}).get("ceiling") is not None:
         terms["Ceiling"] = (
             "What a flexible learner reaches that may use everything that was logged: "

@@ -3,14 +3,17 @@
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from labrig.view._fields import most_moved_by
 from labrig.view._naming import added, effect_rows
 from labrig.view._page import Page, bar, table
+from labrig.view._places import place_tables
 from labrig.view._text import capital, counted, number, word
 from labrig.view._values import Fitted, fitted, plain_words, values_words
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
 
+FEW_ROWS, FIRST_ROWS = 12, 6
 _ABOUT = (
     "Each effect's probability, weighed together with all others (sure from 90 %, possible from 10 %), and how large "
     "it is if it is there: root mean square over the run, in units and in noise floors."
@@ -37,9 +40,27 @@ def considered(page: Page, result: "Result") -> None:
         what = f"Not it: {count}" + (f", {less} than 10 % probable" if named else "")
         body = table(header, [_cells(row) for row in others], classes)
         page.add(f"<details{'' if named else ' open'}><summary>{what}</summary>{body}</details>")
-    values = "".join(_values(one) for one in fitted(result))
-    if values:
-        page.add(f"<h3>Values in the model with it</h3>{values}")
+
+
+def values(page: Page, result: "Result") -> None:
+    """What was fitted of each effect that was added, chamber by chamber or place by place."""
+    shown = fitted(result)
+    if not shown:
+        return
+    page.section("Values", "What was fitted of each effect in the model with it, with standard deviations.")
+    chambers = {item.effect: item.chambers for item in result.signatures}
+    unit = str(result.fields["commanded"].attrs.get("units", "")) if "commanded" in result.fields else ""
+    over = most_moved_by(result.fields)
+    for one in shown:
+        page.add(_values(one))
+        for kind, header, rows in place_tables(one.parameters, chambers.get(one.effect, {}), unit, over):
+            cells = [[escape(cell) for cell in row] for row in rows]
+            names, classes = [escape(name) for name in header], ["", *["number"] * (len(header) - 1)]
+            first = len(cells) if len(cells) <= FEW_ROWS else FIRST_ROWS
+            page.add(table(names, cells[:first], classes))
+            if rest := cells[first:]:
+                more = counted(len(rest), f"more {kind}")
+                page.add(f"<details><summary>{more}</summary>{table(names, rest, classes)}</details>")
 
 
 def _cells(row: tuple[str, ...]) -> list[str]:

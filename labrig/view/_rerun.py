@@ -16,6 +16,7 @@ os.environ.setdefault("RUST_LOG", "off")  # a viewer that went away is no news f
 
 import rerun as rr
 import rerun.blueprint as rrb
+from rerun.encodings import AbsoluteTimeRange
 
 Floats = NDArray[np.float64]
 Colour = tuple[int, int, int] | Sequence[int]
@@ -23,6 +24,7 @@ Colour = tuple[int, int, int] | Sequence[int]
 BACKGROUND = (22, 26, 33)
 APPLICATION = "labrig"
 LAST_WORDS_S = 2.0
+PACE_FPS, THERE_S = 30.0, 0.5
 _NEVER_LET_GO: list[rr.RecordingStream] = []
 
 
@@ -134,6 +136,10 @@ class Recording:
         """A page of text."""
         self._stream.log(path, rr.TextDocument(markdown, media_type=rr.MediaType.MARKDOWN), static=static)
 
+    def picture(self, path: str, pixels: NDArray[np.uint8]) -> None:
+        """A still picture (H, W, 3)."""
+        self._stream.log(path, rr.Image(pixels), static=True)
+
     def line(self, path: str, text: str, level: str = "INFO") -> None:
         """One line of a log."""
         self._stream.log(path, rr.TextLog(text, level=level))
@@ -162,8 +168,13 @@ def scene(name: str, root: str, eye: Floats, target: Floats, up: Floats) -> rrb.
     )
 
 
-def plot(name: str, contents: str | list[str], last_s: float | None = None) -> rrb.TimeSeriesView:
-    """A view of curves: all of them, or what lies in the last `last_s` seconds before the cursor."""
+def plot(
+    name: str, contents: str | list[str], last_s: float | None = None, legend: bool = True
+) -> rrb.TimeSeriesView:
+    """A view of curves: all of them, or what lies in the last `last_s` seconds before the cursor.
+
+    A `legend` of more than a few curves is cut in a low view: it goes without where a picture has them.
+    """
     bound = rrb.TimeRangeBoundary
     seen = rrb.TimeRange(start=bound.infinite(), end=bound.infinite())
     if last_s is not None:
@@ -175,13 +186,18 @@ def plot(name: str, contents: str | list[str], last_s: float | None = None) -> r
         contents=contents,
         name=name,
         axis_x=rrb.TimeAxis(view_range=seen),
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=legend),
     )
 
 
 def page(name: str, path: str) -> rrb.TextDocumentView:
     """A view of text."""
     return rrb.TextDocumentView(origin=path, name=name)
+
+
+def picture(name: str, path: str) -> rrb.Spatial2DView:
+    """A view of a still picture."""
+    return rrb.Spatial2DView(origin=path, name=name, background=list(BACKGROUND))
 
 
 def log_lines(name: str, path: str) -> rrb.TextLogView:
@@ -209,13 +225,22 @@ def tabs(*views: Any) -> rrb.Tabs:
     return rrb.Tabs(*views)
 
 
-def arrangement(view: Any, timeline: str, follow: bool = False) -> rrb.Blueprint:
-    """The whole window: one container, the side panels out of the way, the time panel small."""
+def arrangement(view: Any, timeline: str, follow: bool = False, at: int | None = None) -> rrb.Blueprint:
+    """The whole window: one container, the side panels out of the way, the time panel small.
+
+    A layout can't say where the time begins: opened `at` a place of a sequence, it goes there in half a second, and
+    plays that place over and over, until somebody moves the time.
+    """
+    time: dict[str, Any] = {"play_state": "following" if follow else "paused"}
+    if at is not None:
+        here = AbsoluteTimeRange(min=at, max=at)
+        pace = max(PACE_FPS, at / THERE_S)
+        time = {"play_state": "playing", "loop_mode": "selection", "time_selection": here, "fps": pace}
     return rrb.Blueprint(
         view,
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
-        rrb.TimePanel(state="collapsed", timeline=timeline, play_state="following" if follow else "paused"),
+        rrb.TimePanel(state="collapsed", timeline=timeline, **time),
         auto_layout=False,
         auto_views=False,
     )

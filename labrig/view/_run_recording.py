@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.view._colours import moved_colours, rgb
 from labrig.view._fields import Floats, rms, skin
+from labrig.view._legend import legend_picture
 from labrig.view._scene import CHAMBER_COLOURS, scene_in_front
 
 if TYPE_CHECKING:
@@ -28,7 +29,11 @@ def draw_run(recording: "Recording", run: "xr.Dataset") -> None:
         views.append(_observables(recording, run))
     pressures = [_commanded(recording, run), _measured(recording, run)]
     recording.text("/about", _about(run))
-    bottom = _rerun.side_by_side(*pressures, _rerun.page("Run", "/about"), shares=[2.0, 2.0, 1.0])
+    recording.picture("/legend", legend_picture(None, "", [str(name) for name in run["chamber"].values]))
+    about = _rerun.stacked(
+        _rerun.page("Run", "/about"), _rerun.picture("What the colours mean", "/legend"), shares=[1.2, 1.0]
+    )
+    bottom = _rerun.side_by_side(*pressures, about, shares=[2.0, 2.0, 1.2])
     view = _rerun.stacked(_rerun.side_by_side(*views), bottom, shares=[2.0, 1.0]) if views else bottom
     recording.arrange(_rerun.arrangement(view, "time"))
 
@@ -108,7 +113,7 @@ def _commanded(recording: "Recording", run: "xr.Dataset") -> Any:
             f"/commanded/{name}", name, rgb(CHAMBER_COLOURS[k % len(CHAMBER_COLOURS)]), 1.5, steps=True
         )
         recording.curve(f"/commanded/{name}", "time", at, values[:, k].astype(float))
-    return _rerun.plot(f"commanded, {run['commanded'].attrs.get('units', '')}", "/commanded/**")
+    return _rerun.plot(f"commanded, {run['commanded'].attrs.get('units', '')}", "/commanded/**", legend=False)
 
 
 def _measured(recording: "Recording", run: "xr.Dataset") -> Any:
@@ -121,7 +126,7 @@ def _measured(recording: "Recording", run: "xr.Dataset") -> Any:
         if np.isfinite(values).any():
             recording.series(f"/measured/{name}", name, rgb(CHAMBER_COLOURS[k % len(CHAMBER_COLOURS)]))
             recording.curve(f"/measured/{name}", "time", at[order], values)
-    return _rerun.plot(f"measured, {run['commanded'].attrs.get('units', '')}", "/measured/**")
+    return _rerun.plot(f"measured, {run['commanded'].attrs.get('units', '')}", "/measured/**", legend=False)
 
 
 def _observables(recording: "Recording", run: "xr.Dataset") -> Any:

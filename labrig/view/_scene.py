@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig.view._colours import error_colours, rgb
-from labrig.view._fields import Floats, Skin, filled
-from labrig.view._figures import view_axes
+from labrig.view._fields import Floats, Skin, filled, per_coordinate
+from labrig.view._space import view_axes
 
 if TYPE_CHECKING:
     from labrig.view._rerun import Recording
@@ -25,25 +25,25 @@ def draw_state(
     surface: Skin | None,
     measured: Floats,
     predicted: Floats,
-    top: float,
+    floor: float,
     scale: float,
 ) -> None:
     """One moment below `root`: the measured surface in the colour of its error, markers, residuals, the unseen.
 
-    `measured` and `predicted` are (M, 3) mm, measured NaN where a marker was not seen; the colour scale ends at
-    `top` mm, and the arrows of the residual are `scale` times as long as it.
+    `measured` and `predicted` are (M, 3) mm, measured NaN where a marker was not seen; errors are per coordinate, their
+    colours count in noise floors of `floor` mm, and the arrows of the residual are `scale` times as long as it.
     """
     radius = 0.006 * float(np.ptp(predicted, axis=0).max())
-    error = np.linalg.norm(measured - predicted, axis=1)
+    error = per_coordinate(measured - predicted)
     seen = np.isfinite(error)
     if surface is not None:
         known = np.where(seen, error, np.nanmean(error) if seen.any() else 0.0)
-        colours = error_colours(np.clip(surface.vertices(known), 0.0, None), top)
+        colours = error_colours(np.clip(surface.vertices(known), 0.0, None), floor)
         recording.mesh(
             f"{root}/surface", surface.vertices(filled(measured, predicted)), surface.triangles, colours
         )
-    labels = [f"{names[m]}: {error[m]:.3g} mm" for m in np.flatnonzero(seen).tolist()]
-    recording.points(f"{root}/measured", measured[seen], error_colours(error[seen], top), radius, labels)
+    labels = [f"{names[m]}: {error[m]:.3g} mm per coordinate" for m in np.flatnonzero(seen).tolist()]
+    recording.points(f"{root}/measured", measured[seen], error_colours(error[seen], floor), radius, labels)
     recording.points(f"{root}/predicted", predicted, rgb(PREDICTED), 0.45 * radius)
     unseen = [f"{names[m]}: not seen" for m in np.flatnonzero(~seen).tolist()]
     recording.points(f"{root}/occluded", predicted[~seen], rgb(UNSEEN), radius, unseen)

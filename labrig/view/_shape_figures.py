@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.view._figures import FONT, Figure, _layout, _plain, scene_layout
+from labrig.view._figures import FONT, Figure, _layout, _plain
+from labrig.view._space import scene_layout
 from labrig.view._style import AFTER, BEFORE, INK, LINE
 
 Floats = NDArray[np.float64]

@@ -69,16 +69,30 @@ p.values { margin: 2px 0 8px; max-width: 52em; } td.values { min-width: 17em; }
 .scroll { overflow-x: auto; }
 .plots { display: grid; grid-template-columns: 1fr 1fr; gap: 22px 30px; }
 .plot { min-width: 0; }
+.plot p.about { min-height: 2.6em; margin: 0 0 4px; font-size: 14px; line-height: 1.3; }
+.explorer.one .plots { grid-template-columns: 1fr; }
+.explorer [hidden] { display: none; }
+.controls { display: flex; flex-wrap: wrap; gap: 8px 16px; align-items: center; font-size: 14px; color: #47525f; }
+.controls select { font: inherit; max-width: 15em; padding: 2px 4px; }
+.controls button { font: inherit; border: 1px solid #c9c5bb; background: #fff; padding: 2px 10px; cursor: pointer;
+  margin-left: -1px; } .controls button.on { background: #1f6f8b; border-color: #1f6f8b; color: #fff; }
+.scale { max-width: 420px; margin: 10px 0 4px; font-size: 12.5px; color: #47525f; }
+.scale .colours { height: 10px; border-radius: 2px; margin: 2px 0; }
+.scale .marks { display: flex; justify-content: space-between; line-height: 1.3; }
+.scale .marks span { flex: 0 0 0; white-space: nowrap; display: flex; flex-direction: column; align-items: center; }
+.scale .marks span:first-child { align-items: flex-start; } .scale .marks span:last-child { align-items: flex-end; }
 details { margin: 6px 0; }
 summary { cursor: pointer; color: #66717f; font-size: 14px; }
 footer { margin-top: 64px; border-top: 1px solid #e3e0d8; padding-top: 14px; color: #66717f; font-size: 14px; }
 footer dt { font-weight: 600; color: #47525f; } footer dd { margin: 0 0 6px; max-width: 50em; }
 code { font: 13.5px ui-monospace, "SF Mono", Consolas, "DejaVu Sans Mono", monospace; background: #f1eee6;
   padding: 1px 5px; border-radius: 3px; }
-.scroll svg { min-width: 620px; }
+.narrow { display: none; } .narrow p { font-size: 14px; margin: 6px 0; }
+.lying { display: block; height: 12px; border-radius: 2px; margin-top: 2px; }
 @media (max-width: 760px) { table { font-size: 13px; } th { font-size: 12px; } th, td { padding-right: 7px; }
-  td.values { min-width: 38em; }
-  .answers, .plots { grid-template-columns: 1fr; } main { padding: 24px 16px 48px; }
+  th.number { white-space: normal; }
+  td.values { min-width: 38em; } svg.wide { display: none; } .narrow { display: block; }
+  .answers, .plots, .explorer .plots { grid-template-columns: minmax(0, 1fr); } main { padding: 24px 16px 48px; }
   h1 { font-size: 27px; } }
 @media print { main { max-width: none; } h2 { break-after: avoid; } .plot, table { break-inside: avoid; } }
 """

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 _SHOWN = 6  # parameters of one effect
 _NAMED = 3  # chambers, markers ... of one parameter, where it has more than _FEW
 _FEW = 4
+ROTATION = "about "
 _CLEAR = 2.0  # standard deviations from nothing
 
 
@@ -63,7 +64,7 @@ def values_words(parameters: Mapping[str, Any]) -> str:
 
 
 def _values(entry: Mapping[str, Any], unit: str) -> str:
-    values, sds = _flat(entry.get("value")), _flat(entry.get("sd"))
+    values, sds = flat(entry.get("value")), flat(entry.get("sd"))
     if not values:
         return "–"
     if len(values) == 1:
@@ -71,6 +72,10 @@ def _values(entry: Mapping[str, Any], unit: str) -> str:
     per = [str(name) for name in entry.get("per") or []]
     if len(per) != len(values):
         return with_unit(f"{number(min(values))} to {number(max(values))}", unit) + f" ({len(values)} values)"
+    if any(name.startswith(ROTATION) for name in per):  # the six motions of a frame
+        units = ["rad" if name.startswith(ROTATION) else unit for name in per]
+        shown = zip(per, values, sds or [None] * len(values), units, strict=True)
+        return ", ".join(f"{name} {with_unit(give_or_take(v, sd, 2), u)}" for name, v, sd, u in shown)
     order = list(range(len(values)))
     rest: list[int] = []
     if len(values) > _FEW:
@@ -94,11 +99,11 @@ def plain_words(effect: str, parameters: Mapping[str, Any]) -> str:
 def leak_words(parameters: Mapping[str, Any]) -> str:
     """Which chamber loses how much of its pressure, and how fast; empty where the values do not say."""
     if "sensor" in parameters and "loss" not in parameters:
-        share = _flat(parameters["sensor"].get("value"))
+        share = flat(parameters["sensor"].get("value"))
         reaches = f": {percent(share[0])} of it reaches the surface" if share and share[0] <= 1.0 else ""
         return f"Pressure is lost as the sensors measured it{reaches}."
     loss, tau = (parameters.get(key, {}) for key in ("loss", "tau_s"))
-    losses, sds, taus = _flat(loss.get("value")), _flat(loss.get("sd")), _flat(tau.get("value"))
+    losses, sds, taus = flat(loss.get("value")), flat(loss.get("sd")), flat(tau.get("value"))
     if not taus:
         return ""
     chambers = [str(name) for name in loss.get("per") or tau.get("per") or []]
@@ -129,7 +134,7 @@ def _rate(per_s: float) -> str:
     raise AssertionError
 
 
-def _flat(values: Any) -> list[float]:
+def flat(values: Any) -> list[float]:
     if isinstance(values, list | tuple):
-        return [number for value in values for number in _flat(value)]
+        return [number for value in values for number in flat(value)]
     return [] if values is None else [float(values)]

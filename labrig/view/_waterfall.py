@@ -47,9 +47,21 @@ def waterfall_svg(steps: Sequence[tuple[str, float]], units: str) -> str:
             previous = value
     title = escape(", ".join(f"{label} {number(value)} {units}" for label, value in steps))
     return (
-        f'<div class="scroll"><svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" width="100%" role="img" aria-label="{title}" '
-        f'font-family="inherit">{"".join(parts)}</svg></div>'
+        f'<svg class="wide" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" width="100%" role="img" aria-label="{title}" '
+        f'font-family="inherit">{"".join(parts)}</svg>{_lying(steps, units)}'
     )
+
+
+def _lying(steps: Sequence[tuple[str, float]], units: str) -> str:
+    """The same as lying bars, for a narrow window."""
+    top = max(value for _, value in steps) or 1.0
+    rows = "".join(
+        f"<p><b>{escape(word(label.removeprefix('+ ')))}</b> {escape(_meaning(label))}: {number(value)} {escape(units)}"
+        f'<span class="lying" style="width:{max(1.0, 100 * value / top):.0f}%;background:{_colour(label, i)}">'
+        "</span></p>"
+        for i, (label, value) in enumerate(steps)
+    )
+    return f'<div class="narrow">{rows}</div>'
 
 
 def _colour(label: str, index: int) -> str:
@@ -61,6 +73,7 @@ def _colour(label: str, index: int) -> str:
 def _meaning(label: str) -> str:
     return {
         "base": "the model as it was",
+        "model": "the model as it is",
         "ceiling": "what could be explained",
         "floor": "what repeats differ by",
     }.get(label, "effect added")

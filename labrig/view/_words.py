@@ -56,6 +56,11 @@ def has_improved(summary: dict[str, Any]) -> bool:
     return base is not None and model is not None and model < 0.995 * base
 
 
+def fitted_anything(summary: dict[str, Any]) -> bool:
+    """Whether effects were fitted at all: not in a comparison."""
+    return "base" in summary.get("error", {})
+
+
 def note(summary: dict[str, Any]) -> Note:
     """Put a diagnosis into words, or a comparison or an improvement, which have no verdict."""
     verdict = str(summary.get("verdict", ""))

@@ -1,7 +1,8 @@
 """Known causes, made with formulas that the library does not have, are considered, sized and signed aright.
 
 What a laboratory (tests/conftest.py) measures is changed by a formula of the test's own; `diagnose` must call the
-effect of that kind sure, or possible at least; and what `improve` fits must follow what was put in, row by row.
+effect of that kind sure, or possible at least; what `improve` fits must follow what was put in, row by row; and the
+plot that gives the effect away must show it, with the fitted curve over what was measured.
 """
 
 from typing import Any
@@ -13,6 +14,7 @@ import xarray as xr
 from labrig.diagnosis import Result, diagnose, improve
 from labrig.effects import rows_of
 from labrig.model import Model, base_context, build_base
+from labrig.view._signature_figure import binned
 
 LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
 
@@ -33,11 +35,23 @@ def found(
     true, said = changes(lab.dataset(values, **extra), result.improved, model)
     assert np.sum(true * said) / np.sum(true**2) == pytest.approx(1.0, abs=0.15)
     assert np.corrcoef(true.ravel(), said.ravel())[0, 1] > 0.95
+    gives_away(result, name)
     assert not named or calls[name] in {"sure", "possible"}
     entry = result.improved.file.effects[-1].parameters
     fitted = {k: np.asarray(v.value) for k, v in entry.items()}
     sd = {k: np.asarray(v.sd) for k, v in entry.items() if v.sd is not None}
     return result, fitted, sd
+
+
+def gives_away(result: Result, name: str) -> None:
+    """The plot has names on its axes, and its curve goes through the means of what was measured, far from zero."""
+    (shown,) = result.signatures
+    assert shown.effect == name
+    assert min(len(shown.says), len(shown.x_name), len(shown.y_name)) > 0
+    assert len(shown.x) == len(shown.measured) == len(shown.fitted) == len(shown.weight) == len(shown.group)
+    means = [binned(shown, np.flatnonzero(shown.group == group)) for group in np.unique(shown.group)]
+    _, measured, fitted = np.concatenate(means, axis=1)
+    assert np.sqrt(np.mean((measured - fitted) ** 2)) < 0.35 * np.sqrt(np.mean(measured**2))
 
 
 def within(fitted: np.ndarray, true: Any, sd: np.ndarray, share: float = 0.0, size: float = 0.0) -> bool:
@@ -50,6 +64,22 @@ def changes(clean: xr.Dataset, improved: Model, model: Model) -> tuple[np.ndarra
     rows = rows_of(clean)
     base = base_context(build_base(model.file, model.folder, rows), rows).base
     return rows.values - base, improved.context(rows).base - base
+
+
+def test_each_of_two_is_shown_without_the_other(make_lab) -> None:
+    """Beside gains that are off, the drift of the frame is seen as it is by itself, and the gains without the drift."""
+    lab = make_lab()
+    late = lab.time_s / np.nanmax(lab.time_s)
+    drift = late[:, :, None] * np.tile([0.8, -0.4, 0.6], 6)
+    values = lab.predict(lab.u * [1.1, 1.0, 0.9]) + drift + lab.noise()
+    both = improve(lab.dataset(values), lab.model(), ["regulator", "drift"])
+    gains, slow = both.signatures
+    assert (gains.effect, slow.effect) == ("regulator", "drift")
+    size = np.sqrt(np.mean(np.square([0.8, -0.4, 0.6])))
+    assert np.polyfit(slow.x / np.nanmax(lab.time_s), slow.measured, 1)[0] == pytest.approx(size, rel=0.1)
+    for chamber, gain in (("c1", 0.1), ("c3", -0.1)):
+        own = gains.group == chamber
+        assert np.polyfit(gains.x[own], gains.measured[own], 1)[0] == pytest.approx(gain, abs=0.03)
 
 
 def test_regulator(make_lab) -> None:
@@ -77,7 +107,11 @@ def test_hysteresis(make_lab) -> None:
             z = z + d / 0.08 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
             last = point
         u[i] -= 3.0 * z
-    _, values, _ = found(lab, lab.predict(u), "hysteresis")
+    result, values, _ = found(lab, lab.predict(u), "hysteresis")
+    loop = result.signatures[0]
+    above, below = (loop.measured[loop.group == way] for way in ("from above", "from below"))
+    assert above.mean() > 2.0
+    assert below.mean() < -2.0
     half = 60 * values["width"].item() * (np.mean(values["weight"]) + 3 * np.mean(values.get("wide", 0)))
     assert half == pytest.approx(3.0, rel=0.3)
 
@@ -89,7 +123,11 @@ def test_creep(make_lab) -> None:
     steps = np.diff(lab.commanded, axis=0, prepend=0.0)
     since = np.maximum(lab.time_s[:, :, None] - lab.event_s, 0.0)
     u = u + np.einsum("nte,ec->ntc", 0.04 * (1 + since) ** 0.3 - 0.04, steps)
-    _, values, _ = found(lab, lab.predict(u), "creep")
+    result, values, _ = found(lab, lab.predict(u), "creep")
+    _, grown, fitted = binned(result.signatures[0], np.arange(len(result.signatures[0].x)))
+    assert result.signatures[0].x_name == "time in hold"
+    assert (np.diff(grown) > 0).mean() > 0.8
+    assert (np.diff(fitted) > 0).all()
     assert (values["amplitude"] > 0).all()
 
 
@@ -158,7 +196,11 @@ def test_marker_slip(make_lab) -> None:
     values = lab.predict(lab.u)
     gone = np.clip((np.arange(lab.captures) - 28) / 3, 0, 1)
     values[:, :, 9:12] += gone[:, None, None] * np.array([1.2, -1.0, 1.2])
-    _, fitted, sd = found(lab, values, "marker_slip")
+    result, fitted, sd = found(lab, values, "marker_slip")
+    steps = result.signatures[0]
+    slipped = steps.group == "m3"
+    assert np.ptp(steps.measured[slipped]) > 1.7
+    assert np.ptp(steps.measured[~slipped]) < 1.2
     assert fitted["marker"].item() == 3
     assert abs(fitted["since_s"].item() - lab.time_s[30, 0]) <= 3 * np.diff(lab.event_s).max()
     assert within(fitted["slip"], np.array([1.2, -1.0, 1.2]), sd["slip"], 0.1)

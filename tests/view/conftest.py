@@ -152,18 +152,19 @@ def make_where(random):
 
 
 def make_signatures(random):
-    """A creep that shows and a hysteresis that does not."""
-    hold = random.uniform(0, 60, 800)
-    group = ["up" if value else "down" for value in random.random(800) < 0.5]
-    load = random.uniform(0, 60, 800)
+    """A creep that rises with the time in hold, and a hysteresis whose strokes lie apart."""
+    hold, load = random.uniform(1, 60, 800), random.uniform(0, 60, 800)
+    above = random.random(800) < 0.5
+    creep, loop = 8 * np.log1p(hold / 3), np.where(above, 2.0, -2.0)
+    noise, weight = random.normal(0, 0.4, 800), np.ones(800)
     return [
         Signature(
-            effect="creep", covariate="time in hold", unit="s", x=hold, group=group,
-            residual=0.8 * np.log1p(hold / 3) + random.normal(0, 0.4, 800),
+            "creep", "error that grows with the time in hold", "time in hold", "s", "share of the last move", "%",
+            hold, creep + noise, creep, weight, np.full(800, ""),
         ),
         Signature(
-            effect="hysteresis", covariate="pressure", unit="kPa", x=load, group=group,
-            residual=np.where(np.array(group) == "up", 0.2, -0.2) + random.normal(0, 0.4, 800),
+            "hysteresis", "up and down strokes apart", "pressure of the chamber", "kPa", "error as a pressure", "kPa",
+            load, loop + noise, loop, weight, np.where(above, "from above", "from below"),
         ),
     ]  # fmt: skip
 

@@ -10,6 +10,12 @@ import xarray as xr
 from PIL import Image
 
 from labrig.view import screenshot, write_recording
+from labrig.view._colours import rgb
+from labrig.view._fields import residuals, rms
+from labrig.view._legend import legend_picture
+from labrig.view._recording import worst_number
+from labrig.view._scene import CHAMBER_COLOURS
+from labrig.view._style import ERROR_SCALE
 from labrig.view._viewer import quiet_environment, viewer_path
 
 drawing = pytest.mark.skipif(
@@ -137,3 +143,26 @@ def test_run_drawn_without_a_complaint(run, tmp_path):
     assert screenshot(path, tmp_path / "run.png", size="900x600") == []
     with Image.open(tmp_path / "run.png") as image:
         assert image.size == (900, 600)
+
+
+def test_a_result_opens_at_its_worst_capture(fields):
+    """The layout goes to the capture with the largest error, and stays there."""
+    from labrig.view import _rerun
+
+    error = rms(residuals(fields)[0], axis=1)
+    worst = worst_number(fields)
+    assert error[worst] == np.nanmax(error)
+    time = _rerun.arrangement(_rerun.page("x", "/x"), "capture", at=worst).time_panel
+    assert (time.time_selection.min.value, time.time_selection.max.value) == (worst, worst)
+    assert time.loop_mode == "selection"
+
+
+@pytest.mark.parametrize("chambers", [3, 9, 14])
+def test_the_legend_has_the_scale_and_every_chamber(chambers):
+    """The picture has the colours of the scale and of each chamber, and grows where there are more."""
+    picture = legend_picture(0.125, "mm", [f"c{i}" for i in range(chambers)])
+    assert picture.dtype == np.uint8
+    seen = np.unique(picture.reshape(-1, 3), axis=0).astype(int)
+    for colour in [*CHAMBER_COLOURS[:chambers], *(colour for _, colour in ERROR_SCALE)]:
+        assert np.abs(seen - rgb(colour)).max(axis=1).min() <= 6, colour
+    assert len(legend_picture(None, "", ["c1"])) < len(picture)

@@ -13,7 +13,7 @@ from labrig.view._report import report_html
 
 def figures_of(html):
     """The figures that the page draws, parsed as the browser would."""
-    return json.loads(re.search(r"const figures=(\[.*\]);\nfigures", html)[1].replace("<\\/", "</"))
+    return json.loads(re.search(r"const figures=(\[.*\]);\nPromise", html)[1].replace("<\\/", "</"))
 
 
 def x_titles(html):
@@ -60,21 +60,30 @@ def test_report_says_it_in_order(make_result):
     assert places == sorted(places)
 
 
-def test_surfaces_share_one_colour_scale(make_result):
-    """Before and after are drawn side by side on the same scale, before the larger error."""
-    surfaces = [f for f in figures_of(report_html(make_result())) if f["data"][-1]["type"] == "mesh3d"]
-    assert len(surfaces) == 2
-    before, after = (figure["data"][-1] for figure in surfaces)
-    assert (before["cmin"], before["cmax"]) == (after["cmin"], after["cmax"])
+def surfaces_of(html):
+    """The skins that the page draws."""
+    return [trace for f in figures_of(html) for trace in f["data"] if trace["type"] == "mesh3d"]
+
+
+def test_colours_count_in_noise_floors(make_result):
+    """Before and after have one scale, which the floor alone sets: the same error is paler above a higher floor."""
+    before, after = surfaces_of(report_html(make_result()))
+    assert (before["cmin"], before["cmax"]) == (after["cmin"], after["cmax"]) == (0, 1)
     assert max(before["intensity"]) > 3 * max(after["intensity"])
+    error = {"base": 1.92, "model": 0.31, "floor": 0.48, "ceiling": 0.5}
+    coarse, _ = surfaces_of(report_html(make_result(error=error)))
+    assert max(coarse["intensity"]) == pytest.approx(max(before["intensity"]) - 0.5, abs=0.01)
 
 
-def test_nothing_missing_shows_one_surface(make_result):
-    """Where nothing was added there is no before and after."""
+def test_nothing_missing_shows_one_pale_surface(make_result, fields):
+    """Where nothing was added there is no before and after, and what is not above the floor has no colour."""
     error = {"base": 0.11, "model": 0.11, "floor": 0.11, "ceiling": 0.11}
-    html = report_html(make_result(verdict="nothing_missing", effects=[], error=error))
-    assert sum(f["data"][-1]["type"] == "mesh3d" for f in figures_of(html)) == 1
+    quiet = fields.assign(base=fields["model"])
+    html = report_html(make_result(fields=quiet, verdict="nothing_missing", effects=[], error=error))
+    (surface,) = surfaces_of(html)
+    assert np.median(surface["intensity"]) < 0.25
     assert "Nothing is missing" in body_of(html)
+    assert "data-show" not in body_of(html)
 
 
 def test_without_geometry_measured_against_predicted(make_result, fields):
@@ -106,6 +115,8 @@ def test_comparison_has_a_report(fields):
     html = report_html(Result(summary, fields, [("model", 1.2), ("floor", 0.1)], [], []))
     assert "The model as it stands is off by 1.2" in body_of(html)
     assert "Run <code>labrig diagnose</code>" in html
+    for word in ("effect added", "before", "after", "eld out", "eld-out", "as it was"):
+        assert word not in body_of(html), word
 
 
 def test_values_of_parameters(make_result):
@@ -160,4 +171,6 @@ def test_a_marker_that_was_never_seen(make_result, fields):
     """A marker without a single measurement does not spoil the page."""
     blind = fields.copy(deep=True)
     blind["measured"].values[:, :3] = np.nan
-    assert len(figures_of(report_html(make_result(fields=blind)))) == 5
+    html = report_html(make_result(fields=blind))
+    assert len(figures_of(html)) == 5
+    assert "m01: not seen" in json.dumps(figures_of(html))

@@ -1,0 +1,68 @@
+"""Looking at a surface in space: where its front is, from where to look at it, and the layout of such a picture."""
+
+from typing import Any
+
+import numpy as np
+
+from labrig.view._fields import Floats
+from labrig.view._figures import Figure, _layout, _plain
+
+
+def scene_layout(camera: Figure, bar: bool) -> dict[str, Any]:
+    """The layout of a picture in space: no axes, true proportions, room for a colour bar."""
+    axis = {"visible": False, "showbackground": False}
+    layout = _layout(
+        height=430,
+        margin={"l": 0, "r": 70 if bar else 0, "t": 0, "b": 0},
+        showlegend=False,
+        scene={
+            "xaxis": axis,
+            "yaxis": axis,
+            "zaxis": axis,
+            "aspectmode": "data",
+            "camera": camera,
+            "dragmode": "orbit",
+        },
+    )
+    del layout["xaxis"], layout["yaxis"]
+    return layout
+
+
+def view_axes(rest_mm: Floats) -> tuple[Floats, Floats, Floats]:
+    """Unit vectors to the right, up, and out of the surface, as somebody in front of it sees them."""
+    normal = front(rest_mm)
+    up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    right = np.cross(up, normal)
+    right /= np.linalg.norm(right)
+    return right, np.cross(normal, right), normal
+
+
+def camera(rest_mm: Floats) -> Figure:
+    """Look at the side that bulges, a little from the right and above."""
+    right, up, normal = view_axes(rest_mm)
+    eye = 2.1 * normal + 1.2 * right + 0.5 * up
+    names = ("x", "y", "z")
+    return {
+        "eye": dict(zip(names, _plain(eye), strict=True)),
+        "up": dict(zip(names, _plain(up), strict=True)),
+    }
+
+
+def light(rest_mm: Floats) -> Figure:
+    """A lamp over the left shoulder of somebody in front of the surface."""
+    right, up, normal = view_axes(rest_mm)
+    return dict(zip("xyz", _plain(1e4 * (normal - 1.2 * right + 0.8 * up)), strict=True))
+
+
+def front(rest_mm: Floats) -> Floats:
+    """The unit direction that the surface faces: along its thinnest axis, to the side that bulges."""
+    centred = rest_mm - rest_mm.mean(axis=0)
+    if len(rest_mm) < 3:
+        return np.array([0.0, 1.0, 0.0])
+    normal = np.linalg.svd(centred, full_matrices=False)[2][2]
+    depth = centred @ normal
+    radius = np.linalg.norm(centred - depth[:, None] * normal, axis=1)
+    bulge = depth[radius <= np.median(radius)].mean() - depth[radius > np.median(radius)].mean()
+    if abs(bulge) > 1e-6 * (np.ptp(centred) or 1.0):
+        return normal if bulge > 0 else -normal
+    return normal if normal[np.argmax(np.abs(normal))] > 0 else -normal

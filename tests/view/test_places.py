@@ -1,0 +1,71 @@
+"""Fitted values chamber by chamber and place by place."""
+
+import pytest
+
+from labrig.diagnosis import improve
+from labrig.view._places import place_tables
+from labrig.view._report import report_html
+from labrig.view._values import values_words
+
+CHAMBERS = ["left", "middle", "right"]
+
+
+def test_gains_of_each_chamber_by_name():
+    """Every chamber has a row with all of its values, and by how much its pressure changes."""
+    gain = {"value": [0.1, -0.2, 0.0], "sd": [0.01, 0.02, 0.01], "unit": "1", "per": CHAMBERS}
+    offset = {"value": [1.0, 2.0, 3.0], "sd": [0.1, 0.2, 0.3], "unit": "kPa", "per": CHAMBERS}
+    changed = {"left": (0.12, 4.0), "middle": (-0.15, 5.0), "right": (0.05, 2.0)}
+    ((kind, header, rows),) = place_tables({"gain": gain, "offset": offset}, changed, "kPa", {})
+    assert kind == "chamber"
+    assert header == [
+        "chamber",
+        "gain",
+        "offset\u00a0kPa",
+        "as a change of pressure, %",
+        "root mean square, kPa",
+    ]
+    assert rows[1] == ["middle", "-0.200 ± 0.020", "2.00 ± 0.20", "-15.0", "5"]
+    assert [row[0] for row in rows] == CHAMBERS
+
+
+def test_one_value_for_all_still_names_the_chambers():
+    """A leak as the sensors measured it has one value, and yet each chamber's loss."""
+    sensor = {"value": 0.97, "sd": 0.01, "unit": "1"}
+    changed = {name: (-0.05 * k, 1.0 * k) for k, name in enumerate(CHAMBERS)}
+    ((_, _, rows),) = place_tables({"sensor": sensor}, changed, "kPa", {})
+    assert [row[:2] for row in rows] == [["left", "-0.0"], ["middle", "-5.0"], ["right", "-10.0"]]
+
+
+def test_a_rest_shape_place_by_place():
+    """Every marker has a row with its offset along each axis and the chamber that moves it most, the largest first."""
+    per = [f"{m}.{a}" for m in ("m1", "m2") for a in "xyz"]
+    offset = {"value": [0.1, 0.2, 0.3, -2.0, 0.0, 1.0], "sd": [0.01] * 6, "unit": "mm", "per": per}
+    ((kind, header, rows),) = place_tables({"offset": offset}, {}, "kPa", {"m1": "left", "m2": "right"})
+    assert kind == "marker"
+    assert header == ["offset", "most moved by", "x, mm", "y, mm", "z, mm"]
+    assert rows == [["m2", "right", "-2", "0", "1"], ["m1", "left", "0.1", "0.2", "0.3"]]
+
+
+def test_a_turned_frame_is_turned_in_rad():
+    """The three rotations of a frame are no lengths."""
+    per = ["x", "y", "z", "about x", "about y", "about z"]
+    shift = {
+        "value": [1.0, 2.0, 3.0, 0.01, 0.02, 0.03],
+        "sd": [0.1] * 3 + [0.001] * 3,
+        "unit": "mm",
+        "per": per,
+    }
+    said = values_words({"shift": shift})
+    assert "about x 0.0100 ± 0.0010\u00a0rad, about y 0.0200 ± 0.0010\u00a0rad" in said
+    assert place_tables({"shift": shift}, {}, "kPa", {}) == []
+
+
+def test_the_report_has_them(make_lab):
+    """The change of each chamber's pressure in the report is the one that was put in."""
+    lab = make_lab(captures=40)
+    u = lab.u * [1.1, 0.9, 1.0]
+    result = improve(lab.dataset(lab.predict(u) + lab.noise()), lab.model(), ["regulator"])
+    shares = {name: share for name, (share, _) in result.signatures[0].chambers.items()}
+    assert shares == pytest.approx({"c1": 0.1, "c2": -0.1, "c3": 0.0}, abs=0.02)
+    html = report_html(result)
+    assert all(f"<td>{name}</td>" in html for name in shares)
