@@ -90,15 +90,27 @@ def _facts(summary: RunSummary) -> list[tuple[str, str]]:
         ("operator", str(run.get("operator", ""))),
         ("rig", str(rig.get("name", ""))),
         ("seed", str(run.get("seed", ""))),
-        ("captures", f"{summary.captures}{planned}"),
+        ("captures", f"{summary.captures}{planned}{_missed(summary.missed)}"),
         ("steps done", f"{summary.steps_done} ({kinds})" if kinds else str(summary.steps_done)),
         ("sessions", str(summary.sessions)),
         ("length", duration_text(summary.duration_s)),
         ("stillness", _stillness(summary.stillness_mm_s)),
+        ("pressures", _followed(summary.off_kpa)),
         ("messages", messages),
         ("size", f"{summary.size_bytes / 1e6:.1f} MB"),
     ]
     return [(name, text) for name, text in facts if text]
+
+
+def _missed(count: int) -> str:
+    return f", and {count} whose pressures did not follow" if count else ""
+
+
+def _followed(off_kpa: dict[str, float]) -> str:
+    if not off_kpa:
+        return ""
+    name = max(off_kpa, key=lambda chamber: off_kpa[chamber])
+    return f"at most {off_kpa[name]:.2g} kPa off the set-point ({name})"
 
 
 def _stillness(speeds_mm_s: list[float]) -> str:

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 def fields_of(context: Context, residual: Floats, chosen: Fit | None) -> "Dataset":
-    """Measured, base and model, mean of each capture's hold, as a Dataset (capture, observable).
+    """Measured, base and model, mean of each capture's hold, as a Dataset (capture, observable); what the chambers were
+
+    commanded and reached (capture, chamber).
 
     Of markers also the error of each, from the `residual` (F, K) without mistaken values as `where` has it, and how far
     each chamber alone moves them.
@@ -57,6 +59,8 @@ def fields_of(context: Context, residual: Floats, chosen: Fit | None) -> "Datase
     out["commanded"] = (("capture", "chamber"), rows.actuation[first])
     out = out.assign_coords(chamber=list(rows.chambers))
     out["commanded"].attrs["units"] = rows.actuation_unit
+    if np.isfinite(rows.measured).any():
+        out["reached"] = (("capture", "chamber"), capture_means(rows.measured, rows.capture)[0])
     if rows.rest_mm is not None:
         out["rest_mm"] = (("marker", "axis"), rows.rest_mm)
         out = out.assign_coords(marker=list(rows.markers[: len(rows.rest_mm)]), axis=list("xyz"))

@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,11 @@ from labrig.log._topics import Topic
 
 @dataclass
 class RunSummary:
-    """A run in short. `state` is `completed`, why it stopped, or that it was not closed; times in s."""
+    """A run in short. `state` is `completed`, why it stopped, or that it was not closed; times in s.
+
+    `missed` captures do not count because their pressures did not follow; `off_kpa` is how far each chamber was from
+    its set-point at worst in those that do.
+    """
 
     folder: Path
     run: dict[str, Any]
@@ -27,6 +32,8 @@ class RunSummary:
     warnings: list[str] = field(default_factory=list)
     step_kinds: dict[str, int] = field(default_factory=dict)
     stillness_mm_s: list[float] = field(default_factory=list)
+    missed: int = 0
+    off_kpa: dict[str, float] = field(default_factory=dict)
     messages: dict[str, int] = field(default_factory=dict)
     events: list[tuple[float, str]] = field(default_factory=list)
 
@@ -55,9 +62,25 @@ def summarise(folder: Path) -> RunSummary:
         warnings=warnings,
         step_kinds=dict(kinds),
         stillness_mm_s=[values["speed_mm_s"] for _, kind, values in steps if kind == "settle"],
+        missed=sum(kind == "record" and bool(values.get("missed")) for _, kind, values in steps),
+        off_kpa=_off_kpa(segments[0].layout.chambers, [values for _, _, values in steps]),
         messages=dict(messages),
         events=[event for loaded in segments for event in _events(loaded)],
     )
+
+
+def _off_kpa(chambers: Sequence[str], results: list[dict[str, Any]]) -> dict[str, float]:
+    """The largest difference of what each chamber reached and was asked for, over the captures that count."""
+    worst: dict[str, float] = {}
+    for values in results:
+        if values.get("missed") or "reached_kpa" not in values:
+            continue
+        for name, asked, reached in zip(
+            chambers, values["commanded_kpa"], values["reached_kpa"], strict=True
+        ):
+            if reached is not None:
+                worst[name] = max(worst.get(name, 0.0), abs(reached - asked))
+    return worst
 
 
 def _done_steps(loaded: LoadedSegment) -> list[tuple[int, str, dict[str, Any]]]:

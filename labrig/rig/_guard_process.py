@@ -167,9 +167,10 @@ def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: Answers) -
             except queue.Empty:
                 if guard.armed and time.monotonic() > guard.deadline:
                     silent_s = time.monotonic() - guard.deadline + safety.heartbeat_s
-                    guard.vent_alone(
-                        f"no sign of life from the runner for {silent_s:.1f} s", safety.vent_patience_s
-                    )
+                    with answers:  # a runner that comes back meanwhile finds the guard at work
+                        guard.vent_alone(
+                            f"no sign of life from the runner for {silent_s:.1f} s", safety.vent_patience_s
+                        )
                 continue
             if line is None:
                 break

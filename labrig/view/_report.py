@@ -14,6 +14,7 @@ from labrig.view._explorer import surface_explorer
 from labrig.view._fields import capture_words, cloud, skin, worst_captures
 from labrig.view._naming import added
 from labrig.view._page import Page, bar, table
+from labrig.view._pressures import pressures
 from labrig.view._report_effects import considered, ranking, values
 from labrig.view._signature_figure import signature
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
@@ -71,6 +72,7 @@ def report_html(result: "Result") -> str:
     _surface(page, result)
     _where(page, result)
     _signatures(page, result)
+    pressures(page, result.fields)
     _captures(page, result)
     _closing(page, result.summary)
     return page.html()
