@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig.view._page import Page, table
-from labrig.view._text import counted, number
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -32,13 +31,13 @@ def pressures(page: Page, fields: "Dataset") -> None:
             continue
         worst = int(np.nanargmax(np.abs(off)))
         capture = fields["capture"].to_numpy()[worst]
-        where = f"capture {capture}: {number(reached[worst, index])} of {number(commanded[worst, index])}"
+        where = f"capture {capture}: {reached[worst, index]:.2f} of {commanded[worst, index]:.2f}"
         rows.append(
             [
                 escape(str(name)),
                 str(int(known.sum())),
-                number(float(off[known].mean())),
-                number(float(np.sqrt((off[known] ** 2).mean()))),
+                f"{off[known].mean():+.2f}",
+                f"{np.sqrt((off[known] ** 2).mean()):.2f}",
                 where,
             ]
         )
