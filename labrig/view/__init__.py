@@ -5,19 +5,28 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from labrig.view._experiment import write_experiment, write_investigation
+    from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._ik_report import write_ik_report
+    from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
     from labrig.view._naming import effect_rows, names_in_short
+    from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
+    from labrig.view._surface_figure import surface_figure
     from labrig.view._validation_report import write_validation
     from labrig.view._values import value_lines
     from labrig.view._viewer import Viewer, screenshot, start_viewer
     from labrig.view._words import Lines, summary_words
 
 _LAZY = {
+    "chamber_outlines": "_outlines",
+    "colour_legend": "_explorer",
+    "legend_picture": "_legend",
+    "surface_explorer": "_explorer",
+    "surface_figure": "_surface_figure",
     "effect_rows": "_naming",
     "names_in_short": "_naming",
     "value_lines": "_values",
@@ -42,13 +51,18 @@ __all__ = [
     "Lines",
     "LiveView",
     "Viewer",
+    "chamber_outlines",
+    "colour_legend",
     "effect_rows",
+    "legend_picture",
     "live_observers",
     "live_predict",
     "names_in_short",
     "screenshot",
     "start_viewer",
     "summary_words",
+    "surface_explorer",
+    "surface_figure",
     "value_lines",
     "write_experiment",
     "write_ik_report",
