@@ -16,6 +16,7 @@ _PLAIN = {
     "should be a valid tuple": "should be a list",
     "should be a valid list": "should be a list",
     "should be a valid dictionary": "should hold fields (name: value)",
+    "should be a valid dictionary or object to extract fields from": "should hold fields (name: value)",
 }
 
 

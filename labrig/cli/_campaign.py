@@ -117,7 +117,7 @@ def recover(
     from labrig.log import summarise
 
     target = out or run.with_name(f"{run.name.removesuffix('.mcap')}-recovered")
-    check_folder(target.parent, "-o")
+    check_folder(target, "-o")
     lost = recover_run(run, target)
     for line in lost:
         typer.echo(f"lost: {line}")

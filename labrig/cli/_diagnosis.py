@@ -96,7 +96,7 @@ def import_(
     """Make a run of somebody's own table."""
     from labrig.log import import_table
 
-    check_folder(output.parent, "-o")
+    check_folder(output, "-o")
     run = import_table(mapping, output, tables=table or ())
     sizes = run.sizes
     observables = 3 * sizes.get("marker", 0) + sizes.get("observable", 0)

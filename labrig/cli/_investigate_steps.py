@@ -34,6 +34,7 @@ def do_investigate(settings: Settings, resume: bool) -> None:
     from labrig.model import Model
 
     model, config = Model.load(settings.model), load_rig(settings.rig)
+    _check_base(model, settings.model)
     there = settings.out.exists()
     investigation = begun(settings, resume)
     settings = investigation.settings
@@ -55,6 +56,14 @@ def do_investigate(settings: Settings, resume: bool) -> None:
         typer.echo(f"labrig: {what}; {where}", err=True)
         raise typer.Exit(130) from None
     print_closing(console, investigation)
+
+
+def _check_base(model: "Model", path: Path) -> None:
+    """Raise `LabrigError` for a model whose base could not be evaluated, before anything is measured for it."""
+    for field in ("file", "rig"):
+        name = getattr(model.file.base, field, None)
+        if name is not None and not (model.folder / name).is_file():
+            raise LabrigError(f"{path}: base: {field}: there is no file {model.folder / name}")
 
 
 def _loop(investigation: Investigation, bench: Bench, model: "Model", console: Console) -> None:

@@ -196,8 +196,8 @@ def _load_function(path: Path, name: str) -> Callable[[Floats], Any]:
     if not path.is_file():
         raise LabrigError(f"{path}: the model's Python file does not exist")
     spec = importlib.util.spec_from_file_location(f"labrig_user_base_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
+    if spec is None or spec.loader is None:
+        raise LabrigError(f"{path}: is not a Python file; its name ends in .py")
     module = importlib.util.module_from_spec(spec)
     sys.path.insert(0, str(path.parent.resolve()))
     try:

@@ -63,6 +63,24 @@ def test_a_mistake_is_one_helpful_line(desk: Path, labrig: Run, words: tuple[str
     assert sorted(desk.rglob("*")) == before
 
 
+@pytest.mark.parametrize(
+    ("base", "said"),
+    [
+        ("{kind: python, file: none.py}", "model.yaml: base: file: there is no file none.py"),
+        ("{kind: simulator, rig: none.yaml}", "model.yaml: base: rig: there is no file none.yaml"),
+        ("simulator", "model.yaml, line 1: base: should hold fields (name: value), not 'simulator'"),
+    ],
+)
+def test_nothing_is_measured_for_a_model_that_cannot_be(
+    desk: Path, labrig: Run, base: str, said: str
+) -> None:
+    """An investigation looks at its model before the rig moves, and leaves nothing."""
+    (desk / "model.yaml").write_text(f"base: {base}\n")
+    words = ("investigate", "--rig", "rig.yaml", "--model", "model.yaml", "--out", "new")
+    assert labrig(*words) == (2, "", f"labrig: {said}\n")
+    assert not (desk / "new").exists()
+
+
 def test_the_folder_above_a_run_is_not_the_run(desk: Path, labrig: Run) -> None:
     """Where a folder holds a run in a folder of its own, as a demo's does, that one is suggested."""
     run = ("run", "capture", "--rig", "rig.yaml", "--captures", "2", "--repeated", "0", "--out", "lab/run")

@@ -69,13 +69,19 @@ def test_a_function_that_is_wrong(bench, code: str, complaint: str) -> None:
 
 
 def test_a_function_that_is_not_there(bench) -> None:
-    """The file is named."""
+    """A file that is missing, or that is not Python, is named."""
     rows = rows_of(bench.dataset(bench.predict(bench.u)))
     Path("own.yaml").write_text("base: {kind: python, file: none.py}\n")
     model = Model.load("own.yaml")
     with pytest.raises(LabrigError) as error:
         build_base(model.file, model.folder, rows)
     assert str(error.value) == "none.py: the model's Python file does not exist"
+    Path("none.txt").write_text("")
+    Path("own.yaml").write_text("base: {kind: python, file: none.txt}\n")
+    model = Model.load("own.yaml")
+    with pytest.raises(LabrigError) as error:
+        build_base(model.file, model.folder, rows)
+    assert str(error.value) == "none.txt: is not a Python file; its name ends in .py"
 
 
 def test_a_function_may_give_one_number_a_row_and_use_files_beside_it(bench) -> None:
