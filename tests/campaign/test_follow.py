@@ -192,3 +192,16 @@ def test_a_person_is_told_while_the_run_goes_on(make_rig: Callable[..., Any], tm
     assert told == [
         "step 2: c2 was asked for 10.0 kPa and reads 0.0 kPa (it may be 4.0 kPa off): taking the capture again"
     ]
+
+
+def test_a_summary_says_how_well_the_pressures_followed(
+    make_rig: Callable[..., Any], tmp_path: Path
+) -> None:
+    """What missed is counted apart; of what counts, the farthest of each chamber is kept."""
+    fake = make_rig(follow={"on_miss": "skip", "repeats": 0, "tolerance_kpa": 6.5, "tolerance_share": 0.0})
+    fake.pressure.faults["leaks"] = {0: 0.5}  # 16 of 20 kPa, 32 of 40 kPa: the second is a miss
+    run(Two(), fake.rig, tmp_path / "run", fake.clock)
+    summary = summarise(tmp_path / "run")
+    assert (summary.captures, summary.missed) == (1, 1)
+    assert summary.off_kpa["c1"] == pytest.approx(4.0, abs=0.1)
+    assert summary.off_kpa["c2"] < 0.1
