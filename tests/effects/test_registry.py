@@ -29,13 +29,13 @@ def complaint(*, name: str = "creep") -> str:
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
-    """The complaint is a choice."""
-    assert complaint(name="crep") == f"there is no effect 'crep'; choose one of: {NAMES}"
+    """The complaint is a choice, with the name that was probably meant."""
+    assert complaint(name="crep") == f"there is no effect 'crep'; choose one of: {NAMES}; did you mean creep?"
 
 
 def test_an_unknown_effect_on_the_command_line(labrig, make_lab) -> None:
     """effects show, improve --add and a model file refuse it in the same words, with nothing written."""
-    wanted = f"labrig: there is no effect 'crep'; choose one of: {NAMES}\n"
+    wanted = f"labrig: there is no effect 'crep'; choose one of: {NAMES}; did you mean creep?\n"
     assert labrig("effects", "show", "crep") == (2, "", wanted)
     from labrig.log import write_dataset
 
