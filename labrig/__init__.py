@@ -1,6 +1,16 @@
 """labrig: run a soft-robotics rig, log its campaigns, and find the physics its model is missing.
 
-The public names are imported when they are first used, so that ``labrig --help`` stays quick.
+    import labrig
+
+    run = labrig.open_run("runs/first")                    # what a rig measured, or
+    run = labrig.import_table("map.yaml", "runs/mine")     # a table of your own
+    found = labrig.diagnose(run, "model.yaml")             # what does the model lack?
+    found.effects                                          # every effect, how probable and how large
+    better = labrig.improve(run, "model.yaml", found.sure) # add it, fitted
+    better.model.save("improved.yaml")
+
+Runs, models and rigs are taken as paths or opened. The public names are imported when they are first used, so that
+``import labrig`` stays quick.
 """
 
 from importlib import import_module
@@ -9,15 +19,74 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 
 if TYPE_CHECKING:
+    from drivers import DeviceError
+    from labrig.api._compare import Comparison, compare
+    from labrig.api._diagnose import Diagnosis, diagnose
+    from labrig.api._ik import solve_ik
+    from labrig.api._improve import Improvement, improve
+    from labrig.api._learn import train_forward, train_sim2real
+    from labrig.api._propose import Proposal, propose_experiment
+    from labrig.api._run import run
+    from labrig.api._table import import_table
+    from labrig.api._validate import Validation, validate
     from labrig.log import open_run
+    from labrig.model import Model
+    from labrig.rig import load_rig
 
 __version__ = "0.1.0"
-__all__ = ["LabrigError", "__version__", "open_run"]
 
-_LAZY = {"open_run": "labrig.log"}
+_LAZY = {
+    "Comparison": "labrig.api._compare",
+    "DeviceError": "drivers",
+    "Diagnosis": "labrig.api._diagnose",
+    "Improvement": "labrig.api._improve",
+    "Model": "labrig.model",
+    "Proposal": "labrig.api._propose",
+    "Validation": "labrig.api._validate",
+    "compare": "labrig.api._compare",
+    "diagnose": "labrig.api._diagnose",
+    "import_table": "labrig.api._table",
+    "improve": "labrig.api._improve",
+    "load_rig": "labrig.rig",
+    "open_run": "labrig.log",
+    "propose_experiment": "labrig.api._propose",
+    "run": "labrig.api._run",
+    "solve_ik": "labrig.api._ik",
+    "train_forward": "labrig.api._learn",
+    "train_sim2real": "labrig.api._learn",
+    "validate": "labrig.api._validate",
+}
+
+__all__ = [
+    "Comparison",
+    "DeviceError",
+    "Diagnosis",
+    "Improvement",
+    "LabrigError",
+    "Model",
+    "Proposal",
+    "Validation",
+    "__version__",
+    "compare",
+    "diagnose",
+    "import_table",
+    "improve",
+    "load_rig",
+    "open_run",
+    "propose_experiment",
+    "run",
+    "solve_ik",
+    "train_forward",
+    "train_sim2real",
+    "validate",
+]
 
 
 def __getattr__(name: str) -> Any:
     if name in _LAZY:
         return getattr(import_module(_LAZY[name]), name)
     raise AttributeError(f"module 'labrig' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -56,7 +56,7 @@ def run(
     is checked before anything moves, and however the run ends, the chambers are vented first. While it goes on,
     p pauses it (vented) and lets it go on, and so does SIGUSR1; Ctrl-C ends it.
     """
-    from labrig.cli._procedures import find_procedure, parameters_help, read_procedure
+    from labrig.api._procedures import find_procedure, parameters_help, read_procedure
     from labrig.cli._run_steps import Request, do_dry_run, do_resume, do_run
 
     if help:

@@ -1,13 +1,16 @@
 """compare, diagnose, improve, import, effects: from measurements to what the model lacks."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labrig.cli._app import app
 from labrig.cli._group import Group
 from labrig.cli._places import check_file, check_folder, replaced
+
+if TYPE_CHECKING:
+    from labrig.api._answer import Answer
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")]
 ModelOption = Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")]
@@ -17,13 +20,12 @@ OutOption = Annotated[Path, typer.Option("--out", help="Folder for the results."
 @app.command()
 def compare(runs: Runs, model: ModelOption, out: OutOption = Path("compare")) -> None:
     """Compare a model, as it stands, with measurements and show where it fails."""
-    from labrig.diagnosis import compare as compare_runs
-    from labrig.diagnosis import write_json
+    import labrig
 
     check_folder(out)
-    result = compare_runs(_open(runs), _load(model))
-    _table(result.summary, "compare")
-    _finish(result, out, "compare", write_json)
+    found = labrig.compare(runs, model)
+    _table(found.summary, "compare")
+    _finish(found, out)
 
 
 @app.command()
@@ -36,23 +38,19 @@ def diagnose(
     out: OutOption = Path("diagnosis"),
 ) -> None:
     """Find the physical effect that the model lacks, or say that none is missing or can be told."""
-    from labrig import LabrigError
-    from labrig.diagnosis import diagnose as diagnose_runs
-    from labrig.diagnosis import plan_next, write_json
+    import labrig
 
     if tolerance is not None and not tolerance > 0:
-        raise LabrigError(f"--tolerance {tolerance:g}: must be larger than 0")
+        raise labrig.LabrigError(f"--tolerance {tolerance:g}: must be larger than 0")
     check_folder(out)
-    opened, questioned = _open(runs), _load(model)
-    result = diagnose_runs(opened, questioned, tolerance=tolerance)
-    plan_next(opened, questioned, result.summary)
-    _table(result.summary, "diagnosis")
-    _values(result)
-    _finish(result, out, "diagnosis", write_json)
-    if result.improved is not None and result.summary["effects"]:
+    found = labrig.diagnose(runs, model, tolerance=tolerance)
+    _table(found.summary, "diagnosis")
+    _values(found)
+    _finish(found, out)
+    if found.improved is not None and found.sure:
         _say(
             f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} "
-            + " ".join(f"--add {name}" for name in result.summary["effects"])
+            + " ".join(f"--add {name}" for name in found.sure)
             + " -o improved.yaml"
         )
 
@@ -67,20 +65,17 @@ def improve(
     out: OutOption = Path("improve"),
 ) -> None:
     """Add effects to a model, fitted to the runs, and show the error before and after."""
-    from labrig import LabrigError
-    from labrig.diagnosis import improve as improve_model
-    from labrig.diagnosis import write_json
+    import labrig
 
     if output.exists():
-        raise LabrigError(f"{output}: already exists; choose another name for the new model")
+        raise labrig.LabrigError(f"{output}: already exists; choose another name for the new model")
     check_file(output)
     check_folder(out)
-    result = improve_model(_open(runs), _load(model), add, force=force)
-    assert result.improved is not None
-    result.improved.save(output)
-    _table(result.summary, "improve")
-    _values(result)
-    _finish(result, out, "improve", write_json)
+    better = labrig.improve(runs, model, add, force=force)
+    better.model.save(output)
+    _table(better.summary, "improve")
+    _values(better)
+    _finish(better, out)
     _say(f"new model: {output}")
 
 
@@ -153,26 +148,9 @@ def new_effect(
     _say(f"{write_template(name, Path.cwd())}: edit its formula; labrig effects list shows it")
 
 
-def _open(runs: list[Path]) -> list:
-    import labrig
-
-    return [labrig.open_run(run) for run in runs]
-
-
-def _load(path: Path):
-    from labrig.model import Model
-
-    return Model.load(path)
-
-
-def _finish(result, out: Path, name: str, write_json) -> None:
-    from labrig.view import write_report
-
+def _finish(found: "Answer", out: Path) -> None:
     said = replaced(out / "report.html")
-    out.mkdir(parents=True, exist_ok=True)
-    write_json(result.summary, out / f"{name}.json")
-    report = write_report(result, out)
-    _say(f"report: {report}{said}")
+    _say(f"report: {found.save(out)}{said}")
 
 
 def _table(summary: dict, title: str) -> None:
@@ -181,10 +159,8 @@ def _table(summary: dict, title: str) -> None:
     print_summary(summary, title)
 
 
-def _values(result) -> None:
-    from labrig.view import value_lines
-
-    for line in value_lines(result):
+def _values(found: "Answer") -> None:
+    for line in found.values:
         _say(line)
 
 

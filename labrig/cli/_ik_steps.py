@@ -14,8 +14,9 @@ from rich.table import Table
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.api._ik import limits_kpa
 from labrig.cli._places import check_folder, replaced
-from labrig.ik import Solved, load_shape_model, solve_files
+from labrig.ik import Solved, solve_files
 from labrig.view import write_ik_report
 
 _SHOWN = 40
@@ -34,7 +35,7 @@ def do_ik(
 ) -> None:
     """Raises `LabrigError` if the model is of no use, or if no target could be solved."""
     check_folder(out)
-    limits = _limits(rig, model) if rig is not None else None
+    limits = limits_kpa(rig, model) if rig is not None else None
     console = Console(stderr=True)
     columns = TextColumn("targets"), BarColumn(), MofNCompleteColumn()
     with (
@@ -63,21 +64,6 @@ def do_ik(
     typer.echo(f"report: {report}{said}")
     if failed:
         raise typer.Exit(2)
-
-
-def _limits(rig: Path, model: Path) -> tuple[Any, Any]:
-    """The rig's limits, in the order of the model's chambers."""
-    from labrig.rig import load_rig
-
-    shape, _ = load_shape_model(model)
-    channels = {channel.name: channel for channel in load_rig(rig).channels}
-    missing = [name for name in shape.chamber_names if name not in channels]
-    if missing or len(channels) != len(shape.chamber_names):
-        raise LabrigError(
-            f"{rig}: its chambers ({', '.join(channels)}) are not the model's ({', '.join(shape.chamber_names)})"
-        )
-    chosen = [channels[name] for name in shape.chamber_names]
-    return np.array([c.min_kpa for c in chosen]), np.array([c.max_kpa for c in chosen])
 
 
 def _print_table(solved: Sequence[Solved]) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivers import Clock, RealClock, SimulatedClock
+from labrig.api._procedures import shipped, source_of
 from labrig.campaign import Control, Procedure, Watching, dry_run, read_completed, resume, run
-from labrig.cli._procedures import shipped, source_of
 from labrig.cli._run_screen import Screen
 from labrig.log import read_run_yaml
 from labrig.rig import RigConfig, connect

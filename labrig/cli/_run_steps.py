@@ -3,22 +3,22 @@
 import math
 import sys
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
-from drivers import Clock, DeviceError, RealClock, SimulatedClock
+from drivers import DeviceError
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
+from labrig.api._procedures import find_procedure, read_procedure, source_of
+from labrig.api._run import clock_of, new_folder
 from labrig.campaign import Control, Interrupted, Observer, Procedure, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
 from labrig.cli._places import check_folder
-from labrig.cli._procedures import find_procedure, read_procedure, source_of
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
 from labrig.rig import RigConfig, check_unattended, connect, load_rig
@@ -91,7 +91,7 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     procedure = read_procedure(name, arguments)
     rig_file = _named(request.rig)
     config = load_rig(rig_file)
-    folder = request.out or _new_folder(procedure)
+    folder = request.out or new_folder(procedure)
     _check_new(folder)
     context = {
         "source": source_of(type(procedure)),
@@ -157,7 +157,7 @@ def _go(
     context: dict[str, object] | None,
 ) -> None:
     """Connect, run (or resume, if there is no context), and report."""
-    clock = _clock(config, request)
+    clock = clock_of(config, request.realtime)
     control = Control(attended=not request.unattended and sys.stdin.isatty())
     with Screen(control) as screen:
         observers: list[Observer] = [screen, *_viewers(request, config)]
@@ -209,27 +209,7 @@ def _viewers(request: Request, config: RigConfig) -> list[Observer]:
     )
 
 
-def _clock(config: RigConfig, request: Request) -> Clock:
-    """A rig that is simulated in this process needs no waiting."""
-    kinds = {device.kind for device in config.devices.values() if device is not None}
-    return (
-        SimulatedClock(RealClock().now_s())
-        if kinds == {"simulated"} and not request.realtime
-        else RealClock()
-    )
-
-
 def _named(rig: Path | None) -> Path:
     if rig is None:
         raise LabrigError("name the rig with --rig RIG.yaml")
     return rig
-
-
-def _new_folder(procedure: Procedure) -> Path:
-    """runs/20261120-0312-capture, or with a number behind it where that exists."""
-    base = Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{procedure.procedure_name()}"
-    folder, number = base, 1
-    while folder.exists():
-        number += 1
-        folder = base.with_name(f"{base.name}-{number}")
-    return folder

@@ -1,7 +1,5 @@
 """What `labrig validate` does: run the procedure, or go on with it, then compare and report."""
 
-import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,13 +10,10 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig.api._validate import FORMS, validate
 from labrig.cli._places import check_folder
 from labrig.cli._run_steps import Request, do_resume, do_run
-from labrig.ik import outcomes
 from labrig.log import read_run_yaml, summarise
-from labrig.view import write_validation
-
-_FORMS = ("warp", "effects")
 
 
 @dataclass(frozen=True)
@@ -43,8 +38,8 @@ def do_validate(request: ValidateRequest) -> None:
             "name the targets, the rig with --rig and the model with --model (or a run with --resume)"
         )
     for form in request.without:
-        if form not in _FORMS:
-            raise LabrigError(f"--without {form}: there are {' and '.join(_FORMS)}")
+        if form not in FORMS:
+            raise LabrigError(f"--without {form}: there are {' and '.join(FORMS)}")
     for path in (*request.targets, request.model):
         if "," in str(path):
             raise LabrigError(f"{path}: a name without a comma is needed")
@@ -78,14 +73,9 @@ def do_report(run: Path, rig: Path | None) -> None:
 
 def report(run: Path) -> None:
     """Compare, print, and write validation.json and report.html into the run's folder."""
-    found = outcomes(run)
-    summaries = [outcome.summary() for outcome in found]
-    _print(summaries)
-    path = run / "validation.json"
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    partial.write_text(json.dumps({"realisations": summaries}, indent=1) + "\n", encoding="utf-8")
-    partial.replace(path)
-    typer.echo(f"report: {write_validation(found, run, run)}")
+    found = validate(run)
+    _print(found.summary["realisations"])
+    typer.echo(f"report: {found.save()}")
 
 
 def _print(summaries: Sequence[dict[str, Any]]) -> None:

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from labrig.view._experiment import write_experiment, write_investigation
+    from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._ik_report import write_ik_report
     from labrig.view._legend import legend_picture
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from labrig.view._naming import effect_rows, names_in_short
     from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
+    from labrig.view._pictures import pictures_of
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from labrig.view._validation_report import write_validation
     from labrig.view._values import value_lines
     from labrig.view._viewer import Viewer, screenshot, start_viewer
-    from labrig.view._words import Lines, summary_words
+    from labrig.view._words import Lines, Note, note, summary_words
 
 _LAZY = {
     "chamber_outlines": "_outlines",
@@ -35,6 +36,10 @@ _LAZY = {
     "Viewer": "_viewer",
     "live_observers": "_live",
     "live_predict": "_predict",
+    "Note": "_words",
+    "note": "_words",
+    "pictures_of": "_pictures",
+    "programme_figure": "_experiment",
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
@@ -50,6 +55,7 @@ _LAZY = {
 __all__ = [
     "Lines",
     "LiveView",
+    "Note",
     "Viewer",
     "chamber_outlines",
     "colour_legend",
@@ -58,6 +64,9 @@ __all__ = [
     "live_observers",
     "live_predict",
     "names_in_short",
+    "note",
+    "pictures_of",
+    "programme_figure",
     "screenshot",
     "start_viewer",
     "summary_words",

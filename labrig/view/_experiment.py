@@ -33,7 +33,7 @@ def write_experiment(report: dict[str, Any], programme: Sequence[dict[str, Any]]
     page.add(f'<p class="lead">Why this one: {escape(str(report["why"]))}.</p>')
     _warnings(page, report["warnings"])
     page.section("What is measured", "Pressure of each chamber over the time of the programme.")
-    page.add(page.plot(_pressures(programme)))
+    page.add(page.plot(programme_figure(programme)))
     _probes(page, report)
     _expected(page, report)
     if report["by_hand"]:
@@ -159,7 +159,7 @@ def _expected(page: Page, report: dict[str, Any]) -> None:
     page.add(table(header, rows, ["", "", "number", "number", ""]))
 
 
-def _pressures(programme: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def programme_figure(programme: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Steps of every chamber's pressure over time, as a figure."""
     done = [p for p in programme if not p.get("by_hand")]
     chambers = sorted({c for p in done for c in p["pressure_kpa"]}, key=lambda c: (len(c), c))

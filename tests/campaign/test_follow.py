@@ -194,9 +194,7 @@ def test_a_person_is_told_while_the_run_goes_on(make_rig: Callable[..., Any], tm
     ]
 
 
-def test_a_summary_says_how_well_the_pressures_followed(
-    make_rig: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_a_summary_says_how_well_the_pressures_followed(make_rig: Callable[..., Any], tmp_path: Path) -> None:
     """What missed is counted apart; of what counts, the farthest of each chamber is kept."""
     fake = make_rig(follow={"on_miss": "skip", "repeats": 0, "tolerance_kpa": 6.5, "tolerance_share": 0.0})
     fake.pressure.faults["leaks"] = {0: 0.5}  # 16 of 20 kPa, 32 of 40 kPa: the second is a miss

@@ -13,7 +13,8 @@ def _cells(fields: xr.Dataset) -> list[list[str]]:
     page = Page("pressures")
     pressures(page, fields)
     return [
-        re.findall(r"<td[^>]*>(.*?)</td>", row) for row in re.findall(r"<tr>(<td.*?)</tr>", page.html(), re.DOTALL)
+        re.findall(r"<td[^>]*>(.*?)</td>", row)
+        for row in re.findall(r"<tr>(<td.*?)</tr>", page.html(), re.DOTALL)
     ]
 
 

@@ -1,0 +1,1 @@
+"""What `import labrig` offers: a function for each thing that the command line does, and what each gives back."""

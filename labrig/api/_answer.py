@@ -1,0 +1,127 @@
+"""What compare, diagnose and improve give back has in common: errors, where they are, pictures, files."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from labrig._errors import LabrigError
+from labrig.api._inputs import Place
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from plotly.graph_objects import Figure
+    from xarray import Dataset
+
+    from labrig.diagnosis import Result
+
+
+@dataclass(frozen=True, repr=False)
+class Answer:
+    """Base of `Comparison`, `Diagnosis` and `Improvement`.
+
+    `error` are root mean squares by name (`model`, `floor`, ...), per coordinate, in `units`; `where` has a row for
+    each place; `fields` are the means over each hold (capture, observable) of what was `measured` and predicted.
+    """
+
+    name: ClassVar[str] = ""
+    _result: "Result" = field(repr=False)
+
+    @property
+    def units(self) -> str:
+        """The unit of the errors."""
+        return str(self._result.summary["units"])
+
+    @property
+    def error(self) -> dict[str, float]:
+        """Root mean square errors by name, in `units`."""
+        return {
+            name: float(value) for name, value in self._result.summary["error"].items() if value is not None
+        }
+
+    @property
+    def where(self) -> "DataFrame":
+        """Where the model fails: `group`, `name`, `error` in `units`, `share` of the whole, `clear` of the noise."""
+        from pandas import DataFrame
+
+        columns = ["group", "name", "error", "share", "clear"]
+        return DataFrame(self._result.where, columns=columns)
+
+    @property
+    def fields(self) -> "Dataset":
+        """`measured`, `base` and `model`, means over each hold, (capture, observable)."""
+        return self._result.fields
+
+    @property
+    def values(self) -> list[str]:
+        """What was fitted of each effect, one line each, with standard deviations."""
+        from labrig.view import value_lines
+
+        return list(value_lines(self._result))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to keep in mind."""
+        return [str(line) for line in self._result.summary.get("warnings", [])]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain values: the content of the JSON file that `save` writes."""
+        return self._result.summary
+
+    @property
+    def pictures(self) -> list[str]:
+        """What `plot` knows."""
+        from labrig.view import pictures_of
+
+        return list(pictures_of(self._result))
+
+    def plot(self, picture: str = "") -> "Figure":
+        """A picture of the report as a plotly Figure; the first of `pictures` if none is named.
+
+        Raises `LabrigError` for a picture that there is not.
+        """
+        from plotly.graph_objects import Figure
+
+        from labrig.view import pictures_of
+
+        pictures = pictures_of(self._result)
+        wanted = picture or next(iter(pictures))
+        if wanted not in pictures:
+            raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(pictures)}")
+        return Figure(pictures[wanted]())
+
+    def save(self, folder: Place) -> Path:
+        """Write the JSON and report.html into `folder`, as the command line does; returns the report's path."""
+        from labrig.diagnosis import write_json
+        from labrig.view import write_report
+
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(self._result.summary, folder / f"{self.name}.json")
+        return write_report(self._result, folder)
+
+    def headline(self) -> str:
+        """What came out, in one sentence."""
+        from labrig.view import note
+
+        return note(self._result.summary).headline
+
+    def __repr__(self) -> str:
+        errors = ", ".join(f"{name} {value:.3g}" for name, value in self.error.items())
+        return f"{type(self).__name__}: {self.headline()}\nerror, {self.units} rms: {errors}"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the sentence, the errors, and the worst places."""
+        from html import escape
+
+        from pandas import DataFrame
+
+        errors = DataFrame([self.error]).to_html(index=False, float_format="{:.3g}".format, border=0)
+        clear = self.where[self.where["clear"].astype(bool)].head(5)
+        places = clear.to_html(index=False, float_format="{:.3g}".format, border=0) if len(clear) else ""
+        more = self._html_more()
+        return f"<p><b>{escape(self.headline())}</b></p><p>error, {escape(self.units)} rms</p>{errors}{more}{places}"
+
+    def _html_more(self) -> str:
+        """What a kind of answer shows besides."""
+        return ""

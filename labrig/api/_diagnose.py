@@ -1,0 +1,89 @@
+"""diagnose: what a model lacks, or that nothing is missing, or that it cannot be told."""
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from labrig._errors import LabrigError
+from labrig.api._answer import Answer
+from labrig.api._inputs import model_of, runs_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from labrig.model import Model
+
+
+class Diagnosis(Answer):
+    """What is missing from a model.
+
+    `verdict` is nothing_missing, identified, multiple, confounded, unknown or underpowered; `effects` has a row for
+    each effect of the library; `improved` is the model with what is sure, if anything is.
+    """
+
+    name: ClassVar[str] = "diagnosis"
+
+    @property
+    def verdict(self) -> str:
+        """nothing_missing, identified, multiple, confounded, unknown or underpowered."""
+        return str(self.summary["verdict"])
+
+    @property
+    def probability(self) -> float:
+        """How probable all of what the verdict says is, 0 to 1."""
+        return float(self.summary["probability"])
+
+    @property
+    def sure(self) -> list[str]:
+        """The names of the effects that are missing, at 90 % or more."""
+        return list(self.summary["effects"])
+
+    @property
+    def effects(self) -> "DataFrame":
+        """Every effect, the most probable first: `effect`, `call` (sure, possible, not it), `probability`, `size` and
+
+        `size_sd` in `units`, `size_floors` and `size_sd_floors` in noise floors.
+        """
+        from pandas import DataFrame
+
+        columns = ["effect", "call", "probability", "size", "size_sd", "size_floors", "size_sd_floors"]
+        table = DataFrame(self.summary["effects_considered"], columns=columns)
+        return table.sort_values("probability", ascending=False, ignore_index=True)
+
+    @property
+    def improved(self) -> "Model | None":
+        """The model with the effects that are sure; None where none is."""
+        return self._result.improved
+
+    def _html_more(self) -> str:
+        shown = self.effects[self.effects["probability"] >= 0.1]
+        return shown.to_html(index=False, float_format="{:.2g}".format, border=0) if len(shown) else ""
+
+
+def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: Any = ()) -> Diagnosis:
+    """Compare a model with measurements and say what is missing from it.
+
+    Args:
+        runs: one run or a list, as paths or as `labrig.open_run` gives them; of one rig.
+        model: a model.yaml's path, or what `labrig.Model.load` gives.
+        tolerance: the smallest effect that matters, in the units of the observables.
+        without: names of effects to leave out of the library.
+
+    Raises:
+        LabrigError: a run or the model cannot be read, or they do not fit together.
+
+    Example:
+        >>> found = labrig.diagnose("runs/first", "model.yaml")
+        >>> found.verdict
+        'identified'
+        >>> found.effects["effect"][0]
+        'creep'
+    """
+    from labrig import diagnosis
+    from labrig.api._inputs import names_of
+
+    if tolerance is not None and not tolerance > 0:
+        raise LabrigError(f"tolerance {tolerance:g}: must be larger than 0")
+    left_out = names_of(without, "an effect to leave out") if without else []
+    opened, questioned = runs_of(runs), model_of(model)
+    result = diagnosis.diagnose(opened, questioned, tolerance=tolerance, without=left_out)
+    diagnosis.plan_next(opened, questioned, result.summary)
+    return Diagnosis(result)

@@ -1,0 +1,69 @@
+"""solve_ik: the pressures that make a surface take given shapes."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig._errors import LabrigError
+from labrig.api._inputs import Place, rig_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from labrig._executor import Executor
+    from labrig.ik import Solved
+
+    Floats = NDArray[np.float64]
+
+
+def solve_ik(
+    targets: Any,
+    model: Place,
+    *,
+    rig: Any = None,
+    unit: str | None = None,
+    executor: "Executor | None" = None,
+    progress: Callable[[int], None] | None = None,
+) -> "list[Solved]":
+    """Inverse kinematics of target surfaces, in order.
+
+    Args:
+        targets: one file or several (OBJ, PLY, STL).
+        model: a model's file: of the shell, learnt, or corrected.
+        rig: a rig.yaml's path, or what `labrig.load_rig` gives: its limits hold; by default the model's own.
+        unit: of the targets, where their files do not say.
+        executor: workers for many targets; they stay open.
+        progress: told how many are done.
+
+    Returns:
+        for each target its `result` (pressures in kPa, pose), the surface in mm, signed distances in mm and their
+        summary; or its `error`, where it could not be solved.
+
+    Raises:
+        LabrigError: the model cannot be used, or the rig's chambers are not the model's.
+    """
+    from labrig.ik import solve_files
+
+    files = [targets] if isinstance(targets, str | Path) else list(targets)
+    limits = limits_kpa(rig, model) if rig is not None else None
+    return solve_files(files, model, unit, limits, executor, progress)
+
+
+def limits_kpa(rig: Any, model: Place) -> "tuple[Floats, Floats]":
+    """A rig's limits in the order of the model's chambers, kPa, (C,) each; raises `LabrigError` for other chambers."""
+    import numpy as np
+
+    from labrig.ik import load_shape_model
+
+    shape, _ = load_shape_model(model)
+    config = rig_of(rig)
+    channels = {channel.name: channel for channel in config.channels}
+    missing = [name for name in shape.chamber_names if name not in channels]
+    if missing or len(channels) != len(shape.chamber_names):
+        where = rig if isinstance(rig, str | Path) else f"rig {config.name}"
+        raise LabrigError(
+            f"{where}: its chambers ({', '.join(channels)}) are not the model's ({', '.join(shape.chamber_names)})"
+        )
+    chosen = [channels[name] for name in shape.chamber_names]
+    return np.array([c.min_kpa for c in chosen]), np.array([c.max_kpa for c in chosen])

@@ -1,0 +1,79 @@
+"""What people hand over: paths or things that are opened already; what is neither is refused in one line."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig._errors import LabrigError
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from labrig.model import Model
+    from labrig.rig import RigConfig
+
+Place = str | Path
+Runs = "Place | Dataset | Sequence[Place | Dataset]"
+
+
+def runs_of(given: Any) -> "list[Dataset]":
+    """One or several runs, as paths or as `labrig.open_run` gives them.
+
+    Raises `LabrigError` for an empty list, for anything else, and where a run cannot be read.
+    """
+    several = list(given) if isinstance(given, list | tuple) else [given]
+    if not several:
+        raise LabrigError("no run was given: name a run folder, or what labrig.open_run gives")
+    return [_run(one) for one in several]
+
+
+def _run(given: Any) -> "Dataset":
+    from labrig.log import open_run
+
+    if isinstance(given, str | Path):
+        return open_run(given)
+    if type(given).__name__ == "Dataset" and hasattr(given, "data_vars"):
+        if "commanded" not in given:
+            raise LabrigError("the Dataset is no run: it has no `commanded`; labrig.open_run makes one")
+        return given
+    raise _wrong("a run", given, "a run folder's path, or what labrig.open_run gives")
+
+
+def model_of(given: Any) -> "Model":
+    """A model, as a path or as `labrig.Model.load` gives it; raises `LabrigError` for anything else."""
+    from labrig.model import Model
+
+    if isinstance(given, Model):
+        return given
+    if isinstance(given, str | Path):
+        return Model.load(given)
+    raise _wrong("a model", given, "a model.yaml's path, or what labrig.Model.load gives")
+
+
+def rig_of(given: Any) -> "RigConfig":
+    """A rig, as a path or as `labrig.load_rig` gives it; raises `LabrigError` for anything else."""
+    from labrig.rig import RigConfig, load_rig
+
+    if isinstance(given, RigConfig):
+        return given
+    if isinstance(given, str | Path):
+        return load_rig(given)
+    raise _wrong("a rig", given, "a rig.yaml's path, or what labrig.load_rig gives")
+
+
+def names_of(given: Any, what: str) -> list[str]:
+    """One name or several; raises `LabrigError` for anything else, and for none."""
+    names = [given] if isinstance(given, str) else list(given) if isinstance(given, Sequence) else None
+    if names is None or not all(isinstance(name, str) for name in names):
+        raise _wrong(what, given, 'its name, such as "creep", or a list of names')
+    if not names:
+        raise LabrigError(f'{what}: none was named; give a name, such as "creep", or a list of names')
+    return names
+
+
+def _wrong(what: str, given: Any, wanted: str) -> LabrigError:
+    kind = type(given)
+    named = (
+        kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__.split('.')[0]}.{kind.__name__}"
+    )
+    return LabrigError(f"{what} is needed, and a {named} was given: {wanted}")

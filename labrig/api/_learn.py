@@ -1,0 +1,74 @@
+"""train_forward and train_sim2real: models that are learnt, from simulations and from what a rig showed."""
+
+from typing import TYPE_CHECKING, Any
+
+from labrig._errors import LabrigError
+from labrig.api._inputs import Place, runs_of
+
+if TYPE_CHECKING:
+    from labrig.surrogate import ForwardModel, Trained, TrainedWarp
+
+
+def train_forward(
+    simulations: Place, *, method: str = "gaussian", share: float = 0.7, seed: int = 0, slopes: bool = True
+) -> "Trained":
+    """Learn a forward model from simulations: pressures to the surface.
+
+    Args:
+        simulations: a folder that `labrig simulate` made.
+        method: gaussian (a Gaussian process), network (an ensemble of networks) or paper (the source paper's network).
+        share: the share that is learnt from; errors are measured on the others.
+        seed: of the split and of a network's training.
+        slopes: use the simulations' derivatives, where they have them.
+
+    Returns:
+        the `model`, its `errors` in mm on what was left out, and how long it took; `labrig.surrogate.save_model(
+        trained.model, "forward.npz")` writes it.
+
+    Raises:
+        LabrigError: the folder holds no simulations, or too few; or there is no such method.
+    """
+    from typing import get_args
+
+    from labrig import surrogate
+    from labrig.physics import open_simulations
+    from labrig.surrogate._train_forward import Method
+
+    if method not in get_args(Method):
+        raise LabrigError(f"method {method!r}: choose one of {', '.join(get_args(Method))}")
+    data = surrogate.training_set(open_simulations(simulations), simulations)
+    return surrogate.train_forward(data if slopes else data.without_slopes(), method, share, seed)  # type: ignore[arg-type]
+
+
+def train_sim2real(
+    run: Any, model: "Place | ForwardModel", *, method: str = "ours", frames: int | None = None, seed: int = 0
+) -> "TrainedWarp":
+    """Learn how a rig differs from its forward model, from a run with markers or scans.
+
+    Args:
+        run: a run folder's path; what `labrig.open_run` gives will do where no scans are needed.
+        model: a forward model's file, or the model.
+        method: ours (markers), scans, both, or the source paper's function and marker.
+        frames: use so many frames only.
+        seed: of a network's training.
+
+    Raises:
+        LabrigError: the run has nothing of what the method needs, or the model is no forward model.
+    """
+    from pathlib import Path
+
+    from labrig import surrogate
+
+    if method not in surrogate.METHODS:
+        raise LabrigError(f"method {method!r}: choose one of {', '.join(surrogate.METHODS)}")
+    forward = surrogate.load_forward(model) if isinstance(model, str | Path) else model
+    captured = None
+    if method != "scans":
+        captured = surrogate.frames_of(runs_of(run)[0], forward.chamber_names)
+        captured = captured.take(slice(0, frames)) if frames else captured
+    shots = []
+    if method in ("scans", "both"):
+        if not isinstance(run, str | Path):
+            raise LabrigError(f"method {method!r}: scans are files of the run; give its folder's path")
+        shots = surrogate.shots_of(Path(run), forward.chamber_names)
+    return surrogate.train_warp(forward, captured, shots, method, seed)  # type: ignore[arg-type]

@@ -1,0 +1,129 @@
+"""propose_experiment: what to measure next, as a programme that the rig can run."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig.api._diagnose import Diagnosis
+from labrig.api._inputs import Place, model_of, rig_of, runs_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from plotly.graph_objects import Figure
+
+    from labrig.diagnosis import Experiment
+
+
+@dataclass(frozen=True, repr=False)
+class Proposal:
+    """The programme that tells what a diagnosis leaves open apart best, per minute in the laboratory."""
+
+    _experiment: "Experiment" = field(repr=False)
+
+    @property
+    def minutes(self) -> float:
+        """How long the programme takes."""
+        return float(self.summary["minutes"])
+
+    @property
+    def separates(self) -> list[str]:
+        """The effects that it tells apart; empty where it looks for what is not named yet."""
+        return list(self.summary["separates"])
+
+    @property
+    def why(self) -> str:
+        """Why this one, in a sentence."""
+        return str(self.summary["why"])
+
+    @property
+    def points(self) -> "DataFrame":
+        """The set-points in order: a column for each chamber, kPa, then `hold_s`, `repeat`, `label`."""
+        from pandas import DataFrame
+
+        rows = []
+        for point in self._experiment.programme():
+            named = dict.fromkeys(self._experiment.chambers, 0.0) | point.get("pressure_kpa", {})
+            rows.append({**named, **{key: point.get(key, "") for key in ("hold_s", "repeat", "label")}})
+        return DataFrame(rows)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain values: the content of next.json."""
+        return self._experiment.summary
+
+    def procedure(self) -> dict[str, Any]:
+        """The parameters of the procedure `programme`: `labrig.run("programme", rig, **proposal.procedure())`."""
+        return {"points": self._experiment.programme()}
+
+    def plot(self) -> "Figure":
+        """Each chamber's pressure over the time of the programme, as a plotly Figure."""
+        from plotly.graph_objects import Figure
+
+        from labrig.view import programme_figure
+
+        return Figure(programme_figure(self._experiment.programme()))
+
+    def save(self, folder: Place) -> Path:
+        """Write next.json and report.html into `folder`, as the command line does; returns the report's path."""
+        from labrig.diagnosis import write_json
+        from labrig.view import write_experiment
+
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(self.summary, folder / "next.json")
+        return write_experiment(self.summary, self._experiment.programme(), folder)
+
+    def __repr__(self) -> str:
+        apart = " from ".join(self.separates) or "what is open"
+        return f"Proposal: {self.summary['captures']} captures, {self.minutes:.1f} min, to tell {apart}"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        return f"<p><b>{escape(repr(self))}</b></p><p>{escape(self.why)}</p>{self.points.to_html(border=0)}"
+
+
+def propose_experiment(
+    runs: Any,
+    model: Any,
+    *,
+    rig: Any = None,
+    diagnosis: Diagnosis | None = None,
+    minutes: float = 10.0,
+    tolerance: float | None = None,
+) -> Proposal:
+    """The programme that separates what a diagnosis leaves open, best per minute.
+
+    Args:
+        runs: one run or a list, as paths or as `labrig.open_run` gives them.
+        model: a model.yaml's path, or what `labrig.Model.load` gives.
+        rig: a rig.yaml's path, or what `labrig.load_rig` gives: its limits hold; by default what the runs state.
+        diagnosis: that of these runs; it is made where it is not given.
+        minutes: the longest that the programme may take.
+        tolerance: the smallest effect that matters, in the units of the observables.
+
+    Raises:
+        LabrigError: the diagnosis leaves nothing open, or no programme of this rig would tell.
+
+    Example:
+        >>> next = labrig.propose_experiment("runs/first", "model.yaml", rig="rig.yaml")
+        >>> labrig.run("programme", "rig.yaml", out="runs/second", **next.procedure())
+    """
+    import numpy as np
+
+    from labrig import diagnosis as core
+
+    limits = None
+    if rig is not None:
+        chambers = rig_of(rig).chambers
+        low, high, slew = ([getattr(c, n) for c in chambers] for n in ("min_kpa", "max_kpa", "slew_kpa_s"))
+        limits = core.Limits(np.array(low), np.array(high), np.array(slew))
+    experiment = core.propose_experiment(
+        runs_of(runs),
+        model_of(model),
+        summary=None if diagnosis is None else diagnosis.summary,
+        limits=limits,
+        minutes=minutes,
+        tolerance=tolerance,
+    )
+    return Proposal(experiment)

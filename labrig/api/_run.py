@@ -1,0 +1,96 @@
+"""run: a procedure on a rig, from Python."""
+
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig._errors import LabrigError
+from labrig.api._inputs import Place, rig_of
+
+if TYPE_CHECKING:
+    from drivers import Clock
+    from labrig.campaign import Procedure, Progress
+    from labrig.rig import RigConfig
+
+
+def run(
+    procedure: "str | Procedure",
+    rig: Any,
+    *,
+    out: Place | None = None,
+    seed: int = 0,
+    realtime: bool = False,
+    progress: "Callable[[Progress], None] | None" = None,
+    **parameters: Any,
+) -> Path:
+    """Run a procedure on a rig and log it; returns the run's folder.
+
+    Every limit is checked before anything moves. However the run ends, the chambers are vented, and the vent is
+    confirmed by reading, before this returns or raises. A capture whose pressures did not follow is taken again;
+    after that the run ends here, where the command line waits for a person.
+
+    Args:
+        procedure: the name of one that comes with labrig (capture, hold, idle, pairs, programme, repeatability,
+            survey, sweep, validate), a file ("my_procedure.py"), or one that is made already.
+        rig: a rig.yaml's path, or what `labrig.load_rig` gives.
+        out: the run's folder; by default a new one in ./runs.
+        seed: of everything that is random.
+        realtime: let a rig that is simulated here take as long as a real one.
+        progress: called with a `Progress` about twice a second.
+        parameters: the procedure's, by name: `captures=20`.
+
+    Raises:
+        LabrigError: a limit would be broken, the procedure or its parameters are wrong, the log cannot be written.
+        DeviceError: a device failed, or the rig is no longer safe.
+
+    Example:
+        >>> folder = labrig.run("capture", "rig.yaml", out="runs/first", captures=20)
+        >>> labrig.open_run(folder).sizes["capture"]
+        20
+    """
+    from labrig import campaign
+    from labrig.rig import connect
+
+    config = rig_of(rig)
+    chosen = _procedure(procedure, parameters)
+    folder = Path(out) if out is not None else new_folder(chosen)
+    clock = clock_of(config, realtime)
+    context = {"rig_file": str(Path(rig).resolve())} if isinstance(rig, str | Path) else {}
+    watching = campaign.Watching(context=context)
+    with connect(config, clock, guard_log=folder / "guard.log") as connected:
+        return campaign.run(chosen, connected, folder, seed=seed, progress=progress, watching=watching)
+
+
+def _procedure(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedure":
+    from labrig._fields import check_fields
+    from labrig.api._procedures import find_procedure
+    from labrig.campaign import Procedure
+
+    if isinstance(given, Procedure):
+        if parameters:
+            raise LabrigError(
+                f"{next(iter(parameters))}: a procedure that is made already takes no parameters"
+            )
+        return given
+    kind = find_procedure(str(given))
+    return check_fields(kind, parameters, f"procedure {given}")
+
+
+def clock_of(config: "RigConfig", realtime: bool) -> "Clock":
+    """A rig that is simulated in this process needs no waiting."""
+    from drivers import RealClock, SimulatedClock
+
+    kinds = {device.kind for device in config.devices.values() if device is not None}
+    here = kinds == {"simulated"} and not realtime
+    return SimulatedClock(RealClock().now_s()) if here else RealClock()
+
+
+def new_folder(procedure: "Procedure") -> Path:
+    """runs/20261120-0312-capture, or with a number behind it where that exists."""
+    base = Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{procedure.procedure_name()}"
+    folder, number = base, 1
+    while folder.exists():
+        number += 1
+        folder = base.with_name(f"{base.name}-{number}")
+    return folder

@@ -1,0 +1,32 @@
+"""import_table: somebody's own table as a run."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig.api._inputs import Place
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+def import_table(mapping: Place, output: Place, tables: Any = ()) -> "Dataset":
+    """Make a run folder of your own tables, as a MAP.yaml says what their columns mean; returns the opened run.
+
+    Args:
+        mapping: the file that says what the columns mean.
+        output: the run folder to make.
+        tables: one file or several (CSV, Parquet, C3D) in place of those that the mapping names.
+
+    Raises:
+        LabrigError: a file, a column or a unit does not exist, a value is no number, or the output exists; nothing
+            is left behind then.
+
+    Example:
+        >>> run = labrig.import_table("map.yaml", "runs/mine")
+        >>> run.sizes["capture"] > 0
+        True
+    """
+    from labrig import log
+
+    given = [tables] if isinstance(tables, str | Path) else list(tables)
+    return log.import_table(Path(mapping), Path(output), [Path(table) for table in given])

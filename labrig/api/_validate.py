@@ -1,0 +1,140 @@
+"""validate: targets realised on a rig, and how far what came out is from them and from what was predicted."""
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig._errors import LabrigError
+from labrig.api._inputs import Place
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from labrig.ik import Outcome
+
+FORMS = ("warp", "effects")
+"""What a validation may leave out of its model, to see what it is worth."""
+
+
+@dataclass(frozen=True, repr=False)
+class Validation:
+    """What a run of the procedure validate came to: every target with each form of the model.
+
+    `realisations` has a row for each: mean distances in mm of what the rig can do at best (`hardware`), of what was
+    `predicted` and `realised` from the target, of what was realised from what was predicted (`apart`) and of the
+    markers from theirs (`markers`); NaN where it was not measured.
+    """
+
+    run: Path
+    _outcomes: "list[Outcome]" = field(repr=False)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain values: the content of validation.json."""
+        return {"realisations": [outcome.summary() for outcome in self._outcomes]}
+
+    @property
+    def realisations(self) -> "DataFrame":
+        """`target`, `model`, then mean distances in mm: `hardware`, `predicted`, `realised`, `apart`, `markers`."""
+        from pandas import DataFrame
+
+        columns = {
+            "hardware": "hardware_mm",
+            "predicted": "predicted_mm",
+            "realised": "realised_mm",
+            "apart": "realised_against_predicted_mm",
+            "markers": "markers_against_predicted_mm",
+        }
+        rows = []
+        for one in self.summary["realisations"]:
+            means = {name: one[key]["mean"] if one[key] else float("nan") for name, key in columns.items()}
+            rows.append({"target": one["target"], "model": one["model"], **means})
+        return DataFrame(rows)
+
+    def save(self, folder: Place | None = None) -> Path:
+        """Write validation.json and report.html into `folder`, by default the run's; returns the report's path."""
+        from labrig.view import write_validation
+
+        folder = Path(folder) if folder is not None else self.run
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / "validation.json"
+        partial = path.with_name(f".{path.name}.{os.getpid()}")
+        partial.write_text(json.dumps(self.summary, indent=1) + "\n", encoding="utf-8")
+        partial.replace(path)
+        return write_validation(self._outcomes, self.run, folder)
+
+    def __repr__(self) -> str:
+        table = self.realisations
+        realised = table["realised"].mean()
+        far = (
+            "nothing was scanned"
+            if realised != realised
+            else f"{realised:.3g} mm from the target on the mean"
+        )
+        return f"Validation: {len(table)} realisations of {table['target'].nunique()} targets, {far}"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        table = self.realisations.to_html(index=False, float_format="{:.3f}".format, border=0)
+        return f"<p><b>{escape(repr(self))}</b></p>{table}"
+
+
+def validate(
+    targets: Any,
+    rig: Any = None,
+    model: Place | None = None,
+    *,
+    out: Place | None = None,
+    without: tuple[str, ...] = (),
+    refine: int = 0,
+    unit: str = "",
+    seed: int = 0,
+    realtime: bool = False,
+) -> Validation:
+    """Realise targets on a rig and measure what came out; or read a run that did, as `validate("runs/validated")`.
+
+    Args:
+        targets: target surfaces' files; or, alone, the folder of a run of the procedure validate.
+        rig: a rig.yaml's path, or what `labrig.load_rig` gives.
+        model: a model's file.
+        out: the run's folder; by default a new one in ./runs.
+        without: "warp" or "effects": forms of the model to try as well, without these.
+        refine: how often a realisation may be corrected by its own scan.
+        unit: of the targets, where their files do not say.
+        seed: of everything that is random.
+        realtime: let a rig that is simulated here take as long as a real one.
+
+    Raises:
+        LabrigError: a file does not exist or fit, a limit would be broken.
+        DeviceError: a device failed; the chambers are vented.
+    """
+    from labrig.api._run import run
+    from labrig.ik import outcomes
+
+    if model is None and rig is None and isinstance(targets, str | Path):
+        return Validation(Path(targets), outcomes(targets))
+    if model is None or rig is None:
+        raise LabrigError(
+            "a validation needs targets, the rig and the model; or the folder of a run that did it"
+        )
+    for form in without:
+        if form not in FORMS:
+            raise LabrigError(f"without {form}: there are {' and '.join(FORMS)}")
+    files = [Path(target) for target in ([targets] if isinstance(targets, str | Path) else targets)]
+    for path in (*files, Path(model)):
+        if not path.is_file():
+            raise LabrigError(f"{path} does not exist")
+    parameters = {
+        "targets": tuple(str(path.resolve()) for path in files),
+        "model": str(Path(model).resolve()),
+        "refine": refine,
+        "without": tuple(without),
+        "unit": unit,
+    }
+    folder = run("validate", rig, out=out, seed=seed, realtime=realtime, **parameters)
+    found = Validation(folder, outcomes(folder))
+    found.save()
+    return found

@@ -1,0 +1,91 @@
+"""What compare, diagnose, improve and propose_experiment give back, as a notebook uses it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import labrig
+from labrig import LabrigError
+
+
+def test_a_comparison_says_how_far_off_the_model_is_and_where(lab: Path, tmp_path: Path) -> None:
+    """The error against the floor, the places as a table, and the files of the command line."""
+    found = labrig.compare(labrig.open_run(lab / "first"), labrig.Model.load(lab / "model.yaml"))
+    assert found.error["model"] > found.error["floor"] > 0
+    assert found.units == "mm"
+    assert {"marker", "chamber"} <= set(found.where["group"])
+    assert float(found.where["error"].max()) > found.error["model"]
+    assert found.save(tmp_path / "out") == tmp_path / "out" / "report.html"
+    saved = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
+    assert saved["error"]["model"] == pytest.approx(found.error["model"], rel=1e-5)
+
+
+def test_a_diagnosis_is_read_as_tables(diagnosis: labrig.Diagnosis) -> None:
+    """The verdict, every effect with its probability and size, the most probable first."""
+    effects = diagnosis.effects
+    assert diagnosis.verdict in {"identified", "confounded", "multiple"}
+    assert "creep" in set(effects["effect"][:3])
+    assert effects["probability"].is_monotonic_decreasing
+    assert len(effects) == 15
+    assert set(diagnosis.sure) == set(effects["effect"][effects["call"] == "sure"])
+    assert 0 <= diagnosis.probability <= 1
+
+
+def test_what_is_shown_is_short(diagnosis: labrig.Diagnosis) -> None:
+    """A repr of a few lines, and a view for notebooks with the same sentence."""
+    text = repr(diagnosis)
+    assert text.startswith("Diagnosis: ")
+    assert len(text) < 400
+    assert diagnosis.headline() in text
+    assert "creep" in diagnosis._repr_html_()
+    assert len(diagnosis._repr_html_()) < 10_000
+
+
+def test_every_picture_of_the_report_can_be_drawn(diagnosis: labrig.Diagnosis) -> None:
+    """Each by its name, as a figure with data; a name that is none says which there are."""
+    assert {"error", "surface", "fit", "captures"} <= set(diagnosis.pictures)
+    for picture in diagnosis.pictures:
+        assert diagnosis.plot(picture).to_dict()["data"]
+    bars = diagnosis.plot().to_dict()["data"][0]
+    assert list(bars["y"])[-1] == pytest.approx(diagnosis.error["floor"])
+    with pytest.raises(LabrigError) as caught:
+        diagnosis.plot("surfaces")
+    assert str(caught.value).startswith("there is no picture 'surfaces'; there are error, surface")
+
+
+def test_an_improvement_lowers_the_error_and_can_be_saved(lab: Path, tmp_path: Path) -> None:
+    """From a table to a lower error: the new model predicts the run better than the old one."""
+    better = labrig.improve(lab / "first", lab / "model.yaml", "creep")
+    assert better.added == ["creep"]
+    assert better.error["model"] < better.error["base"]
+    assert 0 < better.drop <= 1.05
+    better.model.save(tmp_path / "improved.yaml")
+    again = labrig.compare(lab / "first", tmp_path / "improved.yaml")
+    assert again.error["model"] < labrig.compare(lab / "first", lab / "model.yaml").error["model"]
+    assert any("creep" in line for line in better.values)
+
+
+def test_a_proposal_can_be_run(lab: Path, diagnosis: labrig.Diagnosis, tmp_path: Path) -> None:
+    """The programme is a table, a picture, and the parameters of a run."""
+    try:
+        proposal = labrig.propose_experiment(
+            lab / "first", lab / "model.yaml", rig=lab / "rig.yaml", diagnosis=diagnosis, minutes=3
+        )
+    except LabrigError as error:
+        pytest.skip(f"this diagnosis leaves nothing open: {error}")
+    assert 0 < proposal.minutes <= 3.5
+    assert {"c1", "c2", "c3", "c4", "hold_s"} <= set(proposal.points.columns)
+    assert repr(proposal).startswith("Proposal: ")
+    assert proposal.plot().to_dict()["data"]
+    assert proposal.save(tmp_path / "next").is_file()
+    folder = labrig.run("programme", lab / "rig.yaml", out=tmp_path / "second", **proposal.procedure())
+    assert labrig.open_run(folder).sizes["capture"] == len(proposal.points)
+
+
+def test_runs_of_two_kinds_are_taken_together(lab: Path) -> None:
+    """A list of paths and opened runs is one campaign."""
+    one, two = (labrig.compare(runs, lab / "model.yaml") for runs in (lab / "first", [lab / "first"]))
+    assert one.error == two.error
+    assert np.isfinite(list(one.error.values())).all()
