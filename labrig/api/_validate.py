@@ -67,12 +67,9 @@ class Validation:
 
     def __repr__(self) -> str:
         table = self.realisations
-        realised = table["realised"].mean()
-        far = (
-            "nothing was scanned"
-            if realised != realised
-            else f"{realised:.3g} mm from the target on the mean"
-        )
+        realised = table["realised"].dropna().tolist()
+        mean_mm = sum(realised) / max(len(realised), 1)
+        far = f"{mean_mm:.3g} mm from the target on the mean" if realised else "nothing was scanned"
         return f"Validation: {len(table)} realisations of {table['target'].nunique()} targets, {far}"
 
     def _repr_html_(self) -> str:
