@@ -1,5 +1,6 @@
 """Register maps of Modbus pressure regulators: a YAML file each, so that another one needs no code."""
 
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
@@ -119,6 +120,19 @@ def load_map(path: str | Path) -> RegisterMap:
     try:
         return RegisterMap.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "the map"
-        raise RegisterMapError(f"{found}: {where}: {first['msg'].removeprefix('Value error, ')}") from None
+        raise RegisterMapError(_described(error, found)) from None
+
+
+def _described(error: ValidationError, path: Path) -> str:
+    """The first thing that is wrong in a map; of a name that is misspelt, the one that was meant."""
+    first = error.errors()[0]
+    where = ".".join(str(part) for part in first["loc"]) or "the map"
+    what = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "extra_forbidden" or first["type"] == "missing":
+        misspelt = [str(e["loc"][-1]) for e in error.errors() if e["type"] == "extra_forbidden"]
+        lacking = [str(e["loc"][-1]) for e in error.errors() if e["type"] == "missing"]
+        known = [*lacking, *RegisterMap.model_fields]
+        near = [(name, close[0]) for name in misspelt if (close := get_close_matches(name, known, 1))]
+        if near:
+            where, what = near[0][0], f"there is no such field; did you mean {near[0][1]}?"
+    return f"{path}: {where}: {what}"

@@ -55,7 +55,7 @@ class ViconSettings(Settings):
     unit: Literal["mm", "m"] = "mm"
     rename: dict[str, str] = {}
     mode: Literal["push", "pull", "prefetch"] = "push"
-    timeout_s: float = Field(default=3.0, gt=0, le=60)
+    timeout_s: float = Field(default=5.0, gt=0, le=60)
     stale_after_s: float = Field(default=0.25, gt=0, le=60)
     lost_after_s: float = Field(default=30.0, gt=0)
 

@@ -42,18 +42,23 @@ class Fault:
 
 
 def check_fields(
-    kind: type[Checked], content: Mapping[str, Any], where: str, path: Path | None = None
+    kind: type[Checked], content: Mapping[str, Any], where: str, path: Path | None = None, section: str = ""
 ) -> Checked:
-    """The content as `kind` has it; raises `LabrigError` that names the file, the line of a YAML `path`, the field."""
+    """The content as `kind` has it; raises `LabrigError` that names the file, the line of a YAML `path`, the field.
+
+    `section` is where in the file the content stands, if it is not all of it.
+    """
     try:
         return kind.model_validate(content)
     except ValidationError as error:
         fault, more = first_fault(error, kind, content)
         from labrig._yaml import line_of
 
-        line = None if path is None else line_of(path, fault.place)
+        place = (section, *fault.place) if section else fault.place
+        line = None if path is None else line_of(path, place)
         others = f" (and {more} more)" if more else ""
-        raise LabrigError(f"{where}{f', line {line}' if line else ''}: {fault}{others}") from None
+        inside = f"{section}: " if section else ""
+        raise LabrigError(f"{where}{f', line {line}' if line else ''}: {inside}{fault}{others}") from None
 
 
 def first_fault(error: ValidationError, kind: type[BaseModel], content: Any) -> tuple[Fault, int]:

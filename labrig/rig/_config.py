@@ -6,8 +6,10 @@ from typing import Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from drivers import Channel
+from drivers._settings import SETTINGS
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
+from labrig._near import meant
 from labrig._yaml import read_yaml
 
 
@@ -124,8 +126,15 @@ class RigConfig(_Section):
         return self.model_dump(mode="json", exclude_none=True)
 
 
+_SIMULATED = ("surface", "shell", "plant", "seed", "noise_mm", "repeatability_mm", "occlusion", "hidden")
+
+
 def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, ...], folder: Path) -> None:
-    """Raise `ValueError` for a shell or a plant that cannot be made."""
+    """Raise `ValueError` for a name that means nothing, and for a shell or a plant that cannot be made."""
+    for name in simulated:
+        if name not in _SIMULATED:
+            hint = meant(name, _SIMULATED) or f"; there are {', '.join(_SIMULATED)}"
+            raise ValueError(f"simulated: there is no such field as {name}{hint}")
     if "surface" in simulated:
         if "shell" in simulated:
             raise ValueError("simulated: either a surface (the reduced model) or a shell, not both")
@@ -152,7 +161,11 @@ def load_rig(path: str | Path) -> RigConfig:
     """
     path = Path(path)
     content = {**read_yaml(path, "rig"), "folder": path.resolve().parent}
-    return check_fields(RigConfig, content, str(path), path)
+    config = check_fields(RigConfig, content, str(path), path)
+    for role, device in config.devices.items():
+        if device is not None and device.kind in SETTINGS:
+            check_fields(SETTINGS[device.kind], device.options, str(path), path, role)
+    return config
 
 
 def parse_rig(content: dict[str, Any], where: str, folder: Path) -> RigConfig:

@@ -183,3 +183,31 @@ def test_rest_positions_come_from_the_file(tmp_path: Path) -> None:
     rig = connect(config, SimulatedClock())
     np.testing.assert_array_equal(rig.rest_mm, [[1, 2, 3], [np.nan] * 3])
     rig.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "pressure: {kind: openpneu, prot: COM3}",
+            "line 4: pressure: prot: there is no such field; did you mean port",
+        ),
+        ("pressure: {kind: openpneu}", "line 4: pressure: port: is missing"),
+        (
+            "pressure: {kind: simulated}\nsimulated: {surface: mannequin, noise: 1}",
+            "simulated: there is no such field as noise; did you mean noise_mm?",
+        ),
+        (
+            "pressure: {kind: simulated}\nfollow: {on_mis: skip}",
+            "follow: on_mis: there is no such field; did you mean on_miss?",
+        ),
+    ],
+)
+def test_a_devices_settings_are_checked_with_the_file(tmp_path: Path, text: str, said: str) -> None:
+    """Before anything is connected: the line, the device, and the name that was meant."""
+    path = tmp_path / "rig.yaml"
+    path.write_text("name: a\nchambers:\n  - {name: c1, max_kpa: 60}\n" + text + "\n", encoding="utf-8")
+    with pytest.raises(LabrigError) as caught:
+        load_rig(path)
+    assert str(caught.value).startswith(f"{path}")
+    assert said in str(caught.value)

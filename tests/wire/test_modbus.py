@@ -376,3 +376,13 @@ def test_a_watchdog_that_is_not_kept_is_no_watchdog(tmp_path, shared, closing, d
     closing(twin.start())
     with pytest.raises(DeviceError, match="does not keep its watchdog: register 40100 reads 7 after 500"):
         driver(twin.port, map=str(path)).connect()
+
+
+def test_a_misspelt_name_in_a_map_says_what_was_meant(tmp_path):
+    """Both the name that is there and the one that is missing are shown."""
+    text = (MAPS / "festo-pgva.yaml").read_text(encoding="utf-8").replace("kpa_per_count", "kpa_per_counts")
+    path = tmp_path / "mine.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(RegisterMapError) as caught:
+        load_map(path)
+    assert str(caught.value) == f"{path}: kpa_per_counts: there is no such field; did you mean kpa_per_count?"
