@@ -22,6 +22,9 @@ _MOST = 0.5
 _ALIKE = 2.0
 """Chambers that fill so many times faster or slower than the others are worth a look."""
 
+_OFF = 0.1
+"""How far, as a share of what was asked for, a chamber may be off in a check: less than while a run goes on."""
+
 _LEAK_PER_MIN = 0.05
 """A chamber that loses more of its pressure in a minute leaks."""
 
@@ -94,7 +97,7 @@ def _judge(
     reads = f"{round(reached[index] * filling.level_kpa, 1) + 0.0:.1f} kPa"
     if reached[index] < _BARELY:
         return "bad", _not_filled(chambers, index, reached, fills, asked, reads)
-    allowed = config.follow.tolerance_share + config.follow.tolerance_kpa / abs(filling.level_kpa)
+    allowed = _OFF + config.follow.tolerance_kpa / abs(filling.level_kpa)
     rate = _rate_kpa_min(filling)
     loses = -rate * np.sign(filling.level_kpa) > _LEAK_PER_MIN * abs(filling.level_kpa)
     if loses:

@@ -68,8 +68,9 @@ def _states(folder: Path) -> list[tuple[int, int]]:
     ("values", "sag", "missed"),
     [
         ([[38.0, 0.1]] * 5, False, []),
-        ([[32.9, 0.1]] * 5, False, ["c1"]),
-        ([[47.1, 0.1]] * 5, False, ["c1"]),
+        ([[27.1, 0.1]] * 5, False, []),
+        ([[26.9, 0.1]] * 5, False, ["c1"]),
+        ([[53.1, 0.1]] * 5, False, ["c1"]),
         ([[40.0, 3.1]] * 5, False, ["c2"]),
         ([[40.0, 0.0], [0.0, 0.0], [0.0, 0.0], [40.0, 0.0], [0.0, 0.0], [0.0, 0.0]], False, []),
         ([[40.0, 0.0]] * 30 + [[20.0, 0.0]] * 3, False, ["c1"]),
@@ -83,7 +84,7 @@ def _states(folder: Path) -> list[tuple[int, int]]:
 def test_three_samples_in_a_row_outside_the_tolerance_are_a_miss(
     config: Any, values: list[list[float]], sag: bool, missed: list[str]
 ) -> None:
-    """3 kPa and a tenth of the set-point are allowed; a slip, a blind sensor and a sag that is wanted are none."""
+    """3 kPa and a quarter of the set-point are allowed; a slip, a blind sensor and a sag that is wanted are none."""
     found = misses(_samples(values), np.array([40.0, 0.0]), config, sag=sag)
     assert [miss.chamber for miss in found] == missed
 
@@ -94,7 +95,7 @@ def test_a_tube_that_is_off_ends_a_run_that_nobody_watches(fake: Any, tmp_path: 
     with pytest.raises(DeviceError) as caught:
         run(Two(), fake.rig, tmp_path / "run", fake.clock)
     assert str(caught.value) == (
-        "pressure: c1 was asked for 20.0 kPa and reads 0.0 kPa (it may be 5.0 kPa off); check its tube, valve and "
+        "pressure: c1 was asked for 20.0 kPa and reads 0.0 kPa (it may be 8.0 kPa off); check its tube, valve and "
         "sensor; the chambers are vented"
     )
     assert _states(tmp_path / "run") == [(2, 3), (2, 3)]
@@ -105,8 +106,8 @@ def test_a_tube_that_is_off_ends_a_run_that_nobody_watches(fake: Any, tmp_path: 
 
 def test_a_chamber_that_leaks_half_its_pressure_is_noticed(fake: Any, tmp_path: Path) -> None:
     """It is not only the tube that is off: half of the pressure is missing, and that is said."""
-    fake.pressure.faults["leaks"] = {1: 2.0}
-    with pytest.raises(DeviceError, match=r"c2 was asked for 10.0 kPa and reads 5.0 kPa"):
+    fake.pressure.faults["leaks"] = {0: 2.0}
+    with pytest.raises(DeviceError, match=r"c1 was asked for 20.0 kPa and reads 10.0 kPa"):
         run(Two(), fake.rig, tmp_path / "run", fake.clock)
 
 
@@ -125,7 +126,7 @@ def test_a_command_that_was_lost_is_sent_again(fake: Any, tmp_path: Path) -> Non
 def test_a_capture_that_missed_may_be_left_out(make_rig: Callable[..., Any], tmp_path: Path) -> None:
     """With on_miss: skip the run goes on; the capture is in the log, the procedure knows, and it does not count."""
     fake = make_rig(follow={"on_miss": "skip", "repeats": 0})
-    fake.pressure.faults["leaks"] = {0: 1.2}  # 12.5 of 20 kPa is a miss, 25 of 40 kPa as well
+    fake.pressure.faults["leaks"] = {0: 2.0}  # 10 of 20 kPa is a miss, 20 of 40 kPa as well
     run(Two(), fake.rig, tmp_path / "run", fake.clock)
     assert open_run(tmp_path / "run").sizes["capture"] == 0
     assert summarise(tmp_path / "run").captures == 0
@@ -190,7 +191,7 @@ def test_a_person_is_told_while_the_run_goes_on(make_rig: Callable[..., Any], tm
     with pytest.raises(DeviceError):
         run(Two(), fake.rig, tmp_path / "run", fake.clock, watching=Watching((Watcher(),)))
     assert told == [
-        "step 2: c2 was asked for 10.0 kPa and reads 0.0 kPa (it may be 4.0 kPa off): taking the capture again"
+        "step 2: c2 was asked for 10.0 kPa and reads 0.0 kPa (it may be 5.5 kPa off): taking the capture again"
     ]
 
 

@@ -1,0 +1,47 @@
+"""docs/how-to/notebook.md works as it stands."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+import labrig
+
+pytestmark = pytest.mark.timeout(300)  # two diagnoses and an experiment
+
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "notebook.md"
+
+
+@pytest.fixture
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The files that the page speaks of: a simulated rig that hides creep, its first run, and a model without it."""
+    from drivers.simulated import hide, seal
+
+    rig = {
+        "name": "bench",
+        "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
+        "pressure": {"kind": "simulated"},
+        "mocap": {"kind": "simulated", "rate_hz": 20},
+        "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
+    }
+    monkeypatch.chdir(tmp_path)
+    Path("rig.yaml").write_text(yaml.safe_dump(rig), encoding="utf-8")
+    Path("model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\neffects: []\n", encoding="utf-8")
+    seal(tmp_path, hide("creep", seed=1))
+    labrig.run("capture", "rig.yaml", out="runs/first", captures=40)
+    return tmp_path
+
+
+def test_the_page_runs_and_the_error_falls(lab: Path) -> None:
+    """Every block in order, in one session; the first takes ten lines from a run to a lower error."""
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert len([line for line in blocks[0].splitlines() if line.strip()]) <= 10
+    names: dict[str, object] = {}
+    lines = blocks[0].strip().splitlines()
+    exec("\n".join(lines[:-1]), names)
+    assert eval(lines[-1], names) is True
+    for block in blocks[1:]:
+        exec(block, names)
+    assert (lab / "diagnosis" / "report.html").is_file()
+    assert labrig.open_run("runs/second").sizes["capture"] > 0
