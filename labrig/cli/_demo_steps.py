@@ -32,6 +32,7 @@ chambers:
 markers: [{", ".join(f"m{i:02d}" for i in range(1, MARKERS + 1))}]
 pressure: {{kind: simulated}}
 mocap: {{kind: simulated}}
+follow: {{tolerance_kpa: 20, tolerance_share: 0.5}}  # what it hides may be a leak, which shall be named and not mended
 simulated:
   shell: mannequin
   plant: {{count: [34, 34], seed: 0, spread: 0.15, vary: materials}}

@@ -168,9 +168,11 @@ def test_fewer_than_three_calm_readings_in_a_row_confirm_nothing(wire, device, r
         device.vent(timeout_s=0.3)
 
 
-def test_calm_readings_from_before_the_vent_do_not_count(wire, device):
-    """A device that read calm all the time, and says nothing after the stop, is not confirmed."""
+@pytest.mark.parametrize("after", [0, 2], ids=["nothing", "two"])
+def test_calm_readings_from_before_the_vent_do_not_count(wire, device, after):
+    """A device that read calm all the time, and says too little after the stop, is not confirmed."""
     hear(wire, *[CALM] * 5)
+    wire.after_stop.extend([[], *([np.array(CALM)] for _ in range(after))])
     with pytest.raises(VentNotConfirmedError, match=r"^pressure: vent not confirmed within 0\.3 s: "):
         device.vent(timeout_s=0.3)
 
