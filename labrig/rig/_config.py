@@ -68,9 +68,9 @@ class FollowConfig(_Section):
     """How far a chamber may be from its set-point while it is recorded, and what happens when it is farther.
 
     It may be `tolerance_kpa` and `tolerance_share` of the set-point off: what is within, a regulator that is not exact
-    or a small leak, is measured, and a diagnosis can name it; what is beyond is a fault of the rig. A capture that misses is taken again
-    `repeats` times. Then the run vents and waits for a person (`pause`; where nobody can answer, it ends), goes on
-    without counting the capture (`skip`), or ends (`abort`).
+    or a small leak, is measured, and a diagnosis can name it; what is beyond is a fault of the rig. A capture that
+    misses is taken again `repeats` times. Then the run vents and waits for a person (`pause`; where nobody can answer,
+    it ends), goes on without counting the capture (`skip`), or ends (`abort`).
     """
 
     tolerance_kpa: float = Field(default=3.0, gt=0.0)

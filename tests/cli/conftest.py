@@ -13,7 +13,10 @@ RIG = {
     "pressure": {"kind": "simulated"},
     "mocap": {"kind": "simulated", "rate_hz": 20},
     "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
-    "follow": {"tolerance_kpa": 20, "tolerance_share": 0.5},  # what it hides may be a leak or a wrong regulator
+    "follow": {
+        "tolerance_kpa": 20,
+        "tolerance_share": 0.5,
+    },  # what it hides may be a leak or a wrong regulator
 }
 MODEL = "base: {kind: simulator, rig: rig.yaml}\neffects: []\n"
 
