@@ -132,6 +132,8 @@ def outcomes(run: str | Path) -> list[Outcome]:
     markers: dict[str, Floats] = {}
     scans: dict[str, Path] = {}
     for done in read_completed(run):
+        if getattr(done.result, "missed", ()):  # its pressures did not follow: it is no realisation
+            continue
         label = getattr(done.step, "label", "")
         if isinstance(done.step, Actuate):
             setpoints.setdefault(label, []).append(np.array(done.step.pressure_kpa))

@@ -144,7 +144,10 @@ def shots_of(path: str | Path, chamber_names: tuple[str, ...]) -> list[Shot]:
             if step.state != Step.DONE or step.kind != "scan":
                 continue
             event = int(np.searchsorted(times, to_ns(step.started_s), side="right")) - 1
-            files = json.loads(step.result_json or "{}").get("files") or []
+            values = json.loads(step.result_json or "{}")
+            if values.get("missed"):  # the pressures did not follow: nobody knows what was scanned
+                continue
+            files = values.get("files") or []
             if event >= 0 and files:
                 file = next((f for f in files if not f.endswith((".mtl", ".png", ".jpg"))), files[0])
                 shots.append(Shot(Path(file).name, setpoints[event], read_mesh(path / file)))
