@@ -62,7 +62,7 @@ def _row(name: str, files: RunFiles, known: Kept | None) -> tuple[Row, bool]:
     row, whole = (known.row, True) if known is not None and known.log == files.log else (None, True)
     if row is None:
         try:
-            row = read_row(files.folder, name)
+            row = read_row(Path(files.folder), name)
         except (LabrigError, OSError) as error:
             row, whole = unreadable(name, error), False
     if known is not None and known.row is row and known.notes == files.notes:
@@ -70,7 +70,7 @@ def _row(name: str, files: RunFiles, known: Kept | None) -> tuple[Row, bool]:
     if not files.notes:
         return row._replace(tags=(), notes=""), whole
     try:
-        notes = read_notes(files.folder)
+        notes = read_notes(Path(files.folder))
     except LabrigError as error:
         return row._replace(tags=(), notes=f"unreadable: {error}"), False
     return row._replace(tags=tuple(notes.tags), notes="\n".join(notes.notes)), whole
@@ -83,7 +83,7 @@ def _results(found: Found, known: Index) -> dict[str, Result]:
         old = known.results.get(name)
         if old is None or (old.size, old.written_ns) != (file.size, file.written_ns):
             try:
-                old = read_result(file.path, name, file.size, file.written_ns)
+                old = read_result(Path(file.path), name, file.size, file.written_ns)
             except (OSError, ValueError, RecursionError):
                 continue
         results[name] = old

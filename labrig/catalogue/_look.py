@@ -1,6 +1,7 @@
 """What lies in a folder of runs, by names, sizes and times; no log and no result is opened for it."""
 
 import os
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +16,7 @@ _LOG = ("run.yaml",)
 class RunFiles(NamedTuple):
     """A run folder; `log` and `notes` say which files it held, how large and from when."""
 
-    folder: Path
+    folder: str
     log: str
     notes: str
 
@@ -23,7 +24,7 @@ class RunFiles(NamedTuple):
 class ResultFile(NamedTuple):
     """A file of results: its size, and when it was written."""
 
-    path: Path
+    path: str
     size: int
     written_ns: int
 
@@ -42,20 +43,23 @@ def look(folder: Path) -> Found:
     Raises `LabrigError` if the folder does not exist.
     """
     found = Found()
-    for path, entries in folders_below(folder):
-        name = path.relative_to(folder).as_posix()
-        files = {entry.name for entry in entries}
-        segments = sorted(file for file in files if is_segment(file))
+    for path, name, entries in folders_below(folder):
+        files = {entry.name: entry.path for entry in entries}
+        segments = [file for file in files if is_segment(file)]
         if segments:
-            log = _stamp(path, [*segments, *(file for file in _LOG if file in files)])
-            found.runs[name] = RunFiles(path, log, _stamp(path, [NOTES] if NOTES in files else []))
+            log = _stamp(files, [*sorted(segments), *_LOG])
+            found.runs[name] = RunFiles(path, log, _stamp(files, [NOTES]))
         for file in RESULTS:
             if file in files:
-                _add(found, f"{name}/{file}" if name != "." else file, path / file)
+                _add(found, f"{name}/{file}" if name != "." else file, files[file])
     own = folder.resolve()
     for beside in _folders_beside(own):
         for file in RESULTS:
-            _add(found, f"../{beside.name}/{file}" if beside != own.parent else f"../{file}", beside / file)
+            _add(
+                found,
+                f"../{beside.name}/{file}" if beside != own.parent else f"../{file}",
+                str(beside / file),
+            )
     return found
 
 
@@ -73,21 +77,20 @@ def _folders_beside(folder: Path) -> list[Path]:
         return []
 
 
-def _add(found: Found, name: str, path: Path) -> None:
+def _add(found: Found, name: str, path: str) -> None:
+    if (status := _status(path)) is not None:
+        found.results[name] = ResultFile(path, status.st_size, status.st_mtime_ns)
+
+
+def _stamp(files: Mapping[str, str], names: Iterable[str]) -> str:
+    """Sizes and times of those files that there are."""
+    known = [(name, _status(files[name])) for name in names if name in files]
+    return ", ".join(f"{name} {s.st_size} {s.st_mtime_ns}" for name, s in known if s is not None)
+
+
+def _status(path: str) -> os.stat_result | None:
+    """Asked of the file: what Windows keeps in a folder is late for one that grows. None where it has gone."""
     try:
-        status = path.stat()
+        return os.stat(path)  # noqa: PTH116  (tens of thousands of them)
     except OSError:
-        return
-    found.results[name] = ResultFile(path, status.st_size, status.st_mtime_ns)
-
-
-def _stamp(folder: Path, names: list[str]) -> str:
-    """Sizes and times of files. Asked of the files: what Windows keeps in a folder is late for one that grows."""
-    parts = []
-    for name in names:
-        try:
-            status = os.stat(os.path.join(folder, name))  # noqa: PTH116, PTH118  (thousands of them: half the time)
-        except OSError:
-            continue
-        parts.append(f"{name} {status.st_size} {status.st_mtime_ns}")
-    return ", ".join(parts)
+        return None

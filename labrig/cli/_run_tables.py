@@ -38,15 +38,16 @@ def print_runs(named: Path | None, where: str | None = None, parquet: Path | Non
 
 def _listed(folder: Path, where: str | None) -> list[Row]:
     """The rows; where somebody watches, with how many logs there are still to be read."""
-    console = Console(stderr=True)
-    with console.status("") as status:
-        return list_runs(
-            folder,
-            where,
-            lambda done, total: status.update(
-                f"reading logs that are new or have changed: {done} of {total}"
-            ),
-        )
+    status = Console(stderr=True).status("")
+
+    def progress(done: int, total: int) -> None:
+        status.update(f"reading logs that are new or have changed: {done} of {total}")
+        status.start()
+
+    try:
+        return list_runs(folder, where, progress)
+    finally:
+        status.stop()
 
 
 def print_lines(rows: list[Row], folder: Path) -> None:

@@ -17,28 +17,32 @@ def find_runs(folder: Path) -> list[Path]:
 
     Raises `LabrigError` if the folder does not exist.
     """
-    return [path for path, entries in folders_below(folder) if any(is_segment(e.name) for e in entries)]
+    return [
+        Path(path) for path, _, entries in folders_below(folder) if any(is_segment(e.name) for e in entries)
+    ]
 
 
-def folders_below(folder: Path) -> Iterator[tuple[Path, list[os.DirEntry[str]]]]:
-    """A folder and those below it, two levels deep, in order of their names, each with what lies in it.
+def folders_below(folder: Path) -> Iterator[tuple[str, str, list[os.DirEntry[str]]]]:
+    """A folder and those below it, two levels deep, in order of their names.
 
-    Folders that can't be read are left out. Raises `LabrigError` if the first one is none.
+    Each with its path, its name below the first one (`.`, `a`, `a/b`), and what lies in it. Folders that can't be read
+    are left out. Raises `LabrigError` if the first one is none.
     """
     if not folder.is_dir():
         raise LabrigError(f"{folder} is not a folder; name the one that holds your runs")
-    level = [folder]
+    level = [(str(folder), ".")]
     for depth in range(_DEPTH + 1):
-        below: list[Path] = []
-        for path in level:
+        below: list[tuple[str, str]] = []
+        for path, name in level:
             try:
                 with os.scandir(path) as found:
                     entries = sorted(found, key=lambda entry: entry.name)
             except OSError:
                 continue
-            yield path, entries
+            yield path, name, entries
             if depth < _DEPTH:
-                below += [Path(entry.path) for entry in entries if _is_folder(entry)]
+                start = "" if name == "." else f"{name}/"
+                below += [(entry.path, start + entry.name) for entry in entries if _is_folder(entry)]
         level = below
 
 
