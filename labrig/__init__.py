@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from labrig.api._run import run
     from labrig.api._table import import_table
     from labrig.api._validate import Validation, validate
+    from labrig.catalogue import runs
     from labrig.log import open_run
     from labrig.model import Model
     from labrig.rig import load_rig
@@ -51,6 +52,7 @@ _LAZY = {
     "open_run": "labrig.log",
     "propose_experiment": "labrig.api._propose",
     "run": "labrig.api._run",
+    "runs": "labrig.catalogue",
     "solve_ik": "labrig.api._ik",
     "train_forward": "labrig.api._learn",
     "train_sim2real": "labrig.api._learn",
@@ -75,6 +77,7 @@ __all__ = [
     "open_run",
     "propose_experiment",
     "run",
+    "runs",
     "solve_ik",
     "train_forward",
     "train_sim2real",

@@ -1,4 +1,4 @@
-"""Commands: run, runs, show, recover, reveal."""
+"""Commands: run, runs, tag, note, show, recover, reveal."""
 
 from pathlib import Path
 from typing import Annotated
@@ -90,11 +90,46 @@ def runs(
         Path | None,
         typer.Argument(metavar="FOLDER", help="A folder that holds runs; else ./runs, or this one."),
     ] = None,
+    where: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CONDITION",
+            help="Only runs of which it is true: \"verdict == 'identified' and rig == 'lab'\".",
+        ),
+    ] = None,
+    parquet: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write them to a Parquet file, with all columns.")
+    ] = None,
 ) -> None:
-    """List the runs in a folder: when, what, how far, and how each ended."""
+    """List the runs in a folder: when, what, how far, how each ended, and what was found and said of it."""
     from labrig.cli._run_tables import print_runs
 
-    print_runs(folder)
+    print_runs(folder, where, parquet)
+
+
+@app.command("tag")
+def tag_run(
+    run: Annotated[Path, _RUN_NAME],
+    tags: Annotated[list[str], typer.Argument(metavar="TAG...", help="Words to find the run by.")],
+    remove: Annotated[bool, typer.Option("--remove", help="Take them away.")] = False,
+) -> None:
+    """Give a run tags, kept in its folder."""
+    from labrig.catalogue import tag
+
+    kept = tag(run, tags, remove=remove)
+    typer.echo(f"{run}: {', '.join(kept.tags) or 'no tags'}")
+
+
+@app.command("note")
+def note_run(
+    run: Annotated[Path, _RUN_NAME],
+    text: Annotated[str, typer.Argument(metavar="TEXT", help="What is to be said of it, in quotes.")],
+) -> None:
+    """Write a note on a run, kept in its folder."""
+    from labrig.catalogue import note
+
+    kept = note(run, text)
+    typer.echo(f"{run}: {len(kept.notes)} {'note' if len(kept.notes) == 1 else 'notes'}")
 
 
 @app.command()

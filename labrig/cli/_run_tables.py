@@ -4,32 +4,99 @@ import math
 import statistics
 from pathlib import Path
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig.catalogue import Row, list_runs, write_parquet
+from labrig.cli._places import check_file, replaced
 from labrig.cli._run_screen import duration_text
-from labrig.log import RunSummary, find_runs, summarise
+from labrig.log import RunSummary, summarise
+
+_LONGEST_NOTE = 40
 
 
-def print_runs(named: Path | None) -> None:
-    """One line for each run below a folder: the one that is named, ./runs, or the current one."""
+def print_runs(named: Path | None, where: str | None = None, parquet: Path | None = None) -> None:
+    """One line for each run below a folder (the one that is named, ./runs, or the current one), or a Parquet file."""
     folder = named or (Path("runs") if Path("runs").is_dir() else Path())
-    found = find_runs(folder)
-    if not found:
-        where = str(folder) if folder != Path() else "there is no folder runs here, and this one"
-        raise LabrigError(f"{where} holds no runs; name the folder that does: labrig runs FOLDER")
-    table = Table(
-        "run", "started", "procedure", "captures", "length", "size", "state", box=None, pad_edge=False
-    )
-    for path in found:
-        try:
-            table.add_row(*_row(summarise(path), path, folder))
-        except LabrigError as error:
-            table.add_row(_short(path, folder), "", "", "", "", "", f"unreadable: {error}")
-    for column in table.columns:
-        column.no_wrap = True
-    _console().print(table)
+    if parquet is not None:
+        check_file(parquet, "--parquet")
+    rows = _listed(folder, where)
+    if not rows and not (where and list_runs(folder)):
+        what = str(folder) if folder != Path() else "there is no folder runs here, and this one"
+        raise LabrigError(f"{what} holds no runs; name the folder that does: labrig runs FOLDER")
+    if parquet is not None:
+        said = replaced(parquet)
+        write_parquet(rows, parquet)
+        print(f"{parquet}: {len(rows)} runs{said}")
+    elif not rows:
+        print(f"of no run in {folder} is it true that {where}")
+    else:
+        print_lines(rows, folder)
+
+
+def _listed(folder: Path, where: str | None) -> list[Row]:
+    """The rows; where somebody watches, with how many logs there are still to be read."""
+    status = Console(stderr=True).status("")
+
+    def progress(done: int, total: int) -> None:
+        status.update(f"reading logs that are new or have changed: {done} of {total}")
+        status.start()
+
+    try:
+        return list_runs(folder, where, progress)
+    finally:
+        status.stop()
+
+
+def print_lines(rows: list[Row], folder: Path) -> None:
+    """Rows as lines, their columns one below the other; what no run has is left out, and a rig that all have.
+
+    Without rich's tables, which take a second for a thousand lines.
+    """
+    cells = {
+        "run": [str(Path(row.run)) if row.run != "." else folder.resolve().name for row in rows],
+        "started": [row.started for row in rows],
+        "rig": [row.rig for row in rows],
+        "procedure": [row.procedure for row in rows],
+        "captures": [_captures(row) for row in rows],
+        "length": ["" if row.length_s is None else duration_text(row.length_s) for row in rows],
+        "size": ["" if row.size_mb is None else f"{row.size_mb:.1f} MB" for row in rows],
+        "state": [row.state + (f", {row.warnings} warnings" if row.warnings else "") for row in rows],
+        "verdict": [row.verdict for row in rows],
+        "error": [_error(row.error, row.units) for row in rows],
+        "floor": [_error(row.floor, row.units) for row in rows],
+        "tags": [" ".join(row.tags) for row in rows],
+        "notes": [_shortened(row.notes) for row in rows],
+    }
+    if len(set(cells["rig"])) == 1:
+        del cells["rig"]
+    for name in ("verdict", "error", "floor", "tags", "notes"):
+        if not any(cells[name]):
+            del cells[name]
+    columns = [_padded([name, *column]) for name, column in cells.items()]
+    print("\n".join("  ".join(line).rstrip() for line in zip(*columns, strict=True)))
+
+
+def _padded(cells: list[str]) -> list[str]:
+    lengths = [cell_len(cell) for cell in cells]
+    longest = max(lengths)
+    return [cell + " " * (longest - length) for cell, length in zip(cells, lengths, strict=True)]
+
+
+def _captures(row: Row) -> str:
+    planned = f"/{row.planned}" if row.planned else ""
+    return "" if row.captures is None else f"{row.captures}{planned}"
+
+
+def _error(value: float | None, units: str) -> str:
+    return "" if value is None else f"{value:.3g} {units}"
+
+
+def _shortened(text: str) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= _LONGEST_NOTE else line[: _LONGEST_NOTE - 3] + "..."
 
 
 def _console() -> Console:
@@ -38,25 +105,6 @@ def _console() -> Console:
     if not console.is_terminal:
         console.width = 240
     return console
-
-
-def _short(path: Path, folder: Path) -> str:
-    return str(path.relative_to(folder)) if path != folder else path.name
-
-
-def _row(summary: RunSummary, path: Path, folder: Path) -> list[str]:
-    run = summary.run
-    planned = f"/{run['captures']}" if run.get("captures") and not run.get("closed_loop") else ""
-    lost = f", {len(summary.warnings)} warnings" if summary.warnings else ""
-    return [
-        _short(path, folder),
-        str(run.get("started", "")).replace("T", " ").removesuffix("+00:00"),
-        str(run.get("procedure", "")),
-        f"{summary.captures}{planned}",
-        duration_text(summary.duration_s),
-        f"{summary.size_bytes / 1e6:.1f} MB",
-        summary.state + lost,
-    ]
 
 
 def print_run(path: Path) -> None:

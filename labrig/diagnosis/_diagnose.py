@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
@@ -51,7 +52,9 @@ def diagnose(
     effects = {n: e for n, e in model.library().items() if n not in without}
     ready, observations = observed(ready, effects)
     verdict = verdict_on(observations, ready, effects, tolerance)
-    return result_of(ready, observations, verdict, model, effects)
+    result = result_of(ready, observations, verdict, model, effects)
+    result.summary.update(about(runs, model))
+    return result
 
 
 def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations]:

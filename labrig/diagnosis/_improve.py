@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import fit, square_of
 from labrig.diagnosis._constants import SMALLEST_FLOORS
 from labrig.diagnosis._formula import fall_of, fit_named
@@ -41,6 +42,7 @@ def compare(runs: "Sequence[Dataset] | Dataset", model: Model) -> Result:
         "where": places,
         "floor": {"how": floor.how, "repeats": floor.repeats},
         "warnings": [*context.rows.warnings, *_left_out(dropped)],
+        **about(runs, model),
     }
     return Result(
         summary=summary,
@@ -109,6 +111,7 @@ def improve(
             ),
             *_left_out(dropped),
         ],
+        **about(runs, model),
     }
     return Result(
         summary=summary,

@@ -1,14 +1,16 @@
 """The log: written durably, step by step, and read back as an `xarray.Dataset`, whatever happened to it."""
 
+from labrig.log._find import find_runs, folders_below, run_id
 from labrig.log._import import dataset_from, import_table
 from labrig.log._layout import Layout
 from labrig.log._mapping import Mapping, read_mapping
 from labrig.log._open import open_run
 from labrig.log._recover import recover
 from labrig.log._rig_dataset import RunSeries, Series, run_series
-from labrig.log._runs import RunSummary, find_runs, summarise
+from labrig.log._runs import RunSummary, summarise
 from labrig.log._segments import (
     LoadedSegment,
+    is_segment,
     last_logged_s,
     load_segments,
     read_run_yaml,
@@ -31,7 +33,9 @@ __all__ = [
     "Topic",
     "dataset_from",
     "find_runs",
+    "folders_below",
     "import_table",
+    "is_segment",
     "last_logged_s",
     "layout_of",
     "load_segments",
@@ -39,6 +43,7 @@ __all__ = [
     "read_mapping",
     "read_run_yaml",
     "recover",
+    "run_id",
     "run_series",
     "segment_path",
     "segment_paths",

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.log._dataset import to_dataset
+from labrig.log._find import run_id
 from labrig.log._rig_dataset import rig_arrays
 from labrig.log._segments import load_segments, sessions
 from labrig.log._table import table_arrays
@@ -24,7 +25,7 @@ def open_run(path: str | Path) -> xr.Dataset:
     segments, warnings = load_segments(path)
     layout = segments[0].layout
     arrays = table_arrays(segments[0]) if layout.table else rig_arrays(sessions(segments))
-    attributes = {"run": str(path), "warnings": warnings}
+    attributes = {"run": str(path), "run_id": run_id(path), "warnings": warnings}
     if procedure := segments[0].run.get("procedure"):
         attributes["procedure"] = procedure
     return to_dataset(arrays, layout, attributes)

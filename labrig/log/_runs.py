@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from labrig._errors import LabrigError
 from labrig.log._layout import unpack_metadata
 from labrig.log._segments import LoadedSegment, load_segments, read_run_yaml, segment_paths
 from labrig.log._topics import Topic
@@ -113,14 +112,3 @@ def _state(last: LoadedSegment) -> str:
     if text is not None:
         return str(json.loads(text)["reason"])
     return "closed" if last.segment.closed else "not closed (killed, or still going on)"
-
-
-def find_runs(folder: Path) -> list[Path]:
-    """The run folders below a folder, at most two levels deep, in order of their names.
-
-    Raises `LabrigError` if the folder does not exist.
-    """
-    if not folder.is_dir():
-        raise LabrigError(f"{folder} is not a folder; name the one that holds your runs")
-    candidates = [folder, *sorted(folder.glob("*/")), *sorted(folder.glob("*/*/"))]
-    return [path for path in candidates if path.is_dir() and segment_paths(path)]

@@ -64,6 +64,11 @@ def segment_paths(folder: Path) -> list[tuple[int, Path]]:
     return sorted(found)
 
 
+def is_segment(name: str) -> bool:
+    """Whether a file is a segment, by its name."""
+    return _NAME.fullmatch(name) is not None
+
+
 def segment_path(folder: Path, number: int) -> Path:
     """The name of a segment."""
     return folder / f"log.{number:03d}.mcap"

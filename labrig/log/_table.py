@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _REQUIRED = ("commanded", "hold_s", "time_s", "settled", "event_time_s", "event_commanded")
 _REQUIRED_COORDS = ("session", "repeat", "event_session", "event_of", "chamber_min", "chamber_max")
 _ROW_VARIABLES = ("measured", "observed", "covariates", "position_mm")
-_OWN_ATTRIBUTES = {"run", "source", "between_sessions", "units", "warnings"}
+_OWN_ATTRIBUTES = {"run", "run_id", "source", "between_sessions", "units", "warnings"}
 
 
 def write_dataset(dataset: xr.Dataset, folder: Path, *, run_yaml: dict[str, Any]) -> Path:

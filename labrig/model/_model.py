@@ -1,7 +1,7 @@
 """A model at work: its base and its effects, predicting a campaign."""
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -20,16 +20,17 @@ _OLDER = "an entry of an older labrig has to be fitted again: remove it, then la
 
 @dataclass(frozen=True)
 class Model:
-    """A base and an ordered list of effects; `folder` is what its relative paths start from."""
+    """A base and an ordered list of effects; `folder` is what its relative paths start from, `path` its own file."""
 
     file: ModelFile
     folder: Path
+    path: Path | None = field(default=None, compare=False)
 
     @classmethod
     def load(cls, path: Path | str) -> "Model":
         """Read a model.yaml; raises `LabrigError` when it is not one, or names an unknown effect."""
         path = Path(path)
-        model = cls(read_model_file(path), path.parent)
+        model = cls(read_model_file(path), path.parent, path)
         known = library(model.folder)
         for entry in model.file.effects:
             if entry.name not in known:
@@ -53,7 +54,7 @@ class Model:
     def with_effect(self, entry: EffectEntry) -> "Model":
         """The same model with one more effect at the end."""
         file = self.file.model_copy(update={"effects": [*self.file.effects, entry]})
-        return replace(self, file=file)
+        return replace(self, file=file, path=None)
 
     def library(self) -> dict[str, Effect]:
         """The effects that this model may name: labrig's and those in `effects/` beside its file."""

@@ -121,7 +121,7 @@ def test_no_path_is_unexpected(
     """What the system says of a path while a command works is one line with the path, exit code 2."""
     import labrig.cli._run_tables as tables
 
-    def fail(folder: Path) -> None:
+    def fail(*_: object) -> None:
         raise error
 
     monkeypatch.setattr(tables, "print_runs", fail)

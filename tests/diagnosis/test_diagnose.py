@@ -62,7 +62,7 @@ def test_the_file_is_of_the_documented_form(make_lab, tmp_path) -> None:
     documented = {"verdict", "effects", "probability", "rivals", "units", "error", "where", "ranking"}
     documented |= {"next_experiment", "warnings", "effects_considered"}
     assert set(content) >= documented
-    assert set(content) - documented == {"drop", "carried_by", "floor", "unnamed"}
+    assert set(content) - documented == {"drop", "carried_by", "floor", "unnamed", "runs", "model"}
     assert (content["verdict"], content["effects"], content["rivals"]) == ("identified", ["marker_slip"], [])
     assert content["units"] == "mm"
     assert 0.7 < content["probability"] <= 1

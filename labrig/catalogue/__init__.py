@@ -1,0 +1,20 @@
+"""The catalogue: all runs below a folder as a table, with what people and diagnoses say of them."""
+
+from labrig.catalogue._frame import runs, write_parquet
+from labrig.catalogue._index import INDEX
+from labrig.catalogue._list import list_runs
+from labrig.catalogue._notes import Notes, note, read_notes, tag
+from labrig.catalogue._row import COLUMNS, Row
+
+__all__ = [
+    "COLUMNS",
+    "INDEX",
+    "Notes",
+    "Row",
+    "list_runs",
+    "note",
+    "read_notes",
+    "runs",
+    "tag",
+    "write_parquet",
+]

@@ -1,0 +1,128 @@
+"""What people say of a run: tags and notes, in notes.yaml in its folder, so that they go where the run goes."""
+
+import os
+import secrets
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field
+
+from labrig._durable import sync_folder
+from labrig._errors import LabrigError
+from labrig._fields import check_fields
+from labrig._near import meant
+from labrig._yaml import read_yaml
+from labrig.log import segment_paths
+
+NOTES = "notes.yaml"
+_WAIT_S = 5.0
+_POLL_S = 0.05
+_LONGEST_TAG = 60
+
+
+class Notes(BaseModel):
+    """The content of notes.yaml."""
+
+    model_config = ConfigDict(extra="forbid", coerce_numbers_to_str=True)
+
+    tags: list[str] = Field(default_factory=list)
+    notes: list[str] = Field(default_factory=list)
+
+
+def read_notes(run: Path) -> Notes:
+    """The tags and notes of a run; raises `LabrigError` if its notes.yaml is damaged."""
+    path = run / NOTES
+    if not path.exists():
+        return Notes()
+    return check_fields(Notes, read_yaml(path, "file of notes", begins="tags: [...]"), str(path), path)
+
+
+def tag(run: Path | str, tags: Sequence[str], *, remove: bool = False) -> Notes:
+    """Add tags to a run, or remove them; raises `LabrigError` for what is no tag, or not there to be removed."""
+    for word in tags:
+        _check_tag(word)
+    with _changed(Path(run)) as notes:
+        for word in tags:
+            if not remove:
+                notes.tags += [] if word in notes.tags else [word]
+            elif word in notes.tags:
+                notes.tags.remove(word)
+            else:
+                has = ", ".join(notes.tags) or "none"
+                raise LabrigError(f"{run} has no tag {word!r}{meant(word, notes.tags)} (it has {has})")
+    return notes
+
+
+def note(run: Path | str, text: str) -> Notes:
+    """Add a note to a run; raises `LabrigError` for a note without words."""
+    if not text.strip():
+        raise LabrigError('the note is empty; write it in quotes: labrig note RUN "chamber 3 leaks"')
+    with _changed(Path(run)) as notes:
+        notes.notes.append(text.strip())
+    return notes
+
+
+def _check_tag(word: str) -> None:
+    plain = word.isprintable() and not set(word) & set(" ,'\"")
+    if not word or not plain or len(word) > _LONGEST_TAG:
+        raise LabrigError(
+            f"{word!r} is no tag: a tag is one word of at most {_LONGEST_TAG} signs, without spaces, commas and "
+            "quotes; labrig note takes sentences"
+        )
+
+
+@contextmanager
+def _changed(run: Path) -> Iterator[Notes]:
+    """The notes of a run, to be changed: read and written by one process at a time, and whole or not at all."""
+    if not run.is_dir() or not segment_paths(run):
+        raise LabrigError(f"{run} is no run folder; `labrig runs` lists those in ./runs")
+    lock, partial = run / f"{NOTES}.partial", run / f"{NOTES}.{secrets.token_hex(4)}.partial"
+    try:
+        _hold(lock)
+    except OSError as error:
+        raise LabrigError(
+            f"{run}: nothing can be written there ({error.strerror or error}), and a run's tags and notes are kept "
+            "in its folder"
+        ) from None
+    try:
+        notes = read_notes(run)
+        yield notes
+        with partial.open("x", encoding="utf-8") as file:
+            yaml.safe_dump(notes.model_dump(), file, sort_keys=False, allow_unicode=True)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(run / NOTES)
+        sync_folder(run)
+    finally:
+        partial.unlink(missing_ok=True)
+        lock.unlink(missing_ok=True)
+
+
+def _hold(lock: Path) -> None:
+    """Make the file that only one process can make; wait for another that has, unless it was killed.
+
+    What a killed one left does not change; it is removed.
+    """
+    seen, since_s = None, time.monotonic()
+    while True:
+        try:
+            lock.open("x").close()
+            return
+        except FileExistsError:
+            state = _state(lock)
+            if state != seen:
+                seen, since_s = state, time.monotonic()
+            elif time.monotonic() - since_s > _WAIT_S:
+                for left in (lock, *lock.parent.glob(f"{NOTES}.*.partial")):
+                    left.unlink(missing_ok=True)
+            time.sleep(_POLL_S)
+
+
+def _state(path: Path) -> int | None:
+    try:
+        return path.stat().st_mtime_ns
+    except FileNotFoundError:
+        return None

@@ -1,0 +1,158 @@
+"""Tags and notes: in the run's folder, whole or not at all, and no two writers lose each other's."""
+
+import os
+import shutil
+import threading
+from pathlib import Path
+
+import pytest
+import yaml
+
+from labrig import LabrigError
+from labrig.catalogue import list_runs, note, read_notes, tag
+from labrig.log import recover
+
+
+def test_tags_and_notes_are_kept_in_the_run(shelf: Path, opened: list[str]) -> None:
+    """They stand in notes.yaml as a person would write it, and in the table, for which no log is read again."""
+    monday = shelf / "monday"
+    list_runs(shelf)
+    opened.clear()
+    tag(monday, ["good", "wet"])
+    tag(monday, ["good", "später"])
+    note(monday, "chamber 3 leaks: from noon on")
+    note(monday, "  repaired ")
+    assert yaml.safe_load((monday / "notes.yaml").read_text(encoding="utf-8")) == {
+        "tags": ["good", "wet", "später"],
+        "notes": ["chamber 3 leaks: from noon on", "repaired"],
+    }
+    row = list_runs(shelf)[0]
+    assert (row.tags, row.notes) == (("good", "wet", "später"), "chamber 3 leaks: from noon on\nrepaired")
+    tag(monday, ["wet"], remove=True)
+    assert list_runs(shelf)[0].tags == ("good", "später")
+    assert opened == []
+
+
+def test_they_go_where_the_run_goes(shelf: Path, tmp_path: Path) -> None:
+    """A copy of the folder and a recovered run have them; without notes.yaml they are gone."""
+    tag(shelf / "monday", ["good"])
+    shutil.copytree(shelf / "monday", tmp_path / "away" / "copy")
+    recover(shelf / "monday", tmp_path / "away" / "whole")
+    assert [row.tags for row in list_runs(tmp_path / "away")] == [("good",), ("good",)]
+    list_runs(shelf)
+    (shelf / "monday" / "notes.yaml").unlink()
+    assert list_runs(shelf)[0].tags == ()
+
+
+def test_what_a_person_wrote_by_hand_counts(shelf: Path) -> None:
+    """A number is a word as well, and one of the two lists may be missing."""
+    (shelf / "monday" / "notes.yaml").write_text("tags: [2026, good]\n")
+    assert list_runs(shelf)[0].tags == ("2026", "good")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("tags: good\n", "line 1: tags: should be a list, not 'good'"),
+        ("tag: [good]\n", "line 1: tag: there is no such field; did you mean tags?"),
+        ("tags: [good\n", "is not YAML"),
+        ("", "is not a file of notes: it should begin with `tags: [...]`"),
+    ],
+)
+def test_a_damaged_file_is_named_and_left_alone(shelf: Path, text: str, said: str) -> None:
+    """The listing says what is wrong with it; nothing is added to it before it is mended."""
+    path = shelf / "monday" / "notes.yaml"
+    path.write_text(text)
+    notes = list_runs(shelf)[0].notes
+    assert notes.startswith(f"unreadable: {path}")
+    assert said in notes
+    for change in (lambda: tag(shelf / "monday", ["x"]), lambda: note(shelf / "monday", "x")):
+        with pytest.raises(LabrigError) as caught:
+            change()
+        assert said in str(caught.value)
+    assert path.read_text() == text
+    assert not list((shelf / "monday").glob("*.partial"))
+
+
+@pytest.mark.parametrize("word", ["two words", "a,b", "", "it's", "x" * 61, "a\nb", "a\x07"])
+def test_a_tag_is_one_word(shelf: Path, word: str) -> None:
+    """Anything else is refused, and nothing is written."""
+    with pytest.raises(LabrigError, match="is no tag: a tag is one word"):
+        tag(shelf / "monday", ["good", word])
+    assert not (shelf / "monday" / "notes.yaml").exists()
+
+
+def test_what_cannot_be_done_is_said(shelf: Path) -> None:
+    """A tag that is not there, an empty note, a folder that is no run: one line each, and nothing is written."""
+    tag(shelf / "monday", ["good", "wet"])
+    before = (shelf / "monday" / "notes.yaml").read_bytes()
+    with pytest.raises(LabrigError) as caught:
+        tag(shelf / "monday", ["wet", "god"], remove=True)
+    assert str(caught.value).endswith("monday has no tag 'god'; did you mean good? (it has good)")
+    with pytest.raises(LabrigError, match="the note is empty"):
+        note(shelf / "monday", "  ")
+    assert (shelf / "monday" / "notes.yaml").read_bytes() == before
+    for place in (shelf, shelf / "none", shelf / "monday" / "log.000.mcap"):
+        with pytest.raises(LabrigError, match="is no run folder; `labrig runs` lists those"):
+            tag(place, ["good"])
+    assert not (shelf / "notes.yaml").exists()
+
+
+def test_two_who_write_at_once_lose_nothing(shelf: Path) -> None:
+    """Every tag and every note of several writers is there in the end."""
+
+    def write(number: int) -> None:
+        for k in range(5):
+            tag(shelf / "monday", [f"t{number}-{k}"])
+            note(shelf / "monday", f"n{number}-{k}")
+
+    threads = [threading.Thread(target=write, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    kept = read_notes(shelf / "monday")
+    assert sorted(kept.tags) == [f"t{n}-{k}" for n in range(4) for k in range(5)]
+    assert sorted(kept.notes) == [f"n{n}-{k}" for n in range(4) for k in range(5)]
+
+
+def test_a_writer_that_is_killed_holds_nobody_up_for_long(
+    shelf: Path, kill_while_writing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file is as it was before; after some waiting the next one writes."""
+    monkeypatch.setattr("labrig.catalogue._notes._WAIT_S", 0.1)
+    tag(shelf / "monday", ["first"])
+    kill_while_writing(f"tag({str(shelf / 'monday')!r}, ['killed'])")
+    assert read_notes(shelf / "monday").tags == ["first"]
+    assert [row.tags for row in list_runs(shelf)] == [("first",), ()]
+    tag(shelf / "monday", ["second"])
+    assert read_notes(shelf / "monday").tags == ["first", "second"]
+    assert sorted(path.name for path in (shelf / "monday").iterdir()) == ["log.000.mcap", "notes.yaml"]
+
+
+def test_a_disk_that_is_full_leaves_the_old_file(shelf: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is written by half."""
+    tag(shelf / "monday", ["first"])
+
+    def full(number: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space left"):
+        tag(shelf / "monday", ["second"])
+    monkeypatch.undo()
+    assert read_notes(shelf / "monday").tags == ["first"]
+    assert not list((shelf / "monday").glob("*.partial"))
+
+
+def test_a_run_that_cannot_be_written_says_so(shelf: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a drive that is read-only one line says that tags belong into the run's folder."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(
+        LabrigError, match=r"monday: nothing can be written there \(Permission denied\), and a run's"
+    ):
+        tag(shelf / "monday", ["good"])
