@@ -143,7 +143,7 @@ def test_a_stiffness_that_is_known_is_given(folder: Path, make_lab) -> None:
         yaml.safe_dump({**yaml.safe_load(Path("rig.yaml").read_text()), "simulated": {"surface": "membrane"}})
     )
     with pytest.raises(
-        LabrigError, match=r"^rig: a reduced surface has no parameters: modulus_1_kpa cannot be set$"
+        LabrigError, match=r"^rig.yaml: a reduced surface has no parameters: modulus_1_kpa cannot be set$"
     ):
         compare(data, Model.load("known.yaml"))
 
