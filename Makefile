@@ -14,7 +14,7 @@ demo: .venv/.demo-installed
 export OMP_NUM_THREADS ?= 1
 
 test: check .venv/.system-libraries
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 check: .venv/.all-installed
 	$(BIN)/ruff check
