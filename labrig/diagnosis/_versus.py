@@ -41,7 +41,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     lost = int((np.isfinite(both[0].context.residual) & ~np.isfinite(residual[0])).sum())
     counted, group = streams.counted, streams.row_group
     sums = [_sums(left[:, counted], both[0], group, streams.use_means) for left in residual]
-    whole = difference(*sums)
+    whole = difference(sums[0], sums[1])
     floors = [float(np.sqrt(np.mean(one.floor.row[counted] ** 2))) for one in both]
     floor = both[int(np.argmin(floors))].floor
     errors = [one.rms() for one in sums]
@@ -127,7 +127,7 @@ def _where(
     for place in there:
         sums = [by_block([(place.of(square), group[place.rows])], blocks) for square in cells]
         pooled = [Sums(s.square.sum(axis=2, keepdims=True), s.count.sum(axis=2, keepdims=True)) for s in sums]
-        found = difference(*pooled, level=1 - (1 - LEVEL) / many[place.group])
+        found = difference(pooled[0], pooled[1], level=1 - (1 - LEVEL) / many[place.group])
         out.append(
             {
                 "group": place.group,
