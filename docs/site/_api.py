@@ -11,8 +11,8 @@ def api_page() -> str:
     functions = [name for name in names if not inspect.isclass(getattr(labrig, name))]
     classes = [name for name in names if name not in functions]
     parts = [
-        "# Public names\n\nWhat `import labrig` offers; `help(labrig.compare)` says the same in a notebook. Runs, models "
-        "and rigs are taken as paths, or opened.\n",
+        "# Public names\n\nWhat `import labrig` offers; `help(labrig.compare)` says the same in a notebook. Runs, "
+        "models and rigs are taken as paths, or opened.\n",
         "## Functions\n",
         *(f"::: labrig.{name}\n" for name in functions),
         "## What they give back, and errors\n",

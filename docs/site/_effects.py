@@ -28,9 +28,11 @@ def effects_index() -> str:
         for name, effect in sorted(shipped().items())
     ]
     return (
-        "# The effects\n\nWhat a model can lack, as labrig knows it. Each page says what the effect is, which laws it "
-        "covers, what gives it away in measurements, and which experiment settles whether it is there. How one is "
-        "named: [diagnosis](../reference/diagnosis.md); one of your own: [add an effect](../how-to/add-an-effect.md).\n\n"
+        "# The effects\n\nThe physical effects that labrig can identify in a model's error. Each page says what the "
+        "effect is, which laws it covers, its signature in measurements, and the experiment that decides whether it is "
+        "there. The pictures are examples; how often the names are right is measured by the "
+        "[blind benchmark](../reference/blind_benchmark.md). How an effect is identified: "
+        "[diagnosis](../reference/diagnosis.md); one of your own: [add an effect](../how-to/add-an-effect.md).\n\n"
         "| Effect | acts on | signature |\n|---|---|---|\n" + "\n".join(rows) + "\n"
     )
 
@@ -44,19 +46,19 @@ def effect_page(name: str) -> str:
         f"# {_title(name)}",
         meaning,
         f"It acts on {_ACTS[effect.acts_on]}.",
-        "## What gives it away",
+        "## Signature",
         f"{effect.signature[:1].upper()}{effect.signature[1:]}.",
         f"![{_title(name)}: measured and fitted](../pictures/effects/{name}.png)",
         _caption(json.loads((PICTURES / f"{name}.json").read_text(encoding="utf-8")), name),
-        "## The experiment that settles it",
+        "## Experiment",
         f"{effect.experiment[:1].upper()}{effect.experiment[1:]}. `labrig next` plans it within the limits of your rig "
-        "where a diagnosis leaves the effect open ([settle a doubt](../how-to/settle-a-doubt.md)).",
+        "where a diagnosis leaves the effect open ([decide between rival effects](../how-to/settle-a-doubt.md)).",
         "## Laws",
         laws,
         f"Source: {effect.reference}.",
         "## Parameters",
         _parameters(effect),
-        f"In the terminal: `labrig effects show {name}`. In Python: `labrig.improve(run, model, \"{name}\")` fits it "
+        f'In the terminal: `labrig effects show {name}`. In Python: `labrig.improve(run, model, "{name}")` fits it '
         "and adds it to a model.",
     ]
     return "\n\n".join(lines) + "\n"
@@ -67,14 +69,24 @@ def _title(name: str) -> str:
 
 
 def _caption(figures: dict[str, Any], name: str) -> str:
-    error = figures["error_mm"]
-    called = f"{figures['verdict'].replace('_', ' ')}" + (f": {', '.join(figures['sure'])}" if figures["sure"] else "")
+    error, title = figures["error_mm"], _title(name).lower()
     return (
-        f"*From {figures['captures']} captures of a simulated rig that hides it (four chambers under a membrane, seed "
-        f"{figures['seed']}). Pale: single points; dots: their means; line: the effect as fitted. With it the held-out "
-        f"error goes from {error['base']:.2f} to {error['model']:.2f} mm; the noise floor is {error['floor']:.2f} mm. "
-        f"What `labrig diagnose` says of these captures: {called.replace('_', ' ')} (probability of {_title(name).lower()}: "
-        f"{figures['probability']:.2f}).*"
+        f"*{figures['captures']} captures of a simulated rig that hides {title}: four chambers under a membrane, seed "
+        f"{figures['seed']}. Pale: single points; dots: means; line: the fitted effect. With it the held-out error "
+        f"falls from {error['base']:.2f} to {error['model']:.2f} mm; the noise floor is {error['floor']:.2f} mm. "
+        f"{_verdict(figures, name)}*"
+    )
+
+
+def _verdict(figures: dict[str, Any], name: str) -> str:
+    """What the diagnosis says of the run: the effect's name, or what it says instead."""
+    title, share = _title(name).lower(), f"{100 * figures['probability']:.0f} %"
+    if name in figures["sure"]:
+        return f"`labrig diagnose` identifies {title} in these captures ({share})."
+    others = " and ".join(other.replace("_", " ") for other in figures["sure"])
+    instead = f"names {others}" if others else f"says `{figures['verdict']}`"
+    return (
+        f"`labrig diagnose` {instead} here, and gives {title} {share}: on this rig the name is not reliable."
     )
 
 

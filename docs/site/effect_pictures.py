@@ -2,7 +2,7 @@
 
     python docs/site/effect_pictures.py [EFFECT...]
 
-For each effect a rig with four chambers under a membrane hides it, measures a campaign, and the effect is fitted to that.
+For each effect: a rig with four chambers under a membrane hides it, a campaign is measured, the effect is fitted to it.
 Writes docs/pictures/effects/NAME.png, and beside it NAME.json with the figures that the effect's page quotes.
 """
 
@@ -35,26 +35,26 @@ RIG = {
     "mocap": {"kind": "simulated", "rate_hz": 20},
     "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
 }
-CAPTURES = 60
-SEEDS = {"regulator": 3}
-"""Of what is hidden, and where; 1 for all others."""
+CAPTURES, SEED = 60, 1
 MOST_POINTS = 1500
-SIZES_MM = {"delay": 0.4, "marker_slip": 0.8}
+SIZES_MM = {"delay": 0.4}
 """Root mean squares other than the usual: a delay of 1 mm keeps the pressures so far off that the rig stops."""
 LONG_HOLDS = ("creep", "leak")
 """Effects whose growth shows in long holds only: the picture is of a run of these."""
 
 
-def measured(name: str, folder: Path, seed: int) -> list[Path]:
+def measured(name: str, folder: Path) -> list[Path]:
     """The runs of a rig that hides an effect, under `folder`."""
     folder.mkdir()
     (folder / "rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
-    (folder / "model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\neffects: []\n", encoding="utf-8")
-    seal(folder, hide(name, seed=seed, amplitude=SIZES_MM.get(name)))
+    (folder / "model.yaml").write_text(
+        "base: {kind: simulator, rig: rig.yaml}\neffects: []\n", encoding="utf-8"
+    )
+    seal(folder, hide(name, seed=SEED, amplitude=SIZES_MM.get(name)))
     rig = folder / "rig.yaml"
-    runs = [labrig.run("capture", rig, out=folder / "run", captures=CAPTURES, seed=seed)]
+    runs = [labrig.run("capture", rig, out=folder / "run", captures=CAPTURES, seed=SEED)]
     if name in LONG_HOLDS:
-        runs.append(labrig.run("hold", rig, out=folder / "holds", seed=seed))
+        runs.append(labrig.run("hold", rig, out=folder / "holds", seed=SEED))
     return runs
 
 
@@ -114,8 +114,7 @@ def _lighter(path: Path) -> None:
 
 def make(name: str, folder: Path) -> dict[str, Any]:
     """Measure, fit and draw one effect; what its page quotes."""
-    seed = SEEDS.get(name, 1)
-    runs, model = measured(name, folder, seed), folder / "model.yaml"
+    runs, model = measured(name, folder), folder / "model.yaml"
     found = labrig.diagnose(runs, model)
     better = labrig.improve(runs, model, name, force=True)
     shown = labrig.improve(runs[-1], model, name, force=True) if len(runs) > 1 else better
@@ -129,7 +128,7 @@ def make(name: str, folder: Path) -> dict[str, Any]:
         "size_mm": round(float(row["size"]), 2),
         "error_mm": {key: round(value, 3) for key, value in better.error.items()},
         "captures": sum(labrig.open_run(run).sizes["capture"] for run in runs),
-        "seed": seed,
+        "seed": SEED,
     }
     (FOLDER / f"{name}.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return content
@@ -137,7 +136,9 @@ def make(name: str, folder: Path) -> dict[str, Any]:
 
 def main() -> None:
     """Draw the effects that are named, or all."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("effects", nargs="*", metavar="EFFECT")
     wanted = parser.parse_args().effects or sorted(shipped())
     FOLDER.mkdir(parents=True, exist_ok=True)

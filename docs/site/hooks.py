@@ -1,4 +1,4 @@
-"""Pages of the site that are made of what is said elsewhere: the README, the effects, the public names, the notebook."""
+"""Pages of the site that are generated: from the README, the effects, the public names and the notebook."""
 
 import os
 import re
@@ -11,9 +11,9 @@ from mkdocs.structure.files import File, Files
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
-from _api import api_page
-from _effects import effect_names, effect_page, effects_index
-from _notebook import notebook_page
+from _api import api_page  # noqa: E402
+from _effects import effect_names, effect_page, effects_index  # noqa: E402
+from _notebook import notebook_page  # noqa: E402
 
 OUTSIDE = {"README.md": "index.md", "benchmarks/RESULTS.md": "reference/measured.md"}
 """Files of the repository that are pages of the site under another name."""
@@ -41,7 +41,9 @@ def on_files(files: Files, config: Any) -> Files:
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Lead links that leave docs/ to the page that a file is here, or name the file where it is none."""
-    source = next((path for path, here in OUTSIDE.items() if here == page.file.src_uri), f"docs/{page.file.src_uri}")
+    source = next(
+        (path for path, here in OUTSIDE.items() if here == page.file.src_uri), f"docs/{page.file.src_uri}"
+    )
     folder = Path(source).parent
 
     def changed(found: re.Match[str]) -> str:

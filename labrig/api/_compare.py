@@ -121,7 +121,7 @@ def compare(runs: Any, model: Any) -> Comparison | ModelComparison:
     Raises:
         LabrigError: a run or a model cannot be read, they do not fit together, or there are more than two models.
 
-    Example:
+    Examples:
         >>> found = labrig.compare("runs/first", "model.yaml")
         >>> found.error["model"] > found.error["floor"]
         True

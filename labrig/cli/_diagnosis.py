@@ -48,7 +48,7 @@ def diagnose(
     ] = None,
     out: OutOption = Path("diagnosis"),
 ) -> None:
-    """Find the physical effect that the model lacks, or say that none is missing or can be told."""
+    """Identify the physical effect that the model lacks, or report that none is missing or the data cannot decide."""
     import labrig
 
     if tolerance is not None and not tolerance > 0:
@@ -71,7 +71,7 @@ def improve(
     runs: Runs,
     model: ModelOption,
     output: Annotated[Path, typer.Option("-o", "--output", help="The new model file.")],
-    add: Annotated[list[str], typer.Option("--add", help="Effect to add; may be given several times.")],
+    add: Annotated[list[str], typer.Option("--add", help="Effect to add; repeat the option for several.")],
     force: Annotated[bool, typer.Option("--force", help="Add it even if it does not help.")] = False,
     out: OutOption = Path("improve"),
 ) -> None:
@@ -99,7 +99,7 @@ def import_(
         typer.Argument(metavar="TABLE...", help="CSV, Parquet or C3D; else the mapping's."),
     ] = None,
 ) -> None:
-    """Make a run of somebody's own table."""
+    """Import a table of your own measurements as a run."""
     from labrig.log import import_table
 
     check_folder(output, "-o")
@@ -130,7 +130,7 @@ def list_effects() -> None:
 
     from labrig.effects import library
 
-    table = Table("effect", "acts on", "what betrays it")
+    table = Table("effect", "acts on", "signature")
     for name, effect in sorted(library().items()):
         table.add_row(name, effect.acts_on, effect.signature)
     Console().print(table)

@@ -10,7 +10,7 @@ from labrig.view._figures import FONT, Figure, _layout, fit, over_captures
 from labrig.view._outlines import chamber_outlines
 from labrig.view._signature_figure import signature
 from labrig.view._surface_figure import surface_figure
-from labrig.view._waterfall import _colour, _meaning
+from labrig.view._waterfall import _colour, _meaning, shown_name
 from labrig.view._words import has_improved
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def error_bars(steps: list[tuple[str, float]], units: str) -> Figure:
     """A bar for each step from a model down to the floor."""
     bars: Figure = {
         "type": "bar",
-        "x": [label for label, _ in steps],
+        "x": [shown_name(label) for label, _ in steps],
         "y": [value for _, value in steps],
         "marker": {"color": [_colour(label, index) for index, (label, _) in enumerate(steps)]},
         "text": [f"{value:.3g}" for _, value in steps],

@@ -105,7 +105,7 @@ def _opening(page: Page, result: "Result", headline: str) -> None:
     page.add(f'<div class="figures">{figures}</div>')
     if summary["warnings"]:
         lines = "".join(f"<p>{escape(str(line))}</p>" for line in summary["warnings"])
-        page.add(f'<div class="warnings"><h3>Keep in mind</h3>{lines}</div>')
+        page.add(f'<div class="warnings"><h3>Notes</h3>{lines}</div>')
 
 
 def _surface(page: Page, result: "Result", names: tuple[str, str], units: str) -> None:

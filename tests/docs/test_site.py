@@ -90,4 +90,6 @@ def test_nothing_is_loaded_from_elsewhere(site: Path) -> None:
         far = [a for a in Loads(page.read_text(encoding="utf-8")).addresses if re.match(r"(\w+:)?//", a)]
         assert not far, (page.name, far)
     for style in site.rglob("*.css"):
-        assert not re.search(r"(url\(|@import)\s*['\"]?(https?:)?//", style.read_text(encoding="utf-8")), style.name
+        assert not re.search(r"(url\(|@import)\s*['\"]?(https?:)?//", style.read_text(encoding="utf-8")), (
+            style.name
+        )
