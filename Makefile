@@ -19,7 +19,7 @@ test: check .venv/.system-libraries
 
 docs: .venv/.all-installed
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
-	@echo "open build/site/index.html"
+	@echo "build/site/index.html; with search: $(BIN)/python -m http.server --bind 127.0.0.1 -d build/site"
 
 check: .venv/.all-installed
 	$(BIN)/ruff check
