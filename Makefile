@@ -1,11 +1,12 @@
 # make demo · make test: each sets up what it needs, once, in .venv and (system libraries) with apt.
+# make docs: the documentation as a site, in build/site
 # make check · make format · make lock · make clean
 
 PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: demo test check format lock clean
+.PHONY: demo test docs check format lock clean
 
 demo: .venv/.demo-installed
 	$(BIN)/labrig demo
@@ -15,6 +16,10 @@ export OMP_NUM_THREADS ?= 1
 
 test: check .venv/.system-libraries
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+
+docs: .venv/.all-installed
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
+	@echo "build/site/index.html; with search: $(BIN)/python -m http.server --bind 127.0.0.1 -d build/site"
 
 check: .venv/.all-installed
 	$(BIN)/ruff check

@@ -70,7 +70,7 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
     Raises:
         LabrigError: a run or the model cannot be read, or they do not fit together.
 
-    Example:
+    Examples:
         >>> found = labrig.diagnose("runs/first", "model.yaml")
         >>> found.verdict
         'identified'

@@ -43,7 +43,7 @@ def improve(runs: Any, model: Any, add: Any, *, force: bool = False) -> Improvem
     Raises:
         LabrigError: an effect does not exist, cannot act on these runs, is in the model already, or does not help.
 
-    Example:
+    Examples:
         >>> better = labrig.improve("runs/first", "model.yaml", "creep")
         >>> better.error["model"] < better.error["base"]
         True

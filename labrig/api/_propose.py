@@ -105,7 +105,7 @@ def propose_experiment(
     Raises:
         LabrigError: the diagnosis leaves nothing open, or no programme of this rig would tell.
 
-    Example:
+    Examples:
         >>> next = labrig.propose_experiment("runs/first", "model.yaml", rig="rig.yaml")
         >>> labrig.run("programme", "rig.yaml", out="runs/second", **next.procedure())
     """

@@ -44,7 +44,7 @@ def run(
         LabrigError: a limit would be broken, the procedure or its parameters are wrong, the log cannot be written.
         DeviceError: a device failed, or the rig is no longer safe.
 
-    Example:
+    Examples:
         >>> folder = labrig.run("capture", "rig.yaml", out="runs/first", captures=20)
         >>> labrig.open_run(folder).sizes["capture"]
         20

@@ -21,7 +21,7 @@ def import_table(mapping: Place, output: Place, tables: Any = ()) -> "Dataset":
         LabrigError: a file, a column or a unit does not exist, a value is no number, or the output exists; nothing
             is left behind then.
 
-    Example:
+    Examples:
         >>> run = labrig.import_table("map.yaml", "runs/mine")
         >>> run.sizes["capture"] > 0
         True

@@ -30,9 +30,7 @@ def run(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Show the steps, the time and every broken limit; move nothing.")
     ] = False,
-    resume: Annotated[
-        Path | None, typer.Option(metavar="RUN", help="Go on with a run that was interrupted.")
-    ] = None,
+    resume: Annotated[Path | None, typer.Option(metavar="RUN", help="Resume an interrupted run.")] = None,
     realtime: Annotated[
         bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
     ] = False,

@@ -14,17 +14,28 @@ if TYPE_CHECKING:
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")]
 ModelOption = Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")]
+ModelsOption = Annotated[
+    list[Path], typer.Option("--model", help="The model file (model.yaml); give two to compare them.")
+]
 OutOption = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
 
 
 @app.command()
-def compare(runs: Runs, model: ModelOption, out: OutOption = Path("compare")) -> None:
-    """Compare a model, as it stands, with measurements and show where it fails."""
+def compare(runs: Runs, model: ModelsOption, out: OutOption = Path("compare")) -> None:
+    """Compare a model, as it stands, with measurements and show where it fails; or two models with each other."""
     import labrig
 
     check_folder(out)
-    found = labrig.compare(runs, model)
-    _table(found.summary, "compare")
+    if len(model) > 2:
+        raise labrig.LabrigError(f"--model was given {len(model)} times; compare takes one model or two")
+    if len(model) == 1:
+        found = labrig.compare(runs, model[0])
+        _table(found.summary, "compare")
+    else:
+        from labrig.cli._tables import print_versus
+
+        found = labrig.compare(runs, model)
+        print_versus(found.summary)
     _finish(found, out)
 
 
@@ -37,7 +48,7 @@ def diagnose(
     ] = None,
     out: OutOption = Path("diagnosis"),
 ) -> None:
-    """Find the physical effect that the model lacks, or say that none is missing or can be told."""
+    """Identify the physical effect that the model lacks, or report that none is missing or the data cannot decide."""
     import labrig
 
     if tolerance is not None and not tolerance > 0:
@@ -60,7 +71,7 @@ def improve(
     runs: Runs,
     model: ModelOption,
     output: Annotated[Path, typer.Option("-o", "--output", help="The new model file.")],
-    add: Annotated[list[str], typer.Option("--add", help="Effect to add; may be given several times.")],
+    add: Annotated[list[str], typer.Option("--add", help="Effect to add; repeat the option for several.")],
     force: Annotated[bool, typer.Option("--force", help="Add it even if it does not help.")] = False,
     out: OutOption = Path("improve"),
 ) -> None:
@@ -88,7 +99,7 @@ def import_(
         typer.Argument(metavar="TABLE...", help="CSV, Parquet or C3D; else the mapping's."),
     ] = None,
 ) -> None:
-    """Make a run of somebody's own table."""
+    """Import a table of your own measurements as a run."""
     from labrig.log import import_table
 
     check_folder(output, "-o")
@@ -119,7 +130,7 @@ def list_effects() -> None:
 
     from labrig.effects import library
 
-    table = Table("effect", "acts on", "what betrays it")
+    table = Table("effect", "acts on", "signature")
     for name, effect in sorted(library().items()):
         table.add_row(name, effect.acts_on, effect.signature)
     Console().print(table)

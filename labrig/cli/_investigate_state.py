@@ -93,13 +93,15 @@ def begun(settings: Settings, resume: bool) -> Investigation:
     check_folder(settings.out)
     if not resume:
         if settings.out.exists() and any(settings.out.iterdir()):
-            raise LabrigError(f"{settings.out} is not empty; choose another --out, or go on with --resume")
+            raise LabrigError(
+                f"{settings.out} is not empty; choose another --out, or continue it with --resume"
+            )
         settings.out.mkdir(parents=True, exist_ok=True)
         return Investigation(settings)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, json.JSONDecodeError):
-        raise LabrigError(f"{settings.out} has no investigation to go on with") from None
+        raise LabrigError(f"{settings.out} has no investigation to resume") from None
     if content["state"] not in {"under way", "interrupted", "out of budget"}:
         raise LabrigError(
             f"{settings.out} is finished ({content['state']}): see {settings.out / 'report.html'}, or begin anew with "

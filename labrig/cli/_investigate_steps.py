@@ -50,7 +50,7 @@ def do_investigate(settings: Settings, resume: bool) -> None:
             raise
         what = str(error) or "interrupted"
         investigation.end("interrupted", f"Interrupted: {what}.")
-        where = f"{len(investigation.rounds)} rounds are in {settings.out}; go on with: {command(settings)}"
+        where = f"{len(investigation.rounds)} rounds are in {settings.out}; to resume: {command(settings)}"
         if not isinstance(error, KeyboardInterrupt):
             raise type(error)(f"{what}; {where}") from error
         typer.echo(f"labrig: {what}; {where}", err=True)

@@ -43,9 +43,7 @@ def investigate(
     highest: Annotated[
         float, typer.Option(min=0.1, max=1.0, help="Highest pressure of a campaign, share of the range.")
     ] = 0.85,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with an investigation that was interrupted.")
-    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted investigation.")] = False,
     realtime: Annotated[
         bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
     ] = False,

@@ -183,9 +183,9 @@ def _go(
 
 
 def _go_on(folder: Path) -> str:
-    """How to go on with a run, if something of it is done."""
+    """The command to resume a run, if something of it is done."""
     known = _known(folder)
-    return f"; go on with: labrig run --resume {folder}" if known is not None and known.steps_done else ""
+    return f"; to resume: labrig run --resume {folder}" if known is not None and known.steps_done else ""
 
 
 def _known(folder: Path) -> RunSummary | None:

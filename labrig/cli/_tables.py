@@ -9,9 +9,9 @@ _VERDICTS = {
     "nothing_missing": "nothing is missing: the model is as good as the measurements",
     "identified": "one effect is missing",
     "multiple": "several effects are missing",
-    "confounded": "something is missing, and these data cannot tell which of the possible effects are there",
-    "unknown": "something real is missing that no named effect explains",
-    "underpowered": "these data are too few, or could not show an effect as small as the tolerance",
+    "confounded": "an effect is missing, and these data do not determine which",
+    "unknown": "an effect is missing that is none of those that labrig knows",
+    "underpowered": "too few data, or an effect as small as the tolerance could not be seen",
 }
 _WHERE_ROWS = 6
 _RANKING_ROWS = 5
@@ -27,11 +27,11 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
         _print_effects(console, summary)
     errors = Table(title=f"error, {units} rms")
     for name in error:
-        errors.add_column(name, justify="right")
+        errors.add_column({"ceiling": "predictability bound"}.get(name, name), justify="right")
     errors.add_row(*(f"{float(v):.3g}" if v is not None else "-" for v in error.values()))
     console.print(errors)
     if summary.get("ranking"):
-        ranking = Table("effect", "form", "held-out error", "drop", title="each by itself, best first")
+        ranking = Table("effect", "form", "held-out error", "drop", title="single-effect ranking")
         for entry in summary["ranking"][:_RANKING_ROWS]:
             ranking.add_row(
                 entry["effect"],
@@ -42,7 +42,7 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
         console.print(ranking)
     places = [p for p in summary["where"] if p["clear"]][:_WHERE_ROWS]
     if places:
-        table = Table("where it fails", "", "error", "share", title="clear of the floor")
+        table = Table("where it fails", "", "error", "share", title="significantly above noise")
         for p in places:
             table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p['share']:.0%}")
         console.print(table)
@@ -52,6 +52,34 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
         console.print(f"next: {names} ({planned['minutes']:.1f} min); labrig next writes it", highlight=False)
     for warning in summary.get("warnings", []):
         console.print(f"note: {warning}", highlight=False)
+
+
+def print_versus(summary: dict[str, Any]) -> None:
+    """Print what comparison.json says of two models: the difference, both errors, and where each is nearer."""
+    from labrig.view import difference_words, interval_words, share_words, versus_headline
+
+    console = Console()
+    units, names = summary["units"], [model["name"] for model in summary["models"]]
+    for line in (versus_headline(summary), difference_words(summary), share_words(summary)):
+        console.print(line, highlight=False, soft_wrap=True)
+    errors = Table(title=f"error, {units} rms")
+    for name in summary["error"]:
+        errors.add_column(name, justify="right")
+    errors.add_row(*(f"{value:.3g}" for value in summary["error"].values()))
+    console.print(errors)
+    for name in names:
+        nearer = [row for row in summary["where"] if row["better"] == name][:_WHERE_ROWS]
+        if not nearer:
+            continue
+        table = Table("where", "", *names, f"difference, {units}", title=f"where “{name}” is nearer")
+        for column in table.columns[2:]:
+            column.justify = "right"
+        for row in nearer:
+            both = [f"{value:.3g}" for value in row["error"]]
+            table.add_row(row["group"], row["name"], *both, interval_words(row)[1])
+        console.print(table)
+    for warning in summary["warnings"]:
+        console.print(f"note: {warning}", highlight=False, soft_wrap=True)
 
 
 def _print_effects(console: Console, summary: dict[str, Any]) -> None:
@@ -80,4 +108,4 @@ def _print_effects(console: Console, summary: dict[str, Any]) -> None:
         console.print(f"not it: {', '.join(others)}", highlight=False, soft_wrap=True)
 
 
-__all__ = ["print_summary"]
+__all__ = ["print_summary", "print_versus"]

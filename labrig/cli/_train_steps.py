@@ -129,7 +129,7 @@ def _write_json(path: Path, content: Any) -> None:
 def sim2real(
     run: Path, model: Path, output: Path, method: str, frames: int | None, seed: int, out: Path
 ) -> None:
-    """Train the fix of a forward model on a run, print how it does, and write it with its report."""
+    """Train the sim-to-real correction of a forward model on a run, print how it does, and write it with its report."""
     import labrig
     from labrig.surrogate import METHODS, frames_of, load_forward, save_model, shots_of, train_warp
 
@@ -148,9 +148,9 @@ def sim2real(
     of_model, of_report = replaced(output), replaced(out / "report.html")
     save_model(trained.model, output)
     rows = _fix_rows(trained)
-    _print(_FIX_HEAD, rows, f"{run.name}, method {method}: errors in mm at what was left out in turn")
+    _print(_FIX_HEAD, rows, f"{run.name}, method {method}: errors in mm at held-out points")
     _report_fix(trained, rows, out, run, output, method)
-    typer.echo(f"{output}: the model as it is on the rig{of_model}")
+    typer.echo(f"{output}: the corrected model{of_model}")
     typer.echo(f"report: {out / 'report.html'}{of_report}")
 
 
@@ -161,7 +161,7 @@ def _fix_rows(trained: "TrainedWarp") -> list[list[str]]:
     import numpy as np
 
     rows = []
-    for name, errors in (("as simulated", trained.simulated_mm), ("fixed", trained.fixed_mm)):
+    for name, errors in (("as simulated", trained.simulated_mm), ("corrected", trained.fixed_mm)):
         if errors.size:
             values = (errors.mean(), np.quantile(errors, 0.95), errors.max())
             rows.append([name, *(f"{value:.3f}" for value in values), str(errors.size)])
@@ -187,25 +187,25 @@ def _report_fix(
     shift = np.linalg.norm(moved, axis=1).reshape(41, 41).T
     deviation = model.sd_mm(pressure, uv)[0].reshape(41, 41).T
     pictures = {
-        "How far the fix moves the surface (all chambers at half pressure)": draw_maps(
-            {"fixed against simulated": shift}, "mm", out / "fix.png"
+        "How far the correction moves the surface (all chambers at half pressure)": draw_maps(
+            {"corrected against simulated": shift}, "mm", out / "fix.png"
         ),
-        "How well it is known there": draw_maps(
+        "Uncertainty of the correction": draw_maps(
             {"standard deviation": deviation}, "mm", out / "deviation.png"
         ),
     }
     if facts["scans"]:
         confidence = {"confidence": model.confidence}
-        pictures["Where scans stand behind it"] = draw_maps(
-            confidence, "", out / "confidence.png", 1.0, good=True
-        )
+        pictures["Where scans support it"] = draw_maps(confidence, "", out / "confidence.png", 1.0, good=True)
     used = f"{facts['frames']} frames ({facts['complete_frames']} complete), {facts['captured_points']} markers seen"
     learning = Learning(
-        f"Fixed: {rows[-1][1]} mm at what was left out" if rows else "Fixed",
+        f"Sim-to-real correction: {rows[-1][1]} mm error at held-out points"
+        if rows
+        else "Sim-to-real correction",
         f"Learned from {run.name} by {method}, {used}, {facts['scans']} scans; written to {output.name}.",
         [("Errors, mm", _FIX_HEAD, rows)],
         [
-            "Left out: a quarter of the set-points at a time, and by labrig's own methods a quarter of the places."
+            "Held out: a quarter of the set-points at a time; with labrig's own methods also a quarter of the markers."
         ],
         pictures,
     )

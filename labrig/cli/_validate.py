@@ -30,7 +30,7 @@ def validate(
         bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
     ] = False,
     resume: Annotated[
-        Path | None, typer.Option(metavar="RUN", help="Go on with a validation, or report on one again.")
+        Path | None, typer.Option(metavar="RUN", help="Resume a validation, or write its report again.")
     ] = None,
 ) -> None:
     """Realise shapes on the rig, scan them, and compare with what was asked for and what the model expected.

@@ -5,6 +5,7 @@ from labrig.diagnosis._experiment import Experiment, Limits, plan_next, propose_
 from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._problem import prepare, rows_from
 from labrig.diagnosis._result import Result, Signature, write_json
+from labrig.diagnosis._versus import versus
 
 __all__ = [
     "Experiment",
@@ -18,5 +19,6 @@ __all__ = [
     "prepare",
     "propose_experiment",
     "rows_from",
+    "versus",
     "write_json",
 ]

@@ -119,11 +119,11 @@ class Effect(ABC):
         yield from spaces_of(self, context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
-        """The covariate that betrays it, for plots: name, unit, values (F,)."""
+        """The covariate that its signature is plotted against: name, unit, values (F,)."""
         return ("load", "1", context.rows.fraction.mean(axis=1))
 
     def sign(self, context: Context, part: Part) -> Sign:
-        """What betrays it as the points of a plot: its own pattern against its covariate, unless it says more."""
+        """Its signature as the points of a plot: its own pattern against its covariate, unless it overrides this."""
         name, unit, x = self.covariate(context)
         return along_own(context, part, x, name, unit)
 

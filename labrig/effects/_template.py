@@ -22,7 +22,7 @@ class {cls}(Effect):
     acts_on = "pressure"
     parameters = (Parameter("amplitude", "1", -1.0, 1.0, meaning="change of the pressure at full range"),)
     reference = "where the formula comes from"
-    signature = "what in the residuals betrays it"
+    signature = "how its error depends on pressure, time, direction or place"
     experiment = "what to measure to isolate it"
 
     def variants(self, context: Context) -> Iterator[Variant]:

@@ -104,7 +104,7 @@ class Contact(Effect):
                     yield Variant(f"wall at {sign}{letter}", (term,), {"distance": distance})
 
     def family(self, context: Context) -> Iterator[Space]:
-        """A limit of the pressure or the wall; of the travel; a post before some markers; a plane: one of them."""
+        """A limit on pressure, wall deflection or travel; a post in front of some markers; or a plane."""
         if not context.moves:
             return
         x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope

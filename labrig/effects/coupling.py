@@ -69,7 +69,7 @@ class Coupling(Effect):
         return Term("pair", "pressure", feature, tuple(f"{names[i]}-{names[j]}" for i, j in pairs))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Products of a chamber's pressure with those of its neighbours, or of all, saturating or not."""
+        """Products of a chamber's pressure with that of its neighbours, or of all chambers; linear or saturating."""
         C = len(context.rows.chambers)
         if C < 2 or not context.moves:
             return

@@ -75,7 +75,7 @@ class Creep(Effect):
                     yield Variant(f"{name} pattern", (Term.pattern("pattern", change / context.span),), shape)
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Lags of two seconds to an hour behind the pressure, its square, and the walls, and what has settled."""
+        """First-order lags of 2 s to 5000 s behind the pressure, its square, or the wall; and settled strain."""
         if not context.has_time or not (context.moves or context.has_holds):
             return
         x = context.rows.fraction

@@ -39,7 +39,7 @@ class Delay(Effect):
                 yield Variant("per chamber", (Term.per_chamber("share", lag, chambers),), {"tau_s": tau})
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Lags of up to a few seconds, of first and second order, and dead times."""
+        """First- and second-order lags of up to a few seconds, and dead times."""
         if not context.has_time or not context.moves:
             return
         out = lags(context, (0.15, 0.3, 0.6, 1.2, 2.4), 0.0)

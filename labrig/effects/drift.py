@@ -84,7 +84,7 @@ class Drift(Effect):
                     yield name, celsius - reference, "_per_k", {"reference": reference}
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Slow functions of time and temperature, in one of gain, rigid motion, pressures' zero, each observable."""
+        """Slow functions of time or temperature: in gain, rigid motion, the pressures' zero, or each observable."""
         rows = context.rows
         ticks = list(clocks(context))
         if not ticks:

@@ -43,7 +43,7 @@ class Frame(Effect):
             )
 
     def family(self, context: Context) -> Iterator[Space]:
-        """A rigid motion, a scale and a skew of the measuring frame, always the same or another in each session."""
+        """A rigid motion, a scale and a skew of the measuring frame; constant, or different in each session."""
         rows = context.rows
         if (rows.axis >= 0).sum() < 3:
             return

@@ -67,7 +67,7 @@ class Friction(Effect):
             yield Variant("pattern", (Term.pattern("force", against),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """The direction of the last move, by the load, and plays so narrow that they are hardly more than it."""
+        """The sign of the last motion, constant or growing with the load; and very narrow play."""
         if not context.moves:
             return
         x, u, span = context.rows.fraction, context.rows.actuation, context.span

@@ -90,7 +90,7 @@ class Gravity(Effect):
         return " and ".join(what for what, names in by.items() if set(names) & set(parameters))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """What gives way to a weight along each axis: the own one, and payload and tilt where they were logged."""
+        """Sag along each axis under the body's own weight, and under payload and tilt where these were logged."""
         rows = context.rows
         loads = []
         for name, cov in rows.covariates.items():

@@ -45,7 +45,7 @@ class Hysteresis(Effect):
                 yield Variant("pattern", (Term.pattern("pattern", lag / context.span),), shape)
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Plays of the pressure and of the walls, narrow to wide, and what is settled beside them."""
+        """Play operators (Prandtl-Ishlinskii) of pressure and wall deflection, narrow to wide, with a static part."""
         if not context.moves:
             return
         x, u, span, d, slope = (

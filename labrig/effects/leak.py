@@ -46,7 +46,7 @@ class Leak(Effect):
             yield Variant("as measured", (Term.common("sensor", fall),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """What is lost since the actuation, fast or slowly, in proportion to the pressure, its square, or its root."""
+        """Pressure lost since the actuation, fast or slowly, in proportion to the pressure, its square, or its root."""
         x, t = context.rows.fraction, context.elapsed_s[:, None]
         if np.ptp(t) <= 0:
             return

@@ -92,7 +92,7 @@ class MarkerSlip(Effect):
         return where
 
     def family(self, context: Context) -> Iterator[Space]:
-        """The clearest moments at which one marker leaves the others, three at most, found by a scan."""
+        """A step of one marker at one moment: the three clearest steps that a scan over markers and moments finds."""
         rows = context.rows
         markers = np.unique(rows.marker[rows.marker >= 0])
         captures = np.unique(rows.capture)

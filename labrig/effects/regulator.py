@@ -55,7 +55,7 @@ class Regulator(Effect):
             yield Variant("as measured", (Term.common("sensor", settled),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Gain, offsets, a dead band, and a bent characteristic of each chamber."""
+        """Gain, offset, dead band and a curved characteristic of each chamber's pressure."""
         if not context.moves:
             return
         x = context.rows.fraction

@@ -33,7 +33,7 @@ class RestShape(Effect):
         yield Variant("offset", (Term.pattern("offset", np.ones(len(context.base))),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Another place at rest for each observable, and what is smooth over the body above all."""
+        """A constant offset of each observable; offsets that are smooth over the body are more probable."""
         always = np.ones(len(context.base))
         scale = motion_scale(context)
         smooth = [always[:, None] * scale * shape for shape in smooth_places(context).T]

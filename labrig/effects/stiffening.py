@@ -56,7 +56,7 @@ class Stiffening(Effect):
             yield Variant("cubic pattern", (Term.pattern("pattern", np.hstack([x**2, x**3])),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Powers of a chamber's own pressure and of its wall's deflection, of the mean pressure, and of the travel."""
+        """Powers of a chamber's own pressure, of its wall's deflection, of the mean pressure, or of the travel."""
         if not context.moves:
             return
         x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope

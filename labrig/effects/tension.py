@@ -52,7 +52,7 @@ class Tension(Effect):
             yield Variant("fading", (Term.field("fading", held),), {"half_at": half})
 
     def family(self, context: Context) -> Iterator[Space]:
-        """What the walls give back as they come out, in proportion, up to a limit, or fading with the travel."""
+        """A restoring force on the walls: proportional to their travel, limited, or fading with it."""
         far = float(context.travel.max())
         if not context.moves or far <= 0:
             return

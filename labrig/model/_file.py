@@ -45,7 +45,7 @@ class SimulatorBase(_Strict):
 
 
 class SurrogateBase(_Strict):
-    """A model that `labrig train` wrote: a forward model, or one that was fixed on a rig."""
+    """A model that `labrig train` wrote: a forward model, or one with a sim-to-real correction."""
 
     kind: Literal["surrogate"]
     file: str

@@ -1,4 +1,4 @@
-"""The base that labrig learned: a forward model, or one that was fixed on a rig."""
+"""The base that labrig learned: a forward model, or one with a sim-to-real correction."""
 
 from pathlib import Path
 

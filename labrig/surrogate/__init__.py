@@ -1,4 +1,4 @@
-"""What learns: the forward model from simulations, and its fix from what a rig showed; both run without torch."""
+"""Learned models: the forward model and its sim-to-real correction; both run without torch."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

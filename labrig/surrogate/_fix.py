@@ -35,7 +35,7 @@ _NORMAL_95 = 1.96
 
 @dataclass(frozen=True)
 class Fixed:
-    """A model fixed on the rig, and how it did on frames that it did not see: distances, mm, `left_out` (n,)."""
+    """A corrected model, and how it did on held-out frames: distances, mm, `left_out` (n,)."""
 
     model: WarpedModel
     left_out_mm: Floats

@@ -1,4 +1,4 @@
-"""Learned models saved and loaded: forward models, and those that were fixed on the rig."""
+"""Learned models saved and loaded: forward models, and those with a sim-to-real correction."""
 
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._pack import Unpacking, pack_forward, pack_warped, unpack_forward, unpack_warped
 from labrig.surrogate._warped import WarpedModel
 
-_KINDS = {"forward": "a forward model", "warped": "a model fixed on a rig"}
+_KINDS = {"forward": "a forward model", "warped": "a model with a sim-to-real correction"}
 
 
 def save_model(model: ForwardModel | WarpedModel, path: str | Path) -> None:

@@ -1,4 +1,4 @@
-"""The networks of the source paper that fix a forward model: N_rbf, and its baseline N_mk."""
+"""The source paper's networks for the sim-to-real correction: N_rbf, and its baseline N_mk."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Training of the fix from simulation to reality, by labrig's own ways and those of the source paper."""
+"""Training of the sim-to-real correction, by labrig's own ways and those of the source paper."""
 
 import time
 from dataclasses import dataclass, replace
@@ -27,7 +27,7 @@ _TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
 
 @dataclass(frozen=True)
 class TrainedWarp:
-    """A fixed model, and distances, mm, at what was left out of it in turn: as simulated and as fixed; time, s.
+    """A corrected model, and distances, mm, at held-out points: as simulated and as corrected; time, s.
 
     Both are of the same points, one after the other. `simulated_mm` is empty where there are no markers.
     """

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from labrig.view._surface_figure import surface_figure
     from labrig.view._validation_report import write_validation
     from labrig.view._values import value_lines
+    from labrig.view._versus_report import versus_pictures, write_versus
+    from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
     from labrig.view._viewer import Viewer, screenshot, start_viewer
     from labrig.view._words import Lines, Note, note, summary_words
 
@@ -43,6 +45,11 @@ _LAZY = {
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
+    "difference_words": "_versus_words",
+    "share_words": "_versus_words",
+    "interval_words": "_versus_words",
+    "versus_headline": "_versus_words",
+    "versus_pictures": "_versus_report",
     "write_experiment": "_experiment",
     "write_ik_report": "_ik_report",
     "write_investigation": "_experiment",
@@ -50,6 +57,7 @@ _LAZY = {
     "write_recording": "_recording",
     "write_report": "_report",
     "write_validation": "_validation_report",
+    "write_versus": "_versus_report",
 }
 
 __all__ = [
@@ -59,7 +67,9 @@ __all__ = [
     "Viewer",
     "chamber_outlines",
     "colour_legend",
+    "difference_words",
     "effect_rows",
+    "interval_words",
     "legend_picture",
     "live_observers",
     "live_predict",
@@ -68,11 +78,14 @@ __all__ = [
     "pictures_of",
     "programme_figure",
     "screenshot",
+    "share_words",
     "start_viewer",
     "summary_words",
     "surface_explorer",
     "surface_figure",
     "value_lines",
+    "versus_headline",
+    "versus_pictures",
     "write_experiment",
     "write_ik_report",
     "write_investigation",
@@ -80,6 +93,7 @@ __all__ = [
     "write_recording",
     "write_report",
     "write_validation",
+    "write_versus",
 ]
 
 

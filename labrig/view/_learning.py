@@ -43,7 +43,7 @@ def write_learning(learning: Learning, folder: str | Path) -> Path:
         shown.append(f'<div class="plot"><h3>{escape(title)}</h3>{image}</div>')
     page.add(f'<div class="plots">{"".join(shown)}</div>')
     if learning.notes:
-        page.section("To know")
+        page.section("Notes")
         page.add("".join(f"<p>{escape(line)}</p>" for line in learning.notes))
     path = folder / "report.html"
     partial = folder / f".report.{os.getpid()}"

@@ -8,19 +8,19 @@ from labrig.view._text import capital, give_or_take, listed, percent, with_unit,
 WORTH_SAYING = 0.1  # of the floor: what is smaller, and has no name, is not spoken of
 
 _CARRIES = {
-    "form": "is the base's own error of form: chambers move the rig in other patterns than the base says",
-    "where chambers act": "comes from where chambers act: elsewhere than the base has them",
+    "form": "is a structural error of the base model: chambers move the rig in other patterns than it predicts",
+    "where chambers act": "comes from chambers that act in other places than the base model assumes",
     "pressures together": "depends on several pressures together",
     "place": "is the same at all pressures",
     "time in hold": "changes within the holds",
     "time": "changes over the session",
-    "time through the pressures": "changes over the session as if the pressures did",
-    "history through the pressures": "depends on the pressures before, as if those now were not as commanded",
-    "history": "depends on the pressures before",
-    "other chambers through the pressures": "is what the other chambers do through each",
+    "time through the pressures": "changes over the session, as an error of the pressures",
+    "history through the pressures": "depends on earlier pressures, as an error of the pressures",
+    "history": "depends on earlier pressures (history-dependent)",
+    "other chambers through the pressures": "depends on the pressures of the other chambers",
     "use so far through the pressures": "grows with how much the chambers have been moved",
-    "what was recorded beside": "follows something else that was logged",
-    "nothing that was recorded": "follows nothing that was logged",
+    "what was recorded beside": "follows another logged quantity",
+    "nothing that was recorded": "follows no logged quantity",
 }
 
 
@@ -87,17 +87,17 @@ def size_words(one: Called, units: str) -> str:
 
 
 def naming(summary: dict[str, Any]) -> str:
-    """`hysteresis, sure (over 99 %, 2.1 ± 0.1 mm); possible beside it: regulator (34 %): these data can't tell`."""
+    """`hysteresis, sure (over 99 %, 2.1 ± 0.1 mm); possible beside it: regulator (34 %); ...`."""
     verdict, units = str(summary.get("verdict", "")), str(summary.get("units", ""))
     if verdict == "underpowered":
-        return "these data can't tell"
+        return "the data are too few or too noisy"
     probability = summary.get("probability")
     certain, perhaps = sure(summary), possible(summary)
     parts = []
     if verdict == "nothing_missing":
         parts.append(f"{percent(probability)} sure")
     if verdict == "unknown":
-        parts.append(f"something without a name, {percent(probability)} sure")
+        parts.append(f"an effect that labrig does not know, {percent(probability)} sure")
     if certain:
         parts.append(" and ".join(_with_figures(one, units) for one in certain))
     elif verdict == "confounded":
@@ -108,7 +108,7 @@ def naming(summary: dict[str, Any]) -> str:
             f"{one.name} ({percent(one.probability)})" if one.probability is not None else one.name
             for one in perhaps
         )
-        parts.append(f"possible{beside}: {shown}: these data can't tell")
+        parts.append(f"possible{beside}: {shown}; these data do not determine it")
     return "; ".join(parts)
 
 
@@ -153,9 +153,11 @@ def share_of_all(summary: dict[str, Any]) -> str:
     match summary.get("verdict"):
         case "identified" | "multiple":
             effects = listed([str(name) for name in summary.get("effects") or []])
-            return f"That it is {effects} and nothing else: {percent(probability)}."
+            return f"Probability of {effects} and nothing else: {percent(probability)}."
         case "confounded" if len(possible(summary)) > 1:
-            return f"That at least one of the possible ones is missing: {percent(probability)}."
+            return (
+                f"Probability that at least one of the possible effects is missing: {percent(probability)}."
+            )
         case _:
             return ""
 
@@ -173,7 +175,7 @@ def unnamed_words(summary: dict[str, Any]) -> str:
     if not shown:
         return ""
     parts = [f"{with_unit(f'{size:.2g}', units)} {carries(str(what))}" for what, size in shown]
-    return f"Without a name: {'; '.join(parts)}."
+    return f"Unexplained by any effect: {'; '.join(parts)}."
 
 
 def naming_sentences(summary: dict[str, Any]) -> list[str]:

@@ -17,17 +17,17 @@ def what_else(summary: dict[str, Any]) -> str:
     said = []
     if verdict == "confounded":
         said.append(
-            "Each of the possible ones goes with these data. Adding the wrong one would improve this campaign and "
-            "mislead the next."
+            "Each of the possible effects is consistent with these data. The wrong one would lower the error of this "
+            "run and raise it on the next."
         )
     elif perhaps and verdict in ("identified", "multiple"):
-        one = "It is" if len(perhaps) == 1 else "They are"
+        one = "it is" if len(perhaps) == 1 else "they are"
         said.append(
-            f"{capital(listed(perhaps, 'or'))} may be there as well. {one} not needed, and not ruled out."
+            f"{capital(listed(perhaps, 'or'))} may be missing too: {one} not needed here, and not ruled out."
         )
     elif verdict == "nothing_missing":
         end = f", and {listed(perhaps, 'or')} is possible, but not sure" if perhaps else ""
-        said.append(f"Every effect in the library was weighed; that none of them is there is likeliest{end}.")
+        said.append(f"Every effect in the library was tested; most probably none of them is missing{end}.")
     if verdict in ("identified", "multiple", "confounded") and others:
         best = min(others, key=lambda row: row.get("heldout_error", float("inf")))
         leaves = f"{number(best.get('heldout_error'))} {units}".strip()
@@ -45,8 +45,8 @@ def _one_for_all(summary: dict[str, Any]) -> str:
     if best is None or best.get("heldout_error", float("inf")) >= COMES_NEAR * error:
         return ""
     return (
-        f"{capital(word(str(best['effect'])))} by itself leaves {number(best['heldout_error'])} "
-        f"{summary.get('units', '')}, hardly more than together with what stands beside it."
+        f"{capital(word(str(best['effect'])))} alone leaves {number(best['heldout_error'])} "
+        f"{summary.get('units', '')}, hardly more than all of them together."
     )
 
 
@@ -56,8 +56,8 @@ def _next_best(summary: dict[str, Any], best: dict[str, Any], leaves: str) -> st
     alone = best.get("heldout_error", float("inf"))
     if alone < error:
         return (
-            f"{capital(name)} by itself leaves less ({leaves}), though the whole of the evidence is against it "
-            f"({percent(best.get('probability'))}): look at it twice, and check with a fresh programme."
+            f"{capital(name)} alone leaves less ({leaves}), although the evidence as a whole is against it "
+            f"({percent(best.get('probability'))}): confirm the verdict with a new run of other set-points."
         )
-    near = "One comes near" if alone < COMES_NEAR * error else "Nothing else comes near"
-    return f"{near}: the next best explanation by itself, {name}, leaves {leaves} on the same captures."
+    near = "close" if alone < COMES_NEAR * error else "clearly worse"
+    return f"The best alternative, {name} alone, is {near}: it leaves {leaves} on the same captures."

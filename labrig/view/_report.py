@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 REPORT_NAME = "report.html"
 ROWS_A_GROUP = 6
 
-_GROUPS = {
+GROUPS = {
     "marker": "marker",
     "region": "region of the surface",
     "observable": "observable",
@@ -106,8 +106,8 @@ def _opening(page: Page, result: "Result") -> None:
         page.add(f"<p>{escape(meaning)}</p>")
     page.add(_errors(summary))
     answers = [
-        ("What else could it be?", words.else_),
-        ("What to measure next", words.next_),
+        ("Alternatives", words.else_),
+        ("Next experiment", words.next_),
     ]
     shown = "".join(
         f"<div><h3>{escape(question)}</h3><p>{_with_code(answer)}</p></div>"
@@ -117,7 +117,7 @@ def _opening(page: Page, result: "Result") -> None:
     page.add(f'<div class="answers">{shown}</div>')
     if summary.get("warnings"):
         lines = "".join(f"<p>{escape(str(line))}</p>" for line in summary["warnings"])
-        page.add(f'<div class="warnings"><h3>Keep in mind</h3>{lines}</div>')
+        page.add(f'<div class="warnings"><h3>Notes</h3>{lines}</div>')
 
 
 def _errors(summary: dict[str, Any]) -> str:
@@ -127,7 +127,7 @@ def _errors(summary: dict[str, Any]) -> str:
     names = [("base", "the model as it was", BEFORE), ("model", after, AFTER)]
     if not has_improved(summary) and not (summary.get("effects") and not verdict):
         names = [("base" if "base" in summary.get("error", {}) else "model", "the model as it is", AFTER)]
-    names += [("ceiling", "could be explained", CEILING), ("floor", "repeats differ by", FLOOR)]
+    names += [("ceiling", "predictability bound", CEILING), ("floor", "noise floor", FLOOR)]
     error, units = summary.get("error", {}), escape(str(summary.get("units", "")))
     shown = "".join(
         f'<div class="figure" style="border-color:{colour}"><b>{number(error[key])} <small>{units}</small></b>'
@@ -144,7 +144,7 @@ def _waterfall(page: Page, result: "Result") -> None:
     which = "on held-out captures" if fitted_anything(result.summary) else "of the model as it stands"
     page.section(
         "From the model to the noise",
-        f"Root-mean-square error {which}. Nothing can be explained below the floor.",
+        f"Root-mean-square error {which}. No model can be better than the noise floor.",
     )
     page.add(waterfall_svg(result.waterfall, str(result.summary.get("units", ""))))
 
@@ -175,7 +175,7 @@ def _surface(page: Page, result: "Result") -> None:
 
 
 def _where(page: Page, result: "Result") -> None:
-    rows = [row for row in result.where if row["group"] in _GROUPS and row["error"] == row["error"]]
+    rows = [row for row in result.where if row["group"] in GROUPS and row["error"] == row["error"]]
     if not rows:
         return
     units, top = str(result.summary.get("units", "")), max(float(row["error"]) for row in rows) or 1.0
@@ -183,10 +183,10 @@ def _where(page: Page, result: "Result") -> None:
         "Where it fails",
         f"Error of the model as it {'was' if has_improved(result.summary) else 'is'}, in {units}, root mean square "
         "per coordinate, and its share of what can be explained. "
-        "Pale: not clear of the noise.",
+        "Pale: not significantly above noise.",
     )
     blocks = []
-    for group, title in _GROUPS.items():
+    for group, title in GROUPS.items():
         inside = sorted((row for row in rows if row["group"] == group), key=lambda row: -row["error"])
         if not inside:
             continue
@@ -216,9 +216,8 @@ def _signatures(page: Page, result: "Result") -> None:
     if not result.signatures:
         return
     page.section(
-        "What gives it away",
-        "What was measured (dots: means; pale: single points) and what the fitted effect says (line), with all other "
-        "effects removed.",
+        "Signatures",
+        "Measured (dots: means; pale: single points) and fitted (line), with all other effects removed.",
     )
     blocks = [
         f'<div class="plot"><h3>{escape(capital(word(item.effect)))}</h3><p class="about">{escape(item.says)}</p>'
@@ -256,14 +255,14 @@ def _closing(page: Page, summary: dict[str, Any]) -> None:
     terms = {
         "Error": "A root mean square over the captures, of markers per coordinate: a distance is 1.73 times as much.",
         "Held out": "Errors are measured on whole blocks of captures that took no part in the fit.",
-        "Floor": f"What repeats of one set-point with the same history differ by: {amount(summary, 'floor')}.",
+        "Noise floor": f"What repeats of one set-point with the same history differ by: {amount(summary, 'floor')}.",
     }
     if not fitted_anything(summary):
         del terms["Held out"]
     if summary.get("error", {}).get("ceiling") is not None:
-        terms["Ceiling"] = (
-            "What a flexible learner reaches that may use everything that was logged: "
-            f"{amount(summary, 'ceiling')}. Below it, what is left could not be predicted by anything tried."
+        terms["Predictability bound"] = (
+            "The held-out error of a flexible learner that may use everything that was logged: "
+            f"{amount(summary, 'ceiling')}. Nothing that was tried predicts what remains below it."
         )
     shown = "".join(f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in terms.items())
     page.add(f"<footer><dl>{shown}</dl></footer>")

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 FEW_ROWS, FIRST_ROWS = 12, 6
 _ABOUT = (
-    "Each effect's probability, weighed together with all others (sure from 90 %, possible from 10 %), and how large "
-    "it is if it is there: root mean square over the run, in units and in noise floors."
+    "The probability of each effect, given all others (sure from 90 %, possible from 10 %), and its size if it is "
+    "there: root mean square over the run, in units and in noise floors."
 )
 
 
@@ -47,7 +47,7 @@ def values(page: Page, result: "Result") -> None:
     shown = fitted(result)
     if not shown:
         return
-    page.section("Values", "What was fitted of each effect in the model with it, with standard deviations.")
+    page.section("Values", "The fitted parameters of each added effect, with standard deviations.")
     chambers = {item.effect: item.chambers for item in result.signatures}
     unit = str(result.fields["commanded"].attrs.get("units", "")) if "commanded" in result.fields else ""
     over = most_moved_by(result.fields)
@@ -85,10 +85,9 @@ def ranking(page: Page, summary: dict[str, Any]) -> None:
     chosen = set(added(summary))
     order = sorted(rows, key=lambda row: str(row.get("effect")) not in chosen)
     page.section(
-        "Each by itself",
-        "The likeliest effects, each fitted alone beside what the model declares as its own, and scored on captures "
-        "that it had not seen. Explained: the share of the explainable error that goes away. A wrong name can score "
-        "well: the probabilities above weigh more than this.",
+        "Single-effect ranking",
+        "The most probable effects, each fitted alone and scored on held-out captures. Explained: the share of the "
+        "explainable error that it removes. A wrong effect can score well too: trust the probabilities above.",
     )
 
     def cells(row: dict[str, Any]) -> list[str]:

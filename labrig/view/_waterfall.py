@@ -41,7 +41,7 @@ def waterfall_svg(steps: Sequence[tuple[str, float]], units: str) -> str:
             parts.append(_text(x + bar / 2, (y(previous) + y(value)) / 2 + 4, drop, MUTED, 13))
         parts.append(_rectangle(x, y(value), bar, y(0.0) - y(value), _colour(label, i)))
         parts.append(_text(x + bar / 2, y(value) - 8, f"{number(value)} {units}", INK, 15, bold=True))
-        parts.append(_text(x + bar / 2, HEIGHT - BOTTOM + 22, word(label.removeprefix("+ ")), INK, 14))
+        parts.append(_text(x + bar / 2, HEIGHT - BOTTOM + 22, shown_name(label), INK, 14))
         parts.append(_text(x + bar / 2, HEIGHT - BOTTOM + 40, _meaning(label), MUTED, 12))
         if is_model:
             previous = value
@@ -64,6 +64,12 @@ def _lying(steps: Sequence[tuple[str, float]], units: str) -> str:
     return f'<div class="narrow">{rows}</div>'
 
 
+def shown_name(label: str) -> str:
+    """A step's name as a person reads it."""
+    names = {"ceiling": "predictability bound", "floor": "noise floor"}
+    return names.get(label, word(label.removeprefix("+ ")))
+
+
 def _colour(label: str, index: int) -> str:
     if label in ("ceiling", "floor"):
         return CEILING if label == "ceiling" else FLOOR
@@ -74,9 +80,9 @@ def _meaning(label: str) -> str:
     return {
         "base": "the model as it was",
         "model": "the model as it is",
-        "ceiling": "what could be explained",
+        "ceiling": "lowest predictable error",
         "floor": "what repeats differ by",
-    }.get(label, "effect added")
+    }.get(label, "effect added" if label.startswith("+ ") else "a model as it stands")
 
 
 def _rectangle(x: float, y: float, width: float, height: float, colour: str) -> str:

@@ -28,8 +28,8 @@ VERDICTS = {
 
 
 AFTER_IMPROVING = (
-    "Run `labrig diagnose` with the new model to see whether anything is left, best on a fresh programme: other "
-    "set-points, another order, other holds."
+    "Run `labrig diagnose` with the new model to see whether anything else is missing, preferably on a new run with "
+    "other set-points, another order and other holds."
 )
 MOST_NAMED = 3  # of the effects that are possible, in a headline
 STANDS_OUT = 1.15  # an error worth a word, as a multiple of the usual one
@@ -112,15 +112,15 @@ def _headline(summary: dict[str, Any]) -> str:
         case "confounded":
             perhaps = [name for name in names(possible(summary)) if name not in effects]
             if not effects:
-                return f"Something is missing, and these data can't tell what: {_either(perhaps)}."
+                return f"An effect is missing, and these data do not determine which: {_either(perhaps)}."
             known = f"{capital(listed(effects))} {'is' if len(effects) == 1 else 'are'} missing"
-            return f"{known}, and these data can't tell whether {_either(perhaps)} is as well."
+            return f"{known}, and these data do not determine whether {_either(perhaps)} is missing too."
         case "unknown":
             if certain := names(sure(summary)):
-                return f"Beyond {listed(certain)}, something real is missing that has no name here."
-            return "Something real is missing, and it is none of the effects that labrig knows."
+                return f"Besides {listed(certain)}, an effect is missing that is none of those that labrig knows."
+            return "An effect is missing, and it is none of those that labrig knows."
         case _:
-            return "These data are too few or too noisy to tell."
+            return "The data are too few or too noisy for a verdict."
 
 
 def _either(effects: list[str]) -> str:
@@ -131,30 +131,31 @@ def _either(effects: list[str]) -> str:
 
 def _why(summary: dict[str, Any]) -> str:
     base, model, floor = (amount(summary, which) for which in ("base", "model", "floor"))
-    floor_words = f"repeats of one set-point differ by {floor}"
+    floor_words = f"the noise floor is {floor}"
     match summary["verdict"]:
         case "nothing_missing":
             return (
-                f"On captures that were held out the model is off by {base}, and {floor_words}: there is nothing "
-                "left that any effect could explain. " + _where(summary)
+                f"The model's error on held-out captures is {base}, and {floor_words}: nothing is left to explain. "
+                + _where(summary)
             ).strip()
         case "underpowered":
-            return f"The model is off by {base} and {floor_words}; an effect of the size that matters could hide in it."
+            return f"The model's error is {base}, and {floor_words}; an effect that matters could be hidden in it."
         case "unknown":
             carried = summary.get("carried_by")
             what = carries(str(carried)) if carried else "is carried by something that was not logged"
             return (
-                f"The model is off by {base}, and {floor_words}. What no name explains {what}; a learner that may "
-                f"use everything that was logged reaches {amount(summary, 'ceiling')}. " + _where(summary)
+                f"The model's error is {base}, and {floor_words}. The unexplained part {what}. The "
+                "predictability bound, the error of a flexible learner on everything that was logged, is "
+                f"{amount(summary, 'ceiling')}. " + _where(summary)
             ).strip()
     chosen, likeliest = added(summary), ""
     if len(chosen) > len(summary.get("effects", [])):
         likeliest = ", the likeliest of what is possible,"
     with_what = f"with {listed(chosen)}{likeliest} added" if chosen else "with the best candidate added"
     share = _explained(summary)
-    explained = f" That explains {share} of what can be explained." if share else ""
+    explained = f" That is {share} of the explainable error." if share else ""
     return (
-        f"On captures that were held out from the fit, the error falls from {base} to {model} {with_what}; "
+        f"The held-out error falls from {base} to {model} {with_what}; "
         f"{floor_words}.{explained} " + _where(summary)
     ).strip()
 
@@ -239,22 +240,22 @@ def next_experiment(summary: dict[str, Any]) -> str:
         return why + "; or ".join(probes) + ". `labrig next` makes a procedure of it."
     match summary["verdict"]:
         case "nothing_missing":
-            return "Nothing needs measuring. A smaller effect would show with more repeats of the same set-points."
+            return "None needed. More repeats of the same set-points would reveal smaller effects."
         case "identified" | "multiple":
             probes = [_known(str(name), "experiment") for name in summary.get("effects", [])]
             isolate = "; ".join(probe for probe in probes if probe)
-            return (f"To see it by itself: {isolate}. " if isolate else "") + (
-                "To be sure of the name, measure a fresh programme with other set-points, order and holds: a wrong "
-                "one may fit this campaign, but it does not carry over."
+            return (f"Experiment that isolates it: {isolate}. " if isolate else "") + (
+                "To confirm it, measure a new run with other set-points, another order and other holds: a wrong effect "
+                "may fit this run, but it does not predict another."
             )
         case "confounded" | "unknown":
-            return "Run `labrig next` for the pressure programme that separates the explanations best."
+            return "Run `labrig next` for the pressure programme that best separates the explanations."
         case _:
             return "Repeat the same set-points more often, with the same history before each."
 
 
 def _compared(summary: dict[str, Any]) -> str:
-    return f"The model as it stands is off by {amount(summary, 'model')}; repeats differ by {amount(summary, 'floor')}."
+    return f"The model's error is {amount(summary, 'model')}; the noise floor is {amount(summary, 'floor')}."
 
 
 def _improved(summary: dict[str, Any]) -> str:
@@ -271,5 +272,5 @@ def _after_comparison(summary: dict[str, Any]) -> str:
     if model is None or floor is None:
         return ""
     if model > 1.5 * floor:
-        return "Run `labrig diagnose` with the same arguments to learn which effect is missing."
-    return "The model is close to what repeats of one set-point allow."
+        return "Run `labrig diagnose` with the same arguments to find out which effect is missing."
+    return "The model's error is close to the noise floor."

@@ -108,7 +108,7 @@ def test_a_finished_run_says_what_can_be_done_with_it(lab: Path, labrig: Run) ->
 
 
 def test_runs_are_listed_from_where_one_is(lab: Path, labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without a name: those in ./runs, where there is none those in the current folder, or what to name."""
+    """Unexplained by any effect: those in ./runs, where there is none those in the current folder, or what to name."""
     assert labrig("runs") == (
         2,
         "",
@@ -251,7 +251,7 @@ def test_a_signal_ends_in_one_line_and_the_run_is_resumed(
     assert process.returncode == 130
     line = err.splitlines()[-1]
     assert line.startswith(f"labrig: stopped by {word} after ")
-    assert line.endswith("; the chambers are vented; go on with: labrig run --resume one")
+    assert line.endswith("; the chambers are vented; to resume: labrig run --resume one")
     done = _captures("one")
     assert 1 <= done < 4
     code, out, _ = labrig("run", "--resume", "one")

@@ -30,7 +30,7 @@ def test_sure_possible_and_not_it(capsys: pytest.CaptureFixture[str]) -> None:
     print_summary(SUMMARY, "diagnosis")
     printed = capsys.readouterr().out.replace("\u00a0", " ")
     assert "hysteresis, sure (97 %, 2.0 ± 0.1 mm); possible beside it: regulator (34 %)" in printed
-    assert "Without a name: 0.4 mm depends on the pressures before." in printed
+    assert "Unexplained by any effect: 0.4 mm depends on earlier pressures (history-dependent)." in printed
     assert "│ regulator  │ possible │        34 % │ 2.0 ± 0.1 │    20 ± 1 │" in printed
     assert "not it: rest shape" in printed
     assert "10 %" not in printed
@@ -42,5 +42,5 @@ def test_too_few_data(capsys: pytest.CaptureFixture[str]) -> None:
     few = {**SUMMARY, "verdict": "underpowered", "effects": [], "rivals": [], "effects_considered": rows}
     print_summary({**few, "unnamed": {}, "ranking": []}, "diagnosis")
     printed = capsys.readouterr().out
-    assert "these data can't tell" in printed
+    assert "the data are too few or too noisy" in printed
     assert "not it" not in printed

@@ -42,7 +42,7 @@ def make_summary(make_considered):
             0.6,
             {"hysteresis": 0.998, "regulator": 0.34, "stiffening": 0.12, "creep": 0.04},
             "identified: hysteresis, sure (over 99 %, 2.0 ± 0.1 mm); possible beside it: regulator (34 %), "
-            "stiffening (12 %): these data can't tell",
+            "stiffening (12 %); these data do not determine it",
         ),
         (
             "multiple",
@@ -54,22 +54,23 @@ def make_summary(make_considered):
             "confounded",
             0.1,
             {"frame": 0.52, "rest_shape": 0.41},
-            "confounded: nothing is sure; possible: frame (52 %), rest shape (41 %): these data can't tell",
+            "confounded: nothing is sure; possible: frame (52 %), rest shape (41 %); these data do not determine it",
         ),
         (
             "confounded",
             0.55,
             {"leak": 0.99, "drift": 0.5},
-            "confounded: leak, sure (99 %, 2.0 ± 0.1 mm); possible beside it: drift (50 %): these data can't tell",
+            "confounded: leak, sure (99 %, 2.0 ± 0.1 mm); possible beside it: drift (50 %); "
+            "these data do not determine it",
         ),
         ("nothing_missing", 0.97, {"creep": 0.02}, "nothing missing: 97 % sure"),
         (
             "unknown",
             0.8,
             {"leak": 0.95},
-            "unknown effect: something without a name, 80 % sure; leak, sure (95 %, 2.0 ± 0.1 mm)",
+            "unknown effect: an effect that labrig does not know, 80 % sure; leak, sure (95 %, 2.0 ± 0.1 mm)",
         ),
-        ("underpowered", 1.0, {"leak": 0.0}, "too few data: these data can't tell"),
+        ("underpowered", 1.0, {"leak": 0.0}, "too few data: the data are too few or too noisy"),
     ],
 )
 def test_what_is_found(make_summary, verdict, probability, effects, found):
@@ -81,12 +82,12 @@ def test_what_is_found(make_summary, verdict, probability, effects, found):
 @pytest.mark.parametrize(
     ("verdict", "effects", "whole"),
     [
-        ("identified", {"creep": 0.98, "leak": 0.3}, "That it is creep and nothing else: 70 %."),
-        ("multiple", {"creep": 0.98, "leak": 0.95}, "That it is creep and leak and nothing else: 70 %."),
+        ("identified", {"creep": 0.98, "leak": 0.3}, "Probability of creep and nothing else: 70 %."),
+        ("multiple", {"creep": 0.98, "leak": 0.95}, "Probability of creep and leak and nothing else: 70 %."),
         (
             "confounded",
             {"creep": 0.4, "leak": 0.4},
-            "That at least one of the possible ones is missing: 70 %.",
+            "Probability that at least one of the possible effects is missing: 70 %.",
         ),
         ("confounded", {"creep": 0.98, "leak": 0.6}, ""),
         ("nothing_missing", {}, ""),
@@ -103,8 +104,9 @@ def test_what_has_no_name(make_summary):
     more = {"unnamed": {"form": 0.21, "history": 0.432, "time": 0.004, "the weather": 0.1}}
     said = summary_words(make_summary("identified", 0.9, more, creep=0.98)).unnamed
     assert said.replace("\u00a0", " ") == (
-        "Without a name: 0.43 mm depends on the pressures before; 0.21 mm is the base's own error of form: chambers "
-        "move the rig in other patterns than the base says; 0.1 mm is carried by the weather."
+        "Unexplained by any effect: 0.43 mm depends on earlier pressures (history-dependent); 0.21 mm is a structural "
+        "error of the base model: chambers move the rig in other patterns than it predicts; 0.1 mm is "
+        "carried by the weather."
     )
     assert summary_words(make_summary("identified", 0.9, creep=0.98)).unnamed == ""
 
@@ -113,9 +115,9 @@ def test_unknown_beside_what_is_sure(make_summary):
     """Something unknown does not hide what is sure beside it."""
     summary = make_summary("unknown", 0.8, {"carried_by": "history"}, leak=0.95)
     words = note(summary)
-    assert words.headline == "Beyond leak, something real is missing that has no name here."
-    assert "What no name explains depends on the pressures before;" in words.why
-    assert words.named.startswith("Something without a name, 80 % sure; leak, sure (95 %")
+    assert words.headline == "Besides leak, an effect is missing that is none of those that labrig knows."
+    assert "The unexplained part depends on earlier pressures (history-dependent)." in words.why
+    assert words.named.startswith("An effect that labrig does not know, 80 % sure; leak, sure (95 %")
 
 
 def test_rows_of_words(make_summary):
@@ -148,5 +150,5 @@ def test_an_older_diagnosis():
         "error": {},
     }
     assert summary_words(older).found == (
-        "confounded: leak, sure; possible beside it: drift: these data can't tell"
+        "confounded: leak, sure; possible beside it: drift; these data do not determine it"
     )

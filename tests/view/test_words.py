@@ -25,23 +25,23 @@ BASE = {
         ({"verdict": "multiple", "effects": ["creep", "leak"]}, "Creep and leak are missing from the model."),
         (
             {"verdict": "confounded", "rivals": ["drift", "creep"]},
-            "Something is missing, and these data can't tell what: drift or creep.",
+            "An effect is missing, and these data do not determine which: drift or creep.",
         ),
         (
             {"verdict": "confounded", "effects": ["leak"], "rivals": ["drift", "creep"]},
-            "Leak is missing, and these data can't tell whether drift or creep is as well.",
+            "Leak is missing, and these data do not determine whether drift or creep is missing too.",
         ),
         (
             {"verdict": "confounded", "rivals": ["drift", "creep", "leak", "delay", "frame"]},
-            "Something is missing, and these data can't tell what: drift, creep, leak or one of 2 others.",
+            "An effect is missing, and these data do not determine which: drift, creep, leak or one of 2 others.",
         ),
         (
             {"verdict": "unknown"},
-            "Something real is missing, and it is none of the effects that labrig knows.",
+            "An effect is missing, and it is none of those that labrig knows.",
         ),
-        ({"verdict": "underpowered"}, "These data are too few or too noisy to tell."),
+        ({"verdict": "underpowered"}, "The data are too few or too noisy for a verdict."),
         ({"effects": ["creep"]}, "With creep the held-out error falls from 2\u00a0mm to 0.3\u00a0mm."),
-        ({}, "The model as it stands is off by 0.3\u00a0mm; repeats differ by 0.1\u00a0mm."),
+        ({}, "The model's error is 0.3\u00a0mm; the noise floor is 0.1\u00a0mm."),
     ],
 )
 def test_headline(changes, headline):
@@ -53,8 +53,8 @@ def test_why_gives_the_figures():
     """The reason names the error before and after, the floor, and the share explained."""
     why = note({**BASE, "verdict": "identified", "effects": ["creep"]}).why
     assert why == (
-        "On captures that were held out from the fit, the error falls from 2\u00a0mm to 0.3\u00a0mm with creep added; "
-        "repeats of one set-point differ by 0.1\u00a0mm. That explains 92 % of what can be explained."
+        "The held-out error falls from 2\u00a0mm to 0.3\u00a0mm with creep added; the noise floor is 0.1\u00a0mm. "
+        "That is 92 % of the explainable error."
     )
 
 
@@ -74,7 +74,7 @@ def test_the_runner_up_is_named():
     ranking = [{"effect": "creep", "heldout_error": 0.3}, {"effect": "rest_shape", "heldout_error": 0.9}]
     words = note({**BASE, "verdict": "identified", "effects": ["creep"], "ranking": ranking})
     assert words.else_ == (
-        "Nothing else comes near: the next best explanation by itself, rest shape, leaves 0.9 mm on the same captures."
+        "The best alternative, rest shape alone, is clearly worse: it leaves 0.9 mm on the same captures."
     )
 
 
@@ -82,23 +82,21 @@ def test_a_close_runner_up_is_called_close():
     """A runner-up that leaves hardly more than the winner is not said to be far off."""
     ranking = [{"effect": "creep", "heldout_error": 0.3}, {"effect": "drift", "heldout_error": 0.33}]
     words = note({**BASE, "verdict": "identified", "effects": ["creep"], "ranking": ranking})
-    assert words.else_.startswith(
-        "One comes near: the next best explanation by itself, drift, leaves 0.33 mm"
-    )
+    assert words.else_.startswith("The best alternative, drift alone, is close: it leaves 0.33 mm")
 
 
 def test_a_better_runner_up_is_not_kept_back():
     """Where another effect alone leaves less than the answer, the note says so."""
     ranking = [{"effect": "creep", "heldout_error": 0.3}, {"effect": "drift", "heldout_error": 0.2}]
     words = note({**BASE, "verdict": "identified", "effects": ["creep"], "ranking": ranking})
-    assert words.else_.startswith("Drift by itself leaves less (0.2 mm), though the whole of the evidence")
+    assert words.else_.startswith("Drift alone leaves less (0.2 mm), although the evidence as a whole")
 
 
 def test_one_of_several_that_does_it_all():
     """Where one of several effects leaves hardly more than all together, the note says so."""
     ranking = [{"effect": "leak", "heldout_error": 0.31}, {"effect": "creep", "heldout_error": 1.2}]
     words = note({**BASE, "verdict": "multiple", "effects": ["creep", "leak"], "ranking": ranking})
-    assert words.else_.startswith("Leak by itself leaves 0.31 mm, hardly more than together with")
+    assert words.else_.startswith("Leak alone leaves 0.31 mm, hardly more than all of them")
 
 
 def test_why_says_what_was_added_to_a_doubt():
