@@ -4,7 +4,7 @@ from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._experiment import Experiment, Limits, plan_next, propose_experiment
 from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._problem import prepare, rows_from
-from labrig.diagnosis._result import Result, Signature, write_json
+from labrig.diagnosis._result import Result, Signature, plain, write_json
 
 __all__ = [
     "Experiment",
@@ -14,6 +14,7 @@ __all__ = [
     "compare",
     "diagnose",
     "improve",
+    "plain",
     "plan_next",
     "prepare",
     "propose_experiment",
