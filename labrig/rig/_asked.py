@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-import queue
+from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from labrig.rig._config import RigConfig
 _ADDRESS = ("port", "host", "file", "class")
 
 
-@dataclass
+@dataclass(eq=False)
 class Asked:
     """One such request, among those of the runner: why, and where the answer goes."""
 
@@ -36,16 +36,14 @@ def link_of(config: RigConfig) -> str:
     return hashlib.sha256(json.dumps([device.kind, address], sort_keys=True).encode()).hexdigest()[:20]
 
 
-def receive(
-    config: RigConfig, log: Path | None, requests: "queue.Queue[str | Asked | None]"
-) -> Reception | None:
-    """Let others ask this guard for a vent: it goes into its `requests`. None where nobody can be listened to."""
+def receive(config: RigConfig, log: Path | None, ask: Callable[[Asked], None]) -> Reception | None:
+    """Let others ask this guard for a vent: it is handed to `ask`. None where nobody can be listened to."""
 
     def answer(request: dict[str, Any]) -> dict[str, Any]:
         if request.get("do") != "vent":
             raise LabrigError("a guard is asked for a vent, and nothing else")
         asked = Asked(str(request.get("why") or "a vent was asked for"))
-        requests.put(asked)
+        ask(asked)
         try:
             return asked.answer.result(config.safety.guard_patience_s)
         except FutureTimeoutError:

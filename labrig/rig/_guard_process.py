@@ -42,6 +42,7 @@ class Guard:
         self.armed = False
         self.vented_alone: str | None = None
         self.stopped: str | None = None
+        self.asked: list[Asked] = []
         self.deadline = float("inf")
         self.stopping = False
 
@@ -197,6 +198,7 @@ def serve(guard: Guard, requests: "queue.Queue[str | Asked | None]", answers: An
             if isinstance(line, Asked):
                 with answers:
                     guard.vent_for(line)
+                guard.asked.remove(line)
                 continue
             request = json.loads(line)
             guard.deadline = time.monotonic() + max(safety.heartbeat_s, request.get("allow_s", 0.0))
@@ -212,19 +214,15 @@ def serve(guard: Guard, requests: "queue.Queue[str | Asked | None]", answers: An
     finally:
         if guard.armed:
             guard.vent_alone(why, safety.guard_patience_s)
-        _answer_last(guard, requests)
+        _answer_last(guard)
         guard.device.close()
 
 
-def _answer_last(guard: Guard, requests: "queue.Queue[str | Asked | None]") -> None:
+def _answer_last(guard: Guard) -> None:
     """Those who asked while the guard was on its way out hear the pressure, too."""
-    while True:
-        try:
-            line = requests.get_nowait()
-        except queue.Empty:
-            return
-        if isinstance(line, Asked):
-            guard.vent_for(line)
+    for asked in guard.asked:
+        if not asked.answer.done():
+            guard.vent_for(asked)
 
 
 def main() -> int:
@@ -244,7 +242,12 @@ def main() -> int:
         return 1
     print(json.dumps({"id": 0, "value": None}), flush=True)
     threading.Thread(target=_read, args=(requests,), daemon=True).start()
-    reception = receive(config, log, requests)
+
+    def ask(asked: Asked) -> None:
+        guard.asked.append(asked)
+        requests.put(asked)
+
+    reception = receive(config, log, ask)
     try:
         serve(guard, requests, Answers(sys.stdout))
     finally:
