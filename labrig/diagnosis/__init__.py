@@ -3,14 +3,18 @@
 from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._experiment import Experiment, Limits, plan_next, propose_experiment
 from labrig.diagnosis._improve import compare, improve
+from labrig.diagnosis._opened import Fall, Opened, Trial
 from labrig.diagnosis._problem import prepare, rows_from
 from labrig.diagnosis._result import Result, Signature, plain, write_json
 
 __all__ = [
     "Experiment",
+    "Fall",
     "Limits",
+    "Opened",
     "Result",
     "Signature",
+    "Trial",
     "compare",
     "diagnose",
     "improve",

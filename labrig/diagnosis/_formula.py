@@ -1,6 +1,7 @@
 """The formula after the name: the plainest forms of the named effects that fit well enough, fitted together."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,24 +17,33 @@ _ROUNDS = 2
 _KEPT = 6
 
 
-def fit_named(streams: Streams, context: Context, effects: Sequence[Effect]) -> Fit:
-    """Forms of these effects, found in turn and then moved off the grid together.
+def fit_named(
+    streams: Streams,
+    context: Context,
+    effects: Sequence[Effect],
+    *,
+    forms: Callable[[Effect], list[Candidate]] | None = None,
+    refine: bool = True,
+) -> Fit:
+    """Forms of these effects, found in turn and, to `refine` them, moved off the grid together.
 
-    Raises `LabrigError` when one of them has no form that can act on this run.
+    `forms` gives those of an effect where they are known already. Raises `LabrigError` when one of them has no form
+    that can act on this run.
     """
-    forms = [forms_of(streams, context, effect)[:_KEPT] for effect in effects]
-    for effect, own in zip(effects, forms, strict=True):
+    known = forms or partial(forms_of, streams, context)
+    forms_of_each = [known(effect)[:_KEPT] for effect in effects]
+    for effect, own in zip(effects, forms_of_each, strict=True):
         if not own:
             raise LabrigError(
                 f"effect {effect.name!r} can't act on this run; see: labrig effects show {effect.name}"
             )
-    chosen = fit([f[0] for f in forms])
-    for _ in range(_ROUNDS if len(forms) > 1 else 0):
-        for i, own in enumerate(forms):
+    chosen = fit([f[0] for f in forms_of_each])
+    for _ in range(_ROUNDS if len(effects) > 1 else 0):
+        for i, own in enumerate(forms_of_each):
             options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
             chosen = max(options, key=lambda f: f.score.gain)
     for i, effect in enumerate(effects):
-        if effect.name != "marker_slip":
+        if refine and effect.name != "marker_slip":
             chosen = refined(streams, context, chosen, i)
     return chosen
 

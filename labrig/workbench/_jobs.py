@@ -29,7 +29,6 @@ ABOUT, OUTPUT, CANCELLED = "job.json", "output.txt", "cancelled"
 KEPT = 60
 _STARTS_S = 15.0
 _TAIL_BYTES = 20_000
-_WINDOWS = sys.platform == "win32"
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,7 @@ class Jobs:
         self.cwd = cwd
         self.folder = folder
         self._lock = threading.Lock()
-        self._children: list[subprocess.Popen[bytes]] = []
+        self._children: list[subprocess.Popen[Any]] = []
 
     def start(self, words: Sequence[object], title: str, run: str = "") -> Job:
         """Start `labrig WORDS...` in the workbench's folder.
@@ -207,7 +206,7 @@ class Jobs:
 def command_line(words: Sequence[object]) -> str:
     """A labrig command as it is typed."""
     parts = ["labrig", *map(str, words)]
-    return subprocess.list2cmdline(parts) if _WINDOWS else shlex.join(parts)
+    return subprocess.list2cmdline(parts) if sys.platform == "win32" else shlex.join(parts)
 
 
 def _job(folder: Path) -> Job | None:
@@ -233,7 +232,7 @@ def _pid(job: Job) -> int | None:
 
 def _own_group() -> dict[str, Any]:
     """A group of its own: Ctrl-C in the server's terminal is not for it, and it can be asked to end as a whole."""
-    if _WINDOWS:
+    if sys.platform == "win32":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
     return {"start_new_session": True}
 

@@ -1,6 +1,7 @@
 """The server: the parts' routes, the page and its scripts, the stream of events; started and stopped as one thing."""
 
 import socket
+import sys
 import threading
 from html import escape
 from importlib import import_module
@@ -97,7 +98,7 @@ def _listener(host: str, port: int | None) -> socket.socket:
     for number in tried:
         listener = socket.socket(family, socket.SOCK_STREAM)
         try:
-            if hasattr(socket, "SO_EXCLUSIVEADDRUSE"):  # Windows, where SO_REUSEADDR lets two share a port
+            if sys.platform == "win32":  # where SO_REUSEADDR lets two share a port
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
             else:
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
