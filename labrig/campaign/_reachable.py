@@ -14,6 +14,7 @@ import numpy as np
 from drivers import Clock, MarkerFrame, PressureSample, RealClock
 from labrig._errors import LabrigError
 from labrig._running import Reception
+from labrig.campaign._kept import Kept
 from labrig.campaign._observe import Observer, Progress
 from labrig.campaign._procedure import Procedure, RigInfo
 from labrig.campaign._session import Control
@@ -32,8 +33,9 @@ class Reachable(Observer):
     """The state of a run for those who ask, from memory alone: the log is not read, and nothing is computed unasked.
 
     A context manager. On a simulated clock nobody has the time to ask: nothing listens then. A request names what to
-    `do`: `status` (with `since_s` and `event`, what is known already), `pause`, `go_on`, `end`, or `vent`, which ends
-    the run and answers with the pressures once they are confirmed.
+    `do`: `status` (with `since_s` and `event`, what is known already), `captures` (with `capture` and `actuation`, how
+    many are known), `pause`, `go_on`, `end`, or `vent`, which ends the run and answers with the pressures once they are
+    confirmed.
     """
 
     def __init__(
@@ -49,7 +51,11 @@ class Reachable(Observer):
             "rig_folder": str(config.folder.resolve()),
             "link": link_of(config),
         }
-        self._state: dict[str, Any] = {"chambers": [c.name for c in config.chambers]}
+        self._state: dict[str, Any] = {
+            "chambers": [c.name for c in config.chambers],
+            "limits_kpa": [[c.min_kpa, c.max_kpa] for c in config.chambers],
+        }
+        self._kept = Kept(len(config.chambers))
         self._history: deque[tuple[float, list[Any], list[Any]]] = deque(maxlen=round(KEPT_S / _EVERY_S))
         self._events: deque[tuple[int, float, str, str]] = deque(maxlen=_KEPT_EVENTS)
         self._event = 0
@@ -88,9 +94,10 @@ class Reachable(Observer):
             self._state["step"] = {"index": index, **step.to_dict()}
 
     def step_done(self, completed: Completed) -> None:
-        """Keep how many are done."""
+        """Keep how many are done, and what a capture measured."""
         with self._lock:
             self._state["steps_done"] = completed.index + 1
+            self._kept.done(completed)
 
     def commanded(self, time_s: float, pressure_kpa: Sequence[float]) -> None:
         """Keep the set-points."""
@@ -112,6 +119,8 @@ class Reachable(Observer):
         with self._lock:
             self._event += 1
             self._events.append((self._event, time_s, level, text))
+            if text.startswith("paused"):
+                self._kept.vented(time_s)
 
     def progress(self, progress: Progress) -> None:
         """Keep how far the run is."""
@@ -132,6 +141,9 @@ class Reachable(Observer):
         do, why = request.get("do"), str(request.get("why") or "another process on this computer")
         if do == "status":
             return self._status(float(request.get("since_s") or 0.0), int(request.get("event") or 0))
+        if do == "captures":
+            with self._lock:
+                return self._kept.since(int(request.get("capture") or 0), int(request.get("actuation") or 0))
         if do == "pause":
             self._control.pause()
         elif do == "go_on":
@@ -142,7 +154,9 @@ class Reachable(Observer):
             self._control.end(why)
             return self._vent()
         else:
-            raise LabrigError(f"a run is not asked to {do!r}; there are status, pause, go_on, end, vent")
+            raise LabrigError(
+                f"a run is not asked to {do!r}; there are status, captures, pause, go_on, end, vent"
+            )
         return {"paused": self._control.paused}
 
     def _vent(self) -> dict[str, Any]:

@@ -4,8 +4,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from labrig.view._colours import STEPS
     from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
+    from labrig.view._fields import Skin, skin
     from labrig.view._ik_report import write_ik_report
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
+    from labrig.view._scene import CHAMBER_COLOURS
+    from labrig.view._style import ERROR_SCALE
     from labrig.view._surface_figure import surface_figure
     from labrig.view._validation_report import write_validation
     from labrig.view._values import value_lines
@@ -23,6 +27,11 @@ if TYPE_CHECKING:
     from labrig.view._words import Lines, Note, note, summary_words
 
 _LAZY = {
+    "CHAMBER_COLOURS": "_scene",
+    "ERROR_SCALE": "_style",
+    "STEPS": "_colours",
+    "Skin": "_fields",
+    "skin": "_fields",
     "chamber_outlines": "_outlines",
     "colour_legend": "_explorer",
     "legend_picture": "_legend",
@@ -53,9 +62,13 @@ _LAZY = {
 }
 
 __all__ = [
+    "CHAMBER_COLOURS",
+    "ERROR_SCALE",
+    "STEPS",
     "Lines",
     "LiveView",
     "Note",
+    "Skin",
     "Viewer",
     "chamber_outlines",
     "colour_legend",
@@ -68,6 +81,7 @@ __all__ = [
     "pictures_of",
     "programme_figure",
     "screenshot",
+    "skin",
     "start_viewer",
     "summary_words",
     "surface_explorer",

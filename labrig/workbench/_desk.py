@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 from labrig._errors import LabrigError
 from labrig.workbench._events import Events
 from labrig.workbench._jobs import Jobs
+from labrig.workbench._vent_button import VentButton
 
 OWN = ".workbench"
 """The folder below the desk's in which the workbench keeps what is its own: jobs, dropped files."""
@@ -25,6 +26,7 @@ class Desk:
     rig_token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
     rig_file: Path | None = None
     events: Events = field(default_factory=Events, repr=False)
+    vent: VentButton | None = field(default=None, repr=False)
 
     def path(self, relative: str) -> Path:
         """The file or folder of this name below the desk's folder, there or not.

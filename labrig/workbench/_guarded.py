@@ -24,10 +24,10 @@ MOST_JSON_BYTES = 4_000_000
 _READS = ("GET", "HEAD")
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "connect-src 'self'; font-src 'self'; frame-src {frames}; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 _HEADERS = {
-    "content-security-policy": _POLICY,
     "x-content-type-options": "nosniff",
     "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin",
@@ -42,6 +42,9 @@ class Guarded:
         self._app = app
         self._token = token
         self._hosts = {*LOOPBACK, *(host.lower() for host in hosts)}
+        # The vent button is another server, on a port of its own; beyond this computer under any of its addresses.
+        frames = "http://*:*" if tuple(hosts) else "http://localhost:* http://127.0.0.1:*"
+        self._headers = {**_HEADERS, "content-security-policy": _POLICY.format(frames=frames)}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse, or pass on with the headers that keep a page to itself."""
@@ -54,7 +57,7 @@ class Guarded:
         answer = self._refusal(scope, headers) or self._entry(scope, headers)
         if answer is None and scope["method"] not in _READS:
             answer = await _with_body(request, headers)
-        await (answer or self._app)(scope, receive, _adding(send))
+        await (answer or self._app)(scope, receive, _adding(send, self._headers))
 
     def _refusal(self, scope: Scope, headers: Headers) -> PlainTextResponse | None:
         host = headers.get("host", "")
@@ -117,10 +120,10 @@ async def _with_body(request: Request, headers: Headers) -> PlainTextResponse | 
     return None
 
 
-def _adding(send: Send) -> Send:
+def _adding(send: Send, headers: dict[str, str]) -> Send:
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
-            own = [(k.encode(), v.encode()) for k, v in _HEADERS.items()]
+            own = [(k.encode(), v.encode()) for k, v in headers.items()]
             message = {**message, "headers": [*message.get("headers", []), *own]}
         await send(message)
 

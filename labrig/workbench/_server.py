@@ -3,6 +3,7 @@
 import socket
 import sys
 import threading
+from dataclasses import replace
 from html import escape
 from importlib import import_module
 from pathlib import Path
@@ -21,8 +22,9 @@ from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
 from labrig.workbench._events import stream
 from labrig.workbench._guarded import LOOPBACK, Guarded
+from labrig.workbench._vent_button import VentButton
 
-PARTS = ("_run", "_runs")
+PARTS = ("_run", "_runs", "_watch")
 """The modules behind the steps; each has `routes(desk)`."""
 PORT = 8765
 _PAGE = Path(__file__).with_name("page")
@@ -79,6 +81,8 @@ class Running:
         self._server.should_exit = True
         self._thread.join(_STOPS_S)
         self._listener.close()
+        if self.desk.vent is not None:
+            self.desk.vent.close()
 
 
 def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Running:
@@ -87,6 +91,8 @@ def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Runni
     Raises `LabrigError` where the port is taken or the host is not this computer's.
     """
     listener = _listener(host, port)
+    if desk.rig_file is not None:
+        desk = replace(desk, vent=VentButton(desk.rig_file, host))
     names = () if host in LOOPBACK else (host, socket.gethostname())
     return Running(desk, listener, names)
 

@@ -64,7 +64,7 @@ class VentButton:
         """Let it go: it ends by itself, after the runs on its rig have."""
         self._let_go()
         with suppress(subprocess.TimeoutExpired):
-            self._process.wait(_ENDS_S if self._place is not None else None)
+            self._process.wait(_ENDS_S)
 
     def _let_go(self) -> None:
         for pipe in (self._process.stdin, self._process.stdout):

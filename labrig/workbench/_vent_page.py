@@ -16,6 +16,7 @@ import socket
 import sys
 import threading
 import time
+from contextlib import suppress
 from html import escape
 from http import HTTPStatus
 from pathlib import Path
@@ -196,10 +197,8 @@ def main() -> None:
     servers: list[_Server] = [first]
     port = int(first.server_address[1])
     if host == "127.0.0.1":  # `localhost` may mean ::1
-        try:
+        with suppress(OSError):
             servers.append(_Server6(("::1", port), handler))
-        except OSError:
-            pass
     for server in servers:
         threading.Thread(target=server.serve_forever, daemon=True).start()
     print(json.dumps({"port": port, "key": key}), flush=True)
