@@ -5,6 +5,7 @@
 
 import { complain, empty, fill, h, say } from "./dom.js";
 import * as jobs from "./jobs.js";
+import * as rig from "./rig.js";
 import { get, takeRigToken } from "./server.js";
 
 export const STEPS = [
@@ -170,6 +171,7 @@ function theme() {
 takeRigToken();
 theme();
 jobs.begin();
+rig.begin();
 addEventListener("hashchange", () => route().catch(complain));
 addEventListener("keydown", keys);
 document.addEventListener("job-ended", ({ detail: job }) => {
