@@ -42,7 +42,7 @@ def receive(config: RigConfig, log: Path | None, ask: Callable[[Asked], None]) -
     def answer(request: dict[str, Any]) -> dict[str, Any]:
         if request.get("do") != "vent":
             raise LabrigError("a guard is asked for a vent, and nothing else")
-        asked = Asked(str(request.get("why") or "a vent was asked for"))
+        asked = Asked(str(request.get("why") or "somebody who asked for a vent"))
         ask(asked)
         try:
             return asked.answer.result(config.safety.guard_patience_s)

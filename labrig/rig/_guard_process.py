@@ -84,7 +84,7 @@ class Guard:
 
     def vent_for(self, asked: Asked) -> None:
         """Vent because somebody else asks for it, and let the runner know that its run is over."""
-        self.vented_alone = self.stopped = asked.why
+        self.vented_alone = self.stopped = f"stopped by {asked.why}"
         self.log(f"{asked.why}: venting")
         try:
             report = self.device.vent(self.config.safety.vent_timeout_s)

@@ -33,7 +33,7 @@ class VentNow:
 
 def vent_now(
     config: RigConfig,
-    why: str = "somebody asked for a vent",
+    why: str = "somebody who asked for a vent",
     tell: Callable[[str], None] = lambda _text: None,
 ) -> VentNow:
     """Vent a rig, also while a run goes on, which ends then; tries again for the rig's `vent_patience_s`.

@@ -70,6 +70,7 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
         "live": False,
         "run": name,
         "state": summary.state,
+        "vented": not summary.state.startswith("not closed") and "not confirmed" not in summary.state,
         "captures": summary.captures,
         "duration_s": summary.duration_s,
         "missed": summary.missed,

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from starlette.requests import Request
+from starlette.responses import JSONResponse
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
@@ -16,6 +17,7 @@ from labrig.workbench._desk import Desk
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._jobs import command_line
 from labrig.workbench._live import Errors, alive, live_run, now, surface
+from labrig.workbench._run import run_folder
 
 _SHOWN = 4000
 
@@ -31,6 +33,7 @@ def routes(desk: Desk) -> list[Route]:
     posts = {
         "plan": lambda request: _plan(desk, body_of(request)),
         "start": lambda request: _start(desk, request),
+        "resume": lambda request: _resume(desk, request),
         "pause": lambda request: _tell(desk, request, "pause"),
         "go_on": lambda request: _tell(desk, request, "go_on"),
         "end": lambda request: _tell(desk, request, "end"),
@@ -50,6 +53,7 @@ def _rig(desk: Desk) -> Any:
         "rig": config.name,
         "file": str(desk.rig_file),
         "simulated": config.pressure.kind == "simulated",
+        "reached": _reached(config),
         "chambers": [[c.name, c.min_kpa, c.max_kpa] for c in config.chambers],
         "markers": len(config.markers),
         "running": alive(desk),
@@ -58,6 +62,13 @@ def _rig(desk: Desk) -> Any:
         "procedures": sorted(shipped()),
         "files": _files(desk),
     }
+
+
+def _reached(config: RigConfig) -> str:
+    """The pressure controller as a person knows it: its kind and where it is."""
+    device = config.pressure
+    place = device.options.get("port"), device.options.get("host"), device.options.get("file")
+    return " ".join([device.kind, *(str(part) for part in place if part is not None)])
 
 
 def _files(desk: Desk) -> list[str]:
@@ -142,6 +153,19 @@ def _start(desk: Desk, request: Request) -> Any:
     return says({"job": job.id, "run": desk.name(out), "command": job.command}, 202)
 
 
+def _resume(desk: Desk, request: Request) -> Any:
+    """Go on with a run that was ended before its plan was."""
+    if (refused := _refused(desk, request)) is not None:
+        return refused
+    run = run_folder(desk, str(body_of(request).get("run") or ""))
+    if going := alive(desk):
+        raise LabrigError(f"{going[0]} goes on; end it first")
+    name = desk.name(run)
+    words = ["run", "--resume", name, "--rig", str(desk.rig_file), "--attended"]
+    job = desk.jobs.start(words, f"go on with {run.name}", name)
+    return says({"job": job.id, "run": name, "command": job.command}, 202)
+
+
 def _tell(desk: Desk, request: Request, what: str) -> Any:
     """Pause, go on, or end the run that a page names."""
     if what == "go_on" and (refused := _refused(desk, request)) is not None:
@@ -165,7 +189,8 @@ def _now(desk: Desk, request: Request, errors: Errors) -> Any:
     state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
     if state["live"] and given.get("model"):
         state["error"] = errors.of(Path(state["folder"]), desk.existing(given["model"]))
-    return {**state, "colours": CHAMBER_COLOURS}
+    # As it stands: `says` rounds to six digits, and moments have ten.
+    return JSONResponse({**state, "colours": CHAMBER_COLOURS})
 
 
 def _skin(desk: Desk, request: Request) -> Any:

@@ -64,7 +64,7 @@ def test_the_guard_vents_for_whoever_asks(valves: Any, write_rig: Any, runner: A
     assert vented.pressure_kpa == pytest.approx({"c1": 0.0, "c2": 0.0}, abs=0.5)
     assert "guard" in vented.by
     assert process.wait(SLOW_S) == 1
-    assert "pressure: the vent page" in process.stderr.read()
+    assert "pressure: stopped by the vent page" in process.stderr.read()
 
 
 def test_set_points_are_refused_until_the_runner_has_vented_itself(valves: Any, write_rig: Any) -> None:

@@ -2,7 +2,7 @@
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// `series`: [{name, colour, time: [], value: [], dashed, dots}]; `options`: {unit, low, span_s, label(x), last}.
+// `series`: [{name, colour, time: [], value: [], dashed, stairs, dots}]; `options`: {unit, low, span_s, label(x), last}.
 export function draw(canvas, series, options) {
   const ratio = devicePixelRatio || 1;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -18,7 +18,7 @@ export function draw(canvas, series, options) {
   const times = series.flatMap((one) => (one.time.length ? [one.time[0], one.time[one.time.length - 1]] : []));
   if (!times.length) return note(pen, "nothing yet", box);
   const last = Math.max(...times);
-  const first = options.span_s ? last - options.span_s : Math.min(...times);
+  const first = Math.max(Math.min(...times), options.span_s ? last - options.span_s : -Infinity);
   let [low, high] = [options.low ?? Infinity, -Infinity];
   for (const one of series) {
     for (let k = 0; k < one.time.length; k++) {
@@ -61,7 +61,7 @@ function line(pen, one, x, y, first) {
       continue;
     }
     const [px, py] = [x(one.time[k]), y(one.value[k])];
-    if (open && one.dashed) pen.lineTo(px, before);
+    if (open && one.stairs) pen.lineTo(px, before);
     if (open) pen.lineTo(px, py);
     else pen.moveTo(px, py);
     [open, before] = [true, py];

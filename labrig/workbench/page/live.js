@@ -134,10 +134,10 @@ function pressures(parts, kept, state) {
   const series = [];
   state.chambers.forEach((name, c) => {
     const colour = state.colours[c % state.colours.length];
-    series.push({ name, colour, time: kept.time, value: kept.commanded.map((row) => row[c]), dashed: true });
+    series.push({ name, colour, time: kept.time, value: kept.commanded.map((row) => row[c]), dashed: true, stairs: true });
     series.push({ name, colour, time: kept.time, value: kept.measured.map((row) => row[c]) });
   });
-  draw(parts.pressures, series, { low: 0, span_s: SPAN_S, label: () => `the last ${SPAN_S / 60} min`, now: "now" });
+  draw(parts.pressures, series, { low: 0, span_s: SPAN_S, label: (first, last) => (last - first > SPAN_S - 2 ? `the last ${SPAN_S / 60} min` : `the last ${Math.round(last - first)} s`), now: "now" });
   const names = state.chambers.map((name, c) => [`${name} ${number(state.measured_kpa?.[c])}`, state.colours[c % state.colours.length]]);
   fill(parts.chambers, legend(names));
 }

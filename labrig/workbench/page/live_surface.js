@@ -61,10 +61,11 @@ export class Surface {
     });
     const seen = state.position_mm.filter((point) => point[0] !== null).length;
     const error = perMarker(state);
+    if (error) this.grow(Math.max(...error));
     const traces = [];
     if (this.skin) traces.push(this.mesh(error, state));
     traces.push(this.points(state));
-    this.words = `${seen} of ${state.markers.length} markers seen${error ? `; colour: error of the model in the last capture, dark from ${this.skin ? this.skin.steps * this.skin.floor_mm : ""} mm` : ""}`;
+    this.words = `${seen} of ${state.markers.length} markers seen${error ? `; colour: error of the model in the last capture, dark from ${this.top || ""} mm` : ""}`;
     const style = getComputedStyle(document.documentElement);
     await Plotly.react(this.place, traces, {
       uirevision: this.run,
@@ -85,15 +86,23 @@ export class Surface {
       return Math.max(...values) - Math.min(...values);
     });
     const thin = spread.indexOf(Math.min(...spread));
-    const eye = [0.35, 0.35, 0.35];
-    eye[thin] = thin === 1 ? -1.5 : 1.5;
+    const eye = [0.5, 0.5, 0.5];
+    eye[thin] = thin === 1 ? -1.9 : 1.9;
     const up = thin === 2 ? { x: 0, y: 1, z: 0 } : { x: 0, y: 0, z: 1 };
     this.eye = { eye: { x: eye[0], y: eye[1], z: eye[2] }, up };
     return this.eye;
   }
 
+  // The darkest colour stands for as much as in reports, or twice, four times ... that where errors are larger.
+  grow(error) {
+    if (!this.skin) return;
+    this.top ||= this.skin.steps * this.skin.floor_mm;
+    while (error > this.top) this.top *= 2;
+  }
+
   mesh(error, state) {
-    const { weight, triangles, scale, steps, floor_mm: floor } = this.skin;
+    const { weight, triangles, scale, steps } = this.skin;
+    const floor = (this.top || 1) / steps;
     const at = (k) => weight.map((row) => row.reduce((sum, w, m) => sum + w * this.last[m][k], 0));
     const moved = error || this.last.map((point, m) => Math.hypot(...point.map((value, k) => value - (state.rest_mm?.[m]?.[k] ?? value))));
     const value = weight.map((row) => Math.max(0, row.reduce((sum, w, m) => sum + w * moved[m], 0)));

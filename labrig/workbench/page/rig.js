@@ -28,6 +28,14 @@ export async function look() {
   return facts;
 }
 
+// A run answers a moment after its process has begun.
+export async function answers(run) {
+  for (let k = 0; k < 60; k++) {
+    if ((await look()).running.includes(run)) return;
+    await new Promise((resolve) => setTimeout(resolve, 500));
+  }
+}
+
 function strip() {
   if (!facts.vent) return;
   const theme = document.documentElement.dataset.theme;
@@ -47,7 +55,7 @@ function strip() {
 
 function badge() {
   const run = facts.running[0];
-  fill(document.getElementById("rig"), run ? h("a", { class: "live", href: address({ step: "watch", query: { live: run } }) }, `${run} goes on`) : facts.rig ? h("span", { class: "muted small" }, `rig ${facts.rig}`) : null);
+  fill(document.getElementById("rig"), run ? h("a", { class: "live", title: `${run} goes on`, href: address({ step: "watch", query: { live: run } }) }, h("bdi", {}, run.split("/").pop())) : facts.rig ? h("span", { class: "muted small" }, `rig ${facts.rig}`) : null);
 }
 
 export function begin() {

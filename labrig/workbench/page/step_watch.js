@@ -1,8 +1,9 @@
 // Watch: the run that goes on; else what to measure next, its plan and its start; two models on one run.
 
-import { empty, fill, h } from "./dom.js";
+import { complain, empty, fill, h } from "./dom.js";
 import { live } from "./live.js";
-import { look } from "./rig.js";
+import { answers, look } from "./rig.js";
+import { mayMoveRig, post } from "./server.js";
 import { next } from "./watch_next.js";
 import { plan } from "./watch_plan.js";
 import { versus } from "./watch_versus.js";
@@ -34,6 +35,22 @@ function noRig(context) {
   );
 }
 
+function resume(context, state) {
+  const button = h("button", { type: "button", id: "resume" }, "Go on with it");
+  button.addEventListener("click", async () => {
+    button.disabled = true;
+    try {
+      const begun = await post("/api/watch/resume", { run: state.run });
+      await answers(begun.run);
+      context.again();
+    } catch (error) {
+      button.disabled = false;
+      complain(error);
+    }
+  });
+  return h("p", {}, button, h("span", { class: "muted" }, " the rig is filled again as it was, and the plan goes on where it ended"));
+}
+
 function over(root, context, state) {
   const well = state.state === "completed";
   fill(
@@ -42,8 +59,9 @@ function over(root, context, state) {
       "section",
       { class: "card", id: "over" },
       h("h1", {}, `${state.run}: ${well ? "completed" : state.state}`),
-      h("p", {}, `${state.captures} captures; the chambers are vented.${state.missed ? ` ${state.missed} do not count: their pressures did not follow.` : ""}`),
+      h("p", {}, `${state.captures} captures; ${state.vented ? "the chambers are vented" : "its log does not say that the chambers are vented: press VENT"}.${state.missed ? ` ${state.missed} do not count: their pressures did not follow.` : ""}`),
       h("p", {}, h("a", { href: context.address("compare", { live: "" }, state.run) }, "Compare a model with it"), " · ", h("a", { href: context.address("watch", { live: "" }, state.run) }, "before and after, what to measure next")),
+      well || !mayMoveRig() ? null : resume(context, state),
       h("ol", { class: "events" }, [...state.events].reverse().map(([, time_s, , text]) => h("li", {}, h("time", {}, `${time_s.toFixed(0)} s`), text))),
     ),
   );

@@ -2,6 +2,7 @@
 
 import { draw, legend } from "./curves.js";
 import { command, complain, duration, fill, h, number } from "./dom.js";
+import { answers } from "./rig.js";
 import { mayMoveRig, post } from "./server.js";
 
 const COLOURS = ["#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66"];
@@ -35,7 +36,7 @@ export async function plan(place, context, facts) {
       "section",
       { class: "card", id: "campaign" },
       h("h2", {}, `Measure on ${facts.rig}`),
-      h("p", { class: "muted" }, facts.simulated ? "This rig is simulated." : "This rig is real: look at it before you start, and stay near."),
+      h("p", { class: "muted" }, facts.simulated ? "This rig is simulated inside its run." : `${facts.reached}: look at the rig before you start, and stay near.`),
       h("div", { class: "bar" }, choose, words, button),
       shown,
     ),
@@ -78,18 +79,9 @@ function drawn(place, found, asked, context, facts) {
     colour: COLOURS[c % COLOURS.length],
     time: [...acts.map((step) => step.at_s), found.duration_s],
     value: [...acts.map((step) => step.pressure_kpa?.[c] ?? 0), 0],
-    dashed: true,
+    stairs: true,
   }));
   draw(canvas, series, { low: Math.min(0, ...found.limits.map(([, low]) => low)), label: () => "0 s; kPa", now: duration(found.duration_s) });
-}
-
-// The run answers a moment after its process has begun.
-async function answers(run) {
-  const { look } = await import("./rig.js");
-  for (let k = 0; k < 60; k++) {
-    if ((await look()).running.includes(run)) return;
-    await new Promise((resolve) => setTimeout(resolve, 500));
-  }
 }
 
 const what = (step) =>
