@@ -13,7 +13,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._running import GoneError, Note, notes
-from labrig.log import summarise
+from labrig.log import RunSummary, summarise
 from labrig.rig import load_rig, runs_on
 from labrig.view import ERROR_SCALE, STEPS, skin
 from labrig.workbench._desk import Desk
@@ -70,12 +70,18 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
         "live": False,
         "run": name,
         "state": summary.state,
-        "vented": not summary.state.startswith("not closed") and "not confirmed" not in summary.state,
+        "vented": _is_vented(summary),
         "captures": summary.captures,
         "duration_s": summary.duration_s,
         "missed": summary.missed,
         "events": [[index, time_s, "", text] for index, (time_s, text) in enumerate(summary.events[-30:])],
     }
+
+
+def _is_vented(summary: RunSummary) -> bool:
+    """Whether the log says so: a run that was killed wrote no end, one that could not vent wrote that."""
+    ended = not summary.state.startswith("not closed")
+    return ended and not any("vent not confirmed" in text for _, text in summary.events[-5:])
 
 
 def surface(rest_mm: list[Any]) -> dict[str, Any]:
