@@ -22,7 +22,7 @@ from labrig.workbench._desk import Desk
 from labrig.workbench._events import stream
 from labrig.workbench._guarded import LOOPBACK, Guarded
 
-PARTS = ("_run", "_runs")
+PARTS = ("_run", "_runs", "_compare", "_where", "_which", "_add")
 """The modules behind the steps; each has `routes(desk)`."""
 PORT = 8765
 _PAGE = Path(__file__).with_name("page")
@@ -79,6 +79,7 @@ class Running:
         self._server.should_exit = True
         self._thread.join(_STOPS_S)
         self._listener.close()
+        self.desk.worker.close()
 
 
 def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Running:
