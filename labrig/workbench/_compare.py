@@ -16,6 +16,7 @@ from labrig.workbench._run import Pair, pair_of
 from labrig.workbench._shapes import captures_of, shape_of
 
 _KEPT = 200
+_FORMAT = 1  # of what is kept; another number where `view` gives something else
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -78,7 +79,7 @@ def view(key: Key) -> str:
 
 def _name(key: Key) -> str:
     """What is drawn is kept under a digest of all that it is made from."""
-    return hashlib.sha256(f"{__version__} {key} {stamp(key)}".encode()).hexdigest()[:32]
+    return hashlib.sha256(f"{__version__} {_FORMAT} {key} {stamp(key)}".encode()).hexdigest()[:32]
 
 
 def _tidy(desk: Desk) -> None:

@@ -17,6 +17,16 @@ _opened: OrderedDict[tuple[Key, str], "Opened"] = OrderedDict()
 _trials: OrderedDict[tuple[tuple[Key, str], tuple[str, ...], bool], "Trial"] = OrderedDict()
 
 
+def ready() -> None:
+    """Import what will be needed, so that the first who asks does not wait for it."""
+    import labrig.diagnosis
+    import labrig.effects
+    import labrig.view
+
+    labrig.effects.library()
+    _ = labrig.open_run, labrig.Model, labrig.view.cloud, labrig.view.pictures_of
+
+
 def opened(key: Key) -> "Opened":
     """The run and the model of these paths; read again when either has changed. Raises `LabrigError`."""
     import labrig

@@ -16,7 +16,7 @@ from labrig.catalogue import Row, list_runs
 from labrig.log import run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
-from labrig.workbench._held import Key
+from labrig.workbench._held import Key, stamp
 
 _MODEL = re.compile(rb"^base\s*:", re.MULTILINE)
 _OTHERS = ("run.yaml", "rig.yaml", "notes.yaml")
@@ -130,6 +130,7 @@ def _run(desk: Desk, request: Request) -> Any:
         "models": models,
         "facts": _facts(_row(desk, run)),
         "diagnosed": diagnosed,
+        "stamp": stamp(pair.key) if pair is not None else "",
         "steps": {
             "compare": True,
             "where": after,

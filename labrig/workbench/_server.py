@@ -89,6 +89,7 @@ def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Runni
     """
     listener = _listener(host, port)
     names = () if host in LOOPBACK else (host, socket.gethostname())
+    desk.worker.begin()
     return Running(desk, listener, names)
 
 

@@ -11,7 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
 from labrig._errors import LabrigError
-from labrig.workbench._held import Key, names, warm
+from labrig.workbench._held import Key, names, ready, warm
 
 
 class Worker:
@@ -20,21 +20,19 @@ class Worker:
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
         self._lock = threading.Lock()
-        self._waiting = 0
         self._warmed: set[Key] = set()
         self._closed = False
 
     def ask(self, work: Callable[..., Any], *given: Any) -> Any:
         """Run `work` there and wait for what it gives; its errors are raised here."""
-        with self._lock:
-            self._waiting += 1
         try:
             return self._submit(work, *given).result()
         except BrokenProcessPool:
             raise LabrigError("the computation ended unexpectedly (out of memory?); try again") from None
-        finally:
-            with self._lock:
-                self._waiting -= 1
+
+    def begin(self) -> None:
+        """Start the process before somebody needs it."""
+        self._submit(ready)
 
     def warm(self, key: Key) -> None:
         """While nobody asks, find the forms of every effect of what was opened, one after the other."""
