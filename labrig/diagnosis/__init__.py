@@ -4,6 +4,7 @@ from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._experiment import Experiment, Limits, plan_next, propose_experiment
 from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._opened import Fall, Opened, Trial
+from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import prepare, rows_from
 from labrig.diagnosis._result import Result, Signature, plain, write_json
 
@@ -23,5 +24,6 @@ __all__ = [
     "prepare",
     "propose_experiment",
     "rows_from",
+    "whole_change",
     "write_json",
 ]

@@ -1,28 +1,34 @@
 """Answers in JSON: NaN as null, and errors as one line for a person."""
 
+import json
 import traceback
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
 from starlette.requests import Request
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 
 from drivers import DeviceError
 from labrig._errors import LabrigError
 from labrig.diagnosis import plain
 
-__all__ = ["Answer", "answering", "body_of", "failed", "plain", "says"]
+__all__ = ["Answer", "answering", "body_of", "failed", "plain", "says", "told"]
 
 Answer = Callable[[Request], Any]
 
 
-def says(content: Any, status: int = 200) -> JSONResponse:
-    """Plain values as JSON."""
-    return JSONResponse(plain(content), status)
+def told(content: Any) -> str:
+    """Values as JSON text; what is no number becomes null."""
+    return json.dumps(plain(content), allow_nan=False, separators=(",", ":"))
 
 
-def failed(error: Exception) -> JSONResponse:
+def says(content: Any, status: int = 200) -> Response:
+    """Values as an answer in JSON."""
+    return Response(told(content), status, media_type="application/json")
+
+
+def failed(error: Exception) -> Response:
     """What went wrong, in one line; what nobody expected goes to the terminal in full as well."""
     if isinstance(error, LabrigError):
         return says({"error": str(error)}, 400)

@@ -1,13 +1,15 @@
 """What all parts of the workbench share: the folder it is about, its secrets, its jobs, what it tells its pages."""
 
 import secrets
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from labrig._errors import LabrigError
 from labrig.workbench._events import Events
-from labrig.workbench._jobs import Jobs
+from labrig.workbench._jobs import Jobs, command_line
 from labrig.workbench._vent_button import VentButton
+from labrig.workbench._worker import Worker
 
 OWN = ".workbench"
 """The folder below the desk's in which the workbench keeps what is its own: jobs, dropped files."""
@@ -27,6 +29,7 @@ class Desk:
     rig_file: Path | None = None
     events: Events = field(default_factory=Events, repr=False)
     vent: VentButton | None = field(default=None, repr=False)
+    worker: Worker = field(default_factory=Worker, repr=False)
 
     def path(self, relative: str) -> Path:
         """The file or folder of this name below the desk's folder, there or not.
@@ -38,6 +41,10 @@ class Desk:
         if "\0" in relative or parts.is_absolute() or not found.is_relative_to(self.folder):
             raise LabrigError(f"{relative}: lies outside the workbench's folder {self.folder}")
         return found
+
+    def command(self, words: Sequence[object]) -> str:
+        """A labrig command as it is typed in the folder."""
+        return command_line(words)
 
     def existing(self, relative: str) -> Path:
         """As `path`, of what there is; raises `LabrigError` where there is none."""

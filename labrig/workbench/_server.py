@@ -24,7 +24,7 @@ from labrig.workbench._events import stream
 from labrig.workbench._guarded import LOOPBACK, Guarded
 from labrig.workbench._vent_button import VentButton
 
-PARTS = ("_run", "_runs", "_watch", "_next")
+PARTS = ("_run", "_runs", "_compare", "_where", "_which", "_add", "_watch", "_next")
 """The modules behind the steps; each has `routes(desk)`."""
 PORT = 8765
 _PAGE = Path(__file__).with_name("page")
@@ -83,6 +83,7 @@ class Running:
         self._listener.close()
         if self.desk.vent is not None:
             self.desk.vent.close()
+        self.desk.worker.close()
 
 
 def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Running:
@@ -94,6 +95,7 @@ def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Runni
     if desk.rig_file is not None:
         desk = replace(desk, vent=VentButton(desk.rig_file, host))
     names = () if host in LOOPBACK else (host, socket.gethostname())
+    desk.worker.begin()
     return Running(desk, listener, names)
 
 

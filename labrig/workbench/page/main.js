@@ -20,6 +20,7 @@ const NAMES = STEPS.map(([name]) => name);
 const LASTS = ["run", "model"];
 
 let leave = null;
+let aborting = new AbortController();
 let shown = 0;
 let info = null;
 let wanted = null;
@@ -48,6 +49,7 @@ function context(state) {
   return {
     ...state,
     info,
+    signal: aborting.signal, // ends what was asked when the page leaves the step
     // Another step, of the same run unless another is named; the model goes along.
     go: (step, query = {}, run = state.run) =>
       (location.hash = address({ run, step, query: run === state.run ? { ...model(), ...query } : query })),
@@ -114,6 +116,8 @@ const kept = (state) => Object.fromEntries([...state.query].filter(([name]) => L
 const label = (step) => STEPS.find(([name]) => name === step)[1];
 
 function leaving() {
+  aborting.abort();
+  aborting = new AbortController();
   if (leave) leave();
   leave = null;
 }
@@ -178,4 +182,5 @@ document.addEventListener("job-ended", ({ detail: job }) => {
   say(`${job.title}: ${job.state}${job.state === "failed" ? `: ${job.last}` : ""}`, job.state === "failed" ? "bad" : "");
   if (!job.run || job.run === wanted?.run || wanted?.step === "choose") route().catch(complain);
 });
+document.addEventListener("theme", () => route().catch(complain));
 route().catch(complain);
