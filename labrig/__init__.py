@@ -20,7 +20,7 @@ from labrig._errors import LabrigError
 
 if TYPE_CHECKING:
     from drivers import DeviceError
-    from labrig.api._compare import Comparison, compare
+    from labrig.api._compare import Comparison, ModelComparison, compare
     from labrig.api._diagnose import Diagnosis, diagnose
     from labrig.api._ik import solve_ik
     from labrig.api._improve import Improvement, improve
@@ -42,6 +42,7 @@ _LAZY = {
     "Diagnosis": "labrig.api._diagnose",
     "Improvement": "labrig.api._improve",
     "Model": "labrig.model",
+    "ModelComparison": "labrig.api._compare",
     "Proposal": "labrig.api._propose",
     "Validation": "labrig.api._validate",
     "compare": "labrig.api._compare",
@@ -66,6 +67,7 @@ __all__ = [
     "Improvement",
     "LabrigError",
     "Model",
+    "ModelComparison",
     "Proposal",
     "Validation",
     "__version__",

@@ -1,5 +1,6 @@
 """What compare, diagnose and improve give back has in common: errors, where they are, pictures, files."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -71,9 +72,7 @@ class Answer:
     @property
     def pictures(self) -> list[str]:
         """What `plot` knows."""
-        from labrig.view import pictures_of
-
-        return list(pictures_of(self._result))
+        return list(self._pictures())
 
     def plot(self, picture: str = "") -> "Figure":
         """A picture of the report as a plotly Figure; the first of `pictures` if none is named.
@@ -82,9 +81,7 @@ class Answer:
         """
         from plotly.graph_objects import Figure
 
-        from labrig.view import pictures_of
-
-        pictures = pictures_of(self._result)
+        pictures = self._pictures()
         wanted = picture or next(iter(pictures))
         if wanted not in pictures:
             raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(pictures)}")
@@ -93,12 +90,11 @@ class Answer:
     def save(self, folder: Place) -> Path:
         """Write the JSON and report.html into `folder`, as the command line does; returns the report's path."""
         from labrig.diagnosis import write_json
-        from labrig.view import write_report
 
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         write_json(self._result.summary, folder / f"{self.name}.json")
-        return write_report(self._result, folder)
+        return self._write_report(folder)
 
     def headline(self) -> str:
         """What came out, in one sentence."""
@@ -121,6 +117,16 @@ class Answer:
         places = clear.to_html(index=False, float_format="{:.3g}".format, border=0) if len(clear) else ""
         more = self._html_more()
         return f"<p><b>{escape(self.headline())}</b></p><p>error, {escape(self.units)} rms</p>{errors}{more}{places}"
+
+    def _pictures(self) -> "dict[str, Callable[[], dict[str, Any]]]":
+        from labrig.view import pictures_of
+
+        return pictures_of(self._result)
+
+    def _write_report(self, folder: Path) -> Path:
+        from labrig.view import write_report
+
+        return write_report(self._result, folder)
 
     def _html_more(self) -> str:
         """What a kind of answer shows besides."""

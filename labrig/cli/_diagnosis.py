@@ -14,17 +14,28 @@ if TYPE_CHECKING:
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")]
 ModelOption = Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")]
+ModelsOption = Annotated[
+    list[Path], typer.Option("--model", help="The model file (model.yaml); give two to compare them.")
+]
 OutOption = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
 
 
 @app.command()
-def compare(runs: Runs, model: ModelOption, out: OutOption = Path("compare")) -> None:
-    """Compare a model, as it stands, with measurements and show where it fails."""
+def compare(runs: Runs, model: ModelsOption, out: OutOption = Path("compare")) -> None:
+    """Compare a model, as it stands, with measurements and show where it fails; or two models with each other."""
     import labrig
 
     check_folder(out)
-    found = labrig.compare(runs, model)
-    _table(found.summary, "compare")
+    if len(model) > 2:
+        raise labrig.LabrigError(f"--model was given {len(model)} times; compare takes one model or two")
+    if len(model) == 1:
+        found = labrig.compare(runs, model[0])
+        _table(found.summary, "compare")
+    else:
+        from labrig.cli._tables import print_versus
+
+        found = labrig.compare(runs, model)
+        print_versus(found.summary)
     _finish(found, out)
 
 

@@ -54,6 +54,34 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
         console.print(f"note: {warning}", highlight=False)
 
 
+def print_versus(summary: dict[str, Any]) -> None:
+    """Print what comparison.json says of two models: the difference, both errors, and where each is nearer."""
+    from labrig.view import difference_words, interval_words, share_words, versus_headline
+
+    console = Console()
+    units, names = summary["units"], [model["name"] for model in summary["models"]]
+    for line in (versus_headline(summary), difference_words(summary), share_words(summary)):
+        console.print(line, highlight=False, soft_wrap=True)
+    errors = Table(title=f"error, {units} rms")
+    for name in summary["error"]:
+        errors.add_column(name, justify="right")
+    errors.add_row(*(f"{value:.3g}" for value in summary["error"].values()))
+    console.print(errors)
+    for name in names:
+        nearer = [row for row in summary["where"] if row["better"] == name][:_WHERE_ROWS]
+        if not nearer:
+            continue
+        table = Table("where", "", *names, f"difference, {units}", title=f"where “{name}” is nearer")
+        for column in table.columns[2:]:
+            column.justify = "right"
+        for row in nearer:
+            both = [f"{value:.3g}" for value in row["error"]]
+            table.add_row(row["group"], row["name"], *both, interval_words(row)[1])
+        console.print(table)
+    for warning in summary["warnings"]:
+        console.print(f"note: {warning}", highlight=False, soft_wrap=True)
+
+
 def _print_effects(console: Console, summary: dict[str, Any]) -> None:
     """What is sure and what is possible: some lines, and a table with sizes."""
     from labrig.view import effect_rows, summary_words
@@ -80,4 +108,4 @@ def _print_effects(console: Console, summary: dict[str, Any]) -> None:
         console.print(f"not it: {', '.join(others)}", highlight=False, soft_wrap=True)
 
 
-__all__ = ["print_summary"]
+__all__ = ["print_summary", "print_versus"]

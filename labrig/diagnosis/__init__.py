@@ -7,6 +7,7 @@ from labrig.diagnosis._opened import Fall, Opened, Trial
 from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import prepare, rows_from
 from labrig.diagnosis._result import Result, Signature, plain, write_json
+from labrig.diagnosis._versus import versus
 
 __all__ = [
     "Experiment",
@@ -24,6 +25,7 @@ __all__ = [
     "prepare",
     "propose_experiment",
     "rows_from",
+    "versus",
     "whole_change",
     "write_json",
 ]

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from labrig.view._surface_figure import proud, surface_figure
     from labrig.view._validation_report import write_validation
     from labrig.view._values import fitted, value_lines, values_words
+    from labrig.view._versus_report import versus_pictures, write_versus
+    from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
     from labrig.view._viewer import Viewer, screenshot, start_viewer
     from labrig.view._words import Lines, Note, note, summary_words
 
@@ -57,6 +59,11 @@ _LAZY = {
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
+    "difference_words": "_versus_words",
+    "share_words": "_versus_words",
+    "interval_words": "_versus_words",
+    "versus_headline": "_versus_words",
+    "versus_pictures": "_versus_report",
     "write_experiment": "_experiment",
     "write_ik_report": "_ik_report",
     "write_investigation": "_experiment",
@@ -64,6 +71,7 @@ _LAZY = {
     "write_recording": "_recording",
     "write_report": "_report",
     "write_validation": "_validation_report",
+    "write_versus": "_versus_report",
 }
 
 __all__ = [
@@ -79,9 +87,11 @@ __all__ = [
     "chamber_outlines",
     "cloud",
     "colour_legend",
+    "difference_words",
     "effect_rows",
     "filled",
     "fitted",
+    "interval_words",
     "legend_picture",
     "live_observers",
     "live_predict",
@@ -94,6 +104,7 @@ __all__ = [
     "residuals",
     "rms",
     "screenshot",
+    "share_words",
     "skin",
     "start_viewer",
     "summary_words",
@@ -101,6 +112,8 @@ __all__ = [
     "surface_figure",
     "value_lines",
     "values_words",
+    "versus_headline",
+    "versus_pictures",
     "write_experiment",
     "write_ik_report",
     "write_investigation",
@@ -108,6 +121,7 @@ __all__ = [
     "write_recording",
     "write_report",
     "write_validation",
+    "write_versus",
 ]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from labrig.view._colours import STEPS
 from labrig.view._explorer_script import EXPLORER
 from labrig.view._fields import Cloud, Floats, Skin, filled, kept_captures, rms
+from labrig.view._figures import STATES
 from labrig.view._outlines import Outline, chamber_outlines
 from labrig.view._page import Page
 from labrig.view._style import ERROR_SCALE
@@ -28,9 +29,10 @@ def surface_explorer(
     units: str,
     titles: Sequence[str],
     captures: Sequence[str],
+    states: Sequence[str] = STATES,
 ) -> None:
     """Add the surface to a page: one picture for each of the `titles` (the model as it was, and improved), a legend, a
-    list of `captures` (N, in words) to pick from, and a switch between the pictures.
+    list of `captures` (N, in words) to pick from, and a switch between the pictures, whose short names are `states`.
     """
     outlines = (
         [] if skin is None or cloud.reach is None else chamber_outlines(skin, cloud.chambers, cloud.reach)
@@ -45,7 +47,7 @@ def surface_explorer(
     content = _data(cloud, skin, outlines, errors, each, kept, floor, units)
     page.add(
         '<div class="explorer">'
-        + _controls(captures, kept, rms(each[0], axis=1), units, len(titles) > 1)
+        + _controls(captures, kept, rms(each[0], axis=1), units, states if len(titles) > 1 else ())
         + colour_legend(floor, units)
         + f'<div class="plots">{"".join(drawn)}</div>'
         + f'<script type="application/json">{content}</script></div>'
@@ -68,7 +70,9 @@ def colour_legend(floor: float, units: str) -> str:
     )
 
 
-def _controls(captures: Sequence[str], kept: Sequence[int], error: Floats, units: str, several: bool) -> str:
+def _controls(
+    captures: Sequence[str], kept: Sequence[int], error: Floats, units: str, states: Sequence[str]
+) -> str:
     worst = int(np.nanargmax(error)) if np.isfinite(error).any() else -1
     options = '<option value="-1">all captures</option>' + "".join(
         f'<option value="{place}"{" data-worst=1" if n == worst else ""}>{escape(captures[n])}'
@@ -76,10 +80,12 @@ def _controls(captures: Sequence[str], kept: Sequence[int], error: Floats, units
         f"{', the worst' if n == worst else ''}</option>"
         for place, n in enumerate(kept)
     )
+    buttons = "".join(
+        f'<button data-show="{place}">{escape(state)}</button>' for place, state in enumerate(states)
+    )
     switch = (
-        '<span class="switch"><button data-show="all" class="on">both</button><button data-show="0">before</button>'
-        '<button data-show="1">after</button></span>'
-        if several
+        f'<span class="switch"><button data-show="all" class="on">both</button>{buttons}</span>'
+        if states
         else ""
     )
     return (

@@ -1,5 +1,6 @@
 """Plotly figures as plain values (data and layout), so that drawing them needs no heavy import."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ Floats = NDArray[np.float64]
 
 FONT = {"family": "system-ui, Segoe UI, Roboto, Helvetica, Arial, sans-serif", "size": 13, "color": INK}
 MAX_POINTS = 3000
+STATES = ("before", "after")
 
 
 def _layout(**changes: Any) -> Figure:
@@ -43,8 +45,11 @@ def _layout(**changes: Any) -> Figure:
     return layout
 
 
-def fit(fields: "xr.Dataset", both: bool = True) -> Figure:
-    """Measured against predicted, before and after if `both`; in standard deviations where the units differ."""
+def fit(fields: "xr.Dataset", both: bool = True, names: Sequence[str] = STATES) -> Figure:
+    """Measured against predicted, before and after if `both`, under these `names`; in standard deviations where the
+
+    units differ.
+    """
     measured = np.asarray(fields["measured"].values, dtype=float)
     units = sorted({str(unit) for unit in fields["unit"].values}) if "unit" in fields.coords else []
     scale, offset, label = np.ones(measured.shape[1]), np.zeros(measured.shape[1]), units[0] if units else ""
@@ -54,15 +59,15 @@ def fit(fields: "xr.Dataset", both: bool = True) -> Figure:
         scale[~(scale > 0)] = 1.0
         label = "standard deviations"
     value = (measured - offset) / scale
-    names = np.broadcast_to(np.array([str(n) for n in fields["observable"].values]), measured.shape)
+    labels = np.broadcast_to(np.array([str(n) for n in fields["observable"].values]), measured.shape)
     captures = np.broadcast_to(np.array([str(c) for c in fields["capture"].values])[:, None], measured.shape)
     data: list[Figure] = []
-    states = (("base", "before", BEFORE), ("model", "after", AFTER))
+    states = (("base", names[0], BEFORE), ("model", names[1], AFTER))
     for variable, name, colour in states if both else [("model", "the model", AFTER)]:
         predicted = (np.asarray(fields[variable].values, dtype=float) - offset) / scale
         seen = np.isfinite(value) & np.isfinite(predicted)
         chosen = _thinned(np.flatnonzero(seen))
-        text = [f"{n}, capture {c}" for n, c in zip(names.flat[chosen], captures.flat[chosen], strict=True)]
+        text = [f"{n}, capture {c}" for n, c in zip(labels.flat[chosen], captures.flat[chosen], strict=True)]
         data.append(_points(predicted.flat[chosen], value.flat[chosen], name, colour, text))
     finite = value[np.isfinite(value)]
     if finite.size:
@@ -79,11 +84,13 @@ def fit(fields: "xr.Dataset", both: bool = True) -> Figure:
     return {"data": data, "layout": layout}
 
 
-def over_captures(fields: "xr.Dataset", units: str, floor: float | None, both: bool = True) -> Figure:
-    """The rms error of every capture in the order of the campaign, and the floor; `both` before and after, or one."""
+def over_captures(
+    fields: "xr.Dataset", units: str, floor: float | None, both: bool = True, names: Sequence[str] = STATES
+) -> Figure:
+    """The rms error of every capture in the order of the campaign, and the floor; `both` under `names`, or one."""
     before, after = residuals(fields)
     x = capture_numbers(fields)
-    curves = [(before, "before", BEFORE), (after, "after", AFTER)] if both else [(after, "error", AFTER)]
+    curves = [(before, names[0], BEFORE), (after, names[1], AFTER)] if both else [(after, "error", AFTER)]
     data = [
         {**_curve(x, rms(left, axis=1), name, colour), "mode": "lines+markers", "marker": {"size": 5}}
         for left, name, colour in curves

@@ -25,19 +25,20 @@ def pictures_of(result: "Result") -> dict[str, Callable[[], Figure]]:
     """
     units, both = str(result.summary.get("units", "")), has_improved(result.summary)
     floor = result.summary.get("error", {}).get("floor")
-    pictures: dict[str, Callable[[], Figure]] = {"error": partial(_error, result.waterfall, units)}
+    pictures: dict[str, Callable[[], Figure]] = {"error": partial(error_bars, result.waterfall, units)}
     markers = cloud(result.fields)
     if markers is not None:
         colours = floor_for_colours(floor, markers.before_mm)
-        pictures["surface"] = partial(_surface, markers, markers.after_mm, colours, units)
+        pictures["surface"] = partial(surface_of, markers, markers.after_mm, colours, units)
         if both:
-            pictures["surface before"] = partial(_surface, markers, markers.before_mm, colours, units)
+            pictures["surface before"] = partial(surface_of, markers, markers.before_mm, colours, units)
     pictures["fit"] = partial(fit, result.fields, both)
     pictures["captures"] = partial(over_captures, result.fields, units, floor, both)
     return pictures | {item.effect: partial(signature, item) for item in result.signatures}
 
 
-def _surface(markers: Cloud, error: Floats, floor: float, units: str) -> Figure:
+def surface_of(markers: Cloud, error: Floats, floor: float, units: str) -> Figure:
+    """The markers' errors (M,) on their surface, in noise floors."""
     surface = skin(markers.rest_mm)
     if surface is None or markers.reach is None:
         return surface_figure(markers.names, markers.rest_mm, error, floor, units, surface)
@@ -45,7 +46,8 @@ def _surface(markers: Cloud, error: Floats, floor: float, units: str) -> Figure:
     return surface_figure(markers.names, markers.rest_mm, error, floor, units, surface, lines)
 
 
-def _error(steps: list[tuple[str, float]], units: str) -> Figure:
+def error_bars(steps: list[tuple[str, float]], units: str) -> Figure:
+    """A bar for each step from a model down to the floor."""
     bars: Figure = {
         "type": "bar",
         "x": [label for label, _ in steps],

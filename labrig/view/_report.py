@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 REPORT_NAME = "report.html"
 ROWS_A_GROUP = 6
 
-_GROUPS = {
+GROUPS = {
     "marker": "marker",
     "region": "region of the surface",
     "observable": "observable",
@@ -175,7 +175,7 @@ def _surface(page: Page, result: "Result") -> None:
 
 
 def _where(page: Page, result: "Result") -> None:
-    rows = [row for row in result.where if row["group"] in _GROUPS and row["error"] == row["error"]]
+    rows = [row for row in result.where if row["group"] in GROUPS and row["error"] == row["error"]]
     if not rows:
         return
     units, top = str(result.summary.get("units", "")), max(float(row["error"]) for row in rows) or 1.0
@@ -186,7 +186,7 @@ def _where(page: Page, result: "Result") -> None:
         "Pale: not clear of the noise.",
     )
     blocks = []
-    for group, title in _GROUPS.items():
+    for group, title in GROUPS.items():
         inside = sorted((row for row in rows if row["group"] == group), key=lambda row: -row["error"])
         if not inside:
             continue

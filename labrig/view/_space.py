@@ -7,6 +7,9 @@ import numpy as np
 from labrig.view._fields import Floats
 from labrig.view._figures import Figure, _layout, _plain
 
+_FITS = 1.7  # largest extent beside the geometric mean of all three that a picture has room for
+_THINNEST = 0.04  # that share of its size is what names stand in front of a flat one
+
 
 def scene_layout(camera: Figure, bar: bool) -> dict[str, Any]:
     """The layout of a picture in space: no axes, true proportions, room for a colour bar."""
@@ -40,12 +43,19 @@ def view_axes(rest_mm: Floats) -> tuple[Floats, Floats, Floats]:
 def camera(rest_mm: Floats) -> Figure:
     """Look at the side that bulges, a little from the right and above."""
     right, up, normal = view_axes(rest_mm)
-    eye = 2.1 * normal + 1.2 * right + 0.5 * up
+    eye = (2.1 * normal + 1.2 * right + 0.5 * up) * _further(rest_mm)
     names = ("x", "y", "z")
     return {
         "eye": dict(zip(names, _plain(eye), strict=True)),
         "up": dict(zip(names, _plain(up), strict=True)),
     }
+
+
+def _further(rest_mm: Floats) -> float:
+    """How many times further off a flat thing is looked at: plotly scales by the mean of the three extents."""
+    extent = np.ptp(rest_mm, axis=0)
+    extent = np.maximum(extent, _THINNEST * extent.max() + 1e-9)
+    return float(max(1.0, extent.max() / np.prod(extent) ** (1 / 3) / _FITS))
 
 
 def light(rest_mm: Floats) -> Figure:

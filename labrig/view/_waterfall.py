@@ -76,7 +76,7 @@ def _meaning(label: str) -> str:
         "model": "the model as it is",
         "ceiling": "what could be explained",
         "floor": "what repeats differ by",
-    }.get(label, "effect added")
+    }.get(label, "effect added" if label.startswith("+ ") else "a model as it stands")
 
 
 def _rectangle(x: float, y: float, width: float, height: float, colour: str) -> str:

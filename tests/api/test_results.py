@@ -67,6 +67,32 @@ def test_an_improvement_lowers_the_error_and_can_be_saved(lab: Path, tmp_path: P
     assert any("creep" in line for line in better.values)
 
 
+def test_two_models_are_compared_on_one_run(lab: Path, tmp_path: Path) -> None:
+    """Which is nearer and by how much, where as a table, every picture, and one short line for another number."""
+    labrig.improve(lab / "first", lab / "model.yaml", "creep").model.save(tmp_path / "improved.yaml")
+    both = labrig.compare(lab / "first", [lab / "model.yaml", tmp_path / "improved.yaml"])
+    assert isinstance(both, labrig.ModelComparison)
+    assert both.models == ["model", "improved"]
+    assert both.better == "improved"
+    assert 0 < both.interval[0] < both.difference < both.interval[1]
+    assert both.difference == pytest.approx(both.error["model"] - both.error["improved"])
+    assert {"marker", "chamber", "pressure band"} <= set(both.where["group"])
+    assert (both.where["difference"] == both.where["model"] - both.where["improved"]).all()
+    assert repr(both).startswith("ModelComparison: “improved” is nearer to the measurements than “model”")
+    assert "95 % interval" in both._repr_html_()
+    assert {"error", "surface model", "surface improved", "where marker"} <= set(both.pictures)
+    for picture in both.pictures:
+        assert both.plot(picture).to_dict()["data"]
+    both.save(tmp_path / "out")
+    assert (
+        json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))["better"] == "improved"
+    )
+    with pytest.raises(
+        LabrigError, match=r"^compare: 3 models were given; it takes one model, or a list of two$"
+    ):
+        labrig.compare(lab / "first", ["a", "b", "c"])
+
+
 def test_a_proposal_can_be_run(lab: Path, diagnosis: labrig.Diagnosis, tmp_path: Path) -> None:
     """The programme is a table, a picture, and the parameters of a run."""
     try:

@@ -1,0 +1,166 @@
+"""Two models on the same measurements: which is nearer, by how much, how sure that is, and where."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.diagnosis._about import about
+from labrig.diagnosis._floor import capture_means
+from labrig.diagnosis._paired import LEVEL, Difference, Sums, by_block, difference
+from labrig.diagnosis._present import fields_of
+from labrig.diagnosis._problem import Prepared, prepared, rows_from
+from labrig.diagnosis._result import Result
+from labrig.diagnosis._where import places
+from labrig.effects._rows import Floats
+from labrig.model import Model
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+FLOOR = "floor"
+_EXPLAINED = 0.5
+"""A value that one model misses by less than this share of what the other misses it by is no mistake."""
+
+
+def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> Result:
+    """Errors of two models as they stand over the same cells, and their difference with a 95 % interval.
+
+    In the fields `base` is the first model's prediction and `model` the second's. A difference is the first model's
+    error minus the second's: above zero the second is nearer. Raises `LabrigError` when the runs and a model do not
+    fit together, or when both models are one file.
+    """
+    names = names_of_models(first, second)
+    rows = rows_from(runs)
+    both = [prepared(rows, first), prepared(rows, second)]
+    streams = both[0].streams
+    residual = _same_cells(both)
+    lost = int((np.isfinite(both[0].context.residual) & ~np.isfinite(residual[0])).sum())
+    counted, group = streams.counted, streams.row_group
+    sums = [_sums(left[:, counted], both[0], group, streams.use_means) for left in residual]
+    whole = difference(*sums)
+    floors = [float(np.sqrt(np.mean(one.floor.row[counted] ** 2))) for one in both]
+    floor = both[int(np.argmin(floors))].floor
+    errors = [one.rms() for one in sums]
+    summary: dict[str, Any] = {
+        "units": both[0].context.rows.unit[int(counted[0])],
+        "models": [
+            {"name": name, "file": None if model.path is None else model.path.as_posix(), "error": error}
+            for name, model, error in zip(names, (first, second), errors, strict=True)
+        ],
+        "error": {names[0]: errors[0], names[1]: errors[1], FLOOR: min(floors)},
+        "difference": _plain(whole),
+        "better": None if whole.nearer is None else names[whole.nearer],
+        "where": _where(both[0], residual, group, names),
+        "floor": {"how": floor.how, "repeats": floor.repeats},
+        "warnings": [*rows.warnings, *_notes(both, (first, second), names, lost)],
+        "runs": about(runs, first)["runs"],
+    }
+    fields, other = (fields_of(one.context, left, None) for one, left in zip(both, residual, strict=True))
+    fields["model"], fields["model_everywhere"] = other["base"], other["base_everywhere"]
+    if "error_after" in fields:
+        fields["error_after"] = other["error_before"]
+    steps = [(names[0], errors[0]), (names[1], errors[1]), (FLOOR, min(floors))]
+    return Result(summary, fields, steps, [], summary["where"])
+
+
+def names_of_models(first: Model, second: Model) -> tuple[str, str]:
+    """What two models are called: by their files, in full where these are called the same.
+
+    Raises `LabrigError` where both are one file.
+    """
+    paths = [first.path, second.path]
+    if paths[0] is not None and paths[1] is not None and paths[0].resolve() == paths[1].resolve():
+        raise LabrigError(f"{paths[0]}: both models are this file; name another for the second")
+    short = [_stem(path, other) for path, other in zip(paths, ("first", "second"), strict=True)]
+    if short[0] == short[1] or FLOOR in short:
+        short = [
+            path.as_posix() if path else f"{name} model" for path, name in zip(paths, short, strict=True)
+        ]
+    return short[0], short[1]
+
+
+def _stem(path: Path | None, otherwise: str) -> str:
+    return otherwise if path is None else path.stem
+
+
+def _same_cells(both: Sequence[Prepared]) -> list[Floats]:
+    """Residuals (F, K) of both models over the cells that count for both.
+
+    What either calls a mistake of the measurement is left out of both, unless the other model explains it.
+    """
+    raw = [one.context.residual for one in both]
+    out = np.zeros(raw[0].shape, dtype=bool)
+    for one, own, other in ((both[0], raw[0], raw[1]), (both[1], raw[1], raw[0])):
+        mistaken = np.isfinite(own) & ~np.isfinite(one.residual)
+        out |= mistaken & ~(np.abs(other) < _EXPLAINED * np.abs(own))
+    return [np.where(out, np.nan, left) for left in raw]
+
+
+def _sums(left: Floats, of: Prepared, group: NDArray[np.int64], use_means: bool) -> Sums:
+    """Squares of captures' means, and of what differs from them within the holds, by block."""
+    capture = of.context.rows.capture
+    captures, index = np.unique(capture, return_inverse=True)
+    means, _ = capture_means(left, capture)
+    inside = np.flatnonzero((np.bincount(index)[index] > 1) & (of.floor.within.max() > 0))
+    first = np.searchsorted(index, np.arange(len(captures)))
+    parts = [(means**2, group[first])] if use_means else []
+    if len(inside):
+        parts.append(((left[inside] - means[index[inside]]) ** 2, group[inside]))
+    return by_block(parts, int(group.max()) + 1)
+
+
+def _where(
+    of: Prepared, residual: Sequence[Floats], group: NDArray[np.int64], names: tuple[str, str]
+) -> list[dict[str, Any]]:
+    """Both errors in each place, and the difference, with an interval that allows for the places of one group."""
+    counted = of.streams.counted
+    cells = [left[:, counted] ** 2 for left in residual]
+    blocks = int(group.max()) + 1
+    there = [place for place in places(of.context, counted) if place.group != "capture"]
+    there = [place for place in there if np.isfinite(place.of(cells[0])).any()]
+    many = {name: sum(place.group == name for place in there) for name in {place.group for place in there}}
+    out = []
+    for place in there:
+        sums = [by_block([(place.of(square), group[place.rows])], blocks) for square in cells]
+        pooled = [Sums(s.square.sum(axis=2, keepdims=True), s.count.sum(axis=2, keepdims=True)) for s in sums]
+        found = difference(*pooled, level=1 - (1 - LEVEL) / many[place.group])
+        out.append(
+            {
+                "group": place.group,
+                "name": place.name,
+                "error": [one.rms() for one in pooled],
+                **{key: value for key, value in _plain(found).items() if key in ("value", "low", "high")},
+                "better": None if found.nearer is None else names[found.nearer],
+            }
+        )
+    return sorted(out, key=lambda entry: -abs(entry["value"]))
+
+
+def _plain(found: Difference) -> dict[str, Any]:
+    return {
+        "value": found.value,
+        "low": found.low,
+        "high": found.high,
+        "sd": found.sd,
+        "blocks": found.blocks,
+        "level": LEVEL,
+    }
+
+
+def _notes(both: Sequence[Prepared], models: Sequence[Model], names: Sequence[str], lost: int) -> list[str]:
+    """What makes a comparison less fair, and what was left out."""
+    notes = []
+    for one, model, name in zip(both, models, names, strict=True):
+        if one.declared is not None or one.calibrated is not None:
+            notes.append(f"the base of “{name}” is fitted to this run: on a new run its error is larger")
+        elif model.file.effects:
+            notes.append(
+                f"if the effects of “{name}” were fitted to this run, its error on a new run is larger"
+            )
+    if lost:
+        notes.append(f"{lost} outlying values were left out of both errors")
+    return notes
