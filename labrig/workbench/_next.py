@@ -9,8 +9,7 @@ from starlette.routing import Route
 from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
-from labrig.workbench._jobs import command_line
-from labrig.workbench._run import models_of, results_folder, run_folder
+from labrig.workbench._run import Pair, pair_of, run_folder
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -23,46 +22,42 @@ def routes(desk: Desk) -> list[Route]:
     ]
 
 
-def _run_and_model(desk: Desk, asked: Any) -> tuple[str, str, Path]:
-    run = str(asked.get("run") or "")
-    folder = run_folder(desk, run)
-    models = [desk.name(path) for path in models_of(desk, folder)]
-    model = str(asked.get("model") or (models[0] if models else ""))
-    if not model:
-        raise LabrigError(f"{run} has no model yet: choose or make one first")
-    desk.existing(model)
-    return run, model, results_folder(desk, folder, model)
-
-
-def _next_words(desk: Desk, run: str, model: str, results: Path, minutes: float) -> list[str]:
+def _words(pair: Pair, minutes: float) -> list[str]:
+    """The command that finds the programme; its two results lie with the others of the run and the model."""
+    desk = pair.desk
     if desk.rig_file is None:
         raise LabrigError("its limits are needed: start the workbench with: labrig workbench --rig RIG.yaml")
-    words = ["next", run, "--model", model, "--rig", str(desk.rig_file), "--minutes", f"{minutes:g}"]
-    return [
-        *words, "-o", desk.name(results / "next.yaml"), "--out", desk.name(results / "next"), "--force",
-    ]  # fmt: skip
+    words = ["next", pair.run_name, "--model", pair.model_name, "--rig", str(desk.rig_file)]
+    words += ["--minutes", f"{minutes:g}", "-o", desk.name(pair.results / "next.yaml")]
+    return [*words, "--out", desk.name(pair.results / "next"), "--force"]
 
 
 def _next(desk: Desk, asked: Any) -> Any:
     """The programme that was found for a run and a model, as next.json has it; None where none was looked for."""
-    run, model, results = _run_and_model(desk, asked)
-    found = _read(results / "next" / "next.json")
-    procedure = results / "next.yaml"
-    minutes = float(asked.get("minutes") or 10.0)
-    able = desk.rig_file is not None
+    pair = pair_of(desk, asked)
+    found = _read(pair.results / "next" / "next.json")
+    procedure = pair.results / "next.yaml"
+    words = [] if desk.rig_file is None else _words(pair, _minutes(asked))
     return {
         "found": found,
         "procedure": desk.name(procedure) if found is not None and procedure.is_file() else "",
-        "command": command_line(_next_words(desk, run, model, results, minutes)) if able else "",
+        "command": desk.command(words) if words else "",
     }
 
 
 def _propose(desk: Desk, asked: dict[str, Any]) -> Any:
-    run, model, results = _run_and_model(desk, asked)
-    words = _next_words(desk, run, model, results, float(asked.get("minutes") or 10.0))
-    results.mkdir(parents=True, exist_ok=True)
-    job = desk.jobs.start(words, "what to measure next", run)
+    pair = pair_of(desk, asked)
+    words = _words(pair, _minutes(asked))
+    pair.results.mkdir(parents=True, exist_ok=True)
+    job = desk.jobs.start(words, "what to measure next", pair.run_name)
     return says({"job": job.id, "command": job.command}, 202)
+
+
+def _minutes(asked: Any) -> float:
+    try:
+        return float(asked.get("minutes") or 10.0)
+    except ValueError:
+        raise LabrigError(f"{asked.get('minutes')}: is no number of minutes") from None
 
 
 def _versus_words(desk: Desk, run: str, models: list[str]) -> tuple[list[str], Path]:
@@ -80,7 +75,7 @@ def _versus(desk: Desk, asked: Any) -> Any:
     """Two models on one run, as comparison.json has it; None where they were not compared yet."""
     run, models = str(asked.get("run") or ""), [str(asked.get("a") or ""), str(asked.get("b") or "")]
     words, folder = _versus_words(desk, run, models)
-    return {"found": _read(folder / "comparison.json"), "command": command_line(words)}
+    return {"found": _read(folder / "comparison.json"), "command": desk.command(words)}
 
 
 def _compare(desk: Desk, asked: dict[str, Any]) -> Any:

@@ -15,7 +15,6 @@ from labrig.view import CHAMBER_COLOURS
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
 from labrig.workbench._guarded import may_move_rig
-from labrig.workbench._jobs import command_line
 from labrig.workbench._live import Errors, alive, live_run, now, surface
 from labrig.workbench._run import run_folder
 
@@ -58,7 +57,7 @@ def _rig(desk: Desk) -> Any:
         "markers": len(config.markers),
         "running": alive(desk),
         "vent": desk.vent.place if desk.vent is not None else None,
-        "vent_command": command_line(["rig", "vent", desk.rig_file]),
+        "vent_command": desk.command(["rig", "vent", desk.rig_file]),
         "procedures": sorted(shipped()),
         "files": _files(desk),
     }
@@ -123,7 +122,7 @@ def _plan(desk: Desk, asked: dict[str, Any]) -> Any:
         "broken": list(plan.broken),
         "stopped": plan.stopped,
         "limits": [[c.name, c.min_kpa, c.max_kpa, c.slew_kpa_s] for c in config.chambers],
-        "command": command_line(["run", name, *arguments, *_seed(seed), "--rig", desk.rig_file, "--dry-run"]),
+        "command": desk.command(["run", name, *arguments, *_seed(seed), "--rig", desk.rig_file, "--dry-run"]),
     }
 
 

@@ -80,13 +80,21 @@ def rig(tmp_path: Path) -> Iterator[Rig]:
 class Bench:
     """A `labrig workbench` in a process of its own, and a way to ask it as its page does."""
 
-    process: subprocess.Popen[str]
+    process: Any
     address: str
     folder: Path
-    rig_token: str = ""
-    token: str = ""
-    origin: str = ""
-    started: list[str] = field(default_factory=list)
+    rig_token: str = field(init=False, repr=False)
+    token: str = field(init=False, repr=False)
+    origin: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.origin, _, secrets = self.address.partition("/?token=")
+        self.token, _, self.rig_token = secrets.partition("#rig=")
+
+    @classmethod
+    def of(cls, running: Any) -> "Bench":
+        """A workbench that runs in this process."""
+        return cls(None, running.address, running.desk.folder)
 
     def ask(self, path: str, body: dict[str, Any] | None = None, rig: bool = True) -> Any:
         """GET, or POST with a body; `(status, content)`."""
@@ -153,6 +161,12 @@ def press_vent() -> Callable[[str], str]:
 
 
 @pytest.fixture
+def bench_class() -> type[Bench]:
+    """Asks a workbench as its page does."""
+    return Bench
+
+
+@pytest.fixture
 def bench(rig: Rig) -> Iterator[Bench]:
     """The workbench of the rig's folder."""
     folder = rig.file.parent
@@ -174,9 +188,6 @@ def bench(rig: Rig) -> Iterator[Bench]:
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
     )
     bench = Bench(process, _address(process), folder)
-    origin, _, secrets = bench.address.partition("/?token=")
-    token, _, rig_token = secrets.partition("#rig=")
-    bench.origin, bench.token, bench.rig_token = origin, token, rig_token
     yield bench
     if process.poll() is None:
         with contextlib.suppress(ProcessLookupError):

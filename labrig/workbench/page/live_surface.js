@@ -1,23 +1,9 @@
 // The surface of a run that goes on, as the cameras see it now; its colour is the model's error in the last capture.
 
+import { plotly } from "./plot.js";
 import { get } from "./server.js";
 
 const EVERY_MS = 600;
-let loading = null;
-
-// Plotly is a large script: it comes when the first surface is shown.
-export function plotly() {
-  if (window.Plotly) return Promise.resolve(window.Plotly);
-  loading ||= new Promise((resolve, reject) => {
-    const script = document.createElement("script");
-    script.src = "/plotly.js";
-    script.onload = () => resolve(window.Plotly);
-    script.onerror = () => reject(new Error("the drawing library does not load"));
-    document.head.append(script);
-  });
-  return loading;
-}
-
 export class Surface {
   constructor(place, run) {
     this.place = place;
