@@ -22,7 +22,7 @@ from labrig.workbench._desk import Desk
 from labrig.workbench._events import stream
 from labrig.workbench._guarded import LOOPBACK, Guarded
 
-PARTS = ("_run", "_runs", "_compare", "_where", "_which", "_add")
+PARTS = ("_run", "_runs", "_compare", "_where", "_which", "_add", "_import")
 """The modules behind the steps; each has `routes(desk)`."""
 PORT = 8765
 _PAGE = Path(__file__).with_name("page")
