@@ -3,6 +3,7 @@
 import asyncio
 import json
 import threading
+import time
 from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +69,7 @@ async def stream(desk: "Desk") -> AsyncIterator[str]:
     events, said, quiet = desk.events, "", 0
     number = events.enter()
     try:
+        yield encoded("clock", time.time())
         while not events.closed.is_set():
             jobs = await asyncio.to_thread(lambda: encoded("jobs", [job.facts() for job in desk.jobs.all()]))
             news = events.take(number)

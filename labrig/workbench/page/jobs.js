@@ -1,7 +1,7 @@
 // Work that runs beside the server: what there is, how far it is, its output, cancel.
 
 import { complain, duration, fill, h } from "./dom.js";
-import { get, on, post } from "./server.js";
+import { get, now_s, on, post } from "./server.js";
 
 let jobs = [];
 const usual = new Map();
@@ -58,7 +58,7 @@ async function expected(job) {
 // A bar that says how long the same took before; without that, only that it goes on.
 export function progress(job) {
   expected(job);
-  const took = Date.now() / 1000 - job.started_s;
+  const took = Math.max(0, now_s() - job.started_s);
   const whole = usual.get(job.id);
   const bar = h("progress", whole ? { max: 1, value: Math.min(0.97, took / whole) } : {});
   const words = whole ? `${duration(took)} of about ${duration(whole)}` : duration(took);

@@ -69,6 +69,10 @@ export const upload = (path, file) =>
     body: file,
   });
 
+// The server's clock, which need not be the browser's, in s.
+let ahead_s = 0;
+export const now_s = () => Date.now() / 1000 + ahead_s;
+
 // One stream of news for the page: on("jobs", (data) => ...) gives a function that ends it.
 const listeners = new Map();
 let source = null;
@@ -76,6 +80,7 @@ let source = null;
 export function on(name, listener) {
   if (!source) {
     source = new EventSource("/api/events");
+    source.addEventListener("clock", (event) => (ahead_s = JSON.parse(event.data) - Date.now() / 1000));
     source.onopen = () => document.body.classList.remove("lost");
     source.onerror = () => document.body.classList.add("lost");
   }

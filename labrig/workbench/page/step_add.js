@@ -26,7 +26,7 @@ export async function show(root, context) {
       h("input", { type: "checkbox", role: "switch", checked: chosen.has(each.effect), data: { effect: each.effect }, onchange: (event) => flip(each.effect, event.target.checked) }),
       h("b", {}, each.effect.replaceAll("_", " ")),
       h("span", {}, each.call === "not it" ? "" : percent(each.probability)),
-      h("small", { data: { note: each.effect } }),
+      h("small", { data: { note: each.effect, call: each.call } }),
     ),
   );
   const said = h("h1", {}, " ");
@@ -88,7 +88,7 @@ export async function show(root, context) {
       : `With ${state.effects.map((each) => each.replaceAll("_", " ")).join(" and ")} the held-out error ${error.model < error.base ? "falls" : "goes"} from ${number(error.base)} to ${number(error.model)} ${units}.`;
     for (const small of root.querySelectorAll("[data-note]")) {
       const fall = state.falls.find((each) => each.effect === small.dataset.note);
-      small.textContent = !fall ? "" : fall.helps ? "helps" : "does not help";
+      small.textContent = !fall ? "" : fall.helps ? (small.dataset.call === "not it" ? "helps a little; the diagnosis: not it" : "helps") : "does not help";
       small.className = fall && !fall.helps ? "useless" : "";
     }
     const useless = state.falls.filter((each) => !each.helps);

@@ -85,7 +85,7 @@ async function closer(place, each, data, context) {
   }
   if (found.cannot) return void fill(errors, h("p", { class: "warning" }, found.cannot));
   const top = found.base;
-  const bar = (words, value, kind) => h("div", { class: `error ${kind}` }, h("span", {}, words), h("span", { class: "line" }, h("i", { style: `width:${(100 * Math.min(value, top)) / top}%` }), h("u", { style: `left:${(100 * found.floor) / top}%` })), h("b", {}, `${number(value)} ${found.units}`));
+  const bar = (words, value, kind) => h("div", { class: `heldout ${kind}` }, h("span", {}, words), h("span", { class: "line" }, h("i", { style: `width:${(100 * Math.min(value, top)) / top}%` }), h("u", { style: `left:${(100 * found.floor) / top}%` })), h("b", {}, `${number(value)} ${found.units}`));
   fill(
     errors,
     h("h3", {}, "Held-out error"),
