@@ -36,6 +36,7 @@ from labrig.log import Topic, load_segments
 HOURS, HOLD_S = 8.0, 4.0
 ASK_S = 0.35
 MB = 1024 * 1024
+HURRY = "const wait = setTimeout; window.setTimeout = (f, ms, ...more) => wait(f, ms / 10, ...more);"
 MODEL = """
 import numpy as np
 
@@ -184,7 +185,7 @@ def memory(folder: Path, seconds: float) -> Memory:
             metrics = {
                 each["name"]: each["value"] for each in devtools.send("Performance.getMetrics")["metrics"]
             }
-            return metrics["JSHeapUsedSize"] / MB, _tab(), server.memory_info().rss / MB
+            return metrics["JSHeapUsedSize"] / MB, _largest("--type=renderer"), server.memory_info().rss / MB
 
         devtools.send("Performance.enable")
         while len(said) < 1:
@@ -228,10 +229,10 @@ def _is(process: psutil.Process, word: str) -> bool:
         return False
 
 
-def _tab() -> float:
-    """Memory of the largest of the browser's pages, MB."""
+def _largest(word: str) -> float:
+    """Memory of the largest child process whose command has a word, MB."""
     children = psutil.Process().children(recursive=True)
-    return max((p.memory_info().rss / MB for p in children if _is(p, "--type=renderer")), default=0.0)
+    return max((p.memory_info().rss / MB for p in children if _is(p, word)), default=0.0)
 
 
 def main() -> None:
@@ -258,17 +259,33 @@ def main() -> None:
         desk = folder / "desk"
         desk.mkdir()
         found = memory(desk, seconds)
+    flat, captures_8h = "flat", int(HOURS * 3600 / HOLD_S)
+    looks = f"{found.asked:,} looks, as many as in {found.asked * ASK_S / 60:.0f} min"
     rows = [
-        f"| overhead of a 3 s capture that nobody watches, {MARKERS} markers at {FRAME_HZ:g} Hz | {_share(shares[False])} | |",
-        f"| the same, asked for its state every {ASK_S:g} s by another process | {_share(shares[True])} | at most 2 % |",
-        f"| {HOURS:g} h of data, {int(HOURS * 3600 / HOLD_S)} captures: memory of the run after 1 h and after {HOURS:g} h | {_pair(found.run)} | flat but for the captures |",
-        f"| the workbench's server | {_pair(found.server)} | flat |",
-        f"| the process that holds the model against all captures | {found.model:.0f} MB | |",
-        f"| the page's heap, after the same times and {found.asked:,} looks ({found.asked * ASK_S / 3600:.1f} h of them) | {_pair(found.heap)} | flat |",
-        f"| the browser's tab | {_pair(found.tab)} | flat |",
+        (
+            f"overhead of a 3 s capture, {MARKERS} markers at {FRAME_HZ:g} Hz, nobody watching",
+            _share(shares[False]),
+            "",
+        ),
+        (
+            f"the same, asked for its state every {ASK_S:g} s by another process",
+            _share(shares[True]),
+            "at most 2 %",
+        ),
+        (
+            f"memory of a run after 1 h and after {HOURS:g} h of data, {captures_8h:,} captures",
+            _pair(found.run),
+            flat,
+        ),
+        ("of the workbench's server", _pair(found.server), flat),
+        ("of the process that holds a model against all the captures", f"{found.model:.0f} MB", ""),
+        (f"heap of the page that watches, {looks}", _pair(found.heap), flat),
+        ("memory of the browser's tab", _pair(found.tab), flat),
     ]
-    head = f"`python benchmarks/workbench_live.py{' --quick' if given.quick else ''}` on {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}."
-    below = [head, "", "| What | Measured | Asked for |", "|---|---|---|", *rows]
+    quick, system = " --quick" if given.quick else "", f"{platform.machine()}, {os.cpu_count()} cores"
+    head = f"`python benchmarks/workbench_live.py{quick}` on {system}, Python {platform.python_version()}."
+    table = [f"| {' | '.join(row)} |" for row in rows]
+    below = [head, "", "| What | Measured | Asked for |", "|---|---|---|", *table]
     write_section(given.out, "## Watching a run", below)
     print("\n".join(below))
 

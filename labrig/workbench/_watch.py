@@ -19,6 +19,8 @@ from labrig.workbench._live import Errors, alive, live_run, now, surface
 from labrig.workbench._run import run_folder
 
 _SHOWN = 4000
+_PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
+"""Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -72,7 +74,7 @@ def _reached(config: RigConfig) -> str:
 
 def _files(desk: Desk) -> list[str]:
     """Procedure files of the folder: `labrig next` writes such."""
-    found = [*desk.folder.glob("*.yaml"), *desk.folder.glob("*/*.yaml"), *desk.folder.glob("*/*/*.yaml")]
+    found = [path for pattern in _PLACES for path in desk.folder.glob(pattern)]
     files = [path for path in found if not path.name.startswith(".") and _is_procedure(path)]
     files.sort(key=lambda path: path.stat().st_mtime, reverse=True)
     return [desk.name(path) for path in files]

@@ -73,7 +73,7 @@ export class Surface {
     });
     const thin = spread.indexOf(Math.min(...spread));
     const eye = [0.5, 0.5, 0.5];
-    eye[thin] = thin === 1 ? -1.9 : 1.9;
+    eye[thin] = thin === 1 ? -2.3 : 2.3;
     const up = thin === 2 ? { x: 0, y: 1, z: 0 } : { x: 0, y: 0, z: 1 };
     this.eye = { eye: { x: eye[0], y: eye[1], z: eye[2] }, up };
     return this.eye;

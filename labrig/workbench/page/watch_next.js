@@ -9,7 +9,7 @@ export async function next(place, context) {
   const body = h("div");
   card.append(body);
   place.append(card);
-  const minutes = h("input", { type: "number", min: 1, max: 600, value: context.query.get("minutes") || 10, id: "minutes", "aria-label": "minutes" });
+  const minutes = h("input", { type: "number", min: 1, max: 600, value: context.query.get("minutes") || 10, id: "minutes", "aria-label": "minutes", onchange: () => context.set({ minutes: minutes.value }, true) });
   const asked = () => ({ run: context.run, model: context.info?.model, minutes: Number(minutes.value) });
   async function draw() {
     if (!context.info?.model) return void fill(body, h("p", { class: "muted" }, "There is no model beside this run yet."));

@@ -9,11 +9,12 @@ const COLOURS = ["#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6
 
 export async function plan(place, context, facts) {
   const wanted = context.query.get("procedure") || facts.files[0] || "capture";
+  const files = facts.files.includes(wanted) || facts.procedures.includes(wanted) ? facts.files : [wanted, ...facts.files];
   const option = (name) => h("option", { value: name, selected: name === wanted }, name);
   const choose = h(
     "select",
     { id: "procedure", "aria-label": "procedure" },
-    facts.files.length ? h("optgroup", { label: "files of this folder" }, facts.files.map(option)) : null,
+    files.length ? h("optgroup", { label: "files of this folder" }, files.map(option)) : null,
     h("optgroup", { label: "labrig's own" }, facts.procedures.map(option)),
   );
   const words = h("input", { type: "text", id: "arguments", placeholder: "--captures 20", "aria-label": "parameters", value: context.query.get("arguments") || "" });
