@@ -277,7 +277,11 @@ def main() -> None:
             _pair(found.run),
             flat,
         ),
-        ("of the workbench's server", _pair(found.server), flat),
+        (
+            "of the workbench's server, in one process with what drives the browser here",
+            _pair(found.server),
+            flat,
+        ),
         ("of the process that holds a model against all the captures", f"{found.model:.0f} MB", ""),
         (f"heap of the page that watches, {looks}", _pair(found.heap), flat),
         ("memory of the browser's tab", _pair(found.tab), flat),

@@ -33,8 +33,8 @@ def asked(tmp_path: Path, bench_class: Any) -> Iterator[Any]:
     """A workbench in this process, on a run of a simulated rig and two models, one a millimetre worse."""
     rig = tmp_path / "rig.yaml"
     rig.write_text(RIG, encoding="utf-8")
-    labrig.run("capture", rig, out=tmp_path / "run", captures=16)
-    run = labrig.open_run(tmp_path / "run")
+    labrig.run("capture", rig, out=tmp_path / "runs" / "run", captures=16)
+    run = labrig.open_run(tmp_path / "runs" / "run")
     position = run["position_mm"].mean("time").values.reshape(16, -1)
     pressure = np.hstack([np.ones((16, 1)), run["commanded"].values])
     slope = np.linalg.lstsq(pressure, position, rcond=None)[0].tolist()
@@ -50,29 +50,31 @@ def asked(tmp_path: Path, bench_class: Any) -> Iterator[Any]:
 
 def test_two_models_on_one_run(asked: Any, until: Any) -> None:
     """The comparison is a command, its result a file, and the page is told which model is nearer and by how much."""
-    query = "/api/versus?run=run&a=worse.yaml&b=better.yaml"
+    query = "/api/versus?run=runs/run&a=worse.yaml&b=better.yaml"
     before = asked.ask(query)[1]
     assert before["found"] is None
-    assert before["command"].startswith("labrig compare run --model worse.yaml --model better.yaml --out ")
-    status, job = asked.ask("/api/versus", {"run": "run", "a": "worse.yaml", "b": "better.yaml"})
+    assert before["command"].startswith(
+        "labrig compare runs/run --model worse.yaml --model better.yaml --out "
+    )
+    status, job = asked.ask("/api/versus", {"run": "runs/run", "a": "worse.yaml", "b": "better.yaml"})
     assert status == 202
     until(lambda: asked.ask(f"/api/jobs/{job['job']}")[1]["state"] != "running", "the job does not end")
     found = asked.ask(query)[1]["found"]
     assert found["better"] == "better"
     assert found["difference"]["low"] > 0
     assert found["error"]["worse"] ** 2 == pytest.approx(found["error"]["better"] ** 2 + 81.0, rel=0.05)
-    status, content = asked.ask("/api/versus?run=run&a=better.yaml&b=better.yaml")
+    status, content = asked.ask("/api/versus?run=runs/run&a=better.yaml&b=better.yaml")
     assert status == 400
     assert "two models" in content["error"]
 
 
 def test_what_to_measure_next_becomes_a_plan(asked: Any, until: Any) -> None:
     """The programme that `labrig next` finds is shown with its minutes, and can be run as it is."""
-    query = "/api/next?run=run&model=better.yaml&minutes=3"
+    query = "/api/next?run=runs/run&model=better.yaml&minutes=3"
     before = asked.ask(query)[1]
     assert before["found"] is None
     assert "--minutes 3 " in before["command"]
-    status, job = asked.ask("/api/next", {"run": "run", "model": "better.yaml", "minutes": 3})
+    status, job = asked.ask("/api/next", {"run": "runs/run", "model": "better.yaml", "minutes": 3})
     assert status == 202
     until(lambda: asked.ask(f"/api/jobs/{job['job']}")[1]["state"] != "running", "the job does not end", 100)
     ended = asked.ask(f"/api/jobs/{job['job']}")[1]
