@@ -63,10 +63,17 @@ class Kept:
 
     def since(self, capture: int, actuation: int) -> dict[str, Any]:
         """What came after so many captures and actuations, as plain values; of many captures a part."""
-        rows = np.round(np.array(self.values[capture : capture + _AT_ONCE], float), 3)
-        plain = np.where(np.isfinite(rows), rows.astype(object), None).tolist()
+        plain = listed(self.values[capture : capture + _AT_ONCE], 3)
         facts = self.facts[capture : capture + len(plain)]
         return {
             "captures": [{**about, "values": row} for about, row in zip(facts, plain, strict=True)],
             "actuations": [[time_s, list(pressure)] for time_s, pressure in self.actuations[actuation:]],
         }
+
+
+def listed(values: Any, digits: int) -> list[Any]:
+    """Numbers with so many decimals, None where there is none, in lists as the array has axes."""
+    rounded = np.round(np.asarray(values, float), digits)
+    plain = rounded.astype(object)
+    plain[~np.isfinite(rounded)] = None
+    return plain.tolist()

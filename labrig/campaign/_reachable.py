@@ -14,7 +14,7 @@ import numpy as np
 from drivers import Clock, MarkerFrame, PressureSample, RealClock
 from labrig._errors import LabrigError
 from labrig._running import Reception
-from labrig.campaign._kept import Kept
+from labrig.campaign._kept import Kept, listed
 from labrig.campaign._observe import Observer, Progress
 from labrig.campaign._procedure import Procedure, RigInfo
 from labrig.campaign._session import Control
@@ -191,6 +191,4 @@ class Reachable(Observer):
 
 
 def _plain(values: Any) -> list[Any]:
-    """Numbers with two decimals, None where there is none, in lists as the array has axes."""
-    rounded = np.round(np.asarray(values, float), 2)
-    return np.where(np.isfinite(rounded), rounded.astype(object), None).tolist()
+    return listed(values, 2)
