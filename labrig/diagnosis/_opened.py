@@ -69,6 +69,7 @@ class Opened:
         self.ready = prepared(rows_from(runs), model)
         self.about = about(runs, model)
         self._forms: dict[str, list[Candidate]] = {}
+        self._last: dict[str, Candidate] = {}
 
     @property
     def units(self) -> str:
@@ -118,7 +119,8 @@ class Opened:
     def add(self, names: Sequence[str], *, refine: bool = True) -> Trial:
         """Fit the named effects together and add them to the model, whether they help or not.
 
-        Without `refine`, times and widths stay on the grid that they are looked for on: quick, and nearly the same.
+        Without `refine`, effects that were tried before keep the form that was found then, and times and widths stay
+        on the grid that they are looked for on: quick, and nearly the same.
 
         Raises `LabrigError` when an effect does not exist, can't act on these runs, or is in the model already.
         """
@@ -127,7 +129,10 @@ class Opened:
             if any(entry.name == effect.name for entry in self.model.file.effects):
                 raise LabrigError(f"the model has {effect.name!r} already; remove its entry to fit it again")
         ready, streams, context = self.ready, self.ready.streams, self.ready.context
-        chosen = fit_named(streams, context, effects, forms=self.forms, refine=refine)
+        chosen = fit_named(
+            streams, context, effects, forms=self.forms, start=None if refine else dict(self._last)
+        )
+        self._last |= {part.effect.name: part for part in chosen.parts}
         base = float(np.sqrt(square_of(streams, streams.residual - streams.nothing)))
         now = float(np.sqrt(square_of(streams, streams.residual - chosen.heldout)))
         floor = float(np.sqrt(self.floor_square))

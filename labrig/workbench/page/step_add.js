@@ -13,6 +13,7 @@ export async function show(root, context) {
   const data = await get("/api/add/effects", asked(context), context.signal);
   const given = context.query.get("effects");
   const chosen = new Set((given === null ? data.found : given.split(",")).filter(Boolean));
+  root.dataset.keeps = "";
   let range = null;
   let state = null;
   let serial = 0;
