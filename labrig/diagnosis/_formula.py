@@ -68,7 +68,7 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     return [candidate for _, candidate in found]
 
 
-def fall_of(chosen: Fit, i: int) -> tuple[float, float]:
+def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:
     """By how much the i-th effect lowers the held-out mean square beside the others, and its standard error."""
     streams = chosen.columns.streams
     rest = [p for j, p in enumerate(chosen.parts) if j != i]

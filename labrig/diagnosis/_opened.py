@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+_MOST_FITS = 100
+
+
 @dataclass(frozen=True)
 class Fall:
     """By how much an effect lowers the held-out error beside the others that were added with it.
@@ -70,6 +73,7 @@ class Opened:
         self.about = about(runs, model)
         self._forms: dict[str, list[Candidate]] = {}
         self._last: dict[str, Candidate] = {}
+        self._fits: dict[frozenset[int], Fit] = {}
 
     @property
     def units(self) -> str:
@@ -138,7 +142,8 @@ class Opened:
         floor = float(np.sqrt(self.floor_square))
         least = (SMALLEST_FLOORS**2) * self.floor_square
         falls = tuple(
-            Fall(effect.name, *fall_of(chosen, i), least, self.units) for i, effect in enumerate(effects)
+            Fall(effect.name, *fall_of(chosen, i, self._fit), least, self.units)
+            for i, effect in enumerate(effects)
         )
         entries = [entry_of(streams, context, chosen, i, refine=False) for i in range(len(effects))]
         improved = self.model
@@ -146,7 +151,7 @@ class Opened:
             improved = improved.with_effect(entry)
         steps = [("base", base)]
         for i in range(len(effects)):
-            part = fit(chosen.parts[: i + 1])
+            part = self._fit(chosen.parts[: i + 1])
             square = square_of(streams, streams.residual - part.heldout)
             steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
         summary: dict[str, Any] = {
@@ -170,6 +175,15 @@ class Opened:
             improved=improved,
         )
         return Trial(result, falls, chosen)
+
+    def _fit(self, parts: Sequence[Candidate]) -> Fit:
+        """Candidates fitted together, once; a fit holds its candidates, so that their identities stay theirs."""
+        key = frozenset(map(id, parts))
+        if key not in self._fits:
+            self._fits[key] = fit(parts)
+            for old in list(self._fits)[:-_MOST_FITS]:
+                del self._fits[old]
+        return self._fits[key]
 
     def _warnings(self) -> list[str]:
         dropped = self.ready.dropped
