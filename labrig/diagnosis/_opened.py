@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+_MOST_FITS = 100
+
+
 @dataclass(frozen=True)
 class Fall:
     """By how much an effect lowers the held-out error beside the others that were added with it.
@@ -69,6 +72,8 @@ class Opened:
         self.ready = prepared(rows_from(runs), model)
         self.about = about(runs, model)
         self._forms: dict[str, list[Candidate]] = {}
+        self._last: dict[str, Candidate] = {}
+        self._fits: dict[frozenset[int], Fit] = {}
 
     @property
     def units(self) -> str:
@@ -118,7 +123,8 @@ class Opened:
     def add(self, names: Sequence[str], *, refine: bool = True) -> Trial:
         """Fit the named effects together and add them to the model, whether they help or not.
 
-        Without `refine`, times and widths stay on the grid that they are looked for on: quick, and nearly the same.
+        Without `refine`, effects that were tried before keep the form that was found then, and times and widths stay
+        on the grid that they are looked for on: quick, and nearly the same.
 
         Raises `LabrigError` when an effect does not exist, can't act on these runs, or is in the model already.
         """
@@ -127,13 +133,17 @@ class Opened:
             if any(entry.name == effect.name for entry in self.model.file.effects):
                 raise LabrigError(f"the model has {effect.name!r} already; remove its entry to fit it again")
         ready, streams, context = self.ready, self.ready.streams, self.ready.context
-        chosen = fit_named(streams, context, effects, forms=self.forms, refine=refine)
+        chosen = fit_named(
+            streams, context, effects, forms=self.forms, start=None if refine else dict(self._last)
+        )
+        self._last |= {part.effect.name: part for part in chosen.parts}
         base = float(np.sqrt(square_of(streams, streams.residual - streams.nothing)))
         now = float(np.sqrt(square_of(streams, streams.residual - chosen.heldout)))
         floor = float(np.sqrt(self.floor_square))
         least = (SMALLEST_FLOORS**2) * self.floor_square
         falls = tuple(
-            Fall(effect.name, *fall_of(chosen, i), least, self.units) for i, effect in enumerate(effects)
+            Fall(effect.name, *fall_of(chosen, i, self._fit), least, self.units)
+            for i, effect in enumerate(effects)
         )
         entries = [entry_of(streams, context, chosen, i, refine=False) for i in range(len(effects))]
         improved = self.model
@@ -141,7 +151,7 @@ class Opened:
             improved = improved.with_effect(entry)
         steps = [("base", base)]
         for i in range(len(effects)):
-            part = fit(chosen.parts[: i + 1])
+            part = self._fit(chosen.parts[: i + 1])
             square = square_of(streams, streams.residual - part.heldout)
             steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
         summary: dict[str, Any] = {
@@ -165,6 +175,15 @@ class Opened:
             improved=improved,
         )
         return Trial(result, falls, chosen)
+
+    def _fit(self, parts: Sequence[Candidate]) -> Fit:
+        """Candidates fitted together, once; a fit holds its candidates, so that their identities stay theirs."""
+        key = frozenset(map(id, parts))
+        if key not in self._fits:
+            self._fits[key] = fit(parts)
+            for old in list(self._fits)[:-_MOST_FITS]:
+                del self._fits[old]
+        return self._fits[key]
 
     def _warnings(self) -> list[str]:
         dropped = self.ready.dropped

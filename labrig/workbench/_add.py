@@ -12,7 +12,7 @@ from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key, opened, trial
 from labrig.workbench._run import Pair, pair_of
-from labrig.workbench._shapes import captures_of, shape_of
+from labrig.workbench._shapes import errors_of, shape_of
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -77,6 +77,7 @@ def switches(key: Key, found: dict[str, Any]) -> str:
     has = [entry.name for entry in own.model.file.effects]
     calls = {each["effect"]: each for each in found["effects_considered"]}
     order = {"sure": 0, "possible": 1}
+    compared = own.compare()
     names = sorted(
         (name for name in library if name not in has),
         key=lambda name: (
@@ -98,7 +99,8 @@ def switches(key: Key, found: dict[str, Any]) -> str:
             ],
             "has": has,
             "found": [*found["effects"], *found["rivals"][:1]],
-            "shape": shape_of(own.compare()),
+            "shape": shape_of(compared),
+            "captures": [str(name) for name in compared.fields["capture"].values],
         }
     )
 
@@ -106,7 +108,7 @@ def switches(key: Key, found: dict[str, Any]) -> str:
 def added(key: Key, names: tuple[str, ...], refine: bool) -> str:
     """The model with these effects: errors, what each is worth, values, the model file's change; in the worker."""
     from labrig.model import model_text
-    from labrig.view import fitted, pictures_of, place_tables, value_lines, values_words
+    from labrig.view import fitted, place_tables, value_lines, values_words
 
     own = opened(key)
     if names:
@@ -118,7 +120,6 @@ def added(key: Key, names: tuple[str, ...], refine: bool) -> str:
     before = model_text(own.model.file).splitlines()
     after = model_text(result.improved.file if result.improved else own.model.file).splitlines()
     by_chamber = {signature.effect: signature.chambers for signature in result.signatures}
-    pictures = pictures_of(result)
     unit = own.ready.context.rows.actuation_unit
     waterfall = [(label.replace("model", "base"), value) for label, value in result.waterfall]
     return told(
@@ -144,7 +145,6 @@ def added(key: Key, names: tuple[str, ...], refine: bool) -> str:
             "diff": list(
                 difflib.unified_diff(before, after, "model.yaml", "with these effects", n=2, lineterm="")
             ),
-            "captures": captures_of(result),
-            "figures": {name: pictures[name]() for name in ("fit", "captures")},
+            "captures": errors_of(result),
         }
     )

@@ -50,6 +50,16 @@ def shape_of(result: "Result") -> dict[str, Any] | None:
     }
 
 
+def errors_of(result: "Result") -> dict[str, Any]:
+    """The errors of every capture and of every marker, before and after: what changes with the effects."""
+    before, after = residuals(result.fields)
+    markers = cloud(result.fields)
+    content = {"error": short(rms(before, axis=1), 4), "error_after": short(rms(after, axis=1), 4)}
+    if markers is not None:
+        content |= {"marker_before": short(markers.before_mm, 4), "marker_after": short(markers.after_mm, 4)}
+    return content
+
+
 def captures_of(result: "Result") -> dict[str, Any]:
     """Every capture: in words, its error before and after, and of markers where they were and should be."""
     fields = result.fields

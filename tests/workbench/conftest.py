@@ -182,7 +182,7 @@ def open_page(browser: "Browser", bench: Running) -> "Iterator[Callable[[], Page
 
     def opening() -> "Page":
         context = browser.new_context(viewport={"width": 1280, "height": 800})
-        context.set_default_timeout(60_000)
+        context.set_default_timeout(40_000)
         contexts.append(context)
         page = context.new_page()
         page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)

@@ -32,6 +32,7 @@ export function dropZone(place, context) {
 }
 
 async function take(file, place, context) {
+  place.closest(".step").dataset.keeps = "";
   fill(place, h("div", { class: "card" }, h("p", { class: "waiting" }, `reading ${file.name} …`)));
   try {
     offer(await upload("/api/drop", file), place, context);
@@ -69,7 +70,7 @@ function offer(found, place, context) {
     h(
       "div",
       { class: "card" },
-      h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: () => fill(place) }, "put it away")),
+      h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
       found.remarks.map((remark) => h("p", { class: "warning" }, remark)),
       h("div", { class: found.log ? "" : "mapping" }, found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), mapping), preview ? h("div", {}, h("h3", {}, "The first rows"), preview) : null),
       said,

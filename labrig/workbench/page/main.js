@@ -44,7 +44,7 @@ export function address({ run = "", step = "choose", query = {} }) {
   return `#/${path}${tail}`;
 }
 
-function context(state) {
+function context(state, mine) {
   const model = () => (state.query.get("model") ? { model: state.query.get("model") } : {});
   return {
     ...state,
@@ -57,6 +57,7 @@ function context(state) {
       address({ run, step, query: run === state.run ? { ...model(), ...query } : query }),
     // The same step in another state; `replace` leaves no entry to go back to.
     set: (changes, replace = false) => {
+      if (mine !== shown) return; // the page has gone on
       const query = { ...Object.fromEntries(state.query), ...changes };
       const next = address({ run: state.run, step: state.step, query });
       if (replace) {
@@ -102,7 +103,7 @@ async function route() {
   const place = h("div", { class: `step ${state.step}` });
   fill(root, place);
   try {
-    const ends = await step.show(place, context(state));
+    const ends = await step.show(place, context(state, mine));
     if (mine === shown) leave = ends || null;
     else if (ends) ends();
   } catch (error) {
@@ -110,6 +111,14 @@ async function route() {
     console.warn(error);
     fill(place, empty("This can’t be shown", h("p", {}, error.message)));
   }
+}
+
+async function refreshed() {
+  const state = parse(location.hash);
+  if (!state.run) return;
+  info = await get("/api/run", { run: state.run, model: state.query.get("model") });
+  steps(state);
+  about(state);
 }
 
 const kept = (state) => Object.fromEntries([...state.query].filter(([name]) => LASTS.includes(name)));
@@ -180,7 +189,10 @@ addEventListener("hashchange", () => route().catch(complain));
 addEventListener("keydown", keys);
 document.addEventListener("job-ended", ({ detail: job }) => {
   say(`${job.title}: ${job.state}${job.state === "failed" ? `: ${job.last}` : ""}`, job.state === "failed" ? "bad" : "");
-  if (!job.run || job.run === wanted?.run || wanted?.step === "choose") route().catch(complain);
+  if (job.run && job.run !== wanted?.run && wanted?.step !== "choose") return;
+  // A step in which somebody is in the middle of something says so, and is not made anew.
+  const inTheMiddle = document.querySelector(".step")?.dataset.keeps !== undefined;
+  (inTheMiddle ? refreshed() : route()).catch(complain);
 });
 document.addEventListener("theme", () => route().catch(complain));
 route().catch(complain);

@@ -13,6 +13,7 @@ export async function show(root, context) {
   const data = await get("/api/add/effects", asked(context), context.signal);
   const given = context.query.get("effects");
   const chosen = new Set((given === null ? data.found : given.split(",")).filter(Boolean));
+  root.dataset.keeps = "";
   let range = null;
   let state = null;
   let serial = 0;
@@ -116,12 +117,12 @@ export async function show(root, context) {
 
   const drawResiduals = (floor, units) => {
     const { captures } = state;
-    const line = (y, name, ink) => ({ type: "scatter", mode: "lines+markers", x: captures.index, y, name, text: captures.words, hovertemplate: "%{text}<br>%{y:.3g}<extra></extra>", line: { color: ink, width: 1.5 }, marker: { size: 4 } });
-    const data2 = [line(captures.error, "the model as it is", colour("rust"))];
-    if (state.effects.length) data2.push(line(captures.error_after, "with these effects", colour("teal")));
+    const line = (y, name, ink) => ({ type: "scatter", mode: "lines+markers", x: data.captures, y, name, hovertemplate: "capture %{x}<br>%{y:.3g}<extra></extra>", line: { color: ink, width: 1.5 }, marker: { size: 4 } });
+    const lines = [line(captures.error, "the model as it is", colour("rust"))];
+    if (state.effects.length) lines.push(line(captures.error_after, "with these effects", colour("teal")));
     return draw(residuals, {
-      data: data2,
-      layout: { height: 210, margin: { l: 54, r: 10, t: 8, b: 40 }, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" }, shapes: [{ type: "rect", xref: "paper", x0: 0, x1: 1, y0: 0, y1: floor, fillcolor: colour("floor"), opacity: 0.25, line: { width: 0 }, layer: "below" }], xaxis: axis("capture"), yaxis: axis(`error, ${units} rms`, { rangemode: "tozero" }) },
+      data: lines,
+      layout: { height: 210, margin: { l: 54, r: 10, t: 8, b: 40 }, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" }, shapes: [{ type: "rect", xref: "paper", x0: 0, x1: 1, y0: 0, y1: floor, fillcolor: colour("floor"), opacity: 0.25, line: { width: 0 }, layer: "below" }], xaxis: axis("capture", { type: "category", nticks: 12 }), yaxis: axis(`error, ${units} rms`, { rangemode: "tozero" }) },
     });
   };
 

@@ -18,7 +18,7 @@ export async function show(root, context) {
   const kind = context.query.get("kind") || "all";
   const name = context.query.get("name") || "";
   const bar = context.query.get("bar") || "";
-  const group = context.query.get("group") || (groups.includes(kind) ? kind : groups[0]);
+  const group = context.query.get("group") || [kind, "marker", "observable", groups[0]].find((each) => groups.includes(each));
 
   const place = h("div", { class: "pair one" });
   const panels = h("div", { class: "panels" });
