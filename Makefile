@@ -34,7 +34,7 @@ format: .venv/.all-installed
 # Versions are pinned by requirements.lock: the demo takes from it what labrig itself needs, the tests all of it.
 .venv/.demo-installed: .venv/.made requirements.lock pyproject.toml
 	$(PIP) install --constraint requirements.lock hatchling editables
-	$(PIP) install --constraint requirements.lock --no-build-isolation --editable .
+	$(PIP) install --constraint requirements.lock --no-build-isolation --editable '.[workbench]'
 	@touch $@
 
 .venv/.all-installed: .venv/.demo-installed
@@ -48,6 +48,7 @@ format: .venv/.all-installed
 
 .venv/.system-libraries: .ci/system-libraries .venv/.made
 	@bash .ci/system-libraries viewer
+	@bash .ci/system-libraries browser
 	@touch $@
 
 # What a fresh resolution of pyproject.toml gives today; only run this to move to newer versions.

@@ -3,6 +3,7 @@
 from labrig.campaign._observe import Observer, Progress
 from labrig.campaign._plan import Plan, dry_run, rig_info
 from labrig.campaign._procedure import Procedure, RigInfo, Steps
+from labrig.campaign._reachable import Reachable
 from labrig.campaign._replay import read_completed
 from labrig.campaign._runner import Watching, resume, run
 from labrig.campaign._session import Control
@@ -37,6 +38,7 @@ __all__ = [
     "Procedure",
     "ProcedureError",
     "Progress",
+    "Reachable",
     "Record",
     "Recording",
     "Result",

@@ -60,6 +60,9 @@ class Observer:
     def progress(self, progress: Progress) -> None:
         """How far the run is; after every step and about twice a second."""
 
+    def vented(self, pressure_kpa: Sequence[float]) -> None:
+        """The vent at the end is confirmed; what the chambers read, (C,)."""
+
     def finished(self, reason: str) -> None:
         """The run has ended and the chambers are vented: `completed`, or why not."""
 
@@ -73,7 +76,8 @@ class Observation:
     def tell(self, method: str, *arguments: Any) -> None:
         """Call `method` of every observer, some time soon; never waits, never raises."""
         for channel in self._channels:
-            channel.put((method, arguments))
+            if channel.listens(method):
+                channel.put((method, arguments))
 
     def close(self) -> None:
         """Let the observers finish what is queued, for two seconds at most altogether."""
@@ -92,6 +96,10 @@ class _Channel:
         )
         self._broken = False
         self._thread.start()
+
+    def listens(self, method: str) -> bool:
+        """Whether the observer does anything with it: what nobody looks at wakes no thread."""
+        return getattr(getattr(self._observer, method), "__func__", None) is not getattr(Observer, method)
 
     def put(self, item: Any) -> None:
         if item is not None and self._broken:

@@ -154,6 +154,8 @@ class _Run:
             vented = vent_for_sure(self.rig)
             log_error = self._write_end(error, vented, vent_started_s)
         self.walk.close()
+        if isinstance(vented, VentReport):
+            self.observation.tell("vented", tuple(float(value) for value in vented.pressure_kpa))
         self.observation.tell("finished", _reason(error))
         self.observation.close()
         self._raise(error or log_error, vented)

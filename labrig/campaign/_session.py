@@ -29,7 +29,7 @@ kept in memory until the file is closed."""
 
 
 class Control:
-    """Asks a run to pause or go on, from any thread; a pause begins before the next actuation, vented.
+    """Asks a run to pause, go on or end, from any thread; a pause begins before the next actuation, vented.
 
     `attended` says that somebody can end a pause; without, a run that would pause for a fault ends instead.
     """
@@ -37,6 +37,7 @@ class Control:
     def __init__(self, *, attended: bool = False) -> None:
         self._paused = threading.Event()
         self.attended = attended
+        self.ended: str | None = None
 
     @property
     def paused(self) -> bool:
@@ -50,6 +51,10 @@ class Control:
     def go_on(self) -> None:
         """End the pause."""
         self._paused.clear()
+
+    def end(self, why: str) -> None:
+        """End the run at once, vented; `why` is what it says of it."""
+        self.ended = self.ended or why
 
     def toggle(self) -> None:
         """Pause, or go on."""
@@ -117,7 +122,7 @@ class Session:
 
     def poll(self) -> None:
         """Take in and log what the devices have; raises `DeviceError` when the rig is not safe to go on with."""
-        self.signals.check()
+        self.signals.check(self.control.ended)
         with self.signals.shield():
             samples = self.rig.pressure.samples()
             frames = self.rig.mocap.frames() if self.rig.mocap is not None else []

@@ -58,8 +58,10 @@ class SignalGuard:
         self._raised = word
         raise Interrupted(word)
 
-    def check(self) -> None:
-        """Raise again if a procedure swallowed the first one and the run still goes on."""
+    def check(self, asked: str | None = None) -> None:
+        """Raise if the run was `asked` to end, and again if a procedure swallowed that and the run still goes on."""
+        if asked is not None and not (self._raised or self._closed or self._depth):
+            self._raise(asked)
         if self._raised and not self._closed and not self._depth:
             raise Interrupted(self._raised)
 

@@ -31,6 +31,7 @@ _COMMAND_MODULES = (
     "_train",
     "_ik",
     "_validate",
+    "_workbench",
 )
 _DEBUG = "--debug"
 

@@ -43,6 +43,12 @@ def run(
             help="Nobody is near: only on a rig that vents by itself when this computer is gone.",
         ),
     ] = False,
+    attended: Annotated[
+        bool,
+        typer.Option(
+            "--attended", help="Somebody watches in the workbench: a fault pauses instead of ending."
+        ),
+    ] = False,
     model: Annotated[
         Path | None, typer.Option(help="While watching, show what the simulator of this model predicts.")
     ] = None,
@@ -52,7 +58,7 @@ def run(
 
     A procedure's parameters are options that follow its name; `labrig run PROCEDURE --help` lists them. Every limit
     is checked before anything moves, and however the run ends, the chambers are vented first. While it goes on,
-    p pauses it (vented) and lets it go on, and so does SIGUSR1; Ctrl-C ends it.
+    p pauses it (vented) and lets it go on, and so do SIGUSR1 and the workbench; Ctrl-C ends it.
     """
     from labrig.api._procedures import find_procedure, parameters_help, read_procedure
     from labrig.cli._run_steps import Request, do_dry_run, do_resume, do_run
@@ -64,7 +70,9 @@ def run(
             kind = type(read_procedure(procedure, [])) if written else find_procedure(procedure)
             typer.echo("\n" + parameters_help(kind))
         return
-    request = Request(rig, out, seed, realtime, live, serve, model, unattended)
+    if attended and unattended:
+        raise LabrigError("--attended or --unattended, not both")
+    request = Request(rig, out, seed, realtime, live, serve, model, unattended, attended)
     if resume is not None:
         if procedure or context.args or dry_run or out is not None:
             raise LabrigError(

@@ -1,5 +1,6 @@
 """The demo step by step: a rig with something hidden, a campaign, a diagnosis, a better model, pictures."""
 
+import importlib.util
 import os
 import time
 from pathlib import Path
@@ -212,3 +213,6 @@ def _closing(console: Console, folder: Path, result: "Result", took_s: float) ->
     if line := activation():
         console.print("So that `labrig` alone works in this terminal:", soft_wrap=True)
         console.print(f"  {line}", soft_wrap=True, markup=False)
+    if importlib.util.find_spec("starlette") and importlib.util.find_spec("uvicorn"):
+        console.print("Go through it by clicks, in the browser:", soft_wrap=True)
+        console.print(f"  {call('workbench', folder)}", soft_wrap=True, markup=False)

@@ -1,4 +1,4 @@
-"""Commands: rig check, simulate, record, replay."""
+"""Commands: rig check, vent, simulate, record, replay."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -52,6 +52,18 @@ def check(
     _print_findings(config.name, findings)
     if any(finding.state == "bad" for finding in findings):
         raise typer.Exit(3)
+
+
+@rig_app.command()
+def vent(rig: Annotated[Path, typer.Argument(metavar="RIG", help="The rig file.")]) -> None:
+    """Vent RIG now, also while a run goes on, which ends then; say what every chamber reads."""
+    from labrig.rig import load_rig, vent_now
+
+    config = load_rig(rig)
+    vented = vent_now(config, "labrig rig vent", lambda text: typer.echo(f"labrig: {text}; again", err=True))
+    for name, pressure_kpa in vented.pressure_kpa.items():
+        typer.echo(f"{name:12} {'no sensor' if pressure_kpa is None else f'{pressure_kpa:6.2f} kPa'}")
+    typer.echo(f"vented in {vented.took_s:.1f} s by {vented.by}")
 
 
 @rig_app.command()

@@ -14,7 +14,7 @@ from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 from labrig.api._procedures import find_procedure, read_procedure, source_of
 from labrig.api._run import clock_of, new_folder
-from labrig.campaign import Control, Interrupted, Observer, Procedure, Watching
+from labrig.campaign import Control, Interrupted, Observer, Procedure, Reachable, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
@@ -41,6 +41,7 @@ class Request:
     serve: bool
     model: Path | None = None
     unattended: bool = False
+    attended: bool = False
 
 
 def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
@@ -145,6 +146,7 @@ def do_resume(folder: Path, request: Request) -> None:
         request.serve,
         request.model,
         request.unattended,
+        request.attended,
     )
     _go(procedure, config, folder, request, None)
 
@@ -158,9 +160,9 @@ def _go(
 ) -> None:
     """Connect, run (or resume, if there is no context), and report."""
     clock = clock_of(config, request.realtime)
-    control = Control(attended=not request.unattended and sys.stdin.isatty())
-    with Screen(control) as screen:
-        observers: list[Observer] = [screen, *_viewers(request, config)]
+    control = Control(attended=request.attended or (not request.unattended and sys.stdin.isatty()))
+    with Screen(control) as screen, Reachable(procedure, config, folder, clock, control) as reachable:
+        observers: list[Observer] = [screen, reachable, *_viewers(request, config)]
         watching = Watching(observers, control, dict(context or {}))
         guard_log = folder / "guard.log"
         try:

@@ -47,7 +47,7 @@ class Fit:
         streams = self.columns.streams
         out = np.zeros_like(streams.residual)
         for g, own in enumerate(streams.blocks):
-            out[own] = self.columns.field(self.score.fold_beta[g])[own]
+            out[own] = self.columns.field(self.score.fold_beta[g], own)
         return out + streams.nothing
 
 

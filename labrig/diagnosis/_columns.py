@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -152,16 +153,16 @@ class Columns:
                 G[group, n:, :n] = G[group, :n, n:].T
         return G, c
 
-    def field(self, beta: Floats) -> Floats:
-        """What the columns predict with coefficients `beta` (Q,), over streams and observables (S, K)."""
+    def field(self, beta: Floats, rows: Any = slice(None)) -> Floats:
+        """What the columns predict with coefficients `beta` (Q,), over streams (or `rows` of them) and observables."""
         q = self.X.shape[2]
-        short = self.X @ beta[:q]
+        short = self.X[rows] @ beta[:q]
         modes = self.streams.modes[:, self.used]
-        out = np.einsum("su,suk->sk", short, modes[self.streams.source], optimize=True)
+        out = np.einsum("su,suk->sk", short, modes[self.streams.source[rows]], optimize=True)
         calibration = self.streams.calibration(None)
         if calibration:
-            out += calibration.fields @ (self._answer @ beta)
-        return out + self.E @ beta[q:]
+            out += calibration.fields[rows] @ (self._answer @ beta)
+        return out + self.E[rows] @ beta[q:]
 
 
 def columns_of(streams: Streams, variant: Variant) -> Columns:

@@ -1,6 +1,7 @@
 """The formula after the name: the plainest forms of the named effects that fit well enough, fitted together."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,24 +17,40 @@ _ROUNDS = 2
 _KEPT = 6
 
 
-def fit_named(streams: Streams, context: Context, effects: Sequence[Effect]) -> Fit:
+def fit_named(
+    streams: Streams,
+    context: Context,
+    effects: Sequence[Effect],
+    *,
+    forms: Callable[[Effect], list[Candidate]] | None = None,
+    start: Mapping[str, Candidate] | None = None,
+) -> Fit:
     """Forms of these effects, found in turn and then moved off the grid together.
+
+    `forms` gives those of an effect where they are known already. With a `start` (forms by effect) these stay as they
+    are, only those of the other effects are looked for, and none is moved: quick, and nearly the same.
 
     Raises `LabrigError` when one of them has no form that can act on this run.
     """
-    forms = [forms_of(streams, context, effect)[:_KEPT] for effect in effects]
-    for effect, own in zip(effects, forms, strict=True):
+    known = forms or partial(forms_of, streams, context)
+    forms_of_each = [known(effect)[:_KEPT] for effect in effects]
+    for effect, own in zip(effects, forms_of_each, strict=True):
         if not own:
             raise LabrigError(
                 f"effect {effect.name!r} can't act on this run; see: labrig effects show {effect.name}"
             )
-    chosen = fit([f[0] for f in forms])
-    for _ in range(_ROUNDS if len(forms) > 1 else 0):
-        for i, own in enumerate(forms):
+    if start is not None:
+        own_of = zip(effects, forms_of_each, strict=True)
+        forms_of_each = [[start[e.name]] if e.name in start else own for e, own in own_of]
+    chosen = fit([f[0] for f in forms_of_each])
+    for _ in range(0 if len(effects) == 1 else _ROUNDS if start is None else 1):
+        for i, own in enumerate(forms_of_each):
+            if len(own) == 1:
+                continue
             options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
             chosen = max(options, key=lambda f: f.score.gain)
     for i, effect in enumerate(effects):
-        if effect.name != "marker_slip":
+        if start is None and effect.name != "marker_slip":
             chosen = refined(streams, context, chosen, i)
     return chosen
 
@@ -51,7 +68,7 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     return [candidate for _, candidate in found]
 
 
-def fall_of(chosen: Fit, i: int) -> tuple[float, float]:
+def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:
     """By how much the i-th effect lowers the held-out mean square beside the others, and its standard error."""
     streams = chosen.columns.streams
     rest = [p for j, p in enumerate(chosen.parts) if j != i]

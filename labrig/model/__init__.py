@@ -1,7 +1,15 @@
 """Models: model.yaml, its base, its effects, and what they predict."""
 
 from labrig.model._bases import BaseModel, build_base, jacobian
-from labrig.model._file import EffectEntry, FittedOn, ModelFile, Value, read_model_file, write_model_file
+from labrig.model._file import (
+    EffectEntry,
+    FittedOn,
+    ModelFile,
+    Value,
+    model_text,
+    read_model_file,
+    write_model_file,
+)
 from labrig.model._model import Model, Predictor, base_context, evaluate, find_variant
 
 __all__ = [
@@ -17,6 +25,7 @@ __all__ = [
     "evaluate",
     "find_variant",
     "jacobian",
+    "model_text",
     "read_model_file",
     "write_model_file",
 ]

@@ -107,11 +107,15 @@ def read_model_file(path: Path) -> ModelFile:
     return check_fields(ModelFile, content, str(path), path)
 
 
-def write_model_file(model: ModelFile, path: Path) -> None:
-    """Write a model.yaml, in one piece or not at all."""
+def model_text(model: ModelFile) -> str:
+    """The text of a model.yaml."""
     content = model.model_dump(exclude_none=True)
     content["base"] = {name: value for name, value in content["base"].items() if value not in ({}, [])}
-    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110)
+    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110)
+
+
+def write_model_file(model: ModelFile, path: Path) -> None:
+    """Write a model.yaml, in one piece or not at all."""
     partial = path.with_name(path.name + ".part")
-    partial.write_text(text, encoding="utf-8")
+    partial.write_text(model_text(model), encoding="utf-8")
     partial.replace(path)

@@ -2,8 +2,6 @@
 
 import hashlib
 import json
-import os
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -11,18 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._user_folder import cache_folder
+
 Array = NDArray[np.float64]
-
-
-def cache_folder() -> Path:
-    """Where it is: $LABRIG_CACHE, or the system's place for such things."""
-    if given := os.environ.get("LABRIG_CACHE"):
-        return Path(given)
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "labrig" / "cache"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "labrig"
-    return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "labrig"
 
 
 def content_folder(kind: str, name: str, *content: Any) -> Path:

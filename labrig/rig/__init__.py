@@ -1,5 +1,6 @@
 """The rig: rig.yaml, the devices it names, and what keeps it safe."""
 
+from labrig.rig._asked import link_of
 from labrig.rig._chambers import Filling, Fillings, fill_in_turn
 from labrig.rig._config import (
     ChamberConfig,
@@ -15,6 +16,7 @@ from labrig.rig._findings import chamber_findings, swapped_markers
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._rig import Rig
 from labrig.rig._unattended import check_unattended, what_vents_alone
+from labrig.rig._vent_now import VentNow, runs_on, vent_now
 
 __all__ = [
     "ChamberConfig",
@@ -26,13 +28,17 @@ __all__ = [
     "Rig",
     "RigConfig",
     "SafetyConfig",
+    "VentNow",
     "chamber_findings",
     "check_unattended",
     "connect",
     "device_makers",
     "fill_in_turn",
+    "link_of",
     "load_rig",
     "parse_rig",
+    "runs_on",
     "swapped_markers",
+    "vent_now",
     "what_vents_alone",
 ]

@@ -2,7 +2,8 @@
 
 It reads one JSON request per line on its standard input and answers each with one line. It vents on its own when
 the input ends (the runner is gone, however that happened), when no request came for the heartbeat's time while the
-chambers may be under pressure (the runner hangs), and on SIGTERM. It retries until reading confirms the vent.
+chambers may be under pressure (the runner hangs), and on SIGTERM. It retries until reading confirms the vent. Other
+processes of the same user may ask it for a vent, too: the run is over then.
 
 What it cannot cover: being killed itself with SIGKILL at the same moment as the runner, and a PC without power.
 For that the rig needs normally-open valves.
@@ -22,6 +23,7 @@ import numpy as np
 
 from drivers import DeviceError, RealClock, VentNotConfirmedError
 from labrig._errors import LabrigError
+from labrig.rig._asked import Asked, receive
 from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
 
@@ -39,6 +41,8 @@ class Guard:
         self.device: Any = device_maker(config, "pressure", config.pressure, clock)()
         self.armed = False
         self.vented_alone: str | None = None
+        self.stopped: str | None = None
+        self.asked: list[Asked] = []
         self.deadline = float("inf")
         self.stopping = False
 
@@ -67,14 +71,31 @@ class Guard:
         self.device.set(np.array(request["pressure_kpa"], float))
 
     def do_samples(self, _request: dict[str, Any]) -> list[Any]:
-        """Every measurement since the last call."""
+        """Every measurement since the last call; refused after a vent that somebody else asked for."""
+        if self.stopped is not None:
+            raise DeviceError(f"pressure: {self.stopped}")
         return [[sample.time_s, sample.pressure_kpa.tolist()] for sample in self.device.samples()]
 
     def do_vent(self, request: dict[str, Any]) -> dict[str, Any]:
         """Vent and confirm."""
         report = self.device.vent(request["timeout_s"])
-        self.armed, self.vented_alone = False, None
+        self.armed, self.vented_alone, self.stopped = False, None, None
         return {"pressure_kpa": report.pressure_kpa.tolist(), "took_s": report.took_s}
+
+    def vent_for(self, asked: Asked) -> None:
+        """Vent because somebody else asks for it, and let the runner know that its run is over."""
+        self.vented_alone = self.stopped = f"stopped by {asked.why}"
+        self.log(f"{asked.why}: venting")
+        try:
+            report = self.device.vent(self.config.safety.vent_timeout_s)
+        except Exception as error:  # whoever asks must hear of it, and asks again
+            self.log(f"vent failed: {error}")
+            self._reconnect(error)
+            asked.answer.set_exception(LabrigError(str(error)))
+            return
+        self.armed = False
+        self.log(f"vented: {float(np.nanmax(np.abs(report.pressure_kpa))):.2f} kPa at most")
+        asked.answer.set_result({"pressure_kpa": report.pressure_kpa.tolist(), "took_s": report.took_s})
 
     def do_allow(self, request: dict[str, Any]) -> None:
         """Nothing to do: the time allowed is taken from the request itself."""
@@ -156,7 +177,7 @@ class Answers:
                     return
 
 
-def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: Answers) -> None:
+def serve(guard: Guard, requests: "queue.Queue[str | Asked | None]", answers: Answers) -> None:
     """Answer requests until they end, and see to it that the chambers are vented then."""
     safety = guard.config.safety
     why = "the runner is gone"
@@ -174,6 +195,11 @@ def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: Answers) -
                 continue
             if line is None:
                 break
+            if isinstance(line, Asked):
+                with answers:
+                    guard.vent_for(line)
+                guard.asked.remove(line)
+                continue
             request = json.loads(line)
             guard.deadline = time.monotonic() + max(safety.heartbeat_s, request.get("allow_s", 0.0))
             with answers:
@@ -188,12 +214,20 @@ def serve(guard: Guard, requests: "queue.Queue[str | None]", answers: Answers) -
     finally:
         if guard.armed:
             guard.vent_alone(why, safety.guard_patience_s)
+        _answer_last(guard)
         guard.device.close()
+
+
+def _answer_last(guard: Guard) -> None:
+    """Those who asked while the guard was on its way out hear the pressure, too."""
+    for asked in guard.asked:
+        if not asked.answer.done():
+            guard.vent_for(asked)
 
 
 def main() -> int:
     """Run the guard: the first line of the input is the rig, the others are requests."""
-    requests: queue.Queue[str | None] = queue.Queue()
+    requests: queue.Queue[str | Asked | None] = queue.Queue()
     for name in _SIGNALS:
         number = getattr(signal, name, None)
         if number is not None:
@@ -208,11 +242,21 @@ def main() -> int:
         return 1
     print(json.dumps({"id": 0, "value": None}), flush=True)
     threading.Thread(target=_read, args=(requests,), daemon=True).start()
-    serve(guard, requests, Answers(sys.stdout))
+
+    def ask(asked: Asked) -> None:
+        guard.asked.append(asked)
+        requests.put(asked)
+
+    reception = receive(config, log, ask)
+    try:
+        serve(guard, requests, Answers(sys.stdout))
+    finally:
+        if reception is not None:
+            reception.close()
     return 0
 
 
-def _read(requests: "queue.Queue[str | None]") -> None:
+def _read(requests: "queue.Queue[str | Asked | None]") -> None:
     for line in sys.stdin:
         requests.put(line)
     requests.put(None)

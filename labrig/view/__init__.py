@@ -4,8 +4,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from labrig.view._colours import STEPS
     from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
+    from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
     from labrig.view._ik_report import write_ik_report
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
@@ -13,26 +15,38 @@ if TYPE_CHECKING:
     from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
     from labrig.view._pictures import pictures_of
+    from labrig.view._places import place_tables
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
-    from labrig.view._surface_figure import surface_figure
+    from labrig.view._scene import CHAMBER_COLOURS
+    from labrig.view._style import ERROR_SCALE
+    from labrig.view._surface_figure import proud, surface_figure
     from labrig.view._validation_report import write_validation
-    from labrig.view._values import value_lines
+    from labrig.view._values import fitted, value_lines, values_words
     from labrig.view._versus_report import versus_pictures, write_versus
     from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
     from labrig.view._viewer import Viewer, screenshot, start_viewer
     from labrig.view._words import Lines, Note, note, summary_words
 
 _LAZY = {
+    "CHAMBER_COLOURS": "_scene",
+    "ERROR_SCALE": "_style",
+    "STEPS": "_colours",
+    "Skin": "_fields",
+    **dict.fromkeys(("capture_words", "cloud", "filled", "residuals", "rms", "skin"), "_fields"),
     "chamber_outlines": "_outlines",
     "colour_legend": "_explorer",
     "legend_picture": "_legend",
     "surface_explorer": "_explorer",
+    "proud": "_surface_figure",
     "surface_figure": "_surface_figure",
     "effect_rows": "_naming",
     "names_in_short": "_naming",
+    "fitted": "_values",
+    "place_tables": "_places",
     "value_lines": "_values",
+    "values_words": "_values",
     "Lines": "_words",
     "LiveView": "_live",
     "Viewer": "_viewer",
@@ -61,14 +75,22 @@ _LAZY = {
 }
 
 __all__ = [
+    "CHAMBER_COLOURS",
+    "ERROR_SCALE",
+    "STEPS",
     "Lines",
     "LiveView",
     "Note",
+    "Skin",
     "Viewer",
+    "capture_words",
     "chamber_outlines",
+    "cloud",
     "colour_legend",
     "difference_words",
     "effect_rows",
+    "filled",
+    "fitted",
     "interval_words",
     "legend_picture",
     "live_observers",
@@ -76,14 +98,20 @@ __all__ = [
     "names_in_short",
     "note",
     "pictures_of",
+    "place_tables",
     "programme_figure",
+    "proud",
+    "residuals",
+    "rms",
     "screenshot",
     "share_words",
+    "skin",
     "start_viewer",
     "summary_words",
     "surface_explorer",
     "surface_figure",
     "value_lines",
+    "values_words",
     "versus_headline",
     "versus_pictures",
     "write_experiment",

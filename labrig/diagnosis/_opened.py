@@ -1,0 +1,196 @@
+"""Runs beside a model, prepared once: compared, and tried with effects, as often as somebody likes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.diagnosis._about import about
+from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
+from labrig.diagnosis._constants import SMALLEST_FLOORS
+from labrig.diagnosis._formula import fall_of, fit_named, forms_of
+from labrig.diagnosis._parameters import entry_of
+from labrig.diagnosis._present import fields_of, signatures_of
+from labrig.diagnosis._problem import prepared, rows_from
+from labrig.diagnosis._ranking import drop_of
+from labrig.diagnosis._result import Result
+from labrig.diagnosis._where import where
+from labrig.effects import Effect, get
+from labrig.model import Model
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+_MOST_FITS = 100
+
+
+@dataclass(frozen=True)
+class Fall:
+    """By how much an effect lowers the held-out error beside the others that were added with it.
+
+    `fall`, its standard error `se` and the `least` that matters are mean squares, in squared `units`.
+    """
+
+    effect: str
+    fall: float
+    se: float
+    least: float
+    units: str
+
+    @property
+    def helps(self) -> bool:
+        """Whether it is more than its standard error, and than what matters."""
+        return self.fall > self.se and self.fall >= self.least
+
+    @property
+    def words(self) -> str:
+        """By how much, and how much is needed, as root mean squares."""
+        return f"by {_rms(self.fall):.2g} {self.units}, needed {_rms(self.least):.2g} {self.units}"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Effects added to a model: the result, what each is worth, and the fit itself."""
+
+    result: Result
+    falls: tuple[Fall, ...]
+    fit: Fit
+
+
+class Opened:
+    """Runs of one rig beside a model: what they say of it, and of effects that are added to it.
+
+    Raises `LabrigError` when the runs and the model do not fit together.
+    """
+
+    def __init__(self, runs: "Sequence[Dataset] | Dataset", model: Model) -> None:
+        self.model = model
+        self.ready = prepared(rows_from(runs), model)
+        self.about = about(runs, model)
+        self._forms: dict[str, list[Candidate]] = {}
+        self._last: dict[str, Candidate] = {}
+        self._fits: dict[frozenset[int], Fit] = {}
+
+    @property
+    def units(self) -> str:
+        """Those that errors are quoted in."""
+        return self.ready.context.rows.unit[int(self.ready.streams.counted[0])]
+
+    @cached_property
+    def places(self) -> list[dict[str, Any]]:
+        """Where the model as it stands fails."""
+        ready = self.ready
+        return where(ready.context, ready.residual, ready.floor, ready.streams.counted)
+
+    @property
+    def floor_square(self) -> float:
+        """The mean square of the noise."""
+        return float(np.mean(self.ready.floor.row[self.ready.streams.counted] ** 2))
+
+    def forms(self, effect: Effect) -> list[Candidate]:
+        """The forms of an effect, best first; found once."""
+        if effect.name not in self._forms:
+            self._forms[effect.name] = forms_of(self.ready.streams, self.ready.context, effect)
+        return self._forms[effect.name]
+
+    def compare(self) -> Result:
+        """Errors of the model as it stands, without any fit of effects: how large, and where."""
+        ready, streams = self.ready, self.ready.streams
+        error = {
+            "model": np.sqrt(square_of(streams, streams.residual)),
+            "floor": np.sqrt(self.floor_square),
+        }
+        summary: dict[str, Any] = {
+            "units": self.units,
+            "error": error,
+            "where": self.places,
+            "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
+            "warnings": self._warnings(),
+            **self.about,
+        }
+        return Result(
+            summary=summary,
+            fields=fields_of(ready.context, ready.residual, None),
+            waterfall=[("model", float(error["model"])), ("floor", float(error["floor"]))],
+            signatures=[],
+            where=self.places,
+        )
+
+    def add(self, names: Sequence[str], *, refine: bool = True) -> Trial:
+        """Fit the named effects together and add them to the model, whether they help or not.
+
+        Without `refine`, effects that were tried before keep the form that was found then, and times and widths stay
+        on the grid that they are looked for on: quick, and nearly the same.
+
+        Raises `LabrigError` when an effect does not exist, can't act on these runs, or is in the model already.
+        """
+        effects = [get(name, self.model.folder) for name in dict.fromkeys(names)]
+        for effect in effects:
+            if any(entry.name == effect.name for entry in self.model.file.effects):
+                raise LabrigError(f"the model has {effect.name!r} already; remove its entry to fit it again")
+        ready, streams, context = self.ready, self.ready.streams, self.ready.context
+        chosen = fit_named(
+            streams, context, effects, forms=self.forms, start=None if refine else dict(self._last)
+        )
+        self._last |= {part.effect.name: part for part in chosen.parts}
+        base = float(np.sqrt(square_of(streams, streams.residual - streams.nothing)))
+        now = float(np.sqrt(square_of(streams, streams.residual - chosen.heldout)))
+        floor = float(np.sqrt(self.floor_square))
+        least = (SMALLEST_FLOORS**2) * self.floor_square
+        falls = tuple(
+            Fall(effect.name, *fall_of(chosen, i, self._fit), least, self.units)
+            for i, effect in enumerate(effects)
+        )
+        entries = [entry_of(streams, context, chosen, i, refine=False) for i in range(len(effects))]
+        improved = self.model
+        for entry in entries:
+            improved = improved.with_effect(entry)
+        steps = [("base", base)]
+        for i in range(len(effects)):
+            part = self._fit(chosen.parts[: i + 1])
+            square = square_of(streams, streams.residual - part.heldout)
+            steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
+        summary: dict[str, Any] = {
+            "units": self.units,
+            "effects": [e.name for e in effects],
+            "error": {"base": base, "model": now, "floor": floor},
+            "drop": drop_of(base, now, floor),
+            "added": [entry.model_dump(exclude_none=True) for entry in entries],
+            "where": self.places,
+            "warnings": self._warnings(),
+            **self.about,
+        }
+        result = Result(
+            summary=summary,
+            fields=fields_of(context, ready.residual, chosen),
+            waterfall=[*steps, ("floor", floor)],
+            signatures=signatures_of(
+                context, ready.residual, ready.floor.row, dict.fromkeys(chosen.names, chosen)
+            ),
+            where=self.places,
+            improved=improved,
+        )
+        return Trial(result, falls, chosen)
+
+    def _fit(self, parts: Sequence[Candidate]) -> Fit:
+        """Candidates fitted together, once; a fit holds its candidates, so that their identities stay theirs."""
+        key = frozenset(map(id, parts))
+        if key not in self._fits:
+            self._fits[key] = fit(parts)
+            for old in list(self._fits)[:-_MOST_FITS]:
+                del self._fits[old]
+        return self._fits[key]
+
+    def _warnings(self) -> list[str]:
+        dropped = self.ready.dropped
+        left_out = [f"{dropped} outlying values were left out"] if dropped else []
+        return [*self.ready.context.rows.warnings, *left_out]
+
+
+def _rms(square: float) -> float:
+    """A mean square as a root mean square, of either sign."""
+    return float(np.sign(square) * np.sqrt(abs(square)))

@@ -1,0 +1,56 @@
+"""The vent that somebody else asks a guard for: another process, on the vent page or with `labrig rig vent`."""
+
+import hashlib
+import json
+from collections.abc import Callable
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from labrig._errors import LabrigError
+from labrig._running import Reception
+from labrig.rig._config import RigConfig
+
+_ADDRESS = ("port", "host", "file", "class")
+
+
+@dataclass(eq=False)
+class Asked:
+    """One such request, among those of the runner: why, and where the answer goes."""
+
+    why: str
+    answer: "Future[dict[str, Any]]" = field(default_factory=Future)
+
+
+def link_of(config: RigConfig) -> str:
+    """A short name for what the pressure controller is reached through; empty for one simulated in a run's process.
+
+    Two rig files that reach the same controller have the same link.
+    """
+    device = config.pressure
+    if device.kind == "simulated":
+        return ""
+    address = {name: device.options[name] for name in _ADDRESS if name in device.options}
+    return hashlib.sha256(json.dumps([device.kind, address], sort_keys=True).encode()).hexdigest()[:20]
+
+
+def receive(config: RigConfig, log: Path | None, ask: Callable[[Asked], None]) -> Reception | None:
+    """Let others ask this guard for a vent: it is handed to `ask`. None where nobody can be listened to."""
+
+    def answer(request: dict[str, Any]) -> dict[str, Any]:
+        if request.get("do") != "vent":
+            raise LabrigError("a guard is asked for a vent, and nothing else")
+        asked = Asked(str(request.get("why") or "somebody who asked for a vent"))
+        ask(asked)
+        try:
+            return asked.answer.result(config.safety.guard_patience_s)
+        except FutureTimeoutError:
+            raise LabrigError("the guard did not come to it") from None
+
+    facts = {"link": link_of(config), "rig": config.name, "run": str(log.parent.resolve()) if log else ""}
+    try:
+        return Reception("guard", facts, answer)
+    except OSError:
+        return None

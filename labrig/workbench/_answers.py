@@ -1,0 +1,60 @@
+"""Answers in JSON: NaN as null, and errors as one line for a person."""
+
+import json
+import traceback
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from drivers import DeviceError
+from labrig._errors import LabrigError
+from labrig.diagnosis import plain
+
+__all__ = ["Answer", "answering", "body_of", "failed", "plain", "says", "told"]
+
+Answer = Callable[[Request], Any]
+
+
+def told(content: Any) -> str:
+    """Values as JSON text; what is no number becomes null."""
+    return json.dumps(plain(content), allow_nan=False, separators=(",", ":"))
+
+
+def says(content: Any, status: int = 200) -> Response:
+    """Values as an answer in JSON."""
+    return Response(told(content), status, media_type="application/json")
+
+
+def failed(error: Exception) -> Response:
+    """What went wrong, in one line; what nobody expected goes to the terminal in full as well."""
+    if isinstance(error, LabrigError):
+        return says({"error": str(error)}, 400)
+    if isinstance(error, DeviceError):
+        return says({"error": str(error)}, 409)
+    if isinstance(error, OSError) and error.strerror:
+        return says({"error": f"{error.filename or 'a file'}: {error.strerror}"}, 400)
+    traceback.print_exception(error)
+    line = " ".join(str(error).split())
+    return says({"error": f"unexpected {type(error).__name__}: {line}; the terminal says more"}, 500)
+
+
+def answering(work: Answer) -> Callable[[Request], Response]:
+    """An endpoint, run in a thread, of a function that gives plain values or a response and may raise errors."""
+
+    @wraps(work)
+    def endpoint(request: Request) -> Response:
+        try:
+            given = work(request)
+        except Exception as error:
+            return failed(error)
+        return given if isinstance(given, Response) else says(given)
+
+    return endpoint
+
+
+def body_of(request: Request) -> dict[str, Any]:
+    """The JSON object that a request brought (`_guarded` has read and checked it); {} where it brought none."""
+    return request.state.body

@@ -1,0 +1,34 @@
+"""Runs one labrig command for the workbench and writes down how it ended, also when the server has gone by then.
+
+python -m labrig.workbench._child JOB_FOLDER WORD...
+"""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from labrig.workbench._locked import hold
+
+ALIVE, ENDED, PID = "alive", "ended.json", "pid"
+
+
+def main() -> None:
+    """Hold the job's lock while its command runs; a signal to the group is for the command."""
+    folder, words = Path(sys.argv[1]), sys.argv[2:]
+    for name in ("SIGINT", "SIGTERM", "SIGBREAK"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), lambda *_: None)
+    with hold(folder / ALIVE):
+        # A handler, unlike SIG_IGN, is not handed down: the command meets these signals as if it were typed.
+        with subprocess.Popen([sys.executable, "-m", "labrig", *words], stdin=subprocess.DEVNULL) as command:
+            code = command.wait()
+        partial = folder / f"{ENDED}.part"
+        partial.write_text(json.dumps({"code": code, "ended_s": time.time()}), encoding="utf-8")
+        partial.replace(folder / ENDED)
+
+
+if __name__ == "__main__":
+    main()

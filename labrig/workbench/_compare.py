@@ -1,0 +1,110 @@
+"""Compare: how far a model is from a run, and what is drawn of it."""
+
+import hashlib
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from labrig import __version__
+from labrig._errors import LabrigError
+from labrig.workbench._answers import answering, body_of, told
+from labrig.workbench._desk import OWN, Desk
+from labrig.workbench._held import Key, opened, stamp
+from labrig.workbench._run import Pair, pair_of
+from labrig.workbench._shapes import captures_of, shape_of
+
+_KEPT = 200
+_FORMAT = 1  # of what is kept; another number where `view` gives something else
+
+
+def routes(desk: Desk) -> list[Route]:
+    """`/api/compare` gives what is drawn, POSTed to it starts the comparison; `/api/model` makes a model file."""
+    return [
+        Route("/api/compare", answering(lambda request: _compare(desk, request))),
+        Route("/api/compare", answering(lambda request: _start(desk, request)), methods=["POST"]),
+        Route("/api/model", answering(lambda request: _new_model(desk, request)), methods=["POST"]),
+    ]
+
+
+def _compare(desk: Desk, request: Request) -> Any:
+    pair = pair_of(desk, request.query_params)
+    if not pair.has("compare.json"):
+        return {"compared": False, "command": desk.command(_words(desk, pair))}
+    kept = desk.folder / OWN / "views" / f"{_name(pair.key)}.json"
+    if kept.is_file():
+        text = kept.read_text(encoding="utf-8")
+    else:
+        text = desk.worker.ask(view, pair.key)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        _tidy(desk)
+        partial = kept.with_suffix(".part")
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(kept)
+    return Response(text, media_type="application/json")
+
+
+def _start(desk: Desk, request: Request) -> Any:
+    pair = pair_of(desk, body_of(request))
+    job = desk.jobs.start(_words(desk, pair), f"compare {pair.run_name}", pair.run_name)
+    return job.facts()
+
+
+def _words(desk: Desk, pair: Pair) -> list[str]:
+    return ["compare", pair.run_name, "--model", pair.model_name, "--out", desk.name(pair.results)]
+
+
+def view(key: Key) -> str:
+    """What the page draws of a comparison, as JSON; in the worker."""
+    from labrig.view import note
+
+    result = opened(key).compare()
+    words = note(result.summary)
+    return told(
+        {
+            "compared": True,
+            "headline": words.headline,
+            "why": words.why,
+            "units": result.summary["units"],
+            "error": result.summary["error"],
+            "floor": result.summary["floor"],
+            "warnings": result.summary["warnings"],
+            "where": result.where,
+            "shape": shape_of(result),
+            "captures": captures_of(result),
+        }
+    )
+
+
+def _name(key: Key) -> str:
+    """What is drawn is kept under a digest of all that it is made from."""
+    return hashlib.sha256(f"{__version__} {_FORMAT} {key} {stamp(key)}".encode()).hexdigest()[:32]
+
+
+def _tidy(desk: Desk) -> None:
+    views = sorted((desk.folder / OWN / "views").glob("*.json"), key=lambda path: path.stat().st_mtime)
+    for path in views[:-_KEPT]:
+        path.unlink(missing_ok=True)
+
+
+_BASES = {"constant": 0, "straight": 1, "parabola": 2}
+
+
+def _new_model(desk: Desk, request: Request) -> Any:
+    """A model for who has none: a polynomial of the pressures for each observable, fitted to the run."""
+    from labrig.model import ModelFile, write_model_file
+
+    asked = body_of(request)
+    base = str(asked.get("base", ""))
+    if base not in _BASES:
+        raise LabrigError(f"{base!r}: a new model is one of {', '.join(_BASES)}")
+    path = desk.path(str(asked.get("name") or "model.yaml"))
+    if path.suffix != ".yaml":
+        raise LabrigError(f"{path.name}: a model's name ends in .yaml")
+    if path.exists():
+        raise LabrigError(f"{desk.name(path)}: exists already; choose another name")
+    file = ModelFile.model_validate({"base": {"kind": "static", "degree": _BASES[base]}})
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_model_file(file, path)
+    return {"model": desk.name(path)}

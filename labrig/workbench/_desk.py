@@ -1,0 +1,68 @@
+"""What all parts of the workbench share: the folder it is about, its secrets, its jobs, what it tells its pages."""
+
+import secrets
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+
+from labrig._errors import LabrigError
+from labrig.workbench._events import Events
+from labrig.workbench._jobs import Jobs, command_line
+from labrig.workbench._vent_button import VentButton
+from labrig.workbench._worker import Worker
+
+OWN = ".workbench"
+"""The folder below the desk's in which the workbench keeps what is its own: jobs, dropped files."""
+
+
+@dataclass(frozen=True)
+class Desk:
+    """A folder of runs that is worked on.
+
+    `token` opens its pages; `rig_token` goes only to the page that was opened for the rig, and moves it.
+    """
+
+    folder: Path
+    jobs: Jobs
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
+    rig_token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
+    rig_file: Path | None = None
+    events: Events = field(default_factory=Events, repr=False)
+    vent: VentButton | None = field(default=None, repr=False)
+    worker: Worker = field(default_factory=Worker, repr=False)
+
+    def path(self, relative: str) -> Path:
+        """The file or folder of this name below the desk's folder, there or not.
+
+        Raises `LabrigError` for a name that leads out of it, by `..`, as an absolute path or by a link.
+        """
+        parts = PurePosixPath(relative.replace("\\", "/"))
+        found = (self.folder / parts).resolve()
+        if "\0" in relative or parts.is_absolute() or not found.is_relative_to(self.folder):
+            raise LabrigError(f"{relative}: lies outside the workbench's folder {self.folder}")
+        return found
+
+    def command(self, words: Sequence[object]) -> str:
+        """A labrig command as it is typed in the folder."""
+        return command_line(words)
+
+    def existing(self, relative: str) -> Path:
+        """As `path`, of what there is; raises `LabrigError` where there is none."""
+        found = self.path(relative)
+        if not found.exists():
+            raise LabrigError(f"there is no {relative} in {self.folder}")
+        return found
+
+    def name(self, path: Path) -> str:
+        """A path below the folder as its pages and commands call it, with `/`."""
+        return path.resolve().relative_to(self.folder).as_posix()
+
+
+def open_desk(folder: Path, rig_file: Path | None = None) -> Desk:
+    """The desk of a folder; raises `LabrigError` where there is none, or a rig file does not exist."""
+    if not folder.is_dir():
+        raise LabrigError(f"{folder}: there is no such folder; name one with runs in it, or an empty one")
+    if rig_file is not None and not rig_file.is_file():
+        raise LabrigError(f"{rig_file}: there is no such rig file")
+    folder = folder.resolve()
+    return Desk(folder, Jobs(folder, folder / OWN / "jobs"), rig_file=rig_file and rig_file.resolve())

@@ -1,0 +1,76 @@
+"""What the worker holds open: runs beside models, opened once, asked often. Runs in the worker's process."""
+
+from collections import OrderedDict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labrig.log import segment_paths
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Opened, Trial
+
+Key = tuple[str, str]
+_MOST = 3
+_MOST_TRIALS = 64
+
+_opened: OrderedDict[tuple[Key, str], "Opened"] = OrderedDict()
+_trials: OrderedDict[tuple[tuple[Key, str], tuple[str, ...], bool], "Trial"] = OrderedDict()
+
+
+def ready() -> None:
+    """Import what will be needed, so that the first who asks does not wait for it."""
+    import labrig.diagnosis
+    import labrig.effects
+    import labrig.view
+
+    labrig.effects.library()
+    _ = labrig.open_run, labrig.Model, labrig.view.cloud, labrig.view.pictures_of
+
+
+def opened(key: Key) -> "Opened":
+    """The run and the model of these paths; read again when either has changed. Raises `LabrigError`."""
+    import labrig
+    from labrig.diagnosis import Opened
+
+    known = (key, stamp(key))
+    if known in _opened:
+        _opened.move_to_end(known)
+        return _opened[known]
+    _opened[known] = Opened(labrig.open_run(key[0]), labrig.Model.load(key[1]))
+    while len(_opened) > _MOST:
+        gone, _ = _opened.popitem(last=False)
+        for each in [each for each in _trials if each[0] == gone]:
+            del _trials[each]
+    return _opened[known]
+
+
+def trial(key: Key, names: tuple[str, ...], refine: bool) -> "Trial":
+    """These effects added to the model, fitted; kept, as a person goes to and fro."""
+    asked = ((key, stamp(key)), names, refine)
+    if asked not in _trials:
+        _trials[asked] = opened(key).add(names, refine=refine)
+        while len(_trials) > _MOST_TRIALS:
+            _trials.popitem(last=False)
+    return _trials[asked]
+
+
+def warm(key: Key, effect: str) -> None:
+    """Find the forms of an effect before somebody asks."""
+    own = opened(key)
+    own.forms(own.model.library()[effect])
+
+
+def names(key: Key) -> list[str]:
+    """The effects that could be added: those of the library that the model has not yet."""
+    model = opened(key).model
+    has = {entry.name for entry in model.file.effects}
+    return [name for name in model.library() if name not in has]
+
+
+def stamp(key: Key) -> str:
+    """Which files these are, how large and from when: those of the run, the model's, and what lies beside it."""
+    run, model = Path(key[0]), Path(key[1])
+    files = [path for _, path in segment_paths(run)] + sorted(
+        path for path in model.parent.iterdir() if path.suffix in (".yaml", ".py", ".npz", ".pt", ".npy")
+    )
+    return repr([(path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in files])

@@ -1,0 +1,153 @@
+"""Files dropped on the page: kept, looked at, and made runs of with a mapping that is guessed and can be changed."""
+
+import asyncio
+import re
+import shutil
+import time
+from pathlib import Path
+from typing import Any
+
+import yaml
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from labrig._errors import LabrigError
+from labrig.workbench._answers import answering, body_of, failed, says
+from labrig.workbench._desk import OWN, Desk
+
+KINDS = (".csv", ".tsv", ".txt", ".parquet", ".c3d", ".mcap")
+MOST_BYTES = 4 * 1024**3
+_SHOWN = 8
+_TEMPLATE = """\
+# What the columns mean: docs/how-to/your-data.md
+time: {column: t, unit: s}
+actuation:
+  - {column: p1, name: c1, unit: kPa, min: 0, max: 60}
+observables:
+  - {column: x1, name: m1.x, unit: mm, marker: m1, axis: x}
+"""
+
+
+def routes(desk: Desk) -> list[Route]:
+    """`/api/drop` takes a file and says what it may be; `/api/import` makes a run of it."""
+    return [
+        Route("/api/drop", _drop(desk), methods=["POST"]),
+        Route("/api/import", answering(lambda request: _import(desk, request)), methods=["POST"]),
+    ]
+
+
+def _drop(desk: Desk) -> Any:
+    async def endpoint(request: Request) -> Response:
+        try:
+            path = await _kept(desk, request)
+            return says(await asyncio.to_thread(_looked_at, desk, path))
+        except Exception as error:
+            return failed(error)
+
+    return endpoint
+
+
+async def _kept(desk: Desk, request: Request) -> Path:
+    """Write what is sent to a folder of its own, whole or not at all."""
+    name = re.sub(r"[^\w.()+ -]", "_", Path(request.query_params.get("name", "")).name).strip(". ")
+    if not name or Path(name).suffix.lower() not in KINDS:
+        raise LabrigError(f"{name or 'a file without a name'}: drop one of {', '.join(KINDS)}")
+    folder = desk.folder / OWN / "dropped" / f"{time.strftime('%Y%m%d-%H%M%S')}-{time.time_ns() % 10**6:06d}"
+    folder.mkdir(parents=True)
+    path, size = folder / name, 0
+    try:
+        with (folder / f"{name}.part").open("xb") as file:
+            async for chunk in request.stream():
+                size += len(chunk)
+                if size > MOST_BYTES:
+                    raise LabrigError(f"{name}: larger than 4 GB; use labrig import in a terminal")
+                await asyncio.to_thread(file.write, chunk)
+        (folder / f"{name}.part").replace(path)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    return path
+
+
+def _looked_at(desk: Desk, path: Path) -> dict[str, Any]:
+    """What the page shows of a dropped file: a mapping, the first rows, remarks, a name for the run."""
+    said: dict[str, Any] = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
+    if path.suffix.lower() == ".mcap":
+        return {**said, "log": True, **_log(path)}
+    try:
+        mapping, rows, remarks = desk.worker.ask(guessed, str(path))
+    except LabrigError as error:
+        return {**said, "mapping": _TEMPLATE, "rows": _first_lines(path), "remarks": [str(error)]}
+    text = yaml.safe_dump(mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=100)
+    return {**said, "mapping": text, "rows": rows, "remarks": remarks}
+
+
+def guessed(path: str) -> tuple[dict[str, Any], list[list[str]], list[str]]:
+    """A mapping for a table, its header and first rows as texts, and remarks; in the worker."""
+    from labrig import log
+
+    guess_mapping = getattr(log, "guess_mapping", None)
+    if guess_mapping is None:
+        raise LabrigError("say what the columns mean, in place of this example")
+    guess = guess_mapping(Path(path))
+    preview = guess.preview.head(_SHOWN)
+    rows = [[str(name) for name in preview.columns], *([str(v) for v in row] for row in preview.to_numpy())]
+    return guess.mapping, rows, list(guess.remarks)
+
+
+def _log(path: Path) -> dict[str, Any]:
+    """A log of labrig's own needs no mapping."""
+    from labrig.log import run_id, summarise
+
+    folder = path.parent / "log"
+    folder.mkdir(exist_ok=True)
+    shutil.move(path, folder / "log.000.mcap")
+    try:
+        summary = summarise(folder)
+        run_id(folder)
+    except LabrigError:
+        shutil.rmtree(path.parent, ignore_errors=True)
+        raise LabrigError(f"{path.name} is no log of labrig's; export it as a CSV and drop that") from None
+    return {"rows": [], "mapping": "", "remarks": [f"a log of labrig's with {summary.captures} captures"]}
+
+
+def _first_lines(path: Path) -> list[list[str]]:
+    """The first rows of a text table, cut at its commas, semicolons or tabs; none of what is no text."""
+    if path.suffix.lower() in (".parquet", ".c3d"):
+        return []
+    with path.open(encoding="utf-8", errors="replace") as file:
+        lines = [line.rstrip("\n") for line, _ in zip(file, range(_SHOWN + 1), strict=False)]
+    separator = max(",;\t", key=lambda sign: sum(line.count(sign) for line in lines))
+    return [line.split(separator) for line in lines]
+
+
+def _import(desk: Desk, request: Request) -> Any:
+    asked = body_of(request)
+    table = desk.path(str(asked.get("table", "")))
+    run = desk.path(str(asked.get("name", "")))
+    if run == desk.folder or run.parent != desk.folder or run.name.startswith("."):
+        raise LabrigError(f"{asked.get('name')}: give the run a plain name")
+    if run.exists():
+        raise LabrigError(f"{run.name}: exists already; choose another name")
+    dropped = table.parent
+    if dropped.parent != desk.folder / OWN / "dropped":
+        raise LabrigError(f"{desk.name(table)} was not dropped here")
+    if (dropped / "log").is_dir():
+        (dropped / "log").rename(run)
+        shutil.rmtree(dropped, ignore_errors=True)
+        return {"run": run.name, "job": None}
+    if not table.is_file():
+        raise LabrigError(f"there is no {desk.name(table)}; drop the file again")
+    mapping = dropped / "map.yaml"
+    mapping.write_text(str(asked.get("mapping", "")), encoding="utf-8")
+    words = ["import", desk.name(table), "--mapping", desk.name(mapping), "-o", run.name]
+    return {"run": run.name, "job": desk.jobs.start(words, f"import {table.name}", run.name).facts()}
+
+
+def _free(desk: Desk, stem: str) -> str:
+    """A name for a run that there is not yet."""
+    name = re.sub(r"[^\w.+-]+", "-", stem).strip("-.") or "run"
+    return next(
+        n for n in (name, *(f"{name}-{k}" for k in range(2, 10_000))) if not (desk.folder / n).exists()
+    )

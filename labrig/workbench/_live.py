@@ -1,0 +1,180 @@
+"""The runs that go on now, and how far the open model is from them while they do."""
+
+import json
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig._running import GoneError, Note, notes
+from labrig.log import RunSummary, summarise
+from labrig.rig import load_rig, runs_on
+from labrig.view import ERROR_SCALE, STEPS, skin
+from labrig.workbench._desk import Desk
+
+UNWATCHED_S = 20.0
+"""A page that is closed asks no more: after this the errors are no longer computed."""
+FLOOR_MM = 0.2
+"""Noise floor that the colours of the error count in: while a run goes on nobody knows its own."""
+_SENT = 400
+_ENDS_S = 3.0
+
+
+def live_runs(desk: Desk) -> list[Note]:
+    """The runs that go on with the desk's rig or in its folder, the latest first; others on this computer are not."""
+    on_rig = runs_on(load_rig(desk.rig_file)) if desk.rig_file is not None else []
+    ports = {note.port for note in on_rig}
+    inside = [note for note in notes("run") if _inside(desk, note)]
+    return [*on_rig, *(note for note in inside if note.port not in ports)]
+
+
+def _inside(desk: Desk, note: Note) -> bool:
+    return Path(str(note.facts.get("folder"))).is_relative_to(desk.folder)
+
+
+def name_of(desk: Desk, note: Note) -> str:
+    """What a run is called: its name below the folder, else its whole path."""
+    folder = Path(str(note.facts["folder"]))
+    return desk.name(folder) if _inside(desk, note) else str(folder)
+
+
+def live_run(desk: Desk, name: str) -> Note | None:
+    """The run of this name, if it goes on."""
+    return next((note for note in live_runs(desk) if name_of(desk, note) == name), None)
+
+
+def alive(desk: Desk) -> list[str]:
+    """The names of the runs that go on and answer."""
+    names = []
+    for note in live_runs(desk):
+        with suppress(LabrigError):
+            note.ask("status", 2.0, since_s=1e12, event=10**9)
+            names.append(name_of(desk, note))
+    return names
+
+
+def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
+    """How a run stands: what it says of itself while it goes on, how it ended after that."""
+    note = live_run(desk, name)
+    if note is not None:
+        with suppress(GoneError):
+            return {"live": True, "run": name, **note.ask("status", since_s=since_s, event=event)}
+    summary = summarise(desk.existing(name))
+    return {
+        "live": False,
+        "run": name,
+        "state": summary.state,
+        "vented": _is_vented(summary),
+        "captures": summary.captures,
+        "duration_s": summary.duration_s,
+        "missed": summary.missed,
+        "events": [[index, time_s, "", text] for index, (time_s, text) in enumerate(summary.events[-30:])],
+    }
+
+
+def _is_vented(summary: RunSummary) -> bool:
+    """Whether the log says so: a run that was killed wrote no end, one that could not vent wrote that."""
+    ended = not summary.state.startswith("not closed")
+    return ended and not any("vent not confirmed" in text for _, text in summary.events[-5:])
+
+
+def surface(rest_mm: list[Any]) -> dict[str, Any]:
+    """The skin over markers at rest (M, 3): `weight` (V, M) takes values of markers to its vertices, `triangles`.
+
+    And the colours of errors, the same as in reports: `scale`, from one to `steps` floors of `floor_mm`.
+    """
+    found = skin(np.array(rest_mm, float))
+    if found is None:
+        raise LabrigError("the markers span no surface")
+    return {
+        "weight": np.round(found.weight, 4),
+        "triangles": found.triangles,
+        "scale": [[position, colour] for position, colour in ERROR_SCALE],
+        "steps": STEPS[-1],
+        "floor_mm": FLOOR_MM,
+    }
+
+
+class Errors:
+    """The processes that hold a model against a run while it goes on; at most one for each pair, while watched."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._of: dict[tuple[str, str], _Process] = {}
+
+    def of(self, folder: Path, model: Path) -> dict[str, Any]:
+        """What is known so far; begins to find out where nobody asked before."""
+        key = (str(folder), f"{model}@{model.stat().st_mtime_ns}")  # a model that was saved anew is another
+        with self._lock:
+            for other, process in list(self._of.items()):
+                if process.unwatched:
+                    process.close()
+                    del self._of[other]
+            if key not in self._of:
+                self._of[key] = _Process(folder, model)
+            return self._of[key].latest()
+
+    def close(self) -> None:
+        """End all of them."""
+        with self._lock:
+            for process in self._of.values():
+                process.close()
+            self._of.clear()
+
+
+class _Process:
+    def __init__(self, folder: Path, model: Path) -> None:
+        self._asked = time.monotonic()
+        self._latest: dict[str, Any] = {}
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "labrig.workbench._live_error", str(folder), str(model)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            creationflags=subprocess.CREATE_NEW_PROCESS_GROUP if sys.platform == "win32" else 0,
+            start_new_session=sys.platform != "win32",
+        )
+        self._thread = threading.Thread(target=self._read, name="labrig live error", daemon=True)
+        self._thread.start()
+        threading.Thread(target=self._end_unwatched, name="labrig live error end", daemon=True).start()
+
+    def _read(self) -> None:
+        if self._process.stdout is None:
+            return
+        with suppress(ValueError, OSError):  # closed meanwhile
+            for line in self._process.stdout:
+                content = json.loads(line)
+                content["captures"] = content.get("captures", [])[-_SENT:]
+                self._latest = content
+
+    def _end_unwatched(self) -> None:
+        while self._process.poll() is None:
+            if self.unwatched:
+                self.close()
+            time.sleep(1.0)
+
+    @property
+    def unwatched(self) -> bool:
+        return time.monotonic() - self._asked > UNWATCHED_S
+
+    def latest(self) -> dict[str, Any]:
+        self._asked = time.monotonic()
+        return self._latest
+
+    def close(self) -> None:
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with suppress(OSError):
+                    pipe.close()
+        try:
+            self._process.wait(_ENDS_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()

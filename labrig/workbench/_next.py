@@ -1,0 +1,92 @@
+"""What to measure next, and two models on the same run: the parts of Watch that come before and after the rig."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from starlette.routing import Route
+
+from labrig._errors import LabrigError
+from labrig.workbench._answers import answering, body_of, says
+from labrig.workbench._desk import Desk
+from labrig.workbench._run import Pair, pair_of, run_folder
+
+
+def routes(desk: Desk) -> list[Route]:
+    """`/api/next`, `/api/versus`: GET what is known, POST to have it computed as a job."""
+    return [
+        Route("/api/next", answering(lambda r: _next(desk, r.query_params))),
+        Route("/api/next", answering(lambda r: _propose(desk, body_of(r))), methods=["POST"]),
+        Route("/api/versus", answering(lambda r: _versus(desk, r.query_params))),
+        Route("/api/versus", answering(lambda r: _compare(desk, body_of(r))), methods=["POST"]),
+    ]
+
+
+def _words(pair: Pair, minutes: float) -> list[str]:
+    """The command that finds the programme; its two results lie with the others of the run and the model."""
+    desk = pair.desk
+    if desk.rig_file is None:
+        raise LabrigError("its limits are needed: start the workbench with: labrig workbench --rig RIG.yaml")
+    words = ["next", pair.run_name, "--model", pair.model_name, "--rig", str(desk.rig_file)]
+    words += ["--minutes", f"{minutes:g}", "-o", desk.name(pair.results / "next.yaml")]
+    return [*words, "--out", desk.name(pair.results / "next"), "--force"]
+
+
+def _next(desk: Desk, asked: Any) -> Any:
+    """The programme that was found for a run and a model, as next.json has it; None where none was looked for."""
+    pair = pair_of(desk, asked)
+    found = _read(pair.results / "next" / "next.json")
+    procedure = pair.results / "next.yaml"
+    words = [] if desk.rig_file is None else _words(pair, _minutes(asked))
+    return {
+        "found": found,
+        "procedure": desk.name(procedure) if found is not None and procedure.is_file() else "",
+        "command": desk.command(words) if words else "",
+    }
+
+
+def _propose(desk: Desk, asked: dict[str, Any]) -> Any:
+    pair = pair_of(desk, asked)
+    words = _words(pair, _minutes(asked))
+    pair.results.mkdir(parents=True, exist_ok=True)
+    job = desk.jobs.start(words, "what to measure next", pair.run_name)
+    return says({"job": job.id, "command": job.command}, 202)
+
+
+def _minutes(asked: Any) -> float:
+    try:
+        return float(asked.get("minutes") or 10.0)
+    except ValueError:
+        raise LabrigError(f"{asked.get('minutes')}: is no number of minutes") from None
+
+
+def _versus_words(desk: Desk, run: str, models: list[str]) -> tuple[list[str], Path]:
+    if len(set(models)) != 2:
+        raise LabrigError("choose two models: the one before and the one after")
+    stems = [Path(model).stem for model in models]
+    for model in models:
+        desk.existing(model)
+    folder = run_folder(desk, run) / f"{stems[0]}-and-{stems[1]}"
+    words = ["compare", run, "--model", models[0], "--model", models[1], "--out", desk.name(folder)]
+    return words, folder
+
+
+def _versus(desk: Desk, asked: Any) -> Any:
+    """Two models on one run, as comparison.json has it; None where they were not compared yet."""
+    run, models = str(asked.get("run") or ""), [str(asked.get("a") or ""), str(asked.get("b") or "")]
+    words, folder = _versus_words(desk, run, models)
+    return {"found": _read(folder / "comparison.json"), "command": desk.command(words)}
+
+
+def _compare(desk: Desk, asked: dict[str, Any]) -> Any:
+    run, models = str(asked.get("run") or ""), [str(asked.get("a") or ""), str(asked.get("b") or "")]
+    words, _ = _versus_words(desk, run, models)
+    job = desk.jobs.start(words, "two models on one run", run)
+    return says({"job": job.id, "command": job.command}, 202)
+
+
+def _read(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None

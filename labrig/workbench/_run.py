@@ -1,0 +1,159 @@
+"""One run beside one model: which models and results there are, and which steps have something to show."""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from starlette.requests import Request
+from starlette.routing import Route
+
+from labrig._errors import LabrigError
+from labrig.catalogue import Row, list_runs
+from labrig.log import run_id, segment_paths
+from labrig.workbench._answers import answering
+from labrig.workbench._desk import Desk
+from labrig.workbench._held import Key, stamp
+
+_MODEL = re.compile(rb"^base\s*:", re.MULTILINE)
+_OTHERS = ("run.yaml", "rig.yaml", "notes.yaml")
+_HEAD_BYTES = 4096
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A run and a model of the desk's folder, by their paths and by their names below it."""
+
+    desk: Desk
+    run: Path
+    model: Path
+
+    @property
+    def run_name(self) -> str:
+        """The run below the folder."""
+        return self.desk.name(self.run)
+
+    @property
+    def model_name(self) -> str:
+        """The model below the folder."""
+        return self.desk.name(self.model)
+
+    @property
+    def key(self) -> Key:
+        """What the worker knows them by."""
+        return str(self.run), str(self.model)
+
+    @cached_property
+    def results(self) -> Path:
+        """Where results of the two lie: where some are already, else a folder in the run's, of the model's name."""
+        own = self.run / self.model.stem
+        for name in ("diagnosis.json", "compare.json"):
+            for place in (own, self.run, self.run.parent):
+                if place.is_relative_to(self.desk.folder) and self._is_about(place / name):
+                    return place
+        return own
+
+    def has(self, name: str) -> bool:
+        """Whether there is a result file of this run beside this model as they are now."""
+        path = self.results / name
+        return self._is_about(path)
+
+    def read(self, name: str) -> dict[str, Any]:
+        """The content of a result file; raises `LabrigError` where there is none of these two."""
+        if not self.has(name):
+            raise LabrigError(f"{self.run_name} has no {name} with {self.model_name} yet")
+        return json.loads((self.results / name).read_text(encoding="utf-8"))
+
+    def _is_about(self, path: Path) -> bool:
+        try:
+            written = path.stat().st_mtime_ns
+            content = json.loads(path.read_text(encoding="utf-8"))
+            runs = {each["id"] for each in content["runs"]}
+            named = Path(content["model"])
+        except (OSError, ValueError, KeyError, TypeError):
+            return False
+        if run_id(self.run) not in runs or written < self.model.stat().st_mtime_ns:
+            return False
+        told = (named, self.desk.folder / named, path.parent / named)
+        return self.model in {each.resolve() for each in told}
+
+
+def pair_of(desk: Desk, asked: Mapping[str, Any]) -> Pair:
+    """The run and the model that a request names; raises `LabrigError` where there is no such one."""
+    run = run_folder(desk, str(asked.get("run") or ""))
+    model = desk.existing(str(asked.get("model") or ""))
+    if not model.is_file():
+        raise LabrigError("choose a model, or make one")
+    return Pair(desk, run, model)
+
+
+def run_folder(desk: Desk, name: str) -> Path:
+    """The run of this name; raises `LabrigError` where there is none."""
+    run = desk.existing(name)
+    if not run.is_dir() or not segment_paths(run):
+        raise LabrigError(f"{name} is not a run: it holds no log")
+    return run
+
+
+def models_of(desk: Desk, run: Path) -> list[Path]:
+    """The model files that lie with a run, beside it or above it in the folder, or in `models`; the nearest first."""
+    places = [run, *(p for p in run.parents if p.is_relative_to(desk.folder)), desk.folder / "models"]
+    found: dict[Path, None] = {}
+    for place in places:
+        own = [path for path in place.glob("*.yaml") if path.name not in _OTHERS and _is_model(path)]
+        found |= dict.fromkeys(sorted(own, key=lambda path: (len(path.name), path.name)))
+    return list(found)
+
+
+def routes(desk: Desk) -> list[Route]:
+    """`/api/run`."""
+    return [Route("/api/run", answering(lambda request: _run(desk, request)))]
+
+
+def _run(desk: Desk, request: Request) -> Any:
+    name = request.query_params.get("run", "")
+    run = run_folder(desk, name)
+    models = [desk.name(path) for path in models_of(desk, run)]
+    model = request.query_params.get("model") or (models[0] if models else "")
+    pair = pair_of(desk, {"run": name, "model": model}) if model else None
+    if pair is not None and pair.model_name not in models:
+        models = [pair.model_name, *models]
+    compared = pair is not None and (pair.has("compare.json") or pair.has("diagnosis.json"))
+    diagnosed = pair is not None and pair.has("diagnosis.json")
+    after = True if compared else "compare the run with a model first"
+    return {
+        "run": name,
+        "model": model,
+        "models": models,
+        "facts": _facts(_row(desk, run)),
+        "diagnosed": diagnosed,
+        "stamp": stamp(pair.key) if pair is not None else "",
+        "steps": {
+            "compare": True,
+            "where": after,
+            "which": after,
+            "add": True if diagnosed else "find out first which effect is missing",
+            "watch": True,
+        },
+    }
+
+
+def _is_model(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return _MODEL.search(file.read(_HEAD_BYTES)) is not None
+    except OSError:
+        return False
+
+
+def _row(desk: Desk, run: Path) -> Row:
+    name = desk.name(run)
+    return next((row for row in list_runs(desk.folder) if row.run == name), Row(run=name))
+
+
+def _facts(row: Row) -> list[str]:
+    captures = "" if row.captures is None else f"{row.captures} captures"
+    return [text for text in (row.started and f"{row.started} UTC", row.rig, captures, row.state) if text]

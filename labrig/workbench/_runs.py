@@ -1,0 +1,33 @@
+"""Choose: the runs of the folder as the catalogue lists them, and their tags."""
+
+from typing import Any
+
+from starlette.requests import Request
+from starlette.routing import Route
+
+from labrig.catalogue import list_runs, tag
+from labrig.workbench._answers import answering, body_of
+from labrig.workbench._desk import Desk
+
+
+def routes(desk: Desk) -> list[Route]:
+    """`/api/runs`, `/api/tag`."""
+    return [
+        Route("/api/runs", answering(lambda request: _runs(desk, request))),
+        Route("/api/tag", answering(lambda request: _tag(desk, request)), methods=["POST"]),
+    ]
+
+
+def _runs(desk: Desk, request: Request) -> Any:
+    """The rows, the newest first; `where` as in `labrig runs --where`."""
+    rows = list_runs(desk.folder, request.query_params.get("where") or None)
+    rows.sort(key=lambda row: (row.started, row.run), reverse=True)
+    return {"columns": list(rows[0]._fields) if rows else [], "rows": [list(row) for row in rows]}
+
+
+def _tag(desk: Desk, request: Request) -> Any:
+    asked = body_of(request)
+    run = desk.existing(str(asked.get("run", "")))
+    words = [str(word) for word in asked.get("tags", [])]
+    kept = tag(run, words, remove=bool(asked.get("remove")))
+    return {"run": desk.name(run), "tags": kept.tags}

@@ -1,0 +1,205 @@
+"""Watch: the plan of a campaign, its start, what it does while it runs, pause, go on, end; what to measure next."""
+
+from pathlib import Path
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse
+from starlette.routing import Route
+
+from labrig._errors import LabrigError
+from labrig.api._procedures import read_procedure, shipped
+from labrig.campaign import Plan, dry_run
+from labrig.rig import RigConfig, load_rig
+from labrig.view import CHAMBER_COLOURS
+from labrig.workbench._answers import answering, body_of, says
+from labrig.workbench._desk import Desk
+from labrig.workbench._guarded import may_move_rig
+from labrig.workbench._live import Errors, alive, live_run, now, surface
+from labrig.workbench._run import run_folder
+
+_SHOWN = 4000
+_PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
+"""Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
+
+
+def routes(desk: Desk) -> list[Route]:
+    """`/api/watch/...`."""
+    errors = Errors()
+    gets = {
+        "rig": lambda request: _rig(desk),
+        "now": lambda request: _now(desk, request, errors),
+        "skin": lambda request: _skin(desk, request),
+    }
+    posts = {
+        "plan": lambda request: _plan(desk, body_of(request)),
+        "start": lambda request: _start(desk, request),
+        "resume": lambda request: _resume(desk, request),
+        "pause": lambda request: _tell(desk, request, "pause"),
+        "go_on": lambda request: _tell(desk, request, "go_on"),
+        "end": lambda request: _tell(desk, request, "end"),
+    }
+    return [
+        *(Route(f"/api/watch/{name}", answering(work)) for name, work in gets.items()),
+        *(Route(f"/api/watch/{name}", answering(work), methods=["POST"]) for name, work in posts.items()),
+    ]
+
+
+def _rig(desk: Desk) -> Any:
+    """The rig of this workbench, where its vent button is, what goes on, and what could be run."""
+    if desk.rig_file is None:
+        return {"rig": None, "running": alive(desk), "vent": None}
+    config = load_rig(desk.rig_file)
+    return {
+        "rig": config.name,
+        "file": str(desk.rig_file),
+        "simulated": config.pressure.kind == "simulated",
+        "reached": _reached(config),
+        "chambers": [[c.name, c.min_kpa, c.max_kpa] for c in config.chambers],
+        "markers": len(config.markers),
+        "running": alive(desk),
+        "vent": desk.vent.place if desk.vent is not None else None,
+        "vent_command": desk.command(["rig", "vent", desk.rig_file]),
+        "procedures": sorted(shipped()),
+        "files": _files(desk),
+    }
+
+
+def _reached(config: RigConfig) -> str:
+    """The pressure controller as a person knows it: its kind and where it is."""
+    device = config.pressure
+    place = device.options.get("port"), device.options.get("host"), device.options.get("file")
+    return " ".join([device.kind, *(str(part) for part in place if part is not None)])
+
+
+def _files(desk: Desk) -> list[str]:
+    """Procedure files of the folder: `labrig next` writes such."""
+    found = [path for pattern in _PLACES for path in desk.folder.glob(pattern)]
+    files = [path for path in found if not path.name.startswith(".") and _is_procedure(path)]
+    files.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+    return [desk.name(path) for path in files]
+
+
+def _is_procedure(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return path.name != "run.yaml" and any(
+                line.startswith(b"procedure:") for line in file.read(4096).splitlines()
+            )
+    except OSError:
+        return False
+
+
+def _config(desk: Desk) -> RigConfig:
+    if desk.rig_file is None:
+        raise LabrigError("no rig is connected; start the workbench with: labrig workbench --rig RIG.yaml")
+    return load_rig(desk.rig_file)
+
+
+def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
+    """The procedure that a page names (one that labrig brings, or a file of the folder), its arguments, the seed."""
+    name = str(asked.get("procedure") or "")
+    if name not in shipped():
+        name = desk.name(desk.existing(name))
+    arguments = [str(word) for word in asked.get("arguments") or []]
+    return name, arguments, int(asked.get("seed") or 0)
+
+
+def _procedure_plan(desk: Desk, name: str, arguments: list[str], seed: int, config: RigConfig) -> Plan:
+    source = name if name in shipped() else str(desk.existing(name))
+    return dry_run(read_procedure(source, arguments), config, seed)
+
+
+def _plan(desk: Desk, asked: dict[str, Any]) -> Any:
+    """What a run would do: every step with its time and set-points, how long, and every limit that it would break."""
+    config = _config(desk)
+    name, arguments, seed = _asked(desk, asked)
+    plan = _procedure_plan(desk, name, arguments, seed, config)
+    steps = [{"at_s": at_s, **step.to_dict()} for at_s, step in zip(plan.start_s, plan.steps, strict=False)]
+    return {
+        "steps": steps[:_SHOWN],
+        "count": len(steps),
+        "captures": plan.captures,
+        "duration_s": plan.duration_s,
+        "broken": list(plan.broken),
+        "stopped": plan.stopped,
+        "limits": [[c.name, c.min_kpa, c.max_kpa, c.slew_kpa_s] for c in config.chambers],
+        "command": desk.command(["run", name, *arguments, *_seed(seed), "--rig", desk.rig_file, "--dry-run"]),
+    }
+
+
+def _seed(seed: int) -> list[str]:
+    return ["--seed", str(seed)] if seed else []
+
+
+def _start(desk: Desk, request: Request) -> Any:
+    """Begin a run as a process of its own, which no page and no server holds."""
+    if (refused := _refused(desk, request)) is not None:
+        return refused
+    config, asked = _config(desk), body_of(request)
+    name, arguments, seed = _asked(desk, asked)
+    if going := alive(desk):
+        raise LabrigError(f"{going[0]} goes on; end it first")
+    plan = _procedure_plan(desk, name, arguments, seed, config)
+    if plan.broken:
+        raise LabrigError(f"nothing was moved: {plan.broken[0]}")
+    out = desk.path(str(asked.get("out") or ""))
+    if out == desk.folder or out.exists():
+        raise LabrigError(f"{asked.get('out') or 'a name'}: choose the name of a new run")
+    words = ["run", name, *arguments, *_seed(seed), "--rig", str(desk.rig_file), "--out", desk.name(out)]
+    words += ["--attended"]
+    if config.pressure.kind == "simulated" and asked.get("realtime", True):
+        words.append("--realtime")
+    job = desk.jobs.start(words, f"run {Path(name).stem}", desk.name(out))
+    return says({"job": job.id, "run": desk.name(out), "command": job.command}, 202)
+
+
+def _resume(desk: Desk, request: Request) -> Any:
+    """Go on with a run that was ended before its plan was."""
+    if (refused := _refused(desk, request)) is not None:
+        return refused
+    run = run_folder(desk, str(body_of(request).get("run") or ""))
+    if going := alive(desk):
+        raise LabrigError(f"{going[0]} goes on; end it first")
+    name = desk.name(run)
+    words = ["run", "--resume", name, "--rig", str(desk.rig_file), "--attended"]
+    job = desk.jobs.start(words, f"go on with {run.name}", name)
+    return says({"job": job.id, "run": name, "command": job.command}, 202)
+
+
+def _tell(desk: Desk, request: Request, what: str) -> Any:
+    """Pause, go on, or end the run that a page names."""
+    if what == "go_on" and (refused := _refused(desk, request)) is not None:
+        return refused
+    name = str(body_of(request).get("run") or "")
+    note = live_run(desk, name)
+    if note is None:
+        raise LabrigError(f"{name or 'no run'}: does not go on")
+    return note.ask(what, why="the workbench")
+
+
+def _refused(desk: Desk, request: Request) -> Any:
+    if may_move_rig(request, desk.rig_token):
+        return None
+    return says({"error": "only the page that `labrig workbench --rig` opened moves the rig"}, 403)
+
+
+def _now(desk: Desk, request: Request, errors: Errors) -> Any:
+    given = request.query_params
+    name = given.get("run", "")
+    state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
+    if state["live"] and given.get("model"):
+        state["error"] = errors.of(Path(state["folder"]), desk.existing(given["model"]))
+    # As it stands: `says` rounds to six digits, and moments have ten.
+    return JSONResponse({**state, "colours": CHAMBER_COLOURS})
+
+
+def _skin(desk: Desk, request: Request) -> Any:
+    name = request.query_params.get("run", "")
+    note = live_run(desk, name)
+    if note is None:
+        raise LabrigError(f"{name or 'no run'}: does not go on")
+    about = note.ask("status")
+    if not about.get("rest_mm"):
+        raise LabrigError("the rig does not say where its markers rest")
+    return surface(about["rest_mm"])

@@ -1,0 +1,124 @@
+"""Which: a card for each effect, from diagnosis.json and the library; its plot and its errors when it is looked at."""
+
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from labrig._errors import LabrigError
+from labrig.workbench._answers import answering, body_of, told
+from labrig.workbench._desk import Desk
+from labrig.workbench._held import Key, opened, trial
+from labrig.workbench._run import Pair, pair_of
+
+
+def routes(desk: Desk) -> list[Route]:
+    """`/api/which` gives the cards, POSTed to it starts the diagnosis; `/api/which/effect` looks closer at one."""
+    return [
+        Route("/api/which", answering(lambda request: _which(desk, request))),
+        Route("/api/which", answering(lambda request: _start(desk, request)), methods=["POST"]),
+        Route("/api/which/effect", answering(lambda request: _effect(desk, request))),
+    ]
+
+
+def _which(desk: Desk, request: Request) -> Any:
+    pair = pair_of(desk, request.query_params)
+    if not pair.has("diagnosis.json"):
+        return {"diagnosed": False, "command": desk.command(_words(desk, pair))}
+    desk.worker.warm(pair.key)
+    return Response(
+        desk.worker.ask(cards, pair.key, pair.read("diagnosis.json")), media_type="application/json"
+    )
+
+
+def _start(desk: Desk, request: Request) -> Any:
+    pair = pair_of(desk, body_of(request))
+    return desk.jobs.start(_words(desk, pair), f"diagnose {pair.run_name}", pair.run_name).facts()
+
+
+def _words(desk: Desk, pair: Pair) -> list[str]:
+    return ["diagnose", pair.run_name, "--model", pair.model_name, "--out", desk.name(pair.results)]
+
+
+def _effect(desk: Desk, request: Request) -> Any:
+    pair = pair_of(desk, request.query_params)
+    found = pair.read("diagnosis.json")
+    name = request.query_params.get("effect", "")
+    beside = tuple(each for each in found["effects"] if each != name)
+    return Response(desk.worker.ask(closer, pair.key, name, beside), media_type="application/json")
+
+
+def cards(key: Key, found: dict[str, Any]) -> str:
+    """Every effect that was considered, the surest first, with what the library says of it; in the worker."""
+    from labrig.model import Model
+    from labrig.view import note
+
+    words = note(found)
+    library = Model.load(key[1]).library()
+    alone = {each["effect"]: each for each in found.get("ranking", [])}
+    order = {"sure": 0, "possible": 1, "not it": 2}
+    effects = []
+    for each in found["effects_considered"]:
+        effect = library.get(each["effect"])
+        effects.append(
+            {
+                **each,
+                "alone": alone.get(each["effect"], {}).get("heldout_error"),
+                "meaning": effect.meaning if effect else "",
+                "signature": effect.signature if effect else "",
+                "experiment": effect.experiment if effect else "",
+                "acts_on": effect.acts_on if effect else "",
+                "rival": each["effect"] in found["rivals"],
+            }
+        )
+    effects.sort(key=lambda each: (order.get(each["call"], 3), -each["probability"], each["effect"]))
+    return told(
+        {
+            "diagnosed": True,
+            "verdict": words.verdict,
+            "headline": words.headline,
+            "why": words.why,
+            "else": words.else_,
+            "next": words.next_,
+            "named": words.named,
+            "units": found["units"],
+            "error": found["error"],
+            "probability": found["probability"],
+            "unnamed": found.get("unnamed", {}),
+            "effects": effects,
+            "warnings": found.get("warnings", []),
+        }
+    )
+
+
+def closer(key: Key, effect: str, beside: tuple[str, ...]) -> str:
+    """One effect: the error with it alone and beside the sure ones, and the plot in which it shows; in the worker."""
+    from labrig.view import pictures_of, value_lines
+
+    if effect not in opened(key).model.library():
+        raise LabrigError(f"there is no effect {effect!r}")
+    try:
+        alone = trial(key, (effect,), False)
+        both = trial(key, (*beside, effect), False) if beside else alone
+    except LabrigError as error:
+        return told({"effect": effect, "cannot": str(error)})
+    fall = next(each for each in both.falls if each.effect == effect)
+    others = trial(key, beside, False).result.summary["error"]["model"] if beside else None
+    error = alone.result.summary["error"]
+    return told(
+        {
+            "effect": effect,
+            "units": alone.result.summary["units"],
+            "base": error["base"],
+            "floor": error["floor"],
+            "alone": error["model"],
+            "beside": both.result.summary["error"]["model"] if beside else None,
+            "others": others,
+            "names": list(beside),
+            "helps": fall.helps,
+            "falls": fall.words,
+            "values": value_lines(alone.result),
+            "figure": pictures_of(both.result)[effect](),
+        }
+    )

@@ -1,0 +1,77 @@
+"""The process that computes for the pages, so that the server answers (and vents) whatever is computed.
+
+One process, which holds what is open; what is asked waits its turn. Results are plain values.
+"""
+
+import multiprocessing
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+from labrig._errors import LabrigError
+from labrig.workbench._held import Key, names, ready, warm
+
+
+class Worker:
+    """A process for `ask`; started when it is first needed, and again when it died."""
+
+    def __init__(self) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        self._lock = threading.Lock()
+        self._warmed: set[Key] = set()
+        self._closed = False
+
+    def ask(self, work: Callable[..., Any], *given: Any) -> Any:
+        """Run `work` there and wait for what it gives; its errors are raised here."""
+        try:
+            return self._submit(work, *given).result()
+        except BrokenProcessPool:
+            raise LabrigError("the computation ended unexpectedly (out of memory?); try again") from None
+
+    def begin(self) -> None:
+        """Start the process before somebody needs it."""
+        self._submit(ready)
+
+    def warm(self, key: Key) -> None:
+        """While nobody asks, find the forms of every effect of what was opened, one after the other."""
+        if key in self._warmed:
+            return
+        self._warmed.add(key)
+        self._submit(names, key).add_done_callback(lambda done: self._next(key, _given(done)))
+
+    def close(self) -> None:
+        """End the process."""
+        with self._lock:
+            pool, self._pool, self._closed = self._pool, None, True
+        if pool is not None:
+            for process in list((pool._processes or {}).values()):
+                process.terminate()
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    def _submit(self, work: Callable[..., Any], *given: Any) -> Future[Any]:
+        with self._lock:
+            if self._closed:
+                raise LabrigError("the workbench is closing")
+            if self._pool is None:
+                self._pool = ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn"))
+            try:
+                return self._pool.submit(work, *given)
+            except BrokenProcessPool:
+                self._warmed.clear()
+                self._pool = ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn"))
+                return self._pool.submit(work, *given)
+
+    def _next(self, key: Key, left: list[str]) -> None:
+        if not left or self._closed:
+            return
+        try:
+            future = self._submit(warm, key, left[0])
+        except LabrigError:
+            return
+        future.add_done_callback(lambda _: self._next(key, left[1:]))
+
+
+def _given(done: Future[Any]) -> list[str]:
+    return [] if done.cancelled() or done.exception() is not None else done.result()

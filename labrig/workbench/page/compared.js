@@ -1,0 +1,48 @@
+// The comparison of the run with the model: asked for once per page, started where there is none yet.
+
+import { complain, command, empty, h } from "./dom.js";
+import * as jobs from "./jobs.js";
+import { get, post } from "./server.js";
+
+const kept = new Map();
+
+export const asked = (context) => ({ run: context.run, model: context.info.model });
+
+export async function comparison(context) {
+  const name = JSON.stringify(asked(context));
+  if (kept.has(name) && kept.get(name).stamp === context.info.stamp) return kept.get(name).data;
+  const data = await get("/api/compare", asked(context), context.signal);
+  if (data.compared) {
+    kept.clear();
+    kept.set(name, { stamp: context.info.stamp, data });
+  }
+  return data;
+}
+
+// What a page shows while a job runs that it waits for; the page is shown again when the job has ended.
+export function working(job, title, words) {
+  const place = h("div");
+  const end = jobs.watch((list) => {
+    if (!place.isConnected && place.childNodes.length) return;
+    const now = list.find((each) => each.id === job.id) || job;
+    place.replaceChildren(jobs.progress(now), jobs.cancelButton(now));
+  });
+  const timer = setInterval(() => {
+    const now = jobs.all().find((each) => each.id === job.id) || job;
+    place.querySelector(".progress")?.replaceWith(jobs.progress(now));
+  }, 500);
+  const page = empty(title, h("p", {}, words), place, command(job.command));
+  return [page, () => (clearInterval(timer), end())];
+}
+
+export const jobOf = (context, verb) =>
+  jobs.all().find((job) => job.run === context.run && job.command.startsWith(`labrig ${verb} `) && job.command.includes(` ${context.info.model} `));
+
+export async function begin(context, path) {
+  try {
+    return await post(path, asked(context));
+  } catch (error) {
+    complain(error);
+    return null;
+  }
+}

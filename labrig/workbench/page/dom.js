@@ -1,0 +1,78 @@
+// Making elements, and the small parts that every step uses.
+
+export function h(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes || {})) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (name === "data") Object.assign(element.dataset, value);
+    else if (name === "style") element.style.cssText = value;
+    else if (value === true) element.setAttribute(name, "");
+    else element.setAttribute(name, value);
+  }
+  element.append(...children.flat(3).filter((child) => child !== null && child !== undefined && child !== false));
+  return element;
+}
+
+export function svg(tag, attributes = {}, ...children) {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children.flat(3).filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+export const fill = (element, ...children) => {
+  element.replaceChildren(...children.flat(3).filter((child) => child !== null && child !== undefined));
+  return element;
+};
+
+// Three significant digits, as labrig's tables have them.
+export function number(value, digits = 3) {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-4) return value.toExponential(digits - 1);
+  return String(Number(value.toPrecision(digits)));
+}
+
+export const percent = (share) =>
+  share > 0.99 ? "over 99 %" : share < 0.01 ? "under 1 %" : `${Math.round(100 * share)} %`;
+
+export function duration(seconds) {
+  if (seconds === null || seconds === undefined) return "";
+  if (seconds < 90) return `${Math.round(seconds)} s`;
+  if (seconds < 5400) return `${Math.round(seconds / 60)} min`;
+  return `${Math.floor(seconds / 3600)} h ${Math.round((seconds % 3600) / 60)} min`;
+}
+
+let clearing = 0;
+export function say(text, kind = "") {
+  const place = document.getElementById("said");
+  place.textContent = text;
+  place.className = `on ${kind}`;
+  clearTimeout(clearing);
+  clearing = setTimeout(() => (place.className = ""), kind === "bad" ? 12000 : 4000);
+}
+
+export const complain = (error) => {
+  if (error.name !== "AbortError") say(error.message, "bad");
+};
+
+// The labrig command that an action is, for copying.
+export function command(text, about = "") {
+  const button = h("button", { type: "button", class: "copy", title: "copy", "aria-label": `copy: ${text}` }, "copy");
+  button.addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(text);
+      button.textContent = "copied";
+    } catch {
+      getSelection().selectAllChildren(line);
+      button.textContent = "Ctrl-C copies";
+    }
+    setTimeout(() => (button.textContent = "copy"), 1500);
+  });
+  const line = h("code", {}, text);
+  return h("div", { class: "command" }, about ? h("span", {}, about) : null, line, button);
+}
+
+export const empty = (title, ...words) => h("section", { class: "empty" }, h("h2", {}, title), ...words);

@@ -1,0 +1,82 @@
+// A file dropped on the page: labrig guesses what its columns mean, shows it beside the first rows, and makes a run.
+
+import { command, complain, fill, h } from "./dom.js";
+import * as jobs from "./jobs.js";
+import { post, upload } from "./server.js";
+
+export function dropZone(place, context) {
+  const field = h("input", { type: "file", hidden: true, accept: ".csv,.tsv,.txt,.parquet,.c3d,.mcap", onchange: () => field.files[0] && take(field.files[0], place, context) });
+  const zone = h("button", { type: "button", class: "drop", onclick: () => field.click() }, "Drop a CSV, C3D or MCAP here, or choose one");
+  const over = (on) => document.body.classList.toggle("dropping", on);
+  const enter = (event) => {
+    if (![...(event.dataTransfer?.types || [])].includes("Files")) return;
+    event.preventDefault();
+    over(true);
+  };
+  const drop = (event) => {
+    event.preventDefault();
+    over(false);
+    const file = event.dataTransfer.files[0];
+    if (file) take(file, place, context);
+  };
+  const leave = (event) => event.relatedTarget === null && over(false);
+  addEventListener("dragover", enter);
+  addEventListener("drop", drop);
+  addEventListener("dragleave", leave);
+  context.signal.addEventListener("abort", () => {
+    removeEventListener("dragover", enter);
+    removeEventListener("drop", drop);
+    removeEventListener("dragleave", leave);
+  });
+  return h("span", {}, zone, field);
+}
+
+async function take(file, place, context) {
+  place.closest(".step").dataset.keeps = "";
+  fill(place, h("div", { class: "card" }, h("p", { class: "waiting" }, `reading ${file.name} …`)));
+  try {
+    offer(await upload("/api/drop", file), place, context);
+  } catch (error) {
+    fill(place);
+    complain(error);
+  }
+}
+
+function offer(found, place, context) {
+  const mapping = h("textarea", { rows: 16, spellcheck: "false", "aria-label": "mapping" }, found.mapping);
+  const name = h("input", { type: "text", value: found.name, "aria-label": "name of the run" });
+  const said = h("div", { role: "alert" });
+  const button = h("button", { type: "button", class: "main", data: { import: "" }, onclick: make }, "Make a run of it");
+  const shown = found.table.split("/").pop();
+  async function make() {
+    button.disabled = true;
+    fill(said);
+    try {
+      const begun = await post("/api/import", { table: found.table, mapping: mapping.value, name: name.value });
+      if (begun.job) {
+        const job = await jobs.ended(begun.job.id);
+        if (job.state !== "done") throw new Error(job.last.replace(/^labrig: /, ""));
+      }
+      context.go("compare", {}, begun.run);
+    } catch (error) {
+      button.disabled = false;
+      fill(said, h("p", { class: "warning" }, error.message));
+    }
+  }
+  const [header, ...rows] = found.rows;
+  const preview = header ? h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, header.map((cell) => h("th", {}, cell)))), h("tbody", {}, rows.map((row) => h("tr", {}, row.map((cell) => h("td", {}, cell))))))) : null;
+  fill(
+    place,
+    h(
+      "div",
+      { class: "card" },
+      h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
+      found.remarks.map((remark) => h("p", { class: "warning" }, remark)),
+      h("div", { class: found.log ? "" : "mapping" }, found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), mapping), preview ? h("div", {}, h("h3", {}, "The first rows"), preview) : null),
+      said,
+      h("div", { class: "bar", style: "justify-content:flex-start;margin:12px 0 0" }, button, h("label", {}, "as the run ", name)),
+      found.log ? null : command(`labrig import ${found.table} --mapping ${found.table.replace(/[^/]+$/, "map.yaml")} -o ${found.name}`),
+    ),
+  );
+  place.scrollIntoView({ block: "nearest" });
+}

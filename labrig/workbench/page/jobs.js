@@ -1,0 +1,128 @@
+// Work that runs beside the server: what there is, how far it is, its output, cancel.
+
+import { complain, duration, fill, h } from "./dom.js";
+import { get, now_s, on, post } from "./server.js";
+
+let jobs = [];
+const usual = new Map();
+const finished = new Set();
+const waiting = new Map();
+const watchers = new Set();
+let known = false;
+
+export const all = () => jobs;
+export const running = () => jobs.filter((job) => job.state === "running");
+
+// Called with every list of jobs, beginning with the one that is known; gives a function that ends it.
+export function watch(listener) {
+  watchers.add(listener);
+  if (known) listener(jobs);
+  return () => watchers.delete(listener);
+}
+
+// Resolves with the job once it has ended.
+export const ended = (id) =>
+  new Promise((resolve) => {
+    const job = jobs.find((each) => each.id === id);
+    if (job && job.state !== "running") resolve(job);
+    else waiting.set(id, [...(waiting.get(id) || []), resolve]);
+  });
+
+function received(list) {
+  const before = new Map(jobs.map((job) => [job.id, job.state]));
+  jobs = list;
+  for (const job of jobs) {
+    if (job.state === "running") continue;
+    for (const resolve of waiting.get(job.id) || []) resolve(job);
+    waiting.delete(job.id);
+    if (known && before.get(job.id) !== job.state && !finished.has(job.id)) {
+      finished.add(job.id);
+      document.dispatchEvent(new CustomEvent("job-ended", { detail: job }));
+    }
+  }
+  known = true;
+  for (const listener of [...watchers]) listener(jobs);
+  draw();
+}
+
+async function expected(job) {
+  if (usual.has(job.id)) return;
+  usual.set(job.id, null);
+  try {
+    usual.set(job.id, (await get(`/api/jobs/${job.id}`)).usual_s);
+  } catch {
+    usual.delete(job.id);
+  }
+}
+
+// A bar that says how long the same took before; without that, only that it goes on.
+export function progress(job) {
+  expected(job);
+  const took = Math.max(0, now_s() - job.started_s);
+  const whole = usual.get(job.id);
+  const bar = h("progress", whole ? { max: 1, value: Math.min(0.97, took / whole) } : {});
+  const words = whole ? `${duration(took)} of about ${duration(whole)}` : duration(took);
+  return h("div", { class: "progress" }, bar, h("span", {}, words), h("small", {}, job.last));
+}
+
+export function cancelButton(job) {
+  let harder = false;
+  const button = h("button", { type: "button", class: "quiet", data: { cancel: job.id } }, "cancel");
+  button.addEventListener("click", async () => {
+    try {
+      await post(`/api/jobs/${job.id}/cancel`, { harder });
+      button.textContent = "stop it now";
+      harder = true;
+    } catch (error) {
+      complain(error);
+    }
+  });
+  return button;
+}
+
+const panel = document.getElementById("job-list");
+const button = document.getElementById("jobs");
+
+function draw() {
+  const busy = running();
+  button.hidden = jobs.length === 0;
+  button.className = busy.length ? "busy" : "";
+  button.textContent = busy.length ? `${busy[0].title}${busy.length > 1 ? ` + ${busy.length - 1}` : ""}` : "jobs";
+  if (!panel.hidden) list();
+}
+
+function list() {
+  const kept = panel.querySelector("details[open]")?.dataset.job;
+  fill(
+    panel,
+    h("h2", {}, "Work"),
+    jobs.slice(0, 20).map((job) =>
+      h(
+        "details",
+        { data: { job: job.id }, open: job.id === kept },
+        h(
+          "summary",
+          {},
+          h("span", { class: `state ${job.state}` }, job.state),
+          ` ${job.title}`,
+          job.state === "running" ? [progress(job), cancelButton(job)] : null,
+        ),
+        h("code", {}, job.command),
+        h("pre", {}, job.lines.join("\n")),
+      ),
+    ),
+  );
+}
+
+export function begin() {
+  on("jobs", received);
+  setInterval(() => running().length && draw(), 1000);
+  button.addEventListener("click", () => {
+    panel.hidden = !panel.hidden;
+    button.setAttribute("aria-expanded", String(!panel.hidden));
+    if (!panel.hidden) list();
+  });
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && !panel.hidden) button.click();
+  });
+}

@@ -1,0 +1,158 @@
+// A run that goes on: surface, pressures, error of the open model, step; pause, go on, end.
+
+import { complain, duration, fill, h, number } from "./dom.js";
+import { draw, legend } from "./curves.js";
+import { Surface } from "./live_surface.js";
+import { get, mayMoveRig, post } from "./server.js";
+
+const EVERY_MS = 350;
+const SPAN_S = 120;
+const MOST_EVENTS = 60;
+
+export function live(root, name, model, over) {
+  const parts = layout(name, model);
+  const kept = { time: [], measured: [], commanded: [], events: [], event: 0, since: 0 };
+  let gone = false;
+  let state = null;
+  let missed = 0;
+  const surface = new Surface(parts.surface, name);
+  fill(root, parts.root);
+
+  async function round() {
+    if (gone) return;
+    try {
+      state = await get("/api/watch/now", { run: name, since_s: kept.since, event: kept.event, model });
+      missed = 0;
+      if (gone) return;
+      if (!state.live) {
+        gone = true;
+        return void over(state);
+      }
+      keep(kept, state);
+      show(parts, kept, state, surface, model);
+    } catch (error) {
+      missed += 1;
+      if (missed === 3) complain(error);
+    }
+    setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
+  }
+  const tell = (what) => () => post(`/api/watch/${what}`, { run: name }).then(null, complain);
+  parts.pause.addEventListener("click", () => tell(state?.paused ? "go_on" : "pause")());
+  parts.end.addEventListener("click", () => {
+    if (parts.end.dataset.sure) return void tell("end")();
+    parts.end.dataset.sure = "yes";
+    parts.end.textContent = "End it? Press again";
+    setTimeout(() => {
+      delete parts.end.dataset.sure;
+      parts.end.textContent = "End";
+    }, 3000);
+  });
+  round();
+  return () => {
+    gone = true;
+    surface.close();
+  };
+}
+
+function layout(name, model) {
+  const parts = {
+    title: h("h1", {}, name),
+    state: h("span", { class: "state running" }, "…"),
+    bar: h("progress", { max: 1, value: 0, "aria-label": "captures done" }),
+    words: h("span", { class: "muted", id: "live-words" }),
+    pause: h("button", { type: "button", id: "pause" }, "Pause"),
+    end: h("button", { type: "button", id: "end" }, "End"),
+    surface: h("div", { class: "surface" }),
+    about: h("p", { class: "muted small" }),
+    pressures: h("canvas", { class: "curve tall", "aria-label": "pressures" }),
+    chambers: h("div"),
+    errors: h("canvas", { class: "curve", "aria-label": "error of each capture" }),
+    rms: h("p", { class: "muted small", id: "live-error" }, model ? "the error appears with the first capture" : "open a run with a model to see its error here"),
+    events: h("ol", { class: "events", "aria-label": "events" }),
+  };
+  parts.root = h(
+    "div",
+    { class: "live-run" },
+    h("div", { class: "bar" }, parts.title, parts.state, parts.bar, parts.words, h("span", { class: "right" }, parts.pause, parts.end)),
+    h(
+      "div",
+      { class: "live-grid" },
+      h("section", { class: "card" }, h("h2", {}, "Surface"), parts.surface, parts.about),
+      h(
+        "div",
+        { class: "stack" },
+        h("section", { class: "card" }, h("h2", {}, "Pressures, kPa ", h("small", { class: "muted" }, "measured; dashed: set-points")), parts.pressures, parts.chambers),
+        h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", { class: "muted" }, model || "")), parts.errors, parts.rms),
+      ),
+    ),
+    h("section", { class: "card" }, h("h2", {}, "Events"), parts.events),
+  );
+  return parts;
+}
+
+function keep(kept, state) {
+  const { time_s, measured_kpa, commanded_kpa } = state.history;
+  kept.time.push(...time_s);
+  kept.measured.push(...measured_kpa);
+  kept.commanded.push(...commanded_kpa);
+  if (time_s.length) kept.since = time_s[time_s.length - 1] + 0.001;
+  let old = 0;
+  while (old < kept.time.length && kept.time[old] < kept.since - SPAN_S - 5) old += 1;
+  for (const list of [kept.time, kept.measured, kept.commanded]) list.splice(0, old);
+  for (const event of state.events) {
+    kept.event = event[0];
+    kept.events.unshift(event);
+  }
+  kept.events.length = Math.min(kept.events.length, MOST_EVENTS);
+}
+
+function show(parts, kept, state, surface, model) {
+  const progress = state.progress || {};
+  const label = state.ended ? "ended" : state.paused ? (/^paused/.test(kept.events[0]?.[3] || "") ? "paused, vented" : "pausing") : state.step?.kind || "begins";
+  parts.state.textContent = label;
+  parts.state.className = `state ${state.paused ? "waiting" : "running"}`;
+  parts.bar.max = progress.steps || 1;
+  parts.bar.value = progress.steps_done || 0;
+  const of = progress.captures ? ` of ${progress.captures}` : "";
+  const left = progress.remaining_s === null || progress.remaining_s === undefined ? "" : ` · ${duration(progress.remaining_s)} left`;
+  parts.words.textContent = `${progress.captures_done ?? 0}${of} captures · ${duration(progress.elapsed_s)}${left}`;
+  parts.pause.textContent = state.paused ? "Go on" : "Pause";
+  parts.pause.disabled = state.paused && !mayMoveRig();
+  parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : "finishes the capture, then vents and waits";
+  pressures(parts, kept, state);
+  errors(parts, state, model);
+  surface.show(state);
+  parts.about.textContent = surface.words;
+  const last = kept.events[0]?.[0];
+  if (parts.events.dataset.last !== String(last)) {
+    parts.events.dataset.last = String(last);
+    fill(parts.events, kept.events.map(([, time_s, level, text]) => h("li", { class: level.toLowerCase() }, h("time", {}, new Date(1000 * time_s).toLocaleTimeString()), text)));
+  }
+}
+
+function pressures(parts, kept, state) {
+  const series = [];
+  state.chambers.forEach((name, c) => {
+    const colour = state.colours[c % state.colours.length];
+    series.push({ name, colour, time: kept.time, value: kept.commanded.map((row) => row[c]), dashed: true, stairs: true });
+    series.push({ name, colour, time: kept.time, value: kept.measured.map((row) => row[c]) });
+  });
+  draw(parts.pressures, series, { low: 0, span_s: SPAN_S, label: (first, last) => (last - first > SPAN_S - 2 ? `the last ${SPAN_S / 60} min` : `the last ${Math.round(last - first)} s`), now: "now" });
+  const names = state.chambers.map((name, c) => [`${name} ${number(state.measured_kpa?.[c])}`, state.colours[c % state.colours.length]]);
+  fill(parts.chambers, legend(names));
+}
+
+function errors(parts, state, model) {
+  if (!model) return;
+  const error = state.error || {};
+  if (error.error) return void (parts.rms.textContent = error.error);
+  const rows = error.captures || [];
+  if (!rows.length) return;
+  const colour = getComputedStyle(document.documentElement).getPropertyValue("--rust").trim();
+  draw(parts.errors, [{ name: "error", colour, time: rows.map((_, k) => k + 1), value: rows.map((row) => row.rms), dots: rows.length < 80 }], {
+    low: 0,
+    label: () => "capture 1",
+    now: `capture ${rows.length}`,
+  });
+  parts.rms.textContent = `${number(error.rms)} mm rms per coordinate over ${rows.length} captures; the last ${number(rows[rows.length - 1].rms)} mm`;
+}

@@ -1,0 +1,64 @@
+// Plotly, which the server has beside it, in the page's own colours.
+
+let loading = null;
+
+export function plotly() {
+  loading ??= new Promise((resolve, reject) => {
+    const script = document.createElement("script");
+    script.src = "/plotly.js";
+    script.onload = () => resolve(window.Plotly);
+    script.onerror = () => reject(new Error("the drawing library could not be loaded"));
+    document.head.append(script);
+  });
+  return loading;
+}
+
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+const SANS = 'system-ui, "Segoe UI", Roboto, Helvetica, Arial, sans-serif';
+const dark = () => document.documentElement.dataset.theme === "dark";
+const LIGHTER = { "#1d2530": "ink", "#c0563a": "rust", "#1f6f8b": "teal", "#66717f": "muted" };
+
+// Figures come in the colours of paper; at night what would vanish is drawn lighter.
+function recoloured(value) {
+  if (typeof value === "string") return LIGHTER[value] ? colour(LIGHTER[value]) : value;
+  if (Array.isArray(value)) return typeof value[0] === "string" ? value.map(recoloured) : value;
+  if (value && typeof value === "object")
+    return Object.fromEntries(Object.entries(value).map(([name, inner]) => [name, recoloured(inner)]));
+  return value;
+}
+
+export function themed(layout) {
+  const axis = (own = {}) => ({
+    gridcolor: colour("line"),
+    zerolinecolor: colour("edge"),
+    linecolor: colour("edge"),
+    automargin: true,
+    ...(dark() ? recoloured(own) : own),
+    ...(dark() ? { gridcolor: colour("line"), zerolinecolor: colour("edge"), linecolor: colour("edge") } : {}),
+    title: { ...(own.title || {}), font: { family: SANS, size: 12.5, color: colour("soft") } },
+    tickfont: { family: SANS, size: 11.5, color: colour("muted") },
+  });
+  const out = {
+    ...layout,
+    font: { family: SANS, size: 12.5, color: colour("ink") },
+    paper_bgcolor: "rgba(0,0,0,0)",
+    plot_bgcolor: "rgba(0,0,0,0)",
+    hoverlabel: { bgcolor: colour("raised"), bordercolor: colour("edge"), font: { color: colour("ink"), family: SANS } },
+  };
+  for (const name of Object.keys(layout)) if (/^[xy]axis\d*$/.test(name)) out[name] = axis(layout[name]);
+  return out;
+}
+
+const CONFIG = { displayModeBar: false, responsive: true, doubleClick: "reset" };
+
+export async function draw(element, figure, height = 0) {
+  const Plotly = await plotly();
+  if (!element.isConnected) return element;
+  const layout = themed({ ...figure.layout, ...(height ? { height } : {}) });
+  await Plotly.react(element, dark() ? figure.data.map(recoloured) : figure.data, layout, CONFIG);
+  return element;
+}
+
+export const axis = (title, more = {}) => ({ title: { text: title }, ticks: "", ...more });
+export { CONFIG, recoloured };

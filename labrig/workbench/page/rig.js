@@ -1,0 +1,66 @@
+// The rig's own strip at the foot of every page: the vent button, which is another server's page in a frame, and the
+// run that goes on. The frame has another site's name (localhost against 127.0.0.1), so that the browser gives it a
+// process of its own: this page may hang, the button does not.
+
+import { address } from "./main.js";
+import { fill, h } from "./dom.js";
+import { get, rigFile } from "./server.js";
+
+const LOOK_MS = 3000;
+const OTHER = { "127.0.0.1": "localhost", localhost: "127.0.0.1" };
+let facts = null;
+const listeners = new Set();
+
+export const rig = () => facts;
+
+// Called with what is known of the rig, now and whenever it was asked for; gives a function that ends it.
+export function watchRig(listener) {
+  listeners.add(listener);
+  if (facts) listener(facts);
+  return () => listeners.delete(listener);
+}
+
+export async function look() {
+  facts = await get("/api/watch/rig");
+  strip();
+  badge();
+  for (const each of [...listeners]) each(facts);
+  return facts;
+}
+
+// A run answers a moment after its process has begun.
+export async function answers(run) {
+  for (let k = 0; k < 60; k++) {
+    if ((await look()).running.includes(run)) return;
+    await new Promise((resolve) => setTimeout(resolve, 500));
+  }
+}
+
+function strip() {
+  if (!facts.vent) return;
+  const theme = document.documentElement.dataset.theme;
+  const host = OTHER[location.hostname] || location.hostname;
+  const place = `http://${host}:${facts.vent.port}/${facts.vent.key}/`;
+  const source = `${place}?theme=${theme}`;
+  let foot = document.getElementById("vent");
+  if (!foot) {
+    foot = h("footer", { id: "vent" }, h("iframe", { title: "Vent", src: source }), h("a", { target: "_blank", rel: "noopener", title: "the button alone, in a window of its own" }, "own window"));
+    document.body.append(foot);
+    document.body.classList.add("with-vent");
+  }
+  const frame = foot.querySelector("iframe");
+  if (frame.getAttribute("src") !== source) frame.setAttribute("src", source);
+  foot.querySelector("a").href = source;
+}
+
+function badge() {
+  const run = facts.running[0];
+  fill(document.getElementById("rig"), run ? h("a", { class: "live", title: `${run} goes on`, href: address({ step: "watch", query: { live: run } }) }, h("bdi", {}, run.split("/").pop())) : facts.rig ? h("span", { class: "muted small" }, `rig ${facts.rig}`) : null);
+}
+
+export function begin() {
+  const again = () => look().catch(() => {});
+  again();
+  if (rigFile) setInterval(again, LOOK_MS);
+  document.addEventListener("theme", () => facts && strip());
+}

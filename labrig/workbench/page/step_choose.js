@@ -1,0 +1,73 @@
+// Choose: the runs of the folder, the newest first; search and tags; a file dropped in becomes a run.
+
+import { command, complain, duration, empty, fill, h, number } from "./dom.js";
+import { dropZone } from "./dropped.js";
+import { folder, get, post } from "./server.js";
+
+const COLUMNS = [["run", ""], ["when", ""], ["rig", ""], ["captures", "number"], ["length", "number"], ["verdict", ""], ["error", "number"], ["floor", "number"], ["tags", ""]];
+const AT_ONCE = 200;
+
+export async function show(root, context) {
+  const { columns, rows } = await get("/api/runs", {}, context.signal);
+  const runs = rows.map((row) => Object.fromEntries(columns.map((name, k) => [name, row[k]])));
+  const import_ = h("section", { class: "import" });
+  const zone = dropZone(import_, context);
+  if (!runs.length) {
+    fill(root, empty("No runs here yet", h("p", {}, `There are none in ${folder} or two levels below it. Record one with `, h("code", {}, "labrig run capture --rig rig.yaml --out first"), ", or drop measurements of your own."), zone), import_);
+    return;
+  }
+  const body = h("tbody");
+  const count = h("span", { class: "muted" });
+  const more = h("p", { class: "muted" });
+  const search = h("input", { type: "search", placeholder: "search: name, rig, verdict, tag, note", "aria-label": "search runs", size: 36, oninput: draw, value: context.query.get("search") || "" });
+  const tags = [...new Set(runs.flatMap((run) => run.tags))].sort();
+  let shown = AT_ONCE;
+  const text = new Map(runs.map((run) => [run, `${run.run} ${run.rig} ${run.procedure} ${run.operator} ${run.verdict} ${run.tags.join(" ")} ${run.notes} ${run.state}`.toLowerCase()]));
+
+  function draw() {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const found = runs.filter((run) => words.every((word) => text.get(run).includes(word)));
+    if ((context.query.get("search") || "") !== search.value) context.set({ search: search.value }, true);
+    count.textContent = found.length === runs.length ? `${runs.length} runs` : `${found.length} of ${runs.length} runs`;
+    fill(body, found.slice(0, shown).map((run) => line(run, context)));
+    fill(more, found.length > shown ? h("button", { type: "button", onclick: () => ((shown = Infinity), draw()) }, `show all ${found.length}`) : "");
+    root.dataset.drawn = String(found.length);
+  }
+  fill(
+    root,
+    h("div", { class: "bar choosing" }, search, tags.map((word) => h("button", { type: "button", class: "tag", onclick: () => ((search.value = search.value === word ? "" : word), draw()) }, word)), count, h("span", { class: "grow" }), zone),
+    import_,
+    h("table", { class: "runs" }, h("thead", {}, h("tr", {}, COLUMNS.map(([name, kind]) => h("th", { class: kind }, name)))), body),
+    more,
+    command(`labrig runs ${/\s/.test(folder) ? `'${folder}'` : folder}`, "this is"),
+  );
+  draw();
+  search.focus({ preventScroll: true });
+}
+
+function line(run, context) {
+  const address = context.address("compare", {}, run.run);
+  const tagged = (word, remove) => post("/api/tag", { run: run.run, tags: [word], remove }).then(context.again, complain);
+  const adding = h("button", { type: "button", class: "quiet", "aria-label": `tag ${run.run}`, title: "tag this run", onclick: () => {
+    const field = h("input", { type: "text", size: 10, "aria-label": "new tag", onkeydown: (event) => {
+      if (event.key === "Enter" && field.value.trim()) tagged(field.value.trim(), false);
+      if (event.key === "Escape") field.replaceWith(adding);
+    } });
+    adding.replaceWith(field);
+    field.focus();
+  } }, "+");
+  const value = (number_) => (number_ === null ? "" : `${number(number_)} ${run.units}`);
+  return h(
+    "tr",
+    { class: run.state.startsWith("unreadable") ? "dim" : "", data: { run: run.run } },
+    h("td", {}, h("a", { href: address }, run.run), run.notes ? h("small", { class: "note" }, run.notes) : null),
+    h("td", {}, run.started.slice(0, 16)),
+    h("td", {}, run.rig),
+    h("td", { class: "number" }, run.captures === null ? "" : run.planned && run.planned !== run.captures ? `${run.captures} of ${run.planned}` : String(run.captures)),
+    h("td", { class: "number" }, duration(run.length_s)),
+    h("td", {}, run.verdict ? h("span", { class: `verdict ${run.verdict}` }, run.verdict.replaceAll("_", " ")) : h("span", { class: "muted" }, run.state === "completed" ? "" : run.state)),
+    h("td", { class: "number" }, value(run.error)),
+    h("td", { class: "number" }, value(run.floor)),
+    h("td", {}, run.tags.map((word) => h("button", { type: "button", class: "tag", title: "take the tag off", onclick: () => tagged(word, true) }, `${word} ×`)), adding),
+  );
+}

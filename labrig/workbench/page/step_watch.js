@@ -1,0 +1,68 @@
+// Watch: the run that goes on; else what to measure next, its plan and its start; two models on one run.
+
+import { complain, empty, fill, h } from "./dom.js";
+import { live } from "./live.js";
+import { answers, look } from "./rig.js";
+import { mayMoveRig, post } from "./server.js";
+import { next } from "./watch_next.js";
+import { plan } from "./watch_plan.js";
+import { versus } from "./watch_versus.js";
+
+export async function show(root, context) {
+  const facts = await look();
+  const going = context.query.get("live") || (context.run ? "" : facts.running[0]) || (facts.running.includes(context.run) ? context.run : "");
+  if (going && facts.running.includes(going)) {
+    const model = context.query.get("model") || context.info?.model || sessionStorage.getItem("labrig-watch-model") || "";
+    return live(root, going, model, (state) => over(root, context, state));
+  }
+  if (context.info?.model) sessionStorage.setItem("labrig-watch-model", context.info.model);
+  const ends = [];
+  const cards = h("div", { class: "watch-cards" });
+  fill(root, cards);
+  if (context.run) ends.push(await versus(cards, context));
+  if (context.run && facts.rig) ends.push(await next(cards, context));
+  if (facts.rig) ends.push(await plan(cards, context, facts));
+  else cards.append(noRig(context));
+  return () => ends.forEach((end) => end?.());
+}
+
+function noRig(context) {
+  return empty(
+    "No rig is connected",
+    h("p", {}, "To measure from here, simulated or real, start the workbench with its rig file:"),
+    h("p", {}, h("code", {}, "labrig workbench --rig RIG.yaml")),
+    context.run ? null : h("p", {}, h("a", { href: "#/choose" }, "Choose a run"), " to compare two models on it."),
+  );
+}
+
+function resume(context, state) {
+  const button = h("button", { type: "button", id: "resume" }, "Go on with it");
+  button.addEventListener("click", async () => {
+    button.disabled = true;
+    try {
+      const begun = await post("/api/watch/resume", { run: state.run });
+      await answers(begun.run);
+      context.again();
+    } catch (error) {
+      button.disabled = false;
+      complain(error);
+    }
+  });
+  return h("p", {}, button, h("span", { class: "muted" }, " the rig is filled again as it was, and the plan goes on where it ended"));
+}
+
+function over(root, context, state) {
+  const well = state.state === "completed";
+  fill(
+    root,
+    h(
+      "section",
+      { class: "card", id: "over" },
+      h("h1", {}, `${state.run}: ${well ? "completed" : state.state}`),
+      h("p", {}, `${state.captures} captures; ${state.vented ? "the chambers are vented" : "its log does not say that the chambers are vented: press VENT"}.${state.missed ? ` ${state.missed} do not count: their pressures did not follow.` : ""}`),
+      h("p", {}, h("a", { href: context.address("compare", { live: "" }, state.run) }, "Compare a model with it"), " · ", h("a", { href: context.address("watch", { live: "" }, state.run) }, "before and after, what to measure next")),
+      well || !mayMoveRig() ? null : resume(context, state),
+      h("ol", { class: "events" }, [...state.events].reverse().map(([, time_s, , text]) => h("li", {}, h("time", {}, `${time_s.toFixed(0)} s`), text))),
+    ),
+  );
+}

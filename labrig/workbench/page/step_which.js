@@ -1,0 +1,99 @@
+// Which: a card for each effect, sure, possible or not it; its plot, its errors, its meaning, what would settle it.
+
+import { asked, begin, jobOf, working } from "./compared.js";
+import { command, empty, fill, h, number, percent } from "./dom.js";
+import { draw } from "./plot.js";
+import { get } from "./server.js";
+
+export async function show(root, context) {
+  const data = await get("/api/which", asked(context), context.signal);
+  if (!data.diagnosed) return notYet(root, context, data);
+  const open = context.query.get("effect") || data.effects.find((each) => each.call !== "not it")?.effect || data.effects[0]?.effect;
+  const at = (call) => data.effects.filter((each) => each.call === call);
+  const detail = h("section", { class: "card detail" });
+  const colon = (title, text) => (text ? h("div", {}, h("h3", {}, title), h("p", {}, text)) : null);
+  fill(
+    root,
+    h("div", { class: "heading" }, h("div", {}, h("p", { class: "over" }, h("span", { class: `badge ${data.verdict.replaceAll(" ", "-")}` }, data.verdict), `probability of all that is said: ${percent(data.probability)}`), h("h1", {}, data.headline), data.named ? h("p", {}, data.named) : null)),
+    h("div", { class: "answers" }, colon("Why", data.why), colon("What else", data.else), colon("What next", data.next)),
+    h(
+      "div",
+      { class: "whichever" },
+      h(
+        "div",
+        { class: "cards" },
+        [["sure", "Sure"], ["possible", "Possible"], ["not it", "Not it"]].map(([call, title]) =>
+          at(call).length
+            ? h("section", {}, h("h2", {}, title), h("div", { class: call === "not it" ? "chips" : "" }, at(call).map((each) => card(each, data, context, open))))
+            : null,
+        ),
+      ),
+      detail,
+    ),
+    command(`labrig diagnose ${context.run} --model ${context.info.model}`, "this is"),
+    h("p", { class: "next" }, h("a", { class: "button", href: context.address("add", { effects: at("sure").map((each) => each.effect).join(",") }) }, "Add it and watch the error fall →")),
+  );
+  const chosen = data.effects.find((each) => each.effect === open);
+  if (chosen) closer(detail, chosen, data, context).then(() => (root.dataset.drawn = open));
+  return undefined;
+}
+
+async function notYet(root, context, data) {
+  const job = jobOf(context, "diagnose");
+  if (job?.state === "running") {
+    const [page, end] = working(job, "Looking for the missing effect", "Every effect of the library is tried, alone and beside the others, on captures that the fit has not seen. Close the page if you like: this goes on.");
+    fill(root, page);
+    return end;
+  }
+  const start = h("button", { type: "button", class: "main", data: { start: "diagnose" }, onclick: () => begin(context, "/api/which").then((started) => started && setTimeout(context.again, 400)) }, "Find the missing effect");
+  const failed = job && job.state !== "done" ? h("p", { class: "warning" }, job.state === "cancelled" ? "The last one was cancelled." : job.last) : null;
+  fill(root, empty("Which effect is missing?", h("p", {}, "labrig tries every effect that it knows on this run, and says which is sure, which is possible, and which it is not; or honestly that none is missing, or that these data cannot tell."), failed, start, command(data.command)));
+  return undefined;
+}
+
+function card(each, data, context, open) {
+  const size = each.size > 0 ? `${number(each.size, 2)} ± ${number(each.size_sd, 1)} ${data.units}` : "";
+  return h(
+    "button",
+    { type: "button", class: `effect ${each.call.replace(" ", "-")}`, "aria-current": String(each.effect === open), data: { effect: each.effect }, onclick: () => context.set({ effect: each.effect }) },
+    h("b", {}, each.effect.replaceAll("_", " ")),
+    h("span", { class: "probability" }, percent(each.probability)),
+    each.call === "not it" ? null : [h("span", { class: "size" }, size), h("i", { class: "meter" }, h("u", { style: `width:${100 * each.probability}%` })), h("span", { class: "meaning" }, each.meaning.replaceAll("\n", " "))],
+  );
+}
+
+async function closer(place, each, data, context) {
+  const chart = h("div", { class: "chart" });
+  const errors = h("div", { class: "errors" }, h("p", { class: "waiting" }, "fitting …"));
+  const settles = each.call === "sure" ? null : h("div", {}, h("h3", {}, "What it would take to be sure"), h("p", {}, each.experiment.replaceAll("\n", " ")), command(`labrig next ${context.run} --model ${context.info.model} --minutes 10 -o next.yaml`));
+  fill(
+    place,
+    h("div", { class: "bar" }, h("h2", {}, each.effect.replaceAll("_", " ")), h("span", { class: `call ${each.call.replace(" ", "-")}` }, `${each.call}, ${percent(each.probability)}`)),
+    h("p", {}, each.meaning.replaceAll("\n", " ")),
+    h("h3", {}, "What betrays it"),
+    h("p", { class: "muted" }, each.signature.replaceAll("\n", " ")),
+    chart,
+    errors,
+    settles,
+  );
+  let found;
+  try {
+    found = await get("/api/which/effect", { ...asked(context), effect: each.effect }, context.signal);
+  } catch (error) {
+    if (error.name !== "AbortError") fill(errors, h("p", { class: "warning" }, error.message));
+    return;
+  }
+  if (found.cannot) return void fill(errors, h("p", { class: "warning" }, found.cannot));
+  const top = found.base;
+  const bar = (words, value, kind) => h("div", { class: `heldout ${kind}` }, h("span", {}, words), h("span", { class: "line" }, h("i", { style: `width:${(100 * Math.min(value, top)) / top}%` }), h("u", { style: `left:${(100 * found.floor) / top}%` })), h("b", {}, `${number(value)} ${found.units}`));
+  fill(
+    errors,
+    h("h3", {}, "Held-out error"),
+    bar("without it", found.base, "base"),
+    bar("with it alone", found.alone, "with"),
+    found.beside === null ? null : [bar(`with ${found.names.join(", ")}`, found.others, "with"), bar(`with ${found.names.join(", ")} and it`, found.beside, "with")],
+    h("p", { class: found.helps ? "muted small" : "warning" }, found.helps ? `${found.names.length ? "Beside the others it" : "It"} lowers the error (${found.falls}).${each.call === "not it" ? " Yet the diagnosis, which weighs all effects at once, finds it no better than what the others explain." : ""}` : `${found.names.length ? "Beside the others it" : "It"} does not help: it changes the held-out error ${found.falls}.`),
+    found.values.map((line) => h("p", { class: "small" }, line)),
+  );
+  await draw(chart, found.figure);
+}

@@ -1,0 +1,101 @@
+// A campaign on the rig: its plan first, as a dry run, then its start.
+
+import { draw, legend } from "./curves.js";
+import { command, complain, duration, fill, h, number } from "./dom.js";
+import { answers } from "./rig.js";
+import { mayMoveRig, post } from "./server.js";
+
+const COLOURS = ["#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66"];
+
+export async function plan(place, context, facts) {
+  const wanted = context.query.get("procedure") || facts.files[0] || "capture";
+  const files = facts.files.includes(wanted) || facts.procedures.includes(wanted) ? facts.files : [wanted, ...facts.files];
+  const option = (name) => h("option", { value: name, selected: name === wanted }, name);
+  const choose = h(
+    "select",
+    { id: "procedure", "aria-label": "procedure" },
+    files.length ? h("optgroup", { label: "files of this folder" }, files.map(option)) : null,
+    h("optgroup", { label: "labrig's own" }, facts.procedures.map(option)),
+  );
+  const words = h("input", { type: "text", id: "arguments", placeholder: "--captures 20", "aria-label": "parameters", value: context.query.get("arguments") || "" });
+  const shown = h("div", { id: "plan" });
+  const button = h("button", { type: "button", id: "show-plan" }, "Show the plan");
+  const asked = () => ({ procedure: choose.value, arguments: words.value.split(/\s+/).filter(Boolean) });
+  async function ask() {
+    fill(shown, h("p", { class: "muted" }, "following the procedure on a simulated clock …"));
+    try {
+      drawn(shown, await post("/api/watch/plan", asked()), asked, context, facts);
+    } catch (error) {
+      fill(shown, h("p", { class: "wrong" }, error.message));
+    }
+  }
+  button.addEventListener("click", ask);
+  choose.addEventListener("change", () => context.set({ procedure: choose.value, arguments: "" }, true));
+  words.addEventListener("change", () => context.set({ procedure: choose.value, arguments: words.value }, true));
+  place.append(
+    h(
+      "section",
+      { class: "card", id: "campaign" },
+      h("h2", {}, `Measure on ${facts.rig}`),
+      h("p", { class: "muted" }, facts.simulated ? "This rig is simulated inside its run." : `${facts.reached}: look at the rig before you start, and stay near.`),
+      h("div", { class: "bar" }, choose, words, button),
+      shown,
+    ),
+  );
+  if (context.query.get("procedure")) await ask();
+}
+
+function drawn(place, found, asked, context, facts) {
+  const canvas = h("canvas", { class: "curve", "aria-label": "set-points of the plan" });
+  const name = h("input", { type: "text", id: "out", "aria-label": "name of the run", value: proposed(asked().procedure) });
+  const fast = h("input", { type: "checkbox", id: "fast" });
+  const start = h("button", { type: "button", class: "main", id: "start", disabled: !mayMoveRig() || found.broken.length > 0 }, "Start");
+  start.addEventListener("click", async () => {
+    start.disabled = true;
+    try {
+      const begun = await post("/api/watch/start", { ...asked(), out: name.value.trim(), realtime: !fast.checked });
+      if (!fast.checked) await answers(begun.run);
+      context.go("watch", fast.checked ? {} : { live: begun.run }, context.run);
+    } catch (error) {
+      start.disabled = false;
+      complain(error);
+    }
+  });
+  const steps = h("tbody", {}, found.steps.slice(0, 200).map((step, k) => h("tr", {}, h("td", { class: "number" }, String(k)), h("td", { class: "number" }, `${step.at_s.toFixed(1)} s`), h("td", {}, step.kind), h("td", {}, what(step)))));
+  fill(
+    place,
+    h("p", { id: "plan-words" }, h("b", {}, `${found.count} steps, ${found.captures} captures, ${duration(found.duration_s)}`), found.stopped ? `; what follows depends on measurements: ${found.stopped}` : ""),
+    found.broken.length
+      ? h("div", { class: "wrong", id: "broken" }, h("b", {}, "It would break limits, so it does not start:"), h("ul", {}, found.broken.slice(0, 8).map((text) => h("li", {}, text))))
+      : h("p", { class: "right-so" }, `Every set-point lies within the limits: ${limits(found.limits)}.`),
+    canvas,
+    legend(found.limits.map(([chamber], c) => [chamber, COLOURS[c % COLOURS.length]])),
+    h("details", {}, h("summary", {}, "steps"), h("table", {}, h("thead", {}, h("tr", {}, ["step", "at", "", ""].map((text) => h("th", {}, text)))), steps)),
+    command(found.command),
+    h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, start, mayMoveRig() ? null : h("span", { class: "muted" }, "only the page that `labrig workbench --rig` opened moves the rig")),
+  );
+  const acts = found.steps.filter((step) => step.kind === "actuate" || step.kind === "vent");
+  const series = found.limits.map(([chamber], c) => ({
+    name: chamber,
+    colour: COLOURS[c % COLOURS.length],
+    time: [...acts.map((step) => step.at_s), found.duration_s],
+    value: [...acts.map((step) => step.pressure_kpa?.[c] ?? 0), 0],
+    stairs: true,
+  }));
+  draw(canvas, series, { low: Math.min(0, ...found.limits.map(([, low]) => low)), label: () => "0 s; kPa", now: duration(found.duration_s) });
+}
+
+const what = (step) =>
+  step.pressure_kpa ? `${step.pressure_kpa.map((value) => number(value)).join("  ")} kPa` : step.duration_s ? `${number(step.duration_s)} s` : step.text || "";
+
+function limits(all) {
+  const texts = new Set(all.map(([, low, high, slew]) => `${number(low)} to ${number(high)} kPa, at most ${number(slew)} kPa/s`));
+  return texts.size === 1 ? `${[...texts][0]} in each chamber` : all.map(([name, low, high]) => `${name} ${number(low)} to ${number(high)} kPa`).join(", ");
+}
+
+function proposed(procedure) {
+  const now = new Date();
+  const two = (value) => String(value).padStart(2, "0");
+  const stem = procedure.split("/").pop().replace(/\.(yaml|yml|py)$/, "");
+  return `runs/${now.getFullYear()}${two(now.getMonth() + 1)}${two(now.getDate())}-${two(now.getHours())}${two(now.getMinutes())}${two(now.getSeconds())}-${stem}`;
+}

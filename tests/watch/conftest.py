@@ -1,0 +1,231 @@
+"""A rig that speaks the real devices' bytes, whose true pressures a test can see, and a workbench opened for it."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from drivers import RealClock
+from drivers.simulated import build_plant
+from drivers.simulated._twins import TwinOptions, TwinRig
+
+pytest.importorskip("starlette")
+pytest.importorskip("uvicorn")
+
+SLOW_S = 40.0
+
+
+@dataclass
+class Rig:
+    """The twins of a rig, and what is true of their chambers."""
+
+    file: Path
+    twins: TwinRig
+
+    @property
+    def highest_kpa(self) -> float:
+        """The highest true pressure of a chamber now."""
+        return float(abs(self.twins.plant.pressure_kpa()).max())
+
+    def wait_above(self, pressure_kpa: float) -> None:
+        """Wait until some chamber holds more."""
+        wait(lambda: self.highest_kpa > pressure_kpa, "no chamber was filled")
+
+
+def wait(condition: Callable[[], Any], what: str, seconds: float = SLOW_S) -> Any:
+    """Wait until a condition holds, and give back what it gave."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if result := condition():
+            return result
+        time.sleep(0.05)
+    raise AssertionError(f"{what}, after {seconds:g} s")
+
+
+@pytest.fixture
+def until() -> Callable[..., Any]:
+    """Waits for something."""
+    return wait
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Iterator[Rig]:
+    """The reduced mannequin behind an OpenPneu twin and a motion capture server."""
+    content = {"name": "bench", "simulated": {"surface": "mannequin", "seed": 1, "occlusion": 0.0}}
+    plant = build_plant(content, tmp_path)
+    folder = tmp_path / "desk"
+    folder.mkdir()
+    options = TwinOptions(boot_s=0.0, rate_hz=50.0)
+    with TwinRig(plant, "bench", folder, RealClock(), options) as twins:
+        described = {key: value for key, value in twins.rig.items() if key != "scanner"}
+        described["safety"] = {"heartbeat_s": 1.0, "vent_patience_s": 20.0}
+        file = folder / "rig.yaml"
+        file.write_text(yaml.safe_dump(described), encoding="utf-8")
+        yield Rig(file, twins)
+
+
+@dataclass
+class Bench:
+    """A `labrig workbench` in a process of its own, and a way to ask it as its page does."""
+
+    process: Any
+    address: str
+    folder: Path
+    rig_token: str = field(init=False, repr=False)
+    token: str = field(init=False, repr=False)
+    origin: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.origin, _, secrets = self.address.partition("/?token=")
+        self.token, _, self.rig_token = secrets.partition("#rig=")
+
+    @classmethod
+    def of(cls, running: Any) -> "Bench":
+        """A workbench that runs in this process."""
+        return cls(None, running.address, running.desk.folder)
+
+    def ask(self, path: str, body: dict[str, Any] | None = None, rig: bool = True) -> Any:
+        """GET, or POST with a body; `(status, content)`."""
+        headers = {"x-labrig-token": self.token, "content-type": "application/json"}
+        if rig:
+            headers["x-labrig-rig"] = self.rig_token
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(self.origin + path, data=data, headers=headers)
+        try:
+            with urllib.request.urlopen(request, timeout=30) as answer:
+                return answer.status, json.loads(answer.read())
+        except urllib.error.HTTPError as error:
+            return error.code, json.loads(error.read())
+
+    def vent_address(self) -> str:
+        """Where its vent button is."""
+        vent = self.ask("/api/watch/rig")[1]["vent"]
+        return f"http://127.0.0.1:{vent['port']}/{vent['key']}/"
+
+    def start(self, name: str, *arguments: object) -> str:
+        """Begin a run; gives its name."""
+        body = {"procedure": "capture", "arguments": list(map(str, arguments)), "out": name}
+        status, content = self.ask("/api/watch/start", body)
+        assert status == 202, content
+        return str(content["run"])
+
+    def now(self, run: str, **more: Any) -> dict[str, Any]:
+        """How a run stands."""
+        query = "&".join(f"{key}={value}" for key, value in {"run": run, **more}.items())
+        return self.ask(f"/api/watch/now?{query}")[1]
+
+    def live(self, run: str) -> dict[str, Any]:
+        """Wait until a run answers."""
+
+        def state() -> dict[str, Any] | None:
+            found = self.now(run)
+            return found if found.get("live") and found.get("position_mm") else None
+
+        return wait(state, "the run does not answer")
+
+    def stop(self) -> str:
+        """Ctrl-C; what it said."""
+        self.process.send_signal(signal.SIGINT)
+        return self.process.communicate(timeout=30)[0]
+
+
+def press(address: str) -> str:
+    """Press the vent button, and look until it has said how that ended."""
+    posted = urllib.request.Request(address + "vent", data=b"", method="POST")
+    with urllib.request.urlopen(posted, timeout=30) as answer:
+        text = answer.read().decode()
+    end = time.monotonic() + SLOW_S
+    while "venting" in text and time.monotonic() < end:
+        time.sleep(0.2)
+        with urllib.request.urlopen(address, timeout=30) as answer:
+            text = answer.read().decode()
+    return text
+
+
+@pytest.fixture
+def press_vent() -> Callable[[str], str]:
+    """Presses the button at an address and gives the page that says how it ended."""
+    return press
+
+
+@pytest.fixture
+def bench_class() -> type[Bench]:
+    """Asks a workbench as its page does."""
+    return Bench
+
+
+@pytest.fixture
+def bench(rig: Rig) -> Iterator[Bench]:
+    """The workbench of the rig's folder."""
+    folder = rig.file.parent
+    command = [
+        sys.executable,
+        "-m",
+        "labrig",
+        "workbench",
+        str(folder),
+        "--rig",
+        str(rig.file),
+        "--no-browser",
+    ]
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+    bench = Bench(process, _address(process), folder)
+    yield bench
+    if process.poll() is None:
+        with contextlib.suppress(ProcessLookupError):
+            process.send_signal(getattr(signal, "SIGCONT", signal.SIGTERM))
+        process.terminate()
+        process.communicate(timeout=30)
+    if process.stdout is not None:
+        process.stdout.close()
+    _end_runs(folder)
+
+
+def _address(process: subprocess.Popen[str]) -> str:
+    assert process.stdout is not None
+    for line in process.stdout:
+        if line.strip().startswith("http://"):
+            return line.strip()
+    raise AssertionError("the workbench did not start")
+
+
+def _end_runs(folder: Path) -> None:
+    """No run outlives its test."""
+    from labrig import LabrigError
+    from labrig._running import notes
+
+    def going() -> list[Any]:
+        return [n for what in ("run", "guard") for n in notes(what) if str(folder) in json.dumps(n.facts)]
+
+    for note in going():
+        with contextlib.suppress(LabrigError):
+            note.ask("end", 2.0, why="the test is over")
+    wait(lambda: not any(_alive(note) for note in going()), "a run goes on", 20.0)
+
+
+def _alive(note: Any) -> bool:
+    from labrig import LabrigError
+
+    try:
+        note.ask("nothing", 2.0)
+    except LabrigError as error:
+        return "ended" not in str(error)
+    return True

@@ -1,0 +1,113 @@
+"""What to measure next, and two models on one run: jobs whose results lie in files, read by the page."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import labrig
+from labrig.workbench import open_desk, start
+
+RIG = """
+name: small
+chambers: [{name: c1, max_kpa: 60}, {name: c2, max_kpa: 60}, {name: c3, max_kpa: 60}, {name: c4, max_kpa: 60}]
+pressure: {kind: simulated}
+mocap: {kind: simulated}
+simulated: {surface: membrane, occlusion: 0.0}
+"""
+MODEL = """
+import numpy as np
+
+SLOPE = np.array({slope})
+
+
+def predict(actuation):
+    return np.hstack([np.ones((len(actuation), 1)), actuation]) @ SLOPE + {off}
+"""
+
+
+@pytest.fixture
+def asked(tmp_path: Path, bench_class: Any) -> Iterator[Any]:
+    """A workbench in this process, on a run of a simulated rig and two models, one a millimetre worse."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text(RIG, encoding="utf-8")
+    labrig.run("capture", rig, out=tmp_path / "runs" / "run", captures=16)
+    run = labrig.open_run(tmp_path / "runs" / "run")
+    position = run["position_mm"].mean("time").values.reshape(16, -1)
+    pressure = np.hstack([np.ones((16, 1)), run["commanded"].values])
+    slope = np.linalg.lstsq(pressure, position, rcond=None)[0].tolist()
+    for name, off in (("better", 0.0), ("worse", 9.0)):
+        (tmp_path / f"{name}.py").write_text(MODEL.format(slope=slope, off=off), encoding="utf-8")
+        content = f"base: {{kind: python, file: {name}.py, function: predict}}\neffects: []\n"
+        (tmp_path / f"{name}.yaml").write_text(content, encoding="utf-8")
+    running = start(open_desk(tmp_path, rig))
+    yield bench_class.of(running)
+    assert running.desk.jobs.wait(30)
+    running.stop()
+
+
+def test_two_models_on_one_run(asked: Any, until: Any) -> None:
+    """The comparison is a command, its result a file, and the page is told which model is nearer and by how much."""
+    query = "/api/versus?run=runs/run&a=worse.yaml&b=better.yaml"
+    before = asked.ask(query)[1]
+    assert before["found"] is None
+    assert before["command"].startswith(
+        "labrig compare runs/run --model worse.yaml --model better.yaml --out "
+    )
+    status, job = asked.ask("/api/versus", {"run": "runs/run", "a": "worse.yaml", "b": "better.yaml"})
+    assert status == 202
+    until(lambda: asked.ask(f"/api/jobs/{job['job']}")[1]["state"] != "running", "the job does not end")
+    found = asked.ask(query)[1]["found"]
+    assert found["better"] == "better"
+    assert found["difference"]["low"] > 0
+    assert found["error"]["worse"] ** 2 == pytest.approx(found["error"]["better"] ** 2 + 81.0, rel=0.05)
+    status, content = asked.ask("/api/versus?run=runs/run&a=better.yaml&b=better.yaml")
+    assert status == 400
+    assert "two models" in content["error"]
+
+
+def test_what_to_measure_next_becomes_a_plan(asked: Any, until: Any) -> None:
+    """The programme that `labrig next` finds is shown with its minutes, and can be run as it is."""
+    query = "/api/next?run=runs/run&model=better.yaml&minutes=3"
+    before = asked.ask(query)[1]
+    assert before["found"] is None
+    assert "--minutes 3 " in before["command"]
+    status, job = asked.ask("/api/next", {"run": "runs/run", "model": "better.yaml", "minutes": 3})
+    assert status == 202
+    until(lambda: asked.ask(f"/api/jobs/{job['job']}")[1]["state"] != "running", "the job does not end", 100)
+    ended = asked.ask(f"/api/jobs/{job['job']}")[1]
+    after = asked.ask(query)[1]
+    if ended["state"] == "failed":
+        pytest.fail(ended["output"])
+    assert 0 < after["found"]["minutes"] <= 3.5
+    assert after["procedure"] in asked.ask("/api/watch/rig")[1]["files"]
+    plan = asked.ask("/api/watch/plan", {"procedure": after["procedure"]})[1]
+    assert plan["broken"] == []
+    assert plan["duration_s"] == pytest.approx(60 * after["found"]["minutes"], rel=0.01)
+
+
+def test_a_run_on_a_simulated_clock_is_over_at_once(asked: Any, until: Any) -> None:
+    """`as fast as it goes`: nothing to watch, the run is there when its job is done."""
+    body = {"procedure": "capture", "arguments": ["--captures", "5"], "out": "runs/fast", "realtime": False}
+    status, content = asked.ask("/api/watch/start", body)
+    assert status == 202
+    assert "--realtime" not in content["command"]
+    until(lambda: asked.ask(f"/api/jobs/{content['job']}")[1]["state"] == "done", "it does not end")
+    assert asked.now("runs/fast")["captures"] == 5
+
+
+def test_a_rig_that_is_simulated_inside_its_run_is_vented_by_it(
+    asked: Any, until: Any, press_vent: Any
+) -> None:
+    """There is no link to open: the run ends, and says what its chambers read."""
+    body = {"procedure": "capture", "arguments": ["--captures", "50", "--settle-s", "1"], "out": "runs/slow"}
+    assert asked.ask("/api/watch/start", body)[0] == 202
+    asked.live("runs/slow")
+    until(lambda: max(asked.now("runs/slow")["measured_kpa"]) > 10, "no chamber was filled")
+    text = press_vent(asked.vent_address())
+    assert "vented, confirmed" in text
+    assert "by the run" in text
+    until(lambda: not asked.now("runs/slow")["live"], "the run goes on")
+    assert asked.now("runs/slow")["vented"] is True

@@ -1,0 +1,123 @@
+"""Watch in a real browser: a campaign from its plan to its end, and the vent while the page hangs."""
+
+import os
+import shutil
+import signal
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from labrig.log import summarise
+
+CHROMIUM = shutil.which("chromium")
+sync_api = pytest.importorskip("playwright.sync_api")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+
+LONG = "--captures 80 --settle-s 1 --record-s 0.5"
+PLACE = {"width": 1280, "height": 900}
+BUTTON = (80, PLACE["height"] - 30)
+
+
+@pytest.fixture
+def page(bench: Any) -> Iterator[Any]:
+    """The page as `labrig workbench` opens it; errors in its console fail the test."""
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        page = browser.new_context(viewport=PLACE).new_page()
+        wrong: list[str] = []
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+        page.goto(bench.address)
+        page.wait_for_selector("#campaign")
+        yield page
+        browser.close()
+    assert [text for text in wrong if "ERR_" not in text and "Failed to load" not in text] == []
+
+
+def _begin(page: Any) -> str:
+    """Plan and start a campaign; gives its name."""
+    page.select_option("#procedure", "capture")
+    page.fill("#arguments", LONG)
+    page.press("#arguments", "Tab")
+    page.click("#show-plan")
+    page.wait_for_selector("#plan-words")
+    name = page.input_value("#out")
+    page.click("#start")
+    page.wait_for_selector(".live-run", timeout=40_000)
+    return name
+
+
+def _vent_frame(page: Any) -> Any:
+    return next(frame for frame in page.frames if "/?theme=" in frame.url)
+
+
+def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -> None:
+    """Plan, start, watch, reload in the middle, pause, go on, end: each by a click, and each true of the rig."""
+    page.select_option("#procedure", "capture")
+    page.fill("#arguments", LONG)
+    page.press("#arguments", "Tab")
+    page.click("#show-plan")
+    assert "80 captures" in page.inner_text("#plan-words")
+    assert "--dry-run" in page.inner_text("#plan .command")
+    assert rig.highest_kpa < 1.0
+    run = _begin(page)
+    page.wait_for_selector(".surface canvas", timeout=40_000)
+    assert page.locator("canvas.curve").count() == 2
+    page.reload()
+    page.wait_for_selector(".live-run")
+    rig.wait_above(10.0)
+    page.click("#pause")
+    page.wait_for_selector(".state.waiting:has-text('paused, vented')", timeout=20_000)
+    until(lambda: rig.highest_kpa < 3.0, "the pause does not vent")
+    page.click("#pause")
+    rig.wait_above(10.0)
+    page.click("#end")
+    page.click("#end")
+    page.wait_for_selector("#over", timeout=20_000)
+    assert rig.highest_kpa < 3.0
+    assert "the workbench" in summarise(bench.folder / run).state
+
+
+def test_vent_while_the_page_hangs(bench: Any, rig: Any, page: Any, until: Any) -> None:
+    """The button is a process of the browser's own: a script of the page that never ends does not reach it."""
+    run = _begin(page)
+    rig.wait_above(10.0)
+    frame = _vent_frame(page)
+    page.evaluate("setTimeout(() => { const end = Date.now() + 15000; while (Date.now() < end); }, 50)")
+    page.wait_for_timeout(300)
+    page.mouse.click(*BUTTON)
+    frame.wait_for_selector("b.good", timeout=10_000)
+    assert rig.highest_kpa < 3.0
+    said = frame.inner_text("ul")
+    assert all(channel.name in said for channel in rig.twins.plant.channels)
+    until(lambda: not bench.now(run)["live"], "the run goes on")
+    assert "the vent button" in summarise(bench.folder / run).state
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="POSIX only")
+def test_vent_with_the_workbench_stopped(bench: Any, rig: Any, page: Any) -> None:
+    """The button asks another server than the page does."""
+    _begin(page)
+    rig.wait_above(10.0)
+    frame = _vent_frame(page)
+    os.kill(bench.process.pid, signal.SIGSTOP)
+    try:
+        page.mouse.click(*BUTTON)
+        frame.wait_for_selector("b.good", timeout=10_000)
+        assert rig.highest_kpa < 3.0
+    finally:
+        os.kill(bench.process.pid, signal.SIGCONT)
+
+
+def test_the_button_is_on_every_step(bench: Any, page: Any) -> None:
+    """Also where no run is chosen, and on a page that was not opened for the rig."""
+    for step in ("choose", "watch"):
+        page.goto(f"{bench.origin}/#/{step}")
+        page.wait_for_selector("#vent iframe")
+    other = page.context.new_page()
+    other.goto(f"{bench.origin}/#/watch")
+    other.wait_for_selector("#vent iframe")
+    other.click("#show-plan")
+    other.wait_for_selector("#plan-words")
+    assert other.is_disabled("#start")

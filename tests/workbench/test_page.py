@@ -1,0 +1,229 @@
+"""The workbench in a real browser: from a dropped table to a lower error, and what may go wrong on the way."""
+
+import json
+
+import pytest
+
+from labrig._yaml import read_yaml
+
+pytestmark = pytest.mark.usefixtures("browser")
+
+
+@pytest.fixture
+def drop(tmp_path, table, table_mapping):
+    """Drops a table on a page, says what its columns mean, and makes a run of it."""
+
+    def dropping(page, name, seed, **settings):
+        page.goto(page.url.split("#")[0] + "#/choose")
+        page.set_input_files("input[type=file]", table(tmp_path / f"{name}.csv", seed, **settings))
+        page.fill("textarea", table_mapping)
+        page.click("[data-import]")
+        _at(page, f"#/run/{name}/compare")
+
+    return dropping
+
+
+def _at(page, part):
+    """Wait until a part of the address is this; the page's own policy forbids conditions as texts."""
+    for _ in range(800):
+        if part in page.url:
+            return
+        page.wait_for_timeout(50)
+    raise AssertionError(page.url)
+
+
+def _error(page):
+    """The error of the run that is compared, as the page shows it."""
+    page.wait_for_selector("[data-drawn]")
+    return float(page.inner_text(".figure.error b").split()[0])
+
+
+@pytest.mark.slow
+def test_the_whole_way_by_clicks(open_page, bench, drop, make_run):
+    """From a dropped table over compare, where, which and add to a lower error on a run that was not fitted."""
+    folder = bench.desk.folder
+    page = open_page()
+    drop(page, "first", 0, captures=24, rows=3)
+    page.click("[data-base=straight]")
+    before = _error(page)
+    page.click("text=Where does it fail?")
+    page.wait_for_selector(".panels .chart .main-svg")
+    page.click("text=Which effect is it?")
+    page.click("[data-start=diagnose]")
+    page.wait_for_selector(".effect.sure")
+    assert page.inner_text(".effect.sure b") == "creep"
+    found = json.loads((folder / "first" / "first-model" / "diagnosis.json").read_text())
+    assert found["effects"] == ["creep"]
+    page.click("text=Add it and watch the error fall")
+    page.wait_for_selector("[data-refined=true]")
+    assert "+  value: " in page.inner_text(".diff") or "creep" in page.inner_text(".diff")
+    page.click("[data-save]")
+    page.wait_for_selector("[data-saved]")
+    model = read_yaml(folder / "first-model.improved.yaml", "model")
+    assert [entry["name"] for entry in model["effects"]] == ["creep"]
+    assert before > 0.1
+    make_run("fresh", seed=7, captures=24, rows=3)
+    errors = {}
+    for name in ("first-model.yaml", "first-model.improved.yaml"):
+        page.evaluate("hash => location.hash = hash", f"#/run/fresh/compare?model={name}")
+        page.wait_for_selector(f"#about option[value='{name}'][selected]", state="attached")
+        page.wait_for_selector(".figures")
+        errors[name] = _error(page)
+    assert errors["first-model.improved.yaml"] < 0.8 * errors["first-model.yaml"]
+
+
+def test_a_wrong_token_shows_no_page(browser, bench):
+    """Who has a wrong token sees one line that says so, and nothing of the folder."""
+    page = browser.new_page()
+    page.goto(f"http://127.0.0.1:{bench.port}/?token=wrong")
+    assert "token" in page.inner_text("body")
+    assert str(bench.desk.folder) not in page.content()
+    page.close()
+
+
+def test_another_site_in_the_same_browser_gets_nothing(open_page, bench, make_run):
+    """A page of another origin in the browser that has the cookie can read and change nothing."""
+    run = make_run(captures=10)
+    page = open_page()
+    other = page.context.new_page()
+    other.goto("data:text/html,<p>elsewhere</p>")
+    asked = """async ([address, run]) => {
+        const of = (options) => fetch(address + (options ? "tag" : "runs"), options).then((a) => a.status, () => "no");
+        const body = JSON.stringify({run, tags: ["x"]});
+        return [await of(), await of({method: "POST", mode: "no-cors", credentials: "include", body})];
+    }"""
+    assert other.evaluate(asked, [f"http://127.0.0.1:{bench.port}/api/", run])[0] == "no"
+    assert not (bench.desk.folder / run / "notes.yaml").exists()
+
+
+def test_reloading_in_the_middle_of_a_job_loses_nothing(open_page, make_run):
+    """A page that is loaded again while a diagnosis runs shows it still running, and then what it found."""
+    run = make_run()
+    page = open_page()
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    _error(page)
+    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+    page.click("[data-start=diagnose]")
+    page.wait_for_selector(".empty progress")
+    page.reload()
+    page.wait_for_selector(".empty progress")
+    page.wait_for_selector(".effect.sure")
+
+
+def test_a_job_is_cancelled_from_the_page(open_page, make_run, bench):
+    """Cancel ends the work, and the page says so and offers it again."""
+    run = make_run()
+    page = open_page()
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    _error(page)
+    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+    page.click("[data-start=diagnose]")
+    page.wait_for_selector(".empty progress")
+    page.click(".empty [data-cancel]")
+    page.wait_for_selector("text=The last one was cancelled")
+    page.wait_for_selector("[data-start=diagnose]")
+    assert bench.desk.jobs.all()[0].state == "cancelled"
+    assert not (bench.desk.folder / run / "model" / "diagnosis.json").exists()
+
+
+def test_two_pages_agree(open_page, make_run):
+    """Work begun on one page is seen on another, and its result appears on both."""
+    run = make_run()
+    pages = [open_page(), open_page()]
+    pages[0].evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    _error(pages[0])
+    for page in pages:
+        page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+        page.wait_for_selector("[data-start=diagnose]")
+    pages[0].click("[data-start=diagnose]")
+    pages[1].wait_for_selector("#jobs.busy")
+    for page in pages:
+        page.wait_for_selector(".effect.sure")
+    assert pages[0].inner_text("h1") == pages[1].inner_text("h1")
+
+
+def test_every_state_has_an_address_and_back_works(open_page, make_run):
+    """A link leads to a run, a marker and an effect, and the browser's way back passes the same states."""
+    run = make_run()
+    page = open_page()
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    _error(page)
+    page.click("text=Where does it fail?")
+    page.click('.bars [data-bar^="marker|"]')
+    _at(page, "kind=marker")
+    marker = page.url
+    page.wait_for_selector("h2:has-text('Marker m')")
+    page.go_back()
+    page.wait_for_selector("h2:has-text('The whole run')")
+    page.goto("about:blank")
+    page.goto(marker)
+    page.wait_for_selector("h2:has-text('Marker m')")
+
+
+def test_the_keyboard_is_enough(open_page, make_run):
+    """Steps are opened with Alt and their number, and captures stepped through with the arrows."""
+    run = make_run()
+    page = open_page()
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    _error(page)
+    page.keyboard.press("ArrowRight")
+    _at(page, "capture=")
+    first = page.inner_text("h2.which")
+    page.keyboard.press("ArrowRight")
+    assert page.inner_text("h2.which") != first
+    page.keyboard.press("Alt+3")
+    _at(page, "/where")
+    page.keyboard.press("Alt+1")
+    page.wait_for_selector(f"[data-run='{run}']")
+
+
+def test_the_scale_of_colours_is_dragged(open_page, make_run):
+    """The scale stays as it is from capture to capture, and is dragged by its ends."""
+    run = make_run()
+    page = open_page()
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    _error(page)
+    ends = page.inner_text(".scale .ends")
+    page.click(".captures li:nth-child(2) button")
+    assert page.inner_text(".scale .ends") == ends
+    box = page.locator(".handle").nth(1).bounding_box()
+    page.mouse.move(box["x"] + 7, box["y"] + 10)
+    page.mouse.down()
+    page.mouse.move(box["x"] - 40, box["y"] + 10)
+    page.mouse.up()
+    _at(page, "scale=")
+    assert page.inner_text(".scale .ends") != ends
+
+
+def test_runs_are_searched_and_tagged(open_page, make_run, bench):
+    """Runs are found by words of their names and tags, and tags are put on and taken off."""
+    for name in ("monday", "tuesday"):
+        make_run(name, captures=10)
+    page = open_page()
+    page.reload()
+    page.click("[aria-label='tag monday']")
+    page.keyboard.type("good")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("[data-run=monday] .tag")
+    page.fill("input[type=search]", "good")
+    page.wait_for_selector("[data-run=tuesday]", state="detached")
+    page.click("[data-run=monday] .tag")
+    page.wait_for_selector("text=0 of 2 runs")
+    assert "good" not in (bench.desk.folder / "monday" / "notes.yaml").read_text()
+
+
+def test_an_effect_that_does_not_help_says_so(open_page, make_run, ask):
+    """An effect that is switched on and lowers nothing is marked, and is saved only all the same."""
+    run = make_run()
+    page = open_page()
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    _error(page)
+    ask("/api/which", {"run": run, "model": "model.yaml"})
+    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+    page.wait_for_selector(".effect.sure")
+    page.click("text=Add it and watch the error fall")
+    page.wait_for_selector("[data-refined=true]")
+    page.check("[data-effect=delay]")
+    page.wait_for_selector("[data-note=delay].useless")
+    page.wait_for_selector("text=delay does not help beside the others")
+    assert page.inner_text("[data-save]") == "Save all the same"
