@@ -77,7 +77,7 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
         >>> found.effects["effect"][0]
         'creep'
     """
-    from labrig import diagnosis
+    from labrig import diagnosis, experiment
     from labrig.api._inputs import names_of
 
     if tolerance is not None and not tolerance > 0:
@@ -85,5 +85,5 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
     left_out = names_of(without, "an effect to leave out") if without else []
     opened, questioned = runs_of(runs), model_of(model)
     result = diagnosis.diagnose(opened, questioned, tolerance=tolerance, without=left_out)
-    diagnosis.plan_next(opened, questioned, result.summary)
+    experiment.plan_next(opened, questioned, result.summary)
     return Diagnosis(result)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from plotly.graph_objects import Figure
 
-    from labrig.diagnosis import Experiment
+    from labrig.experiment import Experiment
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,7 +111,7 @@ def propose_experiment(
     """
     import numpy as np
 
-    from labrig import diagnosis as core
+    from labrig import experiment as core
 
     limits = None
     if rig is not None:

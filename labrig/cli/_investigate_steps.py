@@ -153,7 +153,8 @@ def _experiment(
 ) -> Procedure | None:
     """The programme that would settle what is open; None where nothing is, or nothing would, or time is short."""
     from labrig.cli._next_steps import checked_plan, limits_of, print_experiment
-    from labrig.diagnosis import propose_experiment, write_json
+    from labrig.diagnosis import write_json
+    from labrig.experiment import propose_experiment
     from labrig.view import write_experiment
     from procedures import Programme
 

@@ -15,7 +15,7 @@ from labrig.cli._places import check_file, check_folder, replaced
 
 if TYPE_CHECKING:
     from labrig.campaign import Plan
-    from labrig.diagnosis import Experiment, Limits
+    from labrig.experiment import Experiment, Limits
     from labrig.rig import RigConfig
 
 
@@ -31,7 +31,8 @@ def do_next(
 ) -> None:
     """Write the procedure that settles what the diagnosis of the runs leaves open, and print why this one."""
     import labrig
-    from labrig.diagnosis import diagnose, propose_experiment, write_json
+    from labrig.diagnosis import diagnose, write_json
+    from labrig.experiment import propose_experiment
     from labrig.model import Model
     from labrig.rig import load_rig
     from labrig.view import write_experiment
@@ -71,7 +72,7 @@ def do_next(
 
 def limits_of(config: "RigConfig") -> "Limits":
     """What a rig allows, as the search for a programme takes it."""
-    from labrig.diagnosis import Limits
+    from labrig.experiment import Limits
 
     chambers = config.chambers
     return Limits(

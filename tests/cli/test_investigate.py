@@ -127,7 +127,7 @@ def test_what_the_next_programme_is_asked_to_settle(
     asked: str | None,
 ) -> None:
     """What is possible, once; where least is known, if nothing has a name or a name did not hold on fresh captures."""
-    from labrig import LabrigError, diagnosis
+    from labrig import LabrigError, diagnosis, experiment
     from labrig.cli import _investigate_steps as steps
 
     calls = []
@@ -136,7 +136,7 @@ def test_what_the_next_programme_is_asked_to_settle(
         calls.append(summary["verdict"])
         raise LabrigError("enough")
 
-    monkeypatch.setattr(diagnosis, "propose_experiment", propose)
+    monkeypatch.setattr(experiment, "propose_experiment", propose)
     settings = steps.Settings(tmp_path, tmp_path, 30.0, tmp_path, 0, 0.9, realtime=False)
     now = steps.Investigation(settings, rounds=[{"programme": p, "verdict": verdict} for p in rounds])
     monkeypatch.setattr(steps.Investigation, "opened", lambda _: [])
