@@ -42,11 +42,7 @@ class Diagnosis(Answer):
 
         `size_sd` in `units`, `size_floors` and `size_sd_floors` in noise floors.
         """
-        from pandas import DataFrame
-
-        columns = ["effect", "call", "probability", "size", "size_sd", "size_floors", "size_sd_floors"]
-        table = DataFrame(self.summary["effects_considered"], columns=columns)
-        return table.sort_values("probability", ascending=False, ignore_index=True)
+        return effects_table(self.summary)
 
     @property
     def improved(self) -> "Model | None":
@@ -56,6 +52,15 @@ class Diagnosis(Answer):
     def _html_more(self) -> str:
         shown = self.effects[self.effects["probability"] >= 0.1]
         return shown.to_html(index=False, float_format="{:.2g}".format, border=0) if len(shown) else ""
+
+
+def effects_table(summary: dict[str, Any]) -> "DataFrame":
+    """Every effect that a diagnosis (the content of diagnosis.json) considered, the most probable first."""
+    from pandas import DataFrame
+
+    columns = ["effect", "call", "probability", "size", "size_sd", "size_floors", "size_sd_floors"]
+    table = DataFrame(summary["effects_considered"], columns=columns)
+    return table.sort_values("probability", ascending=False, ignore_index=True)
 
 
 def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: Any = ()) -> Diagnosis:

@@ -9,9 +9,7 @@ from labrig._errors import LabrigError
 from labrig.api._inputs import Place, rig_of
 
 if TYPE_CHECKING:
-    from drivers import Clock
     from labrig.campaign import Procedure, Progress
-    from labrig.rig import RigConfig
 
 
 def run(
@@ -50,7 +48,7 @@ def run(
         20
     """
     from labrig import campaign
-    from labrig.rig import connect
+    from labrig.rig import clock_of, connect
 
     config = rig_of(rig)
     chosen = _procedure(procedure, parameters)
@@ -75,15 +73,6 @@ def _procedure(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedu
         return given
     kind = find_procedure(str(given))
     return check_fields(kind, parameters, f"procedure {given}")
-
-
-def clock_of(config: "RigConfig", realtime: bool) -> "Clock":
-    """A rig that is simulated in this process needs no waiting."""
-    from drivers import RealClock, SimulatedClock
-
-    kinds = {device.kind for device in config.devices.values() if device is not None}
-    here = kinds == {"simulated"} and not realtime
-    return SimulatedClock(RealClock().now_s()) if here else RealClock()
 
 
 def new_folder(procedure: "Procedure") -> Path:

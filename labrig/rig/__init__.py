@@ -1,6 +1,7 @@
 """The rig: rig.yaml, the devices it names, and what keeps it safe."""
 
 from labrig.rig._chambers import Filling, Fillings, fill_in_turn
+from labrig.rig._clock import clock_of, is_simulated
 from labrig.rig._config import (
     ChamberConfig,
     DeviceConfig,
@@ -28,9 +29,11 @@ __all__ = [
     "SafetyConfig",
     "chamber_findings",
     "check_unattended",
+    "clock_of",
     "connect",
     "device_makers",
     "fill_in_turn",
+    "is_simulated",
     "load_rig",
     "parse_rig",
     "swapped_markers",

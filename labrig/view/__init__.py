@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from labrig.view._naming import effect_rows, names_in_short
     from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
-    from labrig.view._pictures import pictures_of
+    from labrig.view._pictures import investigation_pictures, pictures_of
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
@@ -34,6 +34,7 @@ _LAZY = {
     "Lines": "_words",
     "LiveView": "_live",
     "Viewer": "_viewer",
+    "investigation_pictures": "_pictures",
     "live_observers": "_live",
     "live_predict": "_predict",
     "Note": "_words",
@@ -60,6 +61,7 @@ __all__ = [
     "chamber_outlines",
     "colour_legend",
     "effect_rows",
+    "investigation_pictures",
     "legend_picture",
     "live_observers",
     "live_predict",
