@@ -7,16 +7,24 @@ if TYPE_CHECKING:
     from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._ik_report import write_ik_report
+    from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
     from labrig.view._naming import effect_rows, names_in_short
     from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
-    from labrig.view._pictures import investigation_pictures, pictures_of
+    from labrig.view._pictures import pictures_of
     from labrig.view._predict import live_predict
     from labrig.view._recording import write_recording
     from labrig.view._report import write_report
     from labrig.view._surface_figure import surface_figure
+    from labrig.view._training_report import (
+        Table,
+        forward_table,
+        sim2real_table,
+        write_forward_report,
+        write_sim2real_report,
+    )
     from labrig.view._validation_report import write_validation
     from labrig.view._values import value_lines
     from labrig.view._viewer import Viewer, screenshot, start_viewer
@@ -33,8 +41,13 @@ _LAZY = {
     "value_lines": "_values",
     "Lines": "_words",
     "LiveView": "_live",
+    "Table": "_training_report",
+    "forward_table": "_training_report",
+    "sim2real_table": "_training_report",
+    "write_forward_report": "_training_report",
+    "write_sim2real_report": "_training_report",
     "Viewer": "_viewer",
-    "investigation_pictures": "_pictures",
+    "investigation_pictures": "_investigation_figures",
     "live_observers": "_live",
     "live_predict": "_predict",
     "Note": "_words",
@@ -57,10 +70,12 @@ __all__ = [
     "Lines",
     "LiveView",
     "Note",
+    "Table",
     "Viewer",
     "chamber_outlines",
     "colour_legend",
     "effect_rows",
+    "forward_table",
     "investigation_pictures",
     "legend_picture",
     "live_observers",
@@ -70,17 +85,20 @@ __all__ = [
     "pictures_of",
     "programme_figure",
     "screenshot",
+    "sim2real_table",
     "start_viewer",
     "summary_words",
     "surface_explorer",
     "surface_figure",
     "value_lines",
     "write_experiment",
+    "write_forward_report",
     "write_ik_report",
     "write_investigation",
     "write_picture",
     "write_recording",
     "write_report",
+    "write_sim2real_report",
     "write_validation",
 ]
 

@@ -2,15 +2,13 @@
 
 from collections.abc import Callable
 from functools import partial
-from itertools import accumulate
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from labrig.view._colours import floor_for_colours
 from labrig.view._fields import Cloud, Floats, cloud, skin
 from labrig.view._figures import FONT, Figure, _layout, fit, over_captures
 from labrig.view._outlines import chamber_outlines
 from labrig.view._signature_figure import signature
-from labrig.view._style import AFTER, FLOOR
 from labrig.view._surface_figure import surface_figure
 from labrig.view._waterfall import _colour, _meaning
 from labrig.view._words import has_improved
@@ -61,37 +59,3 @@ def _error(steps: list[tuple[str, float]], units: str) -> Figure:
     }
     title = {"title": {"text": f"error, {units} rms", "font": FONT}}
     return {"data": [bars], "layout": _layout(yaxis=title, showlegend=False)}
-
-
-def investigation_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Figure]]:
-    """What can be drawn of an investigation (the content of investigation.json), as `pictures_of` does of a result.
-
-    `rounds` (error and noise floor after each round, over the time on the rig) and `error` (from the model to the
-    noise, with all runs).
-    """
-    pictures: dict[str, Callable[[], Figure]] = {"rounds": partial(_rounds, content)}
-    if steps := [(str(name), float(value)) for name, value in content["waterfall"] if value is not None]:
-        pictures["error"] = partial(_error, steps, str(content["units"]))
-    return pictures
-
-
-def _rounds(content: dict[str, Any]) -> Figure:
-    rounds = content["rounds"]
-    minutes = list(accumulate(each["minutes"] for each in rounds))
-    names = [f"{each['round']}: {each['programme']}, {each['verdict']}" for each in rounds]
-    lines: list[Figure] = [
-        {
-            "type": "scatter",
-            "mode": "lines+markers",
-            "name": {"model": "error with what was found", "floor": "what repeats differ by"}[key],
-            "x": minutes,
-            "y": [each["error"][key] for each in rounds],
-            "hovertext": names,
-            "hoverinfo": "text+y",
-            "line": {"color": colour},
-        }
-        for key, colour in (("model", AFTER), ("floor", FLOOR))
-    ]
-    upright = {"title": {"text": f"error, {content['units']} rms", "font": FONT}, "rangemode": "tozero"}
-    across = {"title": {"text": "time on the rig, min", "font": FONT}}
-    return {"data": lines, "layout": _layout(xaxis=across, yaxis=upright)}
