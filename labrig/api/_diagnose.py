@@ -80,7 +80,7 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
         >>> found.verdict
         'identified'
         >>> found.effects["effect"][0]
-        'creep'
+        'hysteresis'
     """
     from labrig import diagnosis, experiment
     from labrig.api._inputs import names_of

@@ -44,7 +44,7 @@ def improve(runs: Any, model: Any, add: Any, *, force: bool = False) -> Improvem
         LabrigError: an effect does not exist, cannot act on these runs, is in the model already, or does not help.
 
     Example:
-        >>> better = labrig.improve("runs/first", "model.yaml", "creep")
+        >>> better = labrig.improve("runs/first", "model.yaml", "hysteresis")
         >>> better.error["model"] < better.error["base"]
         True
         >>> better.model.save("improved.yaml")

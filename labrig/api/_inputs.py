@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
+from labrig._paths import wrong
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -69,12 +70,3 @@ def names_of(given: Any, what: str) -> list[str]:
     if not names:
         raise LabrigError(f'{what}: none was named; give a name, such as "creep", or a list of names')
     return names
-
-
-def wrong(what: str, given: Any, wanted: str) -> LabrigError:
-    """The error for something of a type that is none of those wanted."""
-    kind = type(given)
-    named = (
-        kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__.split('.')[0]}.{kind.__name__}"
-    )
-    return LabrigError(f"{what} is needed, and a {named} was given: {wanted}")

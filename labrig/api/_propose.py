@@ -124,8 +124,12 @@ def propose_experiment(
             one of the runs.
 
     Example:
-        >>> next = labrig.propose_experiment("runs/first", "model.yaml", rig="rig.yaml")
-        >>> labrig.run("programme", "rig.yaml", out="runs/second", **next.procedure())
+        >>> next = labrig.propose_experiment("runs/on_off", "model.yaml", rig="rig.yaml", minutes=3)
+        >>> next.minutes < 3.5
+        True
+        >>> folder = labrig.run("programme", "rig.yaml", out="runs/second", **next.procedure())
+        >>> labrig.open_run(folder).sizes["capture"] == len(next.points)
+        True
     """
     from labrig import experiment as core
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
+from labrig._paths import wrong
 from labrig.api._inputs import Place, rig_of
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def run(
         DeviceError: a device failed, or the rig is no longer safe.
 
     Example:
-        >>> folder = labrig.run("capture", "rig.yaml", out="runs/first", captures=20)
+        >>> folder = labrig.run("capture", "rig.yaml", out="runs/night", captures=20)
         >>> labrig.open_run(folder).sizes["capture"]
         20
     """
@@ -71,6 +72,8 @@ def _procedure(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedu
                 f"{next(iter(parameters))}: a procedure that is made already takes no parameters"
             )
         return given
+    if not isinstance(given, str | Path):
+        raise wrong("a procedure", given, "its name, such as capture, a file, or one that is made already")
     kind = find_procedure(str(given))
     return check_fields(kind, parameters, f"procedure {given}")
 

@@ -63,7 +63,7 @@ def write_forward_report(trained: "Sequence[Trained]", output: str, folder: Path
     learning = Learning(
         f"Forward model: {first.errors['mean_mm']:.3f} mm on shapes it had not seen",
         f"Learned from {first.model.provenance['source']['simulations']}, written to {output}.",
-        [("Errors, mm, over all samples of the test shapes", *table)],
+        [("Errors, mm, over all samples of the test shapes", table.head, table.rows)],
         [
             "An error is the distance between the predicted and the simulated place of a sample of the surface.",
             "Intervals are of these distances: the share that lies within 1.96 standard deviations.",
@@ -119,7 +119,7 @@ def write_sim2real_report(trained: "TrainedWarp", run: str, method: str, output:
     learning = Learning(
         f"Fixed: {table.rows[-1][1]} mm at what was left out" if table.rows else "Fixed",
         f"Learned from {run} by {method}, {used}, {facts['scans']} scans; written to {output}.",
-        [("Errors, mm", *table)],
+        [("Errors, mm", table.head, table.rows)],
         [
             "Left out: a quarter of the set-points at a time, and by labrig's own methods a quarter of the places."
         ],
