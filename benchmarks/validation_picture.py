@@ -20,7 +20,7 @@ from PIL import Image
 
 from drivers import SimulatedClock
 from labrig.campaign import run
-from labrig.cli._validate_steps import report
+from labrig.cli._validate import report
 from labrig.rig import connect, load_rig
 from procedures import Validate
 

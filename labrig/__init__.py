@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from labrig.api._diagnose import Diagnosis, diagnose
     from labrig.api._ik import solve_ik
     from labrig.api._improve import Improvement, improve
+    from labrig.api._investigate import Investigation, investigate
     from labrig.api._learn import train_forward, train_sim2real
     from labrig.api._propose import Proposal, propose_experiment
     from labrig.api._run import run
@@ -41,6 +42,7 @@ _LAZY = {
     "DeviceError": "drivers",
     "Diagnosis": "labrig.api._diagnose",
     "Improvement": "labrig.api._improve",
+    "Investigation": "labrig.api._investigate",
     "Model": "labrig.model",
     "ModelComparison": "labrig.api._compare",
     "Proposal": "labrig.api._propose",
@@ -49,6 +51,7 @@ _LAZY = {
     "diagnose": "labrig.api._diagnose",
     "import_table": "labrig.api._table",
     "improve": "labrig.api._improve",
+    "investigate": "labrig.api._investigate",
     "load_rig": "labrig.rig",
     "open_run": "labrig.log",
     "propose_experiment": "labrig.api._propose",
@@ -65,6 +68,7 @@ __all__ = [
     "DeviceError",
     "Diagnosis",
     "Improvement",
+    "Investigation",
     "LabrigError",
     "Model",
     "ModelComparison",
@@ -75,6 +79,7 @@ __all__ = [
     "diagnose",
     "import_table",
     "improve",
+    "investigate",
     "load_rig",
     "open_run",
     "propose_experiment",

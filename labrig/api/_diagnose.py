@@ -42,11 +42,7 @@ class Diagnosis(Answer):
 
         `size_sd` in `units`, `size_floors` and `size_sd_floors` in noise floors.
         """
-        from pandas import DataFrame
-
-        columns = ["effect", "call", "probability", "size", "size_sd", "size_floors", "size_sd_floors"]
-        table = DataFrame(self.summary["effects_considered"], columns=columns)
-        return table.sort_values("probability", ascending=False, ignore_index=True)
+        return effects_table(self.summary)
 
     @property
     def improved(self) -> "Model | None":
@@ -56,6 +52,15 @@ class Diagnosis(Answer):
     def _html_more(self) -> str:
         shown = self.effects[self.effects["probability"] >= 0.1]
         return shown.to_html(index=False, float_format="{:.2g}".format, border=0) if len(shown) else ""
+
+
+def effects_table(summary: dict[str, Any]) -> "DataFrame":
+    """Every effect that a diagnosis (the content of diagnosis.json) considered, the most probable first."""
+    from pandas import DataFrame
+
+    columns = ["effect", "call", "probability", "size", "size_sd", "size_floors", "size_sd_floors"]
+    table = DataFrame(summary["effects_considered"], columns=columns)
+    return table.sort_values("probability", ascending=False, ignore_index=True)
 
 
 def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: Any = ()) -> Diagnosis:
@@ -75,9 +80,9 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
         >>> found.verdict
         'identified'
         >>> found.effects["effect"][0]
-        'creep'
+        'hysteresis'
     """
-    from labrig import diagnosis
+    from labrig import diagnosis, experiment
     from labrig.api._inputs import names_of
 
     if tolerance is not None and not tolerance > 0:
@@ -85,5 +90,5 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
     left_out = names_of(without, "an effect to leave out") if without else []
     opened, questioned = runs_of(runs), model_of(model)
     result = diagnosis.diagnose(opened, questioned, tolerance=tolerance, without=left_out)
-    diagnosis.plan_next(opened, questioned, result.summary)
+    experiment.plan_next(opened, questioned, result.summary)
     return Diagnosis(result)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
+from labrig._paths import path_of, paths_of
 from labrig.api._inputs import Place, rig_of
 
 if TYPE_CHECKING:
@@ -42,10 +43,18 @@ def solve_ik(
 
     Raises:
         LabrigError: the model cannot be used, or the rig's chambers are not the model's.
+
+    Example:
+        >>> solved = labrig.solve_ik("body.ply", "forward.pt", rig="rig.yaml")[0]
+        >>> solved.result.chamber_names
+        ('c1', 'c2', 'c3', 'c4')
+        >>> solved.summary["mean_mm"] < 0.5
+        True
     """
     from labrig.ik import solve_files
 
-    files = [targets] if isinstance(targets, str | Path) else list(targets)
+    files = paths_of(targets, "a target", "a surface's file (OBJ, PLY, STL), or a list of them")
+    model = path_of(model, "a model", "its file, such as forward.pt or model.yaml")
     limits = limits_kpa(rig, model) if rig is not None else None
     return solve_files(files, model, unit, limits, executor, progress)
 

@@ -43,8 +43,8 @@ def improve(runs: Any, model: Any, add: Any, *, force: bool = False) -> Improvem
     Raises:
         LabrigError: an effect does not exist, cannot act on these runs, is in the model already, or does not help.
 
-    Examples:
-        >>> better = labrig.improve("runs/first", "model.yaml", "creep")
+    Example:
+        >>> better = labrig.improve("runs/first", "model.yaml", "hysteresis")
         >>> better.error["model"] < better.error["base"]
         True
         >>> better.model.save("improved.yaml")

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
+from labrig._paths import wrong
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -36,7 +37,7 @@ def _run(given: Any) -> "Dataset":
         if "commanded" not in given:
             raise LabrigError("the Dataset is no run: it has no `commanded`; labrig.open_run makes one")
         return given
-    raise _wrong("a run", given, "a run folder's path, or what labrig.open_run gives")
+    raise wrong("a run", given, "a run folder's path, or what labrig.open_run gives")
 
 
 def model_of(given: Any) -> "Model":
@@ -47,7 +48,7 @@ def model_of(given: Any) -> "Model":
         return given
     if isinstance(given, str | Path):
         return Model.load(given)
-    raise _wrong("a model", given, "a model.yaml's path, or what labrig.Model.load gives")
+    raise wrong("a model", given, "a model.yaml's path, or what labrig.Model.load gives")
 
 
 def rig_of(given: Any) -> "RigConfig":
@@ -58,22 +59,14 @@ def rig_of(given: Any) -> "RigConfig":
         return given
     if isinstance(given, str | Path):
         return load_rig(given)
-    raise _wrong("a rig", given, "a rig.yaml's path, or what labrig.load_rig gives")
+    raise wrong("a rig", given, "a rig.yaml's path, or what labrig.load_rig gives")
 
 
 def names_of(given: Any, what: str) -> list[str]:
     """One name or several; raises `LabrigError` for anything else, and for none."""
     names = [given] if isinstance(given, str) else list(given) if isinstance(given, Sequence) else None
     if names is None or not all(isinstance(name, str) for name in names):
-        raise _wrong(what, given, 'its name, such as "creep", or a list of names')
+        raise wrong(what, given, 'its name, such as "creep", or a list of names')
     if not names:
         raise LabrigError(f'{what}: none was named; give a name, such as "creep", or a list of names')
     return names
-
-
-def _wrong(what: str, given: Any, wanted: str) -> LabrigError:
-    kind = type(given)
-    named = (
-        kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__.split('.')[0]}.{kind.__name__}"
-    )
-    return LabrigError(f"{what} is needed, and a {named} was given: {wanted}")

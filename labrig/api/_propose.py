@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from labrig._errors import LabrigError
 from labrig.api._diagnose import Diagnosis
 from labrig.api._inputs import Place, model_of, rig_of, runs_of
 
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from plotly.graph_objects import Figure
 
-    from labrig.diagnosis import Experiment
+    from labrig.experiment import Experiment
 
 
 @dataclass(frozen=True, repr=False)
@@ -63,15 +64,24 @@ class Proposal:
 
         return Figure(programme_figure(self._experiment.programme()))
 
-    def save(self, folder: Place) -> Path:
-        """Write next.json and report.html into `folder`, as the command line does; returns the report's path."""
+    def save(self, folder: Place, procedure: Place | None = None) -> Path:
+        """Write next.json and report.html into `folder`, as the command line does; returns the report's path.
+
+        `procedure` is a file (.yaml) to write the programme to, for `labrig run`. Raises `LabrigError` for another
+        ending.
+        """
         from labrig.diagnosis import write_json
+        from labrig.experiment import write_procedure
         from labrig.view import write_experiment
 
-        folder = Path(folder)
+        folder, summary = Path(folder), dict(self.summary)
+        if procedure is not None:
+            check_procedure_file(Path(procedure))
+            write_procedure(self._experiment, Path(procedure))
+            summary["procedure"] = str(procedure)
         folder.mkdir(parents=True, exist_ok=True)
-        write_json(self.summary, folder / "next.json")
-        return write_experiment(self.summary, self._experiment.programme(), folder)
+        write_json(summary, folder / "next.json")
+        return write_experiment(summary, self._experiment.programme(), folder)
 
     def __repr__(self) -> str:
         apart = " from ".join(self.separates) or "what is open"
@@ -81,6 +91,12 @@ class Proposal:
         from html import escape
 
         return f"<p><b>{escape(repr(self))}</b></p><p>{escape(self.why)}</p>{self.points.to_html(border=0)}"
+
+
+def check_procedure_file(path: Path) -> None:
+    """Raise `LabrigError` for a procedure file that `labrig run` would not read as one."""
+    if path.suffix not in {".yaml", ".yml"}:
+        raise LabrigError(f"{path}: a procedure file ends in .yaml")
 
 
 def propose_experiment(
@@ -97,33 +113,37 @@ def propose_experiment(
     Args:
         runs: one run or a list, as paths or as `labrig.open_run` gives them.
         model: a model.yaml's path, or what `labrig.Model.load` gives.
-        rig: a rig.yaml's path, or what `labrig.load_rig` gives: its limits hold; by default what the runs state.
+        rig: a rig.yaml's path, or what `labrig.load_rig` gives: its limits hold, and a dry run on it says how long it
+            takes; by default the limits that the runs state.
         diagnosis: that of these runs; it is made where it is not given.
         minutes: the longest that the programme may take.
         tolerance: the smallest effect that matters, in the units of the observables.
 
     Raises:
-        LabrigError: the diagnosis leaves nothing open, or no programme of this rig would tell.
+        LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, or the rig is not the
+            one of the runs.
 
-    Examples:
-        >>> next = labrig.propose_experiment("runs/first", "model.yaml", rig="rig.yaml")
-        >>> labrig.run("programme", "rig.yaml", out="runs/second", **next.procedure())
+    Example:
+        >>> next = labrig.propose_experiment("runs/on_off", "model.yaml", rig="rig.yaml", minutes=3)
+        >>> next.minutes < 3.5
+        True
+        >>> folder = labrig.run("programme", "rig.yaml", out="runs/second", **next.procedure())
+        >>> labrig.open_run(folder).sizes["capture"] == len(next.points)
+        True
     """
-    import numpy as np
+    from labrig import experiment as core
 
-    from labrig import diagnosis as core
-
-    limits = None
-    if rig is not None:
-        chambers = rig_of(rig).chambers
-        low, high, slew = ([getattr(c, n) for c in chambers] for n in ("min_kpa", "max_kpa", "slew_kpa_s"))
-        limits = core.Limits(np.array(low), np.array(high), np.array(slew))
+    opened, questioned = runs_of(runs), model_of(model)
+    config = None if rig is None else rig_of(rig)
+    if config is not None:
+        for run in opened:
+            core.check_rig(config, run, str(rig) if isinstance(rig, str | Path) else "")
     experiment = core.propose_experiment(
-        runs_of(runs),
-        model_of(model),
+        opened,
+        questioned,
         summary=None if diagnosis is None else diagnosis.summary,
-        limits=limits,
+        limits=None if config is None else core.limits_of(config),
         minutes=minutes,
         tolerance=tolerance,
     )
-    return Proposal(experiment)
+    return Proposal(experiment if config is None else core.on_rig(experiment, config))

@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
+from labrig._paths import wrong
 from labrig.api._inputs import Place, rig_of
 
 if TYPE_CHECKING:
-    from drivers import Clock
     from labrig.campaign import Procedure, Progress
-    from labrig.rig import RigConfig
 
 
 def run(
@@ -44,13 +43,13 @@ def run(
         LabrigError: a limit would be broken, the procedure or its parameters are wrong, the log cannot be written.
         DeviceError: a device failed, or the rig is no longer safe.
 
-    Examples:
-        >>> folder = labrig.run("capture", "rig.yaml", out="runs/first", captures=20)
+    Example:
+        >>> folder = labrig.run("capture", "rig.yaml", out="runs/night", captures=20)
         >>> labrig.open_run(folder).sizes["capture"]
         20
     """
     from labrig import campaign
-    from labrig.rig import connect
+    from labrig.rig import clock_of, connect
 
     config = rig_of(rig)
     chosen = _procedure(procedure, parameters)
@@ -73,17 +72,10 @@ def _procedure(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedu
                 f"{next(iter(parameters))}: a procedure that is made already takes no parameters"
             )
         return given
+    if not isinstance(given, str | Path):
+        raise wrong("a procedure", given, "its name, such as capture, a file, or one that is made already")
     kind = find_procedure(str(given))
     return check_fields(kind, parameters, f"procedure {given}")
-
-
-def clock_of(config: "RigConfig", realtime: bool) -> "Clock":
-    """A rig that is simulated in this process needs no waiting."""
-    from drivers import RealClock, SimulatedClock
-
-    kinds = {device.kind for device in config.devices.values() if device is not None}
-    here = kinds == {"simulated"} and not realtime
-    return SimulatedClock(RealClock().now_s()) if here else RealClock()
 
 
 def new_folder(procedure: "Procedure") -> Path:

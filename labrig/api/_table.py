@@ -1,8 +1,8 @@
 """import_table: somebody's own table as a run."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from labrig._paths import path_of, paths_of
 from labrig.api._inputs import Place
 
 if TYPE_CHECKING:
@@ -28,5 +28,7 @@ def import_table(mapping: Place, output: Place, tables: Any = ()) -> "Dataset":
     """
     from labrig import log
 
-    given = [tables] if isinstance(tables, str | Path) else list(tables)
-    return log.import_table(Path(mapping), Path(output), [Path(table) for table in given])
+    mapping = path_of(mapping, "a mapping", "the path of a MAP.yaml")
+    output = path_of(output, "an output", "the path of the run folder to make")
+    given = [] if tables == () else paths_of(tables, "a table", "its file (CSV, Parquet, C3D)")
+    return log.import_table(mapping, output, given)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
+from labrig._paths import path_of, paths_of
 from labrig.api._inputs import Place
 
 if TYPE_CHECKING:
@@ -107,6 +108,13 @@ def validate(
     Raises:
         LabrigError: a file does not exist or fit, a limit would be broken.
         DeviceError: a device failed; the chambers are vented.
+
+    Example:
+        >>> found = labrig.validate("body.ply", "rig.yaml", "forward.pt", out="runs/validated")
+        >>> list(found.realisations["target"])
+        ['body.ply']
+        >>> print(found.realisations["realised"][0] < 2.0)  # mm, on the mean
+        True
     """
     from labrig.api._run import run
     from labrig.ik import outcomes
@@ -120,13 +128,14 @@ def validate(
     for form in without:
         if form not in FORMS:
             raise LabrigError(f"without {form}: there are {' and '.join(FORMS)}")
-    files = [Path(target) for target in ([targets] if isinstance(targets, str | Path) else targets)]
-    for path in (*files, Path(model)):
+    files = paths_of(targets, "a target", "a surface's file (OBJ, PLY, STL), or a list of them")
+    model = path_of(model, "a model", "its file, such as forward.pt or model.yaml")
+    for path in (*files, model):
         if not path.is_file():
             raise LabrigError(f"{path} does not exist")
     parameters = {
         "targets": tuple(str(path.resolve()) for path in files),
-        "model": str(Path(model).resolve()),
+        "model": str(model.resolve()),
         "refine": refine,
         "without": tuple(without),
         "unit": unit,

@@ -105,7 +105,7 @@ def _holds(
 ) -> list[tuple[Array, float]]:
     """The next set-points, kPa, and how long each is held, s."""
     from labrig import LabrigError
-    from labrig.diagnosis import propose_experiment
+    from labrig.experiment import propose_experiment
 
     high = campaign.dataset["chamber_max"].values
     if strategy == "chosen":

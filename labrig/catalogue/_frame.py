@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
+from labrig._paths import path_of
 from labrig.catalogue._list import list_runs
 from labrig.catalogue._row import Row
 
@@ -19,8 +20,14 @@ def runs(folder: Path | str, where: str | None = None) -> "pd.DataFrame":
 
     `where` is a condition such as ``"verdict == 'identified' and captures > 20"``; it can only compare. Raises
     `LabrigError` if there is no such folder, or for a condition that has no meaning.
+
+    Example:
+        >>> known = labrig.runs("runs", where="captures > 30")
+        >>> list(known["procedure"])
+        ['capture']
     """
-    return frame(list_runs(folder, where))
+    below = path_of(folder, "a folder of runs", "its path, such as runs")
+    return frame(list_runs(below, where))
 
 
 def frame(rows: Sequence[Row]) -> "pd.DataFrame":

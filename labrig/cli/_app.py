@@ -22,6 +22,7 @@ app = typer.Typer(
 _COMMAND_MODULES = (
     "_diagnosis",
     "_next",
+    "_investigate",
     "_campaign",
     "_rig",
     "_demo",

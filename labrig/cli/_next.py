@@ -1,4 +1,4 @@
-"""Commands: next, investigate."""
+"""Commands: next."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._places import check_file, check_folder, replaced
 
 
 @app.command("next")
@@ -26,32 +27,19 @@ def next_(
     It becomes a procedure file: labrig run FILE --rig RIG.yaml --dry-run, then without --dry-run, then
     labrig diagnose with the runs so far and the new one.
     """
-    from labrig.cli._next_steps import do_next
+    import labrig
+    from labrig.api._propose import check_procedure_file
+    from labrig.cli._tables import print_experiment
 
-    do_next(runs, model, rig, output, minutes, tolerance, force, out)
-
-
-@app.command()
-def investigate(
-    rig: Annotated[Path, typer.Option("--rig", help="The rig (rig.yaml).")],
-    model: Annotated[Path, typer.Option("--model", help="The model file to question (model.yaml).")],
-    budget: Annotated[float, typer.Option(min=1.0, help="Time on the rig, min.")] = 30.0,
-    out: Annotated[Path, typer.Option("--out", help="Folder for runs, reports and the new model.")] = Path(
-        "investigation"
-    ),
-    seed: Annotated[int, typer.Option(min=0, help="Seed of everything that is random.")] = 0,
-    highest: Annotated[
-        float, typer.Option(min=0.1, max=1.0, help="Highest pressure of a campaign, share of the range.")
-    ] = 0.85,
-    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted investigation.")] = False,
-    realtime: Annotated[
-        bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
-    ] = False,
-) -> None:
-    """Measure, diagnose, measure what settles the doubt, and add what is missing, until settled or out of time."""
-    from labrig.cli._investigate_steps import Settings, do_investigate
-
-    do_investigate(Settings(rig, model, budget, out, seed, highest, realtime), resume)
-
-
-__all__ = ["investigate", "next_"]
+    check_procedure_file(output)
+    if output.exists() and not force:
+        raise labrig.LabrigError(f"{output} exists; choose another name, or overwrite it with --force")
+    check_file(output)
+    check_folder(out)
+    proposal = labrig.propose_experiment(runs, model, rig=rig, minutes=minutes, tolerance=tolerance)
+    of_procedure, of_report = replaced(output), replaced(out / "report.html")
+    page = proposal.save(out, output)
+    print_experiment(proposal.summary)
+    typer.echo(f"procedure: {output}{of_procedure}")
+    typer.echo(f"report: {page}{of_report}")
+    typer.echo(f"to run it: labrig run {output} --rig {rig} --dry-run")

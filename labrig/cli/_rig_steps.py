@@ -5,15 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers import DeviceError, RealClock, SimulatedClock
+from drivers import DeviceError
 from drivers._check import Finding
-from labrig.rig import Fillings, RigConfig, chamber_findings, connect, fill_in_turn, swapped_markers
+from labrig.rig import Fillings, RigConfig, chamber_findings, clock_of, connect, fill_in_turn, swapped_markers
 
 
 def check_chambers(config: RigConfig, model: Path | None, tell: Callable[[str], None]) -> list[Finding]:
     """Fill each chamber alone, under the guard, and vent; a device that fails becomes a finding."""
-    kinds = {device.kind for device in config.devices.values() if device is not None}
-    clock = SimulatedClock() if kinds == {"simulated"} else RealClock()
+    clock = clock_of(config)
     if config.scanner is not None:
         config = config.model_copy(update={"scanner": None})
     try:

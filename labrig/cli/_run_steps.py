@@ -13,7 +13,7 @@ from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 from labrig.api._procedures import find_procedure, read_procedure, source_of
-from labrig.api._run import clock_of, new_folder
+from labrig.api._run import new_folder
 from labrig.campaign import Control, Interrupted, Observer, Procedure, Reachable, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
@@ -21,7 +21,7 @@ from labrig.campaign import run as run_procedure
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
-from labrig.rig import RigConfig, check_unattended, connect, load_rig
+from labrig.rig import RigConfig, check_unattended, clock_of, connect, load_rig
 
 if TYPE_CHECKING:
     from labrig.campaign import Plan

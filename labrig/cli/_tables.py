@@ -1,5 +1,6 @@
 """The tables that commands print for a person."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from rich.console import Console
@@ -108,4 +109,65 @@ def _print_effects(console: Console, summary: dict[str, Any]) -> None:
         console.print(f"not it: {', '.join(others)}", highlight=False, soft_wrap=True)
 
 
-__all__ = ["print_summary", "print_versus"]
+def print_experiment(report: Mapping[str, Any]) -> None:
+    """The table of probes, what it is expected to say, and why this programme."""
+    console = Console(highlight=False)
+    console.print(
+        f"verdict: {report['verdict']}; to separate: {', '.join(report['separates']) or 'what is open'}"
+    )
+    named = bool(report["expected"])
+    last = "difference" if named else "information"
+    table = Table("probe", "shows", "separates", "times", last, "min", title=f"{report['captures']} captures")
+    for probe in report["probes"]:
+        amount = f"{probe['floors']:.2g} floors" if named else f"{probe['nats']:.2g} nats"
+        table.add_row(
+            probe["probe"],
+            probe["shows"],
+            probe["separates"],
+            str(probe["times"]),
+            amount,
+            f"{probe['minutes']:.1f}",
+        )
+    console.print(table)
+    if named:
+        expected = Table(
+            "if it is", "would be off by", "", "settles", title="fitted again to the run and to this"
+        )
+        for each in report["expected"]:
+            off = f"{each['apart']:.2g} {report['units']} ({each['floors']:.2g} floors)"
+            expected.add_row(each["true"], each["other"], off, "yes" if each["settles"] else "perhaps")
+        console.print(expected)
+    console.print(f"why this one: {report['why']}", soft_wrap=True)
+    console.print(f"takes {report['minutes']:.1f} min")
+    for hand in report["by_hand"]:
+        console.print(f"by hand, for {hand['effect']}: {hand['what']}", soft_wrap=True)
+    for warning in report["warnings"]:
+        console.print(f"note: {warning}", soft_wrap=True)
+
+
+def print_investigation(content: Mapping[str, Any]) -> None:
+    """The table of an investigation's rounds (the content of investigation.json), and how it ended."""
+    console, units = Console(highlight=False), content["units"]
+    head = ("round", "programme", "captures", "min", "verdict", "effects", f"error, {units}", "floor")
+    table = Table(*head, box=None, pad_edge=False)
+    for each in content["rounds"]:
+        names = ", ".join(each["effects"]) + (f" (or {', '.join(each['rivals'])})" if each["rivals"] else "")
+        error = each["error"]
+        table.add_row(
+            str(each["round"]),
+            each["programme"],
+            str(each["captures"]),
+            f"{each['minutes']:.1f}",
+            each["verdict"],
+            names,
+            f"{error['model']:.3g}",
+            f"{error['floor']:.3g}",
+        )
+    console.print(table)
+    console.print(f"{content['state']}: {content['conclusion']}", soft_wrap=True)
+    console.print(f"{content['minutes']:.1f} of {content['budget_min']:g} min used")
+    for warning in content["warnings"]:
+        console.print(f"note: {warning}", soft_wrap=True)
+
+
+__all__ = ["print_experiment", "print_investigation", "print_summary", "print_versus"]

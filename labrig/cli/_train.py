@@ -1,12 +1,16 @@
 """Commands: train."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labrig.cli._app import app
 from labrig.cli._group import Group
+from labrig.cli._places import check_file, check_folder, replaced
+
+if TYPE_CHECKING:
+    from labrig.view import Table
 
 train = typer.Typer(
     help="Train the forward model on simulations, and its sim-to-real correction on a run of the rig.",
@@ -33,9 +37,25 @@ def train_forward(
     out: ReportOption = Path("train"),
 ) -> None:
     """Train the forward model, pressures to shape, and test it on held-out simulations."""
-    from labrig.cli._train_steps import forward
+    import labrig
+    from labrig.surrogate import save_model
+    from labrig.view import forward_table, write_forward_report
 
-    forward(simulations, output, method, paper, share, seed, slopes, out)
+    check_file(output)
+    check_folder(out)
+    trained = [
+        labrig.train_forward(simulations, method=name, share=share, seed=seed, slopes=slopes)
+        for name in dict.fromkeys([method, "paper"] if paper else [method])
+    ]
+    model = trained[0].model
+    of_model, of_report = replaced(output), replaced(out / "report.html")
+    save_model(model, output)
+    count = model.provenance["source"]["count"]
+    table = forward_table(trained)
+    _print(table, f"{count} simulations, errors in mm on those that were not learned from")
+    report = write_forward_report(trained, output.name, out)
+    typer.echo(f"{output}: forward model of {len(model.chamber_names)} chambers{of_model}")
+    typer.echo(f"report: {report}{of_report}")
 
 
 @train.command("sim2real")
@@ -53,6 +73,28 @@ def train_sim2real(
     out: ReportOption = Path("train"),
 ) -> None:
     """Train the sim-to-real correction: how the rig's shapes differ from the simulated ones."""
-    from labrig.cli._train_steps import sim2real
+    import labrig
+    from labrig.surrogate import save_model
+    from labrig.view import sim2real_table, write_sim2real_report
 
-    sim2real(run, model, output, method, frames, seed, out)
+    check_file(output)
+    check_folder(out)
+    trained = labrig.train_sim2real(run, model, method=method, frames=frames, seed=seed)
+    of_model, of_report = replaced(output), replaced(out / "report.html")
+    save_model(trained.model, output)
+    _print(sim2real_table(trained), f"{run.name}, method {method}: errors in mm at held-out points")
+    report = write_sim2real_report(trained, run.name, method, output.name, out)
+    typer.echo(f"{output}: the corrected model{of_model}")
+    typer.echo(f"report: {report}{of_report}")
+
+
+def _print(words: "Table", title: str) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=title)
+    for index, name in enumerate(words.head):
+        table.add_column(name, justify="left" if index == 0 else "right", no_wrap=True)
+    for row in words.rows:
+        table.add_row(*row)
+    Console().print(table)

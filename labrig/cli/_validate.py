@@ -1,11 +1,16 @@
 """Commands: validate."""
 
+from collections.abc import Sequence
+from datetime import datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from labrig._errors import LabrigError
+from labrig.api._validate import FORMS
 from labrig.cli._app import app
+from labrig.cli._places import check_folder
 
 
 @app.command()
@@ -38,17 +43,87 @@ def validate(
     Each target: inverse kinematics, actuate, 3 s, markers, scan, registration, signed distances. The report lies in
     the run's folder. The procedure is `validate`: it is logged, vents, and resumes like any other.
     """
-    from labrig.cli._validate_steps import ValidateRequest, do_report, do_validate
+    from labrig.cli._run_steps import Request, do_run
 
     if resume is not None:
         if targets or model is not None or out is not None:
-            from labrig._errors import LabrigError
-
             raise LabrigError("--resume goes on with what the run was; it takes no targets, --model or --out")
-        do_report(resume, rig)
+        report(_finished(resume, rig))
         return
-    do_validate(
-        ValidateRequest(
-            tuple(targets or ()), rig, model, out, tuple(without or ()), refine, unit, seed, realtime
+    if not targets or model is None or rig is None:
+        raise LabrigError(
+            "name the targets, the rig with --rig and the model with --model (or a run with --resume)"
         )
+    folder = out or Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-validate"
+    check_folder(folder)
+    words = _words(targets, model, without or [], refine, unit)
+    do_run("validate", words, Request(rig, folder, seed, realtime, False, False))
+    report(folder)
+
+
+def _words(targets: Sequence[Path], model: Path, without: Sequence[str], refine: int, unit: str) -> list[str]:
+    """The parameters of the procedure as `labrig run validate` takes them; raises `LabrigError` for wrong ones."""
+    for form in without:
+        if form not in FORMS:
+            raise LabrigError(f"--without {form}: there are {' and '.join(FORMS)}")
+    for path in (*targets, model):
+        if "," in str(path):
+            raise LabrigError(f"{path}: a name without a comma is needed")
+        if not path.is_file():
+            raise LabrigError(f"{path} does not exist")
+    files = ",".join(str(path.resolve()) for path in targets)
+    words = ["--targets", files, "--model", str(model.resolve()), "--refine", str(refine)]
+    words += ["--without", ",".join(without)] if without else []
+    return words + (["--unit", unit] if unit else [])
+
+
+def _finished(run: Path, rig: Path | None) -> Path:
+    """A run of validate, gone on with where it was not finished."""
+    from labrig.cli._run_steps import Request, do_resume
+    from labrig.log import read_run_yaml, summarise
+
+    if not run.is_dir():
+        raise LabrigError(f"{run} is no run folder; `labrig runs` lists those in ./runs")
+    if read_run_yaml(run).get("procedure") != "validate":
+        raise LabrigError(f"{run} is no run of validate")
+    if summarise(run).state != "completed":
+        do_resume(run, Request(rig, run, 0, False, False, False))
+    return run
+
+
+def report(run: Path) -> None:
+    """Compare, print, and write validation.json and report.html into the run's folder."""
+    import labrig
+
+    found = labrig.validate(run)
+    _print(found.summary["realisations"])
+    typer.echo(f"report: {found.save()}")
+
+
+def _print(summaries: Sequence[dict[str, Any]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(
+        "target", "model", title="mean distance from the target, mm; differ: realised from predicted"
     )
+    for column in ("hardware", "predicted", "realised", "differ", "markers", "refined"):
+        table.add_column(column, justify="right")
+    for one in summaries:
+        refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
+        table.add_row(
+            one["target"],
+            one["model"].removeprefix("the ").removesuffix(" model"),
+            *(
+                "-" if one[key] is None else f"{one[key]['mean']:.3f}"
+                for key in (
+                    "hardware_mm",
+                    "predicted_mm",
+                    "realised_mm",
+                    "realised_against_predicted_mm",
+                    "markers_against_predicted_mm",
+                )
+            ),
+            f"{min([*refined, one['realised_mm']['mean']]):.3f} ({len(refined)})" if refined else "-",
+        )
+    Console().print(table)

@@ -38,19 +38,19 @@ class Ceiling:
 
 def ceiling(streams: Streams, context: Context, left: Floats, only: str | None = None) -> dict[str, Ceiling]:
     """Learn what is `left` (S, K) from each set of covariates, or from one; the best ridge of each, by name."""
-    sets = {name: x for name, x in _covariates(context).items() if only in (None, name)}
+    sets = {name: x for name, x in covariates(context).items() if only in (None, name)}
     target = _scores(streams, left)
     rows = np.arange(len(context.base))
     if len(rows) > _MOST_ROWS:
         rows = np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).astype(int))
     out = {}
     for name, features in sets.items():
-        kernels = [_kernel(features, features[rows])]
+        alike = [kernel(features, features[rows])]
         if name == STATIC:
-            kernels.append(_additive(features, features[rows]))
-        for kernel in kernels:
+            alike.append(_additive(features, features[rows]))
+        for matrix in alike:
             for ridge in _RIDGES:
-                field = streams.lift(_heldout(streams, kernel, ridge, target, rows)) @ streams.patterns
+                field = streams.lift(_heldout(streams, matrix, ridge, target, rows)) @ streams.patterns
                 gains = _gains(streams, left, field)
                 if name not in out or gains.sum() > out[name].gain:
                     out[name] = Ceiling(name, gains, field)
@@ -93,7 +93,7 @@ def _scores(streams: Streams, left: Floats) -> Floats:
     return out
 
 
-def _covariates(context: Context) -> dict[str, Floats]:
+def covariates(context: Context) -> dict[str, Floats]:
     """Growing sets of covariates, each column of unit spread, (F, d)."""
     rows = context.rows
     static = [rows.fraction]
@@ -130,7 +130,7 @@ def _covariates(context: Context) -> dict[str, Floats]:
     return made
 
 
-def _kernel(a: Floats, b: Floats) -> Floats:
+def kernel(a: Floats, b: Floats) -> Floats:
     """A constant, a linear, and two Gaussian kernels, wide and narrow, summed; (len(a), len(b))."""
     d = max(a.shape[1], 1)
     square = cdist(a, b, "sqeuclidean") / d

@@ -4,6 +4,7 @@ from labrig.ik._baseline import BaselineResult, GradientDescent
 from labrig.ik._batch import Job, Solved, solve_files, solve_job
 from labrig.ik._descent import Pose
 from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
+from labrig.ik._file import write_solved
 from labrig.ik._load import load_shape_model
 from labrig.ik._memory import Approach, Remembering
 from labrig.ik._models import ShellModel, SurfaceModel
@@ -43,4 +44,5 @@ __all__ = [
     "solve_files",
     "solve_job",
     "solve_with_path",
+    "write_solved",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labrig._paths import path_of
 from labrig.log._dataset import to_dataset
 from labrig.log._find import run_id
 from labrig.log._rig_dataset import rig_arrays
@@ -20,8 +21,15 @@ def open_run(path: str | Path) -> xr.Dataset:
 
     Damaged files are read as far as they are whole; `attrs["warnings"]` is a list of what was lost, empty
     when nothing was. Raises `LabrigError` when there is nothing to read.
+
+    Example:
+        >>> run = labrig.open_run("runs/first")
+        >>> run.sizes["capture"]
+        40
+        >>> run["commanded"].dims, run["commanded"].attrs["units"]
+        (('capture', 'chamber'), 'kPa')
     """
-    path = Path(path)
+    path = path_of(path, "a run", "a run folder's path, or an .mcap file's")
     segments, warnings = load_segments(path)
     layout = segments[0].layout
     arrays = table_arrays(segments[0]) if layout.table else rig_arrays(sessions(segments))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._paths import path_of
 from labrig.effects import Context, Effect, Rows, Variant, get, library
 from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
@@ -20,7 +21,16 @@ _OLDER = "an entry of an older labrig has to be fitted again: remove it, then la
 
 @dataclass(frozen=True)
 class Model:
-    """A base and an ordered list of effects; `folder` is what its relative paths start from, `path` its own file."""
+    """A base and an ordered list of effects; `folder` is what its relative paths start from, `path` its own file.
+
+    Example:
+        >>> model = labrig.Model.load("model.yaml")
+        >>> model.file.base.kind
+        'simulator'
+        >>> [effect.name for effect in model.file.effects]
+        []
+        >>> model.save("copy.yaml")
+    """
 
     file: ModelFile
     folder: Path
@@ -29,7 +39,7 @@ class Model:
     @classmethod
     def load(cls, path: Path | str) -> "Model":
         """Read a model.yaml; raises `LabrigError` when it is not one, or names an unknown effect."""
-        path = Path(path)
+        path = path_of(path, "a model", "a model.yaml's path")
         model = cls(read_model_file(path), path.parent, path)
         known = library(model.folder)
         for entry in model.file.effects:

@@ -2,6 +2,7 @@
 
 from labrig.rig._asked import link_of
 from labrig.rig._chambers import Filling, Fillings, fill_in_turn
+from labrig.rig._clock import clock_of, is_simulated
 from labrig.rig._config import (
     ChamberConfig,
     DeviceConfig,
@@ -31,9 +32,11 @@ __all__ = [
     "VentNow",
     "chamber_findings",
     "check_unattended",
+    "clock_of",
     "connect",
     "device_makers",
     "fill_in_turn",
+    "is_simulated",
     "link_of",
     "load_rig",
     "parse_rig",

@@ -10,6 +10,7 @@ from drivers._settings import SETTINGS
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._near import meant
+from labrig._paths import path_of
 from labrig._yaml import read_yaml
 
 
@@ -159,8 +160,15 @@ def load_rig(path: str | Path) -> RigConfig:
     """Read and check a rig.yaml.
 
     Raises `LabrigError` naming the file, the field and what is wrong with it.
+
+    Example:
+        >>> rig = labrig.load_rig("rig.yaml")
+        >>> [chamber.name for chamber in rig.chambers]
+        ['c1', 'c2', 'c3', 'c4']
+        >>> rig.chambers[0].max_kpa
+        60.0
     """
-    path = Path(path)
+    path = path_of(path, "a rig", "a rig.yaml's path")
     content = {**read_yaml(path, "rig"), "folder": path.resolve().parent}
     config = check_fields(RigConfig, content, str(path), path)
     for role, device in config.devices.items():

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
     from labrig.view._ik_report import write_ik_report
+    from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
     from labrig.view._naming import effect_rows, names_in_short
@@ -22,6 +23,13 @@ if TYPE_CHECKING:
     from labrig.view._scene import CHAMBER_COLOURS
     from labrig.view._style import ERROR_SCALE
     from labrig.view._surface_figure import proud, surface_figure
+    from labrig.view._training_report import (
+        Table,
+        forward_table,
+        sim2real_table,
+        write_forward_report,
+        write_sim2real_report,
+    )
     from labrig.view._validation_report import write_validation
     from labrig.view._values import fitted, value_lines, values_words
     from labrig.view._versus_report import versus_pictures, write_versus
@@ -49,7 +57,13 @@ _LAZY = {
     "values_words": "_values",
     "Lines": "_words",
     "LiveView": "_live",
+    "Table": "_training_report",
+    "forward_table": "_training_report",
+    "sim2real_table": "_training_report",
+    "write_forward_report": "_training_report",
+    "write_sim2real_report": "_training_report",
     "Viewer": "_viewer",
+    "investigation_pictures": "_investigation_figures",
     "live_observers": "_live",
     "live_predict": "_predict",
     "Note": "_words",
@@ -82,6 +96,7 @@ __all__ = [
     "LiveView",
     "Note",
     "Skin",
+    "Table",
     "Viewer",
     "capture_words",
     "chamber_outlines",
@@ -91,7 +106,9 @@ __all__ = [
     "effect_rows",
     "filled",
     "fitted",
+    "forward_table",
     "interval_words",
+    "investigation_pictures",
     "legend_picture",
     "live_observers",
     "live_predict",
@@ -105,6 +122,7 @@ __all__ = [
     "rms",
     "screenshot",
     "share_words",
+    "sim2real_table",
     "skin",
     "start_viewer",
     "summary_words",
@@ -115,11 +133,13 @@ __all__ = [
     "versus_headline",
     "versus_pictures",
     "write_experiment",
+    "write_forward_report",
     "write_ik_report",
     "write_investigation",
     "write_picture",
     "write_recording",
     "write_report",
+    "write_sim2real_report",
     "write_validation",
     "write_versus",
 ]

@@ -1,6 +1,8 @@
 """`import labrig` is quick, and shows what there is."""
 
 import inspect
+import pydoc
+import re
 import subprocess
 import sys
 
@@ -25,6 +27,15 @@ def test_functions_say_what_they_take_and_raise() -> None:
             for parameter in inspect.signature(thing).parameters:
                 assert parameter in text, f"{name}: {parameter}"
             assert "Raises" in text, name
+
+
+def test_help_shows_every_name() -> None:
+    """help(labrig) has a section for each function and class, although they are imported when they are first used."""
+    text = pydoc.plain(pydoc.render_doc(labrig))
+    for name in labrig.__all__:
+        thing = getattr(labrig, name)
+        if inspect.isclass(thing) or inspect.isfunction(thing):
+            assert re.search(rf"\n    (class )?{name}\(", text), name
 
 
 def test_importing_labrig_imports_nothing_heavy() -> None:

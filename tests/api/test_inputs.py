@@ -61,3 +61,57 @@ def test_a_run_with_wrong_parameters_moves_nothing(lab: Path, tmp_path: Path) ->
         with pytest.raises(LabrigError, match=text):
             labrig.run(*arguments, out=tmp_path / "run", **parameters)
     assert not (tmp_path / "run").exists()
+
+
+TARGET = "a surface's file (OBJ, PLY, STL), or a list of them"
+SHAPE = "a model is needed, and a int was given: its file, such as forward.pt or model.yaml"
+PROCEDURE = "its name, such as capture, a file, or one that is made already"
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "said"),
+    [
+        ("open_run", (7,), "a run is needed, and a int was given: a run folder's path, or an .mcap file's"),
+        ("load_rig", (None,), "a rig is needed, and a NoneType was given: a rig.yaml's path"),
+        ("runs", (7,), "a folder of runs is needed, and a int was given: its path, such as runs"),
+        ("propose_experiment", (7, "model.yaml"), RUN.format("int")),
+        ("improve", ([3], "model.yaml", "creep"), RUN.format("int")),
+        ("run", (7, "RIG"), f"a procedure is needed, and a int was given: {PROCEDURE}"),
+        ("solve_ik", (7, "forward.pt"), f"a target is needed, and a int was given: {TARGET}"),
+        ("solve_ik", ([], "forward.pt"), f"a target: none was given; {TARGET}"),
+        ("solve_ik", ("body.ply", 7), SHAPE),
+        (
+            "train_forward",
+            (7,),
+            "a folder of simulations is needed, and a int was given: the path of a folder that labrig simulate made",
+        ),
+        (
+            "train_sim2real",
+            ("run", 7),
+            "a forward model is needed, and a int was given: its file, or the model",
+        ),
+        ("validate", ("body.ply", "rig.yaml", 7), SHAPE),
+        ("validate", (7, "rig.yaml", "m.pt"), f"a target is needed, and a int was given: {TARGET}"),
+        (
+            "import_table",
+            (7, "out"),
+            "a mapping is needed, and a int was given: the path of a MAP.yaml",
+        ),
+        (
+            "import_table",
+            ("map.yaml", 7),
+            "an output is needed, and a int was given: the path of the run folder to make",
+        ),
+        (
+            "import_table",
+            ("map.yaml", "out", [7]),
+            "a table is needed, and a int was given: its file (CSV, Parquet, C3D)",
+        ),
+    ],
+)
+def test_what_is_no_path_is_said_so(lab: Path, name: str, arguments: tuple[Any, ...], said: str) -> None:
+    """Every function says in one line what it wants in place of a number or of nothing."""
+    given = [lab / "rig.yaml" if one == "RIG" else one for one in arguments]
+    with pytest.raises(LabrigError) as caught:
+        getattr(labrig, name)(*given)
+    assert str(caught.value) == said

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig import diagnosis
+from labrig import diagnosis, experiment
 from labrig.bench import draw, settle, settle_records, settle_rows, write_settle
 from labrig.bench._programmes import Plan
-from labrig.diagnosis import propose_experiment
+from labrig.experiment import propose_experiment
 
 
 def test_the_plant_goes_on() -> None:
@@ -73,7 +73,7 @@ def test_what_is_proposed_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
         return SimpleNamespace(summary={"verdict": "confounded", "effects": [], "rivals": ["leak", "drift"]})
 
     monkeypatch.setattr(diagnosis, "diagnose", diagnosed)
-    monkeypatch.setattr(diagnosis, "propose_experiment", proposed)
+    monkeypatch.setattr(experiment, "propose_experiment", proposed)
     record = settle(campaign, "chosen", 3, most=8)
     assert (record["settled"], record["rivals"]) == (False, ["leak", "drift"])
     points = [

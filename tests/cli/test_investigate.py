@@ -8,16 +8,7 @@ from typing import Any
 import pytest
 import yaml
 
-from labrig.rig import RigConfig
-
 Run = Callable[..., tuple[int, str, str]]
-RIG = """
-name: bench
-chambers: [{name: c1, max_kpa: 60}]
-pressure: {kind: simulated}
-mocap: {kind: simulated}
-simulated: {surface: membrane}
-"""
 LINE = ("investigate", "--rig", "rig.yaml", "--model", "model.yaml", "--budget")
 
 
@@ -31,7 +22,7 @@ def test_a_budget_that_is_too_small(lab, labrig: Run) -> None:
     folder = lab("nothing")
     code, _, err = labrig(*LINE, 1)
     assert code == 2
-    assert err == "labrig: --budget 1 min is too little to begin with; give it 4 or more\n"
+    assert err == "labrig: a budget of 1 min is too little to begin with; give it 4 or more\n"
     assert not (folder / "investigation").exists()
 
 
@@ -42,10 +33,10 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
 
     The hidden leak is named, confirmed on captures recorded after the verdict, and in the new model.
     """
-    from labrig.cli import _investigate_runs
+    from labrig.investigation import _bench
 
     folder = lab("leak")
-    true_run, calls = _investigate_runs.run, []
+    true_run, calls = _bench.run, []
 
     def interrupted(*arguments: Any, **more: Any) -> Path:
         calls.append(arguments)
@@ -53,7 +44,7 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
             raise KeyboardInterrupt("stopped by Ctrl-C; the chambers are vented")
         return true_run(*arguments, **more)
 
-    monkeypatch.setattr(_investigate_runs, "run", interrupted)
+    monkeypatch.setattr(_bench, "run", interrupted)
     line = (*LINE, 7)
     code, _, err = labrig(*line)
     assert code == 130
@@ -65,7 +56,8 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     code, _, err = labrig(*line)
     assert (code, err) == (
         2,
-        "labrig: investigation is not empty; choose another --out, or go on with --resume\n",
+        "labrig: investigation is not empty; choose another folder, or go on with what is there (--resume, "
+        "resume=True)\n",
     )
     code, out, _ = labrig(*line, "--resume")
     assert code == 0
@@ -86,8 +78,8 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     code, _, err = labrig(*line, "--resume")
     assert (code, err) == (
         2,
-        f"labrig: investigation is finished (settled): see {Path('investigation/report.html')}, or begin anew with "
-        "another --out\n",
+        f"labrig: investigation is finished (settled): see {Path('investigation/report.html')}, or begin anew in "
+        "another folder\n",
     )
 
 
@@ -102,46 +94,3 @@ def test_whatever_is_named_an_investigation_comes_to_its_end(lab, labrig: Run) -
     assert state["minutes"] <= 5
     assert len(state["rounds"]) >= 2
     assert not any("can't act" in warning for warning in state["warnings"])
-
-
-@pytest.mark.parametrize(
-    ("verdict", "rounds", "drop", "asked"),
-    [
-        ("confounded", ["capture"], None, "confounded"),
-        ("identified", ["capture"], None, "identified"),
-        ("identified", ["capture", "experiment"], None, None),
-        ("identified", ["capture", "experiment", "confirmation"], 0.5, "unknown"),
-        ("identified", ["capture", "confirmation"], 0.5, "unknown"),
-        ("identified", ["capture", "confirmation"], 0.9, "identified"),
-        ("unknown", ["capture", "experiment"], None, "unknown"),
-        ("unknown", ["capture", "experiment", "experiment"], None, None),
-    ],
-)
-def test_what_the_next_programme_is_asked_to_settle(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    verdict: str,
-    rounds: list[str],
-    drop: float | None,
-    asked: str | None,
-) -> None:
-    """What is possible, once; where least is known, if nothing has a name or a name did not hold on fresh captures."""
-    from labrig import LabrigError, diagnosis
-    from labrig.cli import _investigate_steps as steps
-
-    calls = []
-
-    def propose(*_: Any, summary: dict[str, Any], **__: Any) -> None:
-        calls.append(summary["verdict"])
-        raise LabrigError("enough")
-
-    monkeypatch.setattr(diagnosis, "propose_experiment", propose)
-    settings = steps.Settings(tmp_path, tmp_path, 30.0, tmp_path, 0, 0.9, realtime=False)
-    now = steps.Investigation(settings, rounds=[{"programme": p, "verdict": verdict} for p in rounds])
-    monkeypatch.setattr(steps.Investigation, "opened", lambda _: [])
-    if drop is not None:
-        now.confirmation = {"drop": drop, "effects": ["leak"]}
-    result = diagnosis.Result({"verdict": verdict, "effects": ["leak"]}, {}, [], {}, [], None)
-    bench = steps.Bench(RigConfig.model_validate(yaml.safe_load(RIG)), tmp_path)
-    assert steps._experiment(now, bench, None, result, 10.0, None) is None  # type: ignore[arg-type]
-    assert calls == ([asked] if asked else [])

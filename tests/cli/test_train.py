@@ -108,7 +108,7 @@ def test_a_survey_has_what_both_needs(labrig, simulations, tmp_path, monkeypatch
         (("forward", "nowhere", "-o", "no/f.pt"), "no/f.pt: the folder no does not exist"),
         (
             ("forward", "nowhere", "-o", "f.pt", "--method", "magic"),
-            "--method magic: choose one of gaussian, network, paper",
+            "method 'magic': choose one of gaussian, network, paper",
         ),
         (
             ("sim2real", "run", "--forward", "f.pt", "-o", "s.pt"),
@@ -116,7 +116,7 @@ def test_a_survey_has_what_both_needs(labrig, simulations, tmp_path, monkeypatch
         ),
         (
             ("sim2real", "run", "--forward", "f.pt", "-o", "s.pt", "--method", "magic"),
-            "--method magic: choose one of ours, scans, both, function, marker",
+            "method 'magic': choose one of ours, scans, both, function, marker",
         ),
     ],
 )

@@ -43,7 +43,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         (
             ("investigate", "--rig", "rig.yaml", "--model", "model.yaml", "--budget", "1", "--out", "new"),
-            "--budget 1 min is too little to begin with; give it ",
+            "a budget of 1 min is too little to begin with; give it ",
         ),
         (("ik", "target.ply", "--model", "model.yaml"), "target.ply has no complete PLY header"),
         (("ik", "none.ply", "none.ply", "--model", "model.yaml"), " (and 1 more)"),

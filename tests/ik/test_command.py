@@ -12,7 +12,7 @@ from drivers import Scan
 from labrig import LabrigError
 from labrig._executor import Executor
 from labrig.campaign._scans import keep_scan
-from labrig.cli._ik_steps import do_ik
+from labrig.cli._ik import ik
 from labrig.ik import load_shape_model, solve_files
 from labrig.physics import load_shell
 from labrig.surface import distances, grid, read_mesh
@@ -44,7 +44,7 @@ def desk(tmp_path, mannequin, monkeypatch):
 
 
 def ask(*targets, model="model.yaml", rig=None, unit=None):
-    do_ik([Path(target) for target in targets], Path(model), Path("out"), rig, unit, 1, None)
+    ik([Path(target) for target in targets], Path(model), Path("out"), rig, unit, 1, None)
 
 
 def test_results_for_people_and_for_programs(desk, capsys):

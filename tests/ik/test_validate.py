@@ -12,7 +12,7 @@ from drivers import Scan, SimulatedClock
 from labrig import LabrigError
 from labrig.campaign import dry_run, read_completed, resume, run
 from labrig.campaign._scans import keep_scan
-from labrig.cli._validate_steps import report
+from labrig.cli._validate import report
 from labrig.ik import Refinement, outcomes
 from labrig.rig import connect, load_rig
 from labrig.surface import grid

@@ -9,7 +9,7 @@ import yaml
 from drivers import Scan, SimulatedClock
 from labrig.campaign import resume, run
 from labrig.campaign._scans import keep_scan
-from labrig.cli._validate_steps import report
+from labrig.cli._validate import report
 from labrig.ik import outcomes
 from labrig.log import read_run_yaml, summarise
 from labrig.physics import load_shell, plant_shell, simulate

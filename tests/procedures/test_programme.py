@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from labrig.campaign import Actuate, Note, Record, dry_run, rig_info
-from labrig.diagnosis import Limits
-from labrig.diagnosis._experiment_plan import Point, Probe
+from labrig.experiment import Limits
+from labrig.experiment._plan import Point, Probe
 from labrig.rig import parse_rig
 from procedures import Programme
 

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from labrig.diagnosis._ceiling import STATIC, _covariates, _kernel
-from labrig.diagnosis._experiment_plan import Probe
-from labrig.diagnosis._experiment_score import Problem
-from labrig.diagnosis._experiment_search import Choice
+from labrig.diagnosis import STATIC, covariates, kernel
 from labrig.effects._rows import Floats, Ints
+from labrig.experiment._plan import Probe
+from labrig.experiment._score import Problem
+from labrig.experiment._search import Choice
 
 _RIDGE = 0.1
 _MOST_RUN_ROWS = 500
@@ -32,15 +32,15 @@ def search_unknown(
         min(seeds, key=lambda p: p.seconds(problem.limits))
     ]
     joint, planned = problem.joint([p.points for p in probes])
-    sets = _covariates(joint)
+    sets = covariates(joint)
     features = sets.get(_covariates_of(carried_by or ""), list(sets.values())[-1])
     n_run = len(problem.context.rows.capture)
     kept = np.unique(np.linspace(0, n_run - 1, min(n_run, _MOST_RUN_ROWS)).astype(int))
     ahead = features[n_run:]
     known = features[kept]
-    factor = cho_factor(_kernel(known, known) + _RIDGE * np.eye(len(known)))
-    cross = _kernel(known, ahead)
-    K = _kernel(ahead, ahead) - cross.T @ cho_solve(factor, cross)
+    factor = cho_factor(kernel(known, known) + _RIDGE * np.eye(len(known)))
+    cross = kernel(known, ahead)
+    K = kernel(ahead, ahead) - cross.T @ cho_solve(factor, cross)
     seconds = np.array([p.seconds(problem.limits) for p in probes])
     own = [np.flatnonzero(planned.owner == i) for i in range(len(probes))]
     times, gains = [0] * len(probes), [0.0] * len(probes)

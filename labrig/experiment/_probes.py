@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from labrig.diagnosis._experiment_plan import Point, Probe
 from labrig.effects import Context, Effect
 from labrig.effects._rows import Floats
 from labrig.effects.coupling import overlap
+from labrig.experiment._plan import Point, Probe
 
 HIGHEST = 0.9
 """Of a chamber's range: what is off may overshoot, and a rig vents above its limit."""

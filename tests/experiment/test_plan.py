@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis import Limits
-from labrig.diagnosis._experiment_plan import Point, Probe, repeat_labels
-from labrig.diagnosis._experiment_probes import on_few_levels
+from labrig.experiment import Limits
+from labrig.experiment._plan import Point, Probe, repeat_labels
+from labrig.experiment._probes import on_few_levels
 
 
 def test_repeats_are_the_same_hold_after_the_same_one() -> None:

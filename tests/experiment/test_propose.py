@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError
-from labrig.diagnosis import Experiment, Limits, diagnose, plan_next, propose_experiment
-from labrig.diagnosis._ceiling import _covariates
-from labrig.diagnosis._experiment_rivals import open_rivals
-from labrig.diagnosis._experiment_unknown import _covariates_of
-from labrig.diagnosis._problem import prepare, rows_from
+from labrig.diagnosis import covariates, diagnose, prepare, rows_from
 from labrig.diagnosis._unnamed import unnamed
+from labrig.experiment import Experiment, Limits, plan_next, propose_experiment
+from labrig.experiment._rivals import open_rivals
+from labrig.experiment._unknown import _covariates_of
 
 ROWS_S = (1.2, 2.0, 3.0, 4.0)
 Values = Callable[[Any], np.ndarray]
@@ -215,7 +214,7 @@ def test_every_word_for_what_has_no_name_has_covariates_of_its_own(make_lab) -> 
     lab = make_lab(captures=30, rows_s=ROWS_S)
     context = prepare(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())[1]
     sets = {_covariates_of(space.key): space.key for space in unnamed(context)}
-    assert set(sets) <= set(_covariates(context))
+    assert set(sets) <= set(covariates(context))
     assert len(sets) == 3
 
 

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._candidates import Candidate, Fit, fit
-from labrig.diagnosis._formula import forms_of
-from labrig.diagnosis._streams import Streams
+from labrig.diagnosis import Candidate, Fit, Streams, fit, forms_of
 from labrig.effects import Context, Effect, Rows, Term, Variant, join_rows
 from labrig.effects._fields import frame_modes
 from labrig.effects._rows import Floats

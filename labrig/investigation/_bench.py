@@ -1,4 +1,4 @@
-"""The runs of an investigation: connected, carried out, and gone on with where one was cut short."""
+"""The runs of an investigation: carried out on one rig, and gone on with where one was cut short."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -6,12 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drivers import Clock, RealClock, SimulatedClock
-from labrig.api._procedures import shipped, source_of
-from labrig.campaign import Control, Procedure, Watching, dry_run, read_completed, resume, run
-from labrig.cli._run_screen import Screen
+from drivers import RealClock
+from labrig.campaign import Procedure, Watching, dry_run, read_completed, resume, run
 from labrig.log import read_run_yaml
-from labrig.rig import RigConfig, connect
+from labrig.rig import RigConfig, clock_of, connect, is_simulated
 
 if TYPE_CHECKING:
     from labrig.rig import Rig
@@ -19,56 +17,44 @@ if TYPE_CHECKING:
 
 @dataclass
 class Bench:
-    """A rig and the clock of an investigation.
+    """A rig and the clock of an investigation; `rig_file` is noted in each run.
 
     A rig that is simulated in this process stays connected, so that it is one and the same rig throughout; a
     real one is let go between runs, vented, while the computer thinks.
     """
 
     config: RigConfig
-    rig_file: Path
+    rig_file: Path | None = None
     realtime: bool = False
     _rig: "Rig | None" = field(default=None, repr=False)
-
-    @property
-    def simulated(self) -> bool:
-        """Whether every device is simulated in this process."""
-        return {d.kind for d in self.config.devices.values() if d is not None} == {"simulated"}
 
     @contextmanager
     def opened(self) -> Iterator["Bench"]:
         """The bench, its rig vented and let go at the end."""
-        if not self.simulated:
+        if not is_simulated(self.config):
             yield self
             return
-        with connect(self.config, self._clock()) as self._rig:
+        with connect(self.config, clock_of(self.config, self.realtime)) as self._rig:
             yield self
 
-    def _clock(self) -> Clock:
-        return SimulatedClock(RealClock().now_s()) if self.simulated and not self.realtime else RealClock()
-
-    def measure(self, procedure: Procedure, folder: Path, seed: int) -> None:
+    def measure(self, procedure: Procedure, folder: Path, seed: int, watching: Watching) -> None:
         """Run a procedure in a folder, or go on with it where it was cut short; raises as `labrig.campaign.run`."""
         if self._rig is not None:
-            self._measure(self._rig, procedure, folder, seed)
+            self._measure(self._rig, procedure, folder, seed, watching)
             return
         with connect(self.config, RealClock(), guard_log=folder / "guard.log") as rig:
-            self._measure(rig, procedure, folder, seed)
+            self._measure(rig, procedure, folder, seed, watching)
 
-    def _measure(self, rig: "Rig", procedure: Procedure, folder: Path, seed: int) -> None:
-        control = Control()
-        with Screen(control) as screen:
-            context: dict[str, Any] = {
-                "source": source_of(type(procedure)),
-                "rig_file": str(self.rig_file.resolve()),
-                "realtime": self.realtime,
-            }
-            watching = Watching([screen], control, context)
-            _make_way(folder)
-            if started(folder):
-                resume(procedure, rig, folder, watching=watching)
-            else:
-                run(procedure, rig, folder, seed=seed, watching=watching)
+    def _measure(self, rig: "Rig", procedure: Procedure, folder: Path, seed: int, watching: Watching) -> None:
+        context: dict[str, Any] = {"source": procedure.procedure_name(), "realtime": self.realtime}
+        if self.rig_file is not None:
+            context["rig_file"] = str(self.rig_file.resolve())
+        watching.context |= context
+        _make_way(folder)
+        if started(folder):
+            resume(procedure, rig, folder, watching=watching)
+        else:
+            run(procedure, rig, folder, seed=seed, watching=watching)
 
     def minutes(self, procedure: Procedure, seed: int = 0) -> float:
         """How long a procedure takes, by a dry run, min."""
@@ -98,6 +84,9 @@ def complete(folder: Path) -> bool:
 
 
 def procedure_of(folder: Path) -> tuple[Procedure, int]:
-    """The procedure of a run that has begun, and its seed."""
+    """The procedure of a run that has begun, one of those that an investigation runs, and its seed."""
+    from procedures import Capture, Programme
+
     facts = read_run_yaml(folder)
-    return shipped()[str(facts["procedure"])].model_validate(facts["parameters"]), int(facts["seed"])
+    kind = {each.procedure_name(): each for each in (Capture, Programme)}[str(facts["procedure"])]
+    return kind.model_validate(facts["parameters"]), int(facts["seed"])

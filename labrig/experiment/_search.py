@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.diagnosis._experiment_plan import Limits, Point, Probe
-from labrig.diagnosis._experiment_probes import moves
-from labrig.diagnosis._experiment_score import Judge, Problem, Sums
 from labrig.effects._rows import Floats
+from labrig.experiment._plan import Limits, Point, Probe
+from labrig.experiment._probes import moves
+from labrig.experiment._score import Judge, Problem, Sums
 
 MOST_VISITS, MOST_ALIKE = 2, 4
 """How often one probe is done, and how often it and those made from it by small changes: many different looks

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._diagnose import diagnose
-from labrig.diagnosis._experiment_plan import Limits, Point, Probe, repeat_labels
-from labrig.diagnosis._experiment_probes import by_hand, canonical, on_few_levels
-from labrig.diagnosis._experiment_rivals import Rival, open_rivals
-from labrig.diagnosis._experiment_score import Judge, Problem, Sums
-from labrig.diagnosis._experiment_search import CHANGES, Choice, points_of, search_programme
-from labrig.diagnosis._experiment_unknown import in_words, search_unknown
-from labrig.diagnosis._problem import prepare, rows_from
+from labrig.diagnosis import diagnose, prepare, rows_from
 from labrig.effects import Effect, Rows
+from labrig.experiment._plan import Limits, Point, Probe, repeat_labels
+from labrig.experiment._probes import by_hand, canonical, on_few_levels
+from labrig.experiment._rivals import Rival, open_rivals
+from labrig.experiment._score import Judge, Problem, Sums
+from labrig.experiment._search import CHANGES, Choice, points_of, search_programme
+from labrig.experiment._unknown import in_words, search_unknown
 from labrig.model import Model
 
 if TYPE_CHECKING:
@@ -309,6 +308,3 @@ def _sum(parts: Sequence[Sums]) -> Sums:
     for part in parts[1:]:
         out = out + part
     return out
-
-
-__all__ = ["Experiment", "Limits", "plan_next", "propose_experiment"]

@@ -1,0 +1,31 @@
+"""Paths that people hand over; what is none is refused in one line."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from labrig._errors import LabrigError
+
+
+def path_of(given: Any, what: str, wanted: str) -> Path:
+    """A path, as text or as a Path; raises `LabrigError` for anything else."""
+    if isinstance(given, str | os.PathLike):
+        return Path(given)
+    raise wrong(what, given, wanted)
+
+
+def paths_of(given: Any, what: str, wanted: str) -> list[Path]:
+    """One path or several; raises `LabrigError` for anything else, and for none."""
+    several = list(given) if isinstance(given, list | tuple) else [given]
+    if not several:
+        raise LabrigError(f"{what}: none was given; {wanted}")
+    return [path_of(one, what, wanted) for one in several]
+
+
+def wrong(what: str, given: Any, wanted: str) -> LabrigError:
+    """The error for something of a type that is none of those wanted."""
+    kind = type(given)
+    named = (
+        kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__.split('.')[0]}.{kind.__name__}"
+    )
+    return LabrigError(f"{what} is needed, and a {named} was given: {wanted}")

@@ -1,0 +1,88 @@
+"""Commands: investigate."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from labrig.cli._app import app
+from labrig.cli._places import check_folder
+
+if TYPE_CHECKING:
+    from labrig.investigation import Reporter
+
+
+@app.command()
+def investigate(
+    rig: Annotated[Path, typer.Option("--rig", help="The rig (rig.yaml).")],
+    model: Annotated[Path, typer.Option("--model", help="The model file to question (model.yaml).")],
+    runs: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="RUN...", help="Runs to begin with; else a first campaign is measured."),
+    ] = None,
+    budget: Annotated[float, typer.Option(min=1.0, help="Time on the rig, min.")] = 30.0,
+    out: Annotated[Path, typer.Option("--out", help="Folder for runs, reports and the new model.")] = Path(
+        "investigation"
+    ),
+    seed: Annotated[int, typer.Option(min=0, help="Seed of everything that is random.")] = 0,
+    highest: Annotated[
+        float, typer.Option(min=0.1, max=1.0, help="Highest pressure of a campaign, share of the range.")
+    ] = 0.85,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with an investigation that was interrupted.")
+    ] = False,
+    realtime: Annotated[
+        bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
+    ] = False,
+) -> None:
+    """Measure, diagnose, measure what settles the doubt, and add what is missing, until settled or out of time."""
+    import labrig
+    from labrig.cli._tables import print_investigation
+
+    check_folder(out)
+    again = f"labrig investigate --rig {rig} --model {model} --budget {budget:g} --out {out} --seed {seed} --resume"
+    try:
+        found = labrig.investigate(
+            runs or None,
+            model,
+            rig,
+            out=out,
+            budget_min=budget,
+            seed=seed,
+            highest=highest,
+            resume=resume,
+            realtime=realtime,
+            reporter=_screen_reporter(again),
+        )
+    except KeyboardInterrupt as error:
+        typer.echo(f"labrig: {error or 'interrupted'}", err=True)
+        raise typer.Exit(130) from None
+    print_investigation(found.summary)
+    if found.model is not None:
+        typer.echo(f"new model: {found.model.path}")
+    typer.echo(f"report: {found.report}")
+
+
+def _screen_reporter(again: str) -> "Reporter":
+    """Prints each step, and shows the progress of each run; `again` is the command that goes on."""
+    from labrig.campaign import Control, Watching
+    from labrig.cli._run_screen import Screen
+    from labrig.cli._tables import print_experiment
+    from labrig.investigation import Lines
+
+    class Terminal(Lines):
+        def proposed(self, summary: Mapping[str, Any]) -> None:
+            print_experiment(summary)
+
+        @contextmanager
+        def watching(self) -> Iterator[Watching]:
+            control = Control()
+            with Screen(control) as screen:
+                yield Watching([screen], control)
+
+        def how_to_resume(self, settings: Any) -> str:
+            return again
+
+    return Terminal(typer.echo)

@@ -1,0 +1,32 @@
+"""An experiment as a procedure file that `labrig run` takes."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from labrig.experiment._propose import Experiment
+
+
+def write_procedure(experiment: Experiment, path: Path) -> None:
+    """Write the programme as a procedure file (YAML), in one piece or not at all."""
+    summary = experiment.summary
+    separates = ", ".join(summary["separates"]) or "what is open"
+    rig = f" for rig {summary['rig']}" if "rig" in summary else ""
+    lines = [
+        f"# Written by labrig next{rig}: separates {separates}.",
+        f"# Why: {summary['why']}.",
+        f"# labrig run {path.name} --rig RIG.yaml --dry-run",
+        "procedure: programme",
+        "points:",
+    ]
+    lines += [f"- {_flow(point)}" for point in experiment.programme()]
+    partial = path.with_name(path.name + ".part")
+    partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def _flow(point: dict[str, Any]) -> str:
+    return yaml.safe_dump(
+        point, default_flow_style=True, sort_keys=False, width=10_000, allow_unicode=True
+    ).strip()

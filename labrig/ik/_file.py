@@ -1,0 +1,37 @@
+"""Solved targets as a file of plain values."""
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labrig.ik._batch import Solved
+
+
+def write_solved(solved: Sequence[Solved], model: str | Path, path: Path) -> None:
+    """Write all results as JSON, in one piece or not at all: pressures in kPa, distances in mm, or what was wrong."""
+    content = {"model": str(model), "targets": [_entry(one) for one in solved]}
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def _entry(one: Solved) -> dict[str, Any]:
+    entry: dict[str, Any] = {"target": one.job.target}
+    if one.result is None:
+        return {**entry, "error": one.error}
+    entry |= one.result.to_dict()
+    entry["measured_mm"] = {
+        key.removesuffix("_mm"): round(value, 4) if np.isfinite(value) else None
+        for key, value in (one.summary or {}).items()
+    }
+    if one.path is not None:
+        entry["path"] = {
+            "name": one.path.name,
+            "setpoints_kpa": np.round(one.path.setpoints_kpa, 4).tolist(),
+            "holds_s": list(one.path.holds_s),
+        }
+    return entry

@@ -1,0 +1,155 @@
+"""The loop: measure, diagnose, settle the doubt, improve, and confirm, until settled or out of time."""
+
+from typing import TYPE_CHECKING
+
+from drivers import DeviceError
+from labrig._errors import LabrigError
+from labrig.investigation._bench import Bench
+from labrig.investigation._programmes import (
+    CLEAR,
+    SHORTEST_MIN,
+    experiment,
+    first_campaign,
+    fresh_programme,
+)
+from labrig.investigation._reporter import Reporter, names_in
+from labrig.investigation._rounds import confirmed, diagnosed, fitted, given_round, measured_round
+from labrig.investigation._state import Settings, State, begun
+from labrig.investigation._work import Work
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+    from labrig.model import Model
+    from labrig.rig import RigConfig
+
+NEW_MODEL = "model.new.yaml"
+MOST_ROUNDS, MOST_CONFIRMATIONS = 8, 2
+
+
+def investigate(
+    settings: Settings,
+    config: "RigConfig",
+    model: "Model",
+    *,
+    resume: bool = False,
+    reporter: Reporter | None = None,
+) -> State:
+    """The whole investigation in the folder `settings.out`; returns what is known in the end.
+
+    Args:
+        settings: what is asked for.
+        config: the rig.
+        model: the model that is questioned; it stays as it is.
+        resume: go on with what the folder holds.
+        reporter: who is told what happens.
+
+    Raises:
+        LabrigError: the folder is not empty or not to be gone on with, the model cannot be evaluated, the budget is
+            too small, a run or a diagnosis failed.
+        DeviceError: a device failed; the chambers are vented.
+        KeyboardInterrupt: somebody ended it; the chambers are vented. As after any other error, what is known by then
+            is kept, and the message says how to go on; a folder in which nothing was measured is removed again.
+    """
+    reporter = reporter or Reporter()
+    _check_base(model, settings.model)
+    there = settings.out.exists()
+    state = begun(settings, resume)
+    work = Work(state, Bench(config, settings.rig_file, settings.realtime), model, reporter)
+    try:
+        with work.bench.opened():
+            _loop(work)
+    except (KeyboardInterrupt, LabrigError, DeviceError) as error:
+        if not any(settings.out.iterdir()):  # nothing was measured
+            if not there:
+                settings.out.rmdir()
+            raise
+        what = str(error) or "interrupted"
+        state.end("interrupted", f"Interrupted: {what}.")
+        kind = KeyboardInterrupt if isinstance(error, KeyboardInterrupt) else type(error)
+        raise kind(
+            f"{what}; {len(state.rounds)} rounds are in {settings.out}; to resume: {reporter.how_to_resume(settings)}"
+        ) from error
+    return state
+
+
+def _check_base(model: "Model", name: str) -> None:
+    """Raise `LabrigError` for a model whose base could not be evaluated, before anything is measured for it."""
+    for field in ("file", "rig"):
+        file = getattr(model.file.base, field, None)
+        if file is not None and not (model.folder / file).is_file():
+            raise LabrigError(f"{name}: base: {field}: there is no file {model.folder / file}")
+
+
+def _loop(work: Work) -> None:
+    state, budget_min = work.state, work.state.settings.budget_min
+    fresh = fresh_programme(work)
+    reserve_min = work.bench.minutes(fresh)
+    result = _first(work, reserve_min)
+    while True:
+        verdict, left_min = result.summary["verdict"], budget_min - state.minutes
+        if len(state.rounds) >= MOST_ROUNDS:
+            return state.end("open", f"Not settled after {MOST_ROUNDS} rounds: {_open(result)}.")
+        programme = experiment(work, result, left_min - reserve_min)
+        if programme is not None:
+            result = measured_round(work, "experiment", programme)
+            continue
+        if verdict not in CLEAR:
+            short = left_min - reserve_min < SHORTEST_MIN
+            return state.end(
+                "out of budget" if short else "open",
+                f"{'Out of budget' if short else 'Not settled'}: {_open(result)}.",
+            )
+        if not result.summary["effects"]:
+            return state.end("settled", "Nothing is missing: the model is as good as the measurements.")
+        if left_min < reserve_min * 0.999:
+            return _improved(work, result, held=None)
+        better = fitted(work, result)
+        if better is None:
+            return state.end("open", f"Not settled: {_open(result)}; it can't be fitted.")
+        held, again = confirmed(work, better, fresh)
+        same = again.summary["effects"] == result.summary["effects"]
+        looked = sum(r["programme"] == "confirmation" for r in state.rounds)
+        over = looked >= MOST_CONFIRMATIONS or budget_min - state.minutes < reserve_min
+        if same and (held or over):
+            return _improved(work, again, held)
+        result = again  # another name now, or the same one does not hold
+
+
+def _first(work: Work, reserve_min: float) -> "Result":
+    """What is known to begin with: of the rounds so far, of runs that were given, or of a first campaign."""
+    if work.state.rounds:
+        return diagnosed(work)
+    if work.state.settings.runs:
+        return given_round(work)
+    return measured_round(work, "capture", first_campaign(work, reserve_min))
+
+
+def _improved(work: Work, result: "Result", held: bool | None) -> None:
+    """Write the model with what was found, fitted to all runs."""
+    state = work.state
+    effects = [str(n) for n in result.summary["effects"]]
+    better = fitted(work, result) if effects else None
+    if better is None:
+        return state.end("open", f"With the fresh captures the verdict is open: {_open(result)}.")
+    assert better.improved is not None
+    path = state.folder / NEW_MODEL
+    better.improved.save(path)
+    state.model = str(path)
+    state.waterfall = list(better.waterfall)
+    names, units = " and ".join(n.replace("_", " ") for n in effects), state.units
+    found = state.confirmation or {}
+    if held:
+        fell = f"from {found['before']:.3g} to {found['after']:.3g} {units} on captures recorded after the verdict"
+        return state.end("settled", f"{names.capitalize()}: with it the error falls {fell}.")
+    if held is None:
+        return state.end(
+            "out of budget", f"{names.capitalize()}, not confirmed on fresh captures: out of budget."
+        )
+    fell = f"from {found['before']:.3g} only to {found['after']:.3g} {units}"
+    return state.end(
+        "open", f"{names.capitalize()} is the best name, but on fresh captures the error falls {fell}."
+    )
+
+
+def _open(result: "Result") -> str:
+    return f"the verdict is {result.summary['verdict']} ({names_in(result.summary)})"

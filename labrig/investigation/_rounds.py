@@ -1,0 +1,115 @@
+"""A round: a programme is measured, and all runs are diagnosed; what is found is fitted, and checked on fresh ones."""
+
+from typing import TYPE_CHECKING
+
+from labrig._errors import LabrigError
+from labrig.campaign import Procedure
+from labrig.investigation._bench import complete, procedure_of, started
+from labrig.investigation._programmes import CONFIRMED
+from labrig.investigation._work import Work
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+
+
+def given_round(work: Work) -> "Result":
+    """The first round where runs are given: nothing is measured, and they are diagnosed."""
+    from labrig.log import summarise
+
+    runs = work.state.settings.runs
+    work.reporter.round_started(1, "given", 0.0)
+    captures = sum(summarise(run).captures for run in runs)
+    _note(work, "given", runs[0].name, 0.0, captures)
+    work.state.rounds[-1]["given"] = [run.as_posix() for run in runs]
+    return diagnosed(work)
+
+
+def measured_round(work: Work, programme: str, procedure: Procedure) -> "Result":
+    """Measure one programme, diagnose with all runs, and note it down."""
+    from labrig.log import summarise
+
+    state = work.state
+    number = len(state.rounds) + 1
+    name = f"run-{number}"
+    folder = state.folder / name
+    seed = state.settings.seed + number
+    if started(folder):  # cut short the last time: the same programme goes on
+        procedure, seed = procedure_of(folder)
+    minutes = work.bench.minutes(procedure, seed)
+    work.reporter.round_started(number, programme, minutes)
+    if not complete(folder):
+        with work.reporter.watching() as watching:
+            work.bench.measure(procedure, folder, seed, watching)
+    _note(work, programme, name, minutes, summarise(folder).captures)
+    return diagnosed(work)
+
+
+def _note(work: Work, programme: str, run: str, minutes: float, captures: int) -> None:
+    work.state.rounds.append(
+        {
+            "round": len(work.state.rounds) + 1,
+            "programme": programme,
+            "run": run,
+            "minutes": minutes,
+            "captures": captures,
+            "verdict": "",
+            "effects": [],
+            "rivals": [],
+            "probability": None,
+            "error": {"model": None, "floor": None},
+        }
+    )
+
+
+def diagnosed(work: Work) -> "Result":
+    """Diagnose all runs, write the report of the last round, and note the verdict down."""
+    from labrig.diagnosis import diagnose
+    from labrig.view import write_report
+
+    state = work.state
+    result = diagnose(state.opened(), work.model)
+    last = state.rounds[-1]
+    folder = state.folder / f"diagnosis-{last['round']}"
+    folder.mkdir(exist_ok=True)
+    result.write(folder / "diagnosis.json")
+    write_report(result, folder)
+    kept = {k: result.summary[k] for k in ("verdict", "effects", "rivals", "probability", "error")}
+    last |= {**kept, "report": f"{folder.name}/report.html"}
+    state.units = result.summary["units"]
+    state.waterfall = list(result.waterfall)
+    state.write()
+    work.reporter.diagnosed(last["round"], result.summary)
+    return result
+
+
+def confirmed(work: Work, found: "Result", procedure: Procedure) -> "tuple[bool, Result]":
+    """Measure a fresh programme, and see whether the error falls there with what was fitted to the runs before."""
+    from labrig.diagnosis import compare
+
+    state, better = work.state, found.improved
+    assert better is not None
+    again = measured_round(work, "confirmation", procedure)
+    fresh = state.opened()[-1]
+    before, after = compare(fresh, work.model).summary["error"], compare(fresh, better).summary["error"]
+    floor = max(float(again.summary["error"]["floor"]), 1e-12)
+    drop = (before["model"] - after["model"]) / max(before["model"] - floor, 1e-12)
+    state.confirmation = {
+        "effects": found.summary["effects"],
+        "before": float(before["model"]),
+        "after": float(after["model"]),
+        "floor": floor,
+        "drop": float(drop),
+        "run": state.rounds[-1]["run"],
+    }
+    return bool(drop >= CONFIRMED), again
+
+
+def fitted(work: Work, result: "Result") -> "Result | None":
+    """The model with what was found, fitted to all runs; None, with a note that says why, where it can't be."""
+    from labrig.diagnosis import improve
+
+    try:
+        return improve(work.state.opened(), work.model, result.summary["effects"], force=True)
+    except LabrigError as error:
+        work.state.warnings.append(str(error))
+        return None

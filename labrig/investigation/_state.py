@@ -1,0 +1,154 @@
+"""What an investigation knows so far: kept in investigation.json after every round."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labrig._errors import LabrigError
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+STATE = "investigation.json"
+OPEN = {"under way", "interrupted", "out of budget"}
+"""States that can be gone on with; the others are `settled` and `open`."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What an investigation is asked for.
+
+    `rig` and `model` are what they are called in what is said, `budget_min` the time on the rig, `highest` the highest
+    pressure of a campaign, as a share of the range. `runs` were measured before; without any the first round is a
+    campaign. `rig_file` is noted in each run, for `labrig run --resume`.
+    """
+
+    rig: str
+    model: str
+    out: Path
+    budget_min: float = 30.0
+    seed: int = 0
+    highest: float = 0.85
+    realtime: bool = False
+    runs: tuple[Path, ...] = ()
+    rig_file: Path | None = None
+
+    def content(self) -> dict[str, Any]:
+        """The settings as plain values."""
+        return {
+            "rig": self.rig,
+            "model": self.model,
+            "budget_min": self.budget_min,
+            "out": str(self.out),
+            "seed": self.seed,
+            "highest": self.highest,
+            "realtime": self.realtime,
+            "runs": [run.as_posix() for run in self.runs],
+        }
+
+
+@dataclass
+class State:
+    """Everything that is known so far; `write` keeps it in investigation.json and the page."""
+
+    settings: Settings
+    state: str = "under way"
+    conclusion: str = "Under way."
+    units: str = ""
+    rounds: list[dict[str, Any]] = field(default_factory=list)
+    confirmation: dict[str, Any] | None = None
+    waterfall: list[Any] = field(default_factory=list)
+    model: str | None = None
+    warnings: list[str] = field(default_factory=list)
+    _opened: "list[Dataset]" = field(default_factory=list, repr=False)
+
+    @property
+    def folder(self) -> Path:
+        """Where everything lies."""
+        return self.settings.out
+
+    @property
+    def minutes(self) -> float:
+        """Time on the rig so far."""
+        return sum(r["minutes"] for r in self.rounds)
+
+    @property
+    def runs(self) -> list[Path]:
+        """The folders of all runs so far, those that were given first."""
+        return [
+            run
+            for r in self.rounds
+            for run in ([Path(one) for one in r["given"]] if "given" in r else [self.folder / r["run"]])
+        ]
+
+    def opened(self) -> "list[Dataset]":
+        """The runs so far, each read once."""
+        from labrig.log import open_run
+
+        for run in self.runs[len(self._opened) :]:
+            self._opened.append(open_run(run))
+        return list(self._opened)
+
+    def content(self) -> dict[str, Any]:
+        """The content of investigation.json."""
+        head = ("state", "conclusion", "units", "minutes", "rounds", "confirmation")
+        tail = ("waterfall", "model", "warnings")
+        return {
+            **{name: getattr(self, name) for name in head},
+            "budget_min": self.settings.budget_min,
+            **{name: getattr(self, name) for name in tail},
+            "settings": self.settings.content(),
+        }
+
+    def write(self) -> None:
+        """Write investigation.json and report.html."""
+        from labrig.diagnosis import write_json
+        from labrig.view import write_investigation
+
+        write_json(self.content(), self.folder / STATE)
+        write_investigation(self.content(), self.folder)
+
+    def end(self, state: str, conclusion: str) -> None:
+        """Note how it ended."""
+        self.state, self.conclusion = state, conclusion
+        self.write()
+
+
+def read_state(folder: Path) -> dict[str, Any]:
+    """The content of a folder's investigation.json; raises `LabrigError` where there is none that can be read."""
+    try:
+        content = json.loads((folder / STATE).read_text(encoding="utf-8"))
+    except (OSError, json.JSONDecodeError):
+        content = None
+    if not isinstance(content, dict) or "state" not in content:
+        raise LabrigError(f"{folder} holds no investigation: there is no {STATE} that can be read")
+    return content
+
+
+def begun(settings: Settings, resume: bool) -> State:
+    """A new state in a folder that is made, or the one that is gone on with; raises `LabrigError` for neither."""
+    out = settings.out
+    if out.is_file():
+        raise LabrigError(f"{out} is a file; name a folder")
+    if not resume:
+        try:
+            out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise LabrigError(
+                f"{out} cannot be made: {error.strerror or error}; choose another folder"
+            ) from None
+        if any(out.iterdir()):
+            raise LabrigError(
+                f"{out} is not empty; choose another folder, or go on with what is there (--resume, resume=True)"
+            )
+        return State(settings)
+    if not (out / STATE).exists() and (out / "run-1" / "run.yaml").exists():
+        return State(settings)  # the power was cut in the first round
+    content = read_state(out)
+    if content["state"] not in OPEN:
+        raise LabrigError(
+            f"{out} is finished ({content['state']}): see {out / 'report.html'}, or begin anew in another folder"
+        )
+    known = ("rounds", "units", "confirmation", "waterfall", "model", "warnings")
+    return State(settings, **{name: content[name] for name in known})

@@ -1,0 +1,21 @@
+"""What every step of an investigation needs."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from labrig.investigation._bench import Bench
+from labrig.investigation._reporter import Reporter
+from labrig.investigation._state import State
+
+if TYPE_CHECKING:
+    from labrig.model import Model
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is known, where it is measured, the model that is questioned, and who is told."""
+
+    state: State
+    bench: Bench
+    model: "Model"
+    reporter: Reporter
