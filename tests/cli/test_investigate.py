@@ -65,7 +65,7 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     code, _, err = labrig(*line)
     assert (code, err) == (
         2,
-        "labrig: investigation is not empty; choose another --out, or go on with --resume\n",
+        "labrig: investigation is not empty; choose another --out, or continue it with --resume\n",
     )
     code, out, _ = labrig(*line, "--resume")
     assert code == 0
