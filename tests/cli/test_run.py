@@ -213,7 +213,7 @@ def test_a_failure_says_how_to_go_on(lab: Path, labrig: Run) -> None:
     assert code == 2
     assert err.splitlines()[-1] == (
         "labrig: procedure mine failed at step 6: ValueError: no more (mine.py, line 18); "
-        "go on with: labrig run --resume one"
+        "to resume: labrig run --resume one"
     )
 
 
@@ -299,7 +299,7 @@ def test_a_disk_that_is_full_stops_the_run_and_loses_nothing_durable(lab: Path, 
     assert done.returncode == 2
     assert done.stderr.splitlines()[-1] == (
         "labrig: the log in one cannot be written: File too large; the chambers are vented; "
-        "go on with: labrig run --resume one"
+        "to resume: labrig run --resume one"
     )
     kept = _captures("one")
     assert 1 <= kept < 8
