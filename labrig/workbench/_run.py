@@ -78,7 +78,10 @@ class Pair:
         if run_id(self.run) not in runs or written < self.model.stat().st_mtime_ns:
             return False
         told = (named, self.desk.folder / named, path.parent / named)
-        return self.model in {each.resolve() for each in told}
+        if self.model in {each.resolve() for each in told}:
+            return True
+        # a folder that was moved or copied: the name is all that is left of a path
+        return named.name == self.model.name and not any(each.exists() for each in told)
 
 
 def pair_of(desk: Desk, asked: Mapping[str, Any]) -> Pair:

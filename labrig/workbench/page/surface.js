@@ -37,6 +37,7 @@ export class Surfaces {
       this.wanted = null;
       for (const [k, view] of this.views.entries()) {
         if (!view.place.isConnected) return;
+        if (view.place.parentElement.hidden) continue;
         const figure = this.#figure(states[k], range, words);
         if (view.ready) figure.layout.scene.camera = view.place.layout.scene.camera;
         await Plotly.react(view.place, figure.data, figure.layout, CONFIG);
