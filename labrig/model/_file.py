@@ -19,8 +19,9 @@ class _Strict(BaseModel):
 class PythonBase(_Strict):
     """A function of the user's: ``predict(actuation: (F, C)) -> (F, K)``, in the units of the run.
 
-    Or with memory: `record`, ``predict(u: (n, C), t: (n,)) -> (n, K)`` over one record; `step`, ``step(state: (S,), u:
-    (C,), dt_s) -> (state, y: (K,))``, the output now and the state `dt_s` later, from `state` on. Left out, the number of its parameters says which.
+    Or with memory. `record`: ``predict(u: (n, C), t: (n,)) -> (n, K)`` over one record. `step`: ``step(state: (S,),
+    u: (C,), dt_s) -> (state, y: (K,))``, the output now and the state `dt_s` later, from `state` on. Left out, the
+    number of its parameters says which.
     """
 
     kind: Literal["python"]

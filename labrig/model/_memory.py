@@ -104,7 +104,7 @@ class MemoryModel(ABC):
         """What the base settles at, (F, C) -> (F, K), each set-point held for as long as it needs."""
         unique, inverse = np.unique(actuation, axis=0, return_inverse=True)
         n = self._settling()
-        t = np.arange(n) * self._dt
+        t = self._clock(n)
         held = [self.simulate(np.tile(u, (n, 1)), t)[-1] for u in unique]
         return np.array(held)[inverse.reshape(-1)]
 
@@ -121,7 +121,7 @@ class MemoryModel(ABC):
             u = np.tile(vented, (first + GRID * n, 1))
             u[:first, c] = grid[0]
             u[first:, c] = np.repeat(grid, n)
-            slow = self.simulate(u, np.arange(len(u)) * self._dt)[first + n - 1 :: n]
+            slow = self.simulate(u, self._clock(len(u)))[first + n - 1 :: n]
             moved = np.sqrt(((slow - rest) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
             full = np.abs(moved).max()
             curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
@@ -132,6 +132,9 @@ class MemoryModel(ABC):
         """None: it has no parameters that labrig fits."""
         return None
 
+    def _clock(self, n: int) -> Floats:
+        return np.arange(n).astype(np.float64) * self._dt
+
     def _settling(self) -> int:
         """How many steps a response to all chambers at once takes to come to rest; as many as the run has, at most."""
         known = getattr(self, "_steps", None)
@@ -139,7 +142,7 @@ class MemoryModel(ABC):
             return known
         n = int(np.clip(self._longest_s / self._dt, 20, _LONGEST))
         u = np.tile(self._rows.high, (n, 1))
-        out = self.simulate(u, np.arange(n) * self._dt)
+        out = self.simulate(u, self._clock(n))
         far = np.abs(out - out[-1]).max(axis=1)
         late = np.flatnonzero(far > _SETTLED * max(float(far.max()), 1e-300))
         self._steps = n if len(late) and late[-1] > 0.9 * n else max(int(late[-1]) + 2 if len(late) else 3, 3)

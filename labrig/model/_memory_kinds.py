@@ -1,6 +1,7 @@
 """The kinds of bases with memory: a function of a record, a step with a state, a differential equation, an FMU."""
 
 import inspect
+import warnings
 from pathlib import Path
 from typing import Literal
 
@@ -103,6 +104,15 @@ class OdeModel(MemoryModel):
             out[:] = self._integrate(out[0], t, u)
         return out
 
+    def _finite(self, now: float, x: Floats, u: Floats) -> Floats:
+        """The rate; what is not finite would have LSODA take ever smaller steps."""
+        rate = np.asarray(self._rate(now, x, u), dtype=float)
+        if not np.isfinite(rate).all():
+            raise LabrigError(
+                f"{self._where}: can't be integrated beyond {now:.6g} s: the rate is not finite"
+            )
+        return rate
+
     def _integrate(self, state: Floats, t: Floats, u: Floats) -> Floats:
         """From `state` along `t`, with one input for all of it, or one from each time on."""
         from scipy.integrate import solve_ivp
@@ -110,7 +120,7 @@ class OdeModel(MemoryModel):
         if len(u) == 1:
 
             def rate(now: float, x: Floats) -> object:
-                return self._rate(now, x, u[0])
+                return self._finite(now, x, u[0])
 
             longest = np.inf
         else:
@@ -120,19 +130,21 @@ class OdeModel(MemoryModel):
 
             def rate(now: float, x: Floats) -> object:
                 i = min(max(int(np.searchsorted(t, now, side="right")) - 1, 0), len(t) - 2)
-                return self._rate(now, x, u[i] + slopes[i] * (now - t[i]) if linear else u[i])
+                return self._finite(now, x, u[i] + slopes[i] * (now - t[i]) if linear else u[i])
 
         scale = np.maximum(np.abs(self._spec.state), 1.0)
-        solved = solve_ivp(
-            rate,
-            (float(t[0]), float(t[-1])),
-            state,
-            method="LSODA",
-            t_eval=t,
-            rtol=self._spec.rtol,
-            atol=self._spec.rtol * 1e-2 * scale,
-            max_step=longest,
-        )
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")  # what goes wrong is said below, by its time
+            solved = solve_ivp(
+                rate,
+                (float(t[0]), float(t[-1])),
+                state,
+                method="LSODA",
+                t_eval=t,
+                rtol=self._spec.rtol,
+                atol=self._spec.rtol * 1e-2 * scale,
+                max_step=longest,
+            )
         if not solved.success or solved.y.shape[1] != len(t):
             raise LabrigError(
                 f"{self._where}: can't be integrated beyond {solved.t[-1] if len(solved.t) else t[0]:.6g} s "
