@@ -79,8 +79,8 @@ def _columns(name: str, a: np.ndarray, n: int) -> Iterator[tuple[str, Any]]:
 def _arrays(path: Path) -> Arrays:
     """Every array of numbers or text in a file, by its path within it."""
     with path.open("rb") as file:
-        head = file.read(8)
-    if head.startswith(b"\x89HDF"):
+        head = file.read(16)
+    if head.startswith((b"\x89HDF", b"MATLAB 7.3")):
         return _hdf(path)
     if head.startswith(b"\x93NUMPY"):
         loaded = np.load(path, allow_pickle=False)

@@ -88,7 +88,9 @@ def _is_float(text: str) -> bool:
 
 
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
-    read = [(how, table, roles_of(table, _units_below(path, how, table))) for how, table in tables]
+    read = [
+        (how, table, roles_of(table, _units_below(path, how, table), how.part or "")) for how, table in tables
+    ]
     how, table, roles = max(read, key=lambda one: (_worth(one[2]), len(one[1].frame)))
     mapping: dict[str, Any] = {"table": beside(path, Path(folder)) if folder is not None else path.name}
     if written := how.model_dump(exclude_defaults=True):

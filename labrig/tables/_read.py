@@ -20,6 +20,7 @@ _BEGINS = (
     (b"PAR1", "parquet"),
     (b"\x89HDF", "arrays"),
     (b"MATLAB 5.0", "arrays"),
+    (b"MATLAB 7.3", "arrays"),
     (b"\x93NUMPY", "arrays"),
     (b"\x89MCAP", "bag"),
     (b"#ROSBAG", "bag"),

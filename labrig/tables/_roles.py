@@ -1,7 +1,7 @@
 """What each column of a foreign table is likely to be: a time, a label, an input, a marker, an output."""
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from labrig.tables._table import DATE, Floats, Table
 
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}")
 _PRESSURES = ("Pa", "psi", "bar", "mmHg")
+_GENERIC = {("data",), ("value",), ("values",)}
 _DRIVES = ("V", "A", "percent")
 
 
@@ -33,12 +34,17 @@ class Roles:
     remarks: list[str] = field(default_factory=list)
 
 
-def roles_of(table: Table, units: dict[str, str]) -> Roles:
-    """Take every column of a table for something; `units` are those that a row below the header gives."""
+def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
+    """Take every column of a table for something; `units` are those that a row below the header gives.
+
+    A column that is called `data` has the name of its `part`, the topic or group.
+    """
     out = Roles()
     parsed: list[Name] = []
     for column in table.frame.columns:
         name = take_apart(column, units.get(str(column)))
+        if part.strip("/") and name.words in _GENERIC:
+            name = replace(take_apart(part.strip("/").rpartition("/")[2]), column=str(column))
         numbers = _numbers(table, column)
         if numbers is not None and np.isfinite(numbers).any():
             out.values[name.column] = numbers
@@ -113,6 +119,9 @@ def _find_time(out: Roles, parsed: list[Name]) -> None:
         out.remarks.append("no column is a time: rows are taken as 1 s apart; say so under 'time:' if not")
         return
     chosen = rising[0]
+    for other in rising[1:]:
+        out.remarks.append(f"column {other.column!r} is a clock as well and is left out")
+        parsed.remove(other)
     unit = chosen.unit
     if unit is None or unit not in {"s", "ms", "us", "ns", "min", "hour", "h"}:
         unit = _time_unit(out.values[chosen.column])
