@@ -3,6 +3,7 @@
 Arrays of one length stand side by side as the columns of a table; what has another length is another part.
 """
 
+import zipfile
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -88,6 +89,8 @@ def _arrays(path: Path) -> Arrays:
             return {name: loaded[name] for name in loaded.dtype.names}
         return {path.stem: loaded} if loaded.dtype.kind in "fiub" else {}
     if head.startswith(b"PK"):
+        if not zipfile.is_zipfile(path):
+            raise LabrigError(f"{path}: is cut off: the end of the archive is missing")
         with np.load(path, allow_pickle=False) as loaded:
             out: Arrays = {}
             for name in loaded.files:

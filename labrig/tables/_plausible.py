@@ -78,7 +78,7 @@ def check_values(values: Floats, unit: str, what: str, where: str) -> list[str]:
     size = np.abs(values[np.isfinite(values)])
     if not len(size) or unit == "1":
         return []
-    top = float(np.percentile(size, 99.5))
+    top = float(np.percentile(size, 99.5, method="higher"))
     if top == 0:
         return []
     if like(unit, "kPa"):

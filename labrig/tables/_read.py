@@ -2,7 +2,8 @@
 
 import os
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from labrig._errors import LabrigError
@@ -69,8 +70,19 @@ def read_table(path: Path, mapping: Mapping) -> Table:
 def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_text: bool = False) -> Table:
     """Read one file as `how` says; a C3D file takes the names of its markers from the `mapping`."""
     kind = kind_of(path)
-    try:
+    with _readable(path, kind):
         table = _reader(kind, mapping, as_text)(path, how)
+    frame = table.frame.iloc[: how.rows].reset_index(drop=True)
+    if frame.empty:
+        raise LabrigError(f"{path}: has no rows")
+    return Table(path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
+
+
+@contextmanager
+def _readable(path: Path, kind: str) -> Iterator[None]:
+    """Whatever a reader stumbles over is said in one line, with the file."""
+    try:
+        yield
     except LabrigError:
         raise
     except MemoryError:
@@ -79,10 +91,6 @@ def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_tex
         lines = str(error).strip().splitlines()
         reason = short(lines[0].strip(), quote=False) if lines else type(error).__name__
         raise LabrigError(f"{path}: can't be read as {_NAMES[kind]} ({reason})") from error
-    frame = table.frame.iloc[: how.rows].reset_index(drop=True)
-    if frame.empty:
-        raise LabrigError(f"{path}: has no rows")
-    return Table(path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
 
 
 _NAMES = {
@@ -131,18 +139,19 @@ def _read_parquet(path: Path, how: Format) -> Table:
 def parts_of(path: Path) -> dict[str, int]:
     """What a file has several of, with the rows of each: sheets, groups of arrays with a length, topics."""
     kind = kind_of(path)
-    if kind == "excel":
-        from labrig.tables._workbook import sheets
+    with _readable(path, kind):
+        if kind == "excel":
+            from labrig.tables._workbook import sheets
 
-        return sheets(path)
-    if kind == "arrays":
-        from labrig.tables._arrays import groups
+            return sheets(path)
+        if kind == "arrays":
+            from labrig.tables._arrays import groups
 
-        return groups(path)
-    if kind == "bag":
-        from labrig.tables._bags import topics
+            return groups(path)
+        if kind == "bag":
+            from labrig.tables._bags import topics
 
-        return topics(path)
+            return topics(path)
     return {}
 
 

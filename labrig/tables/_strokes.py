@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import binary_closing, maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -23,6 +23,10 @@ _JUMP = 0.015
 """What is more than this from one row to the next is a step, not a slow motion."""
 _TURN = 0.05
 """How far an input has to go back to have turned."""
+_CALM, _LONG = 0.5, 0.5
+"""A plateau between steps wanders by less than half a step, and is longer than half of the motion beside it."""
+_WINDOW, _QUIET = 0.08, 0.004
+"""Within such a part of the rows that one way over the range takes, a plateau in a slow motion moves by no more."""
 _SHORTEST = 3
 _ALIKE = 0.15
 _PIECES = 12
@@ -78,17 +82,22 @@ def _noise(x: Floats) -> float:
 def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple[int, int]]:
     """Where all inputs stand still: between steps, or within a slow motion."""
     flat = min(_FLAT + 6 * noise, 0.2)
-    step = np.abs(np.diff(x, axis=0)).max(axis=1) > max(_JUMP, 6 * noise)
-    edges = np.r_[0, np.flatnonzero(step) + 1, len(x)]
+    jump = np.abs(np.diff(x, axis=0)).max(axis=1)
+    edges = np.r_[0, np.flatnonzero(jump > max(_JUMP, 6 * noise)) + 1, len(x)]
     starts, lengths = edges[:-1], np.diff(edges)
     spread = (np.maximum.reduceat(x, starts) - np.minimum.reduceat(x, starts)).max(axis=1)
-    between = np.r_[0, lengths, 0]
-    crowd = _moving_beside(lengths)
-    still = (spread <= flat) & (lengths >= _SHORTEST) & (lengths >= 0.5 * crowd)
+    ends = np.r_[0.0, jump[edges[1:-1] - 1], 0.0]
+    beside = np.maximum(ends[:-1], ends[1:]) if len(starts) > 1 else np.array([np.inf])
+    still = (spread <= np.minimum(flat, _CALM * beside)) & (
+        lengths >= (_SHORTEST if noise == 0 else 2 * _SHORTEST)
+    )
+    still &= lengths >= _LONG * _moving_beside(lengths)
     out = [(int(s), int(s + k)) for s, k in zip(starts[still], lengths[still], strict=True)]
-    for i in np.flatnonzero((spread > flat) & (between[1:-1] >= 10)):
-        begin, end = int(starts[i]), int(starts[i] + lengths[i])
-        out += _slow(x[begin:end], main[begin:end], noise, level, begin)
+    at = 0
+    for begin, end in [*out, (len(x), len(x))]:
+        if begin - at >= 10:
+            out += _slow(x[at:begin], main[at:begin], noise, level, at)
+        at = end
     return sorted(out)
 
 
@@ -103,25 +112,34 @@ def _moving_beside(lengths: Ints) -> Ints:
 
 
 def _slow(x: Floats, main: Floats, noise: float, level: float, offset: int) -> list[tuple[int, int]]:
-    """Plateaus between slow ramps: long, by the rows that one way over the range takes, and flatter than a crest."""
+    """Plateaus between slow ramps: long, by the rows that one way over the range takes, and flatter than a crest.
+
+    The input is smoothed over half a window against its noise; what that takes from a plateau's ends is given back.
+    """
     turns = np.r_[0, turning_points(main, level), len(main) - 1]
     travel = float(np.abs(np.diff(main[turns])).sum())
     way = len(main) / max(travel, 0.5)
-    window = int(np.clip(0.04 * way, 3, len(x)))
-    wander = np.max(
-        [
-            maximum_filter1d(c, window, mode="nearest") - minimum_filter1d(c, window, mode="nearest")
-            for c in x.T
-        ],
-        axis=0,
-    )
-    still = wander <= 0.004 + 7 * noise
+    window = int(np.clip(_WINDOW * way, 3, len(x)))
+    over = max(window // 2, 1)
+    smooth = uniform_filter1d(x, over, axis=0, mode="nearest")
+    high, low = (f(smooth, window, axis=0, mode="nearest") for f in (maximum_filter1d, minimum_filter1d))
+    still = (high - low).max(axis=1) <= _QUIET + 6 * noise / np.sqrt(over)
+    still = binary_closing(np.pad(still, window), np.ones(window, dtype=bool))[window:-window]
     change = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8)))
-    out = []
-    for begin, end in change.reshape(-1, 2):
-        exact = (np.ptp(x[begin:end], axis=0) == 0).all() and end - begin >= 5
-        if end - begin >= max(_SHORTEST, 0.15 * way) or (exact and end - begin >= 0.05 * way):
-            out.append((int(begin) + offset, int(end) + offset))
+    out: list[tuple[int, int]] = []
+    for begin, end in change.reshape(-1, 2).tolist():
+        exact = bool((np.ptp(x[begin:end], axis=0) == 0).all())
+        if end - begin < max(_SHORTEST, (0.05 if exact else 0.15) * way):
+            continue
+        middle = np.median(x[begin:end], axis=0)
+        first, last = max(begin - window - over, 0), min(end + window + over, len(x))
+        near = (np.abs(x[first:last] - middle) <= _QUIET + 4 * noise).all(axis=1)
+        before, after = near[: begin - first][::-1], near[end - first :]
+        begin -= int(np.argmin(np.r_[before, False]))
+        end += int(np.argmin(np.r_[after, False]))
+        if out and begin + offset < out[-1][1]:
+            begin = out[-1][1] - offset
+        out.append((begin + offset, end + offset))
     return out
 
 
