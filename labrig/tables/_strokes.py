@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing, maximum_filter1d, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -122,12 +122,15 @@ def _slow(x: Floats, main: Floats, noise: float, level: float, offset: int) -> l
     window = int(np.clip(_WINDOW * way, 3, len(x)))
     over = max(window // 2, 1)
     smooth = uniform_filter1d(x, over, axis=0, mode="nearest")
-    high, low = (f(smooth, window, axis=0, mode="nearest") for f in (maximum_filter1d, minimum_filter1d))
+    high, low = (
+        np.asarray(f(smooth, window, axis=0, mode="nearest")) for f in (maximum_filter1d, minimum_filter1d)
+    )
     still = (high - low).max(axis=1) <= _QUIET + 6 * noise / np.sqrt(over)
-    still = binary_closing(np.pad(still, window), np.ones(window, dtype=bool))[window:-window]
-    change = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8)))
+    runs = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8))).reshape(-1, 2)
+    apart = runs[1:, 0] - runs[:-1, 1] >= window
+    begins, ends = runs[np.r_[True, apart][: len(runs)], 0], runs[np.r_[apart, True][: len(runs)], 1]
     out: list[tuple[int, int]] = []
-    for begin, end in change.reshape(-1, 2).tolist():
+    for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         exact = bool((np.ptp(x[begin:end], axis=0) == 0).all())
         if end - begin < max(_SHORTEST, (0.05 if exact else 0.15) * way):
             continue
