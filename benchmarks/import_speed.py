@@ -105,7 +105,8 @@ def main() -> None:
     below = [
         f"`python benchmarks/import_speed.py` on {platform.machine()}, {os.cpu_count()} cores with a load of {load}, "
         f"Python {platform.python_version()}; a CSV of a time, three inputs and a marker; "
-        f"medians of {options.repeats}, first by the wall, then of the processor. Asked for: 1,000,000 rows in {LIMIT_S} s, and linear.",
+        f"medians of {options.repeats}, first by the wall, then of the processor. "
+        f"Asked for: 1,000,000 rows in {LIMIT_S} s, and linear.",
         "",
         "| rows | stream | holds of 100 rows | pandas and mcap | stream: each row | stream: pandas and mcap |",
         "|---|---|---|---|---|---|",

@@ -125,7 +125,7 @@ def _slow(x: Floats, main: Floats, noise: float, level: float, offset: int) -> l
     high, low = (
         np.asarray(f(smooth, window, axis=0, mode="nearest")) for f in (maximum_filter1d, minimum_filter1d)
     )
-    still = (high - low).max(axis=1) <= _QUIET + 6 * noise / np.sqrt(over)
+    still = np.asarray((high - low).max(axis=1) <= _QUIET + 6 * noise / np.sqrt(over))
     runs = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8))).reshape(-1, 2)
     apart = runs[1:, 0] - runs[:-1, 1] >= window
     begins, ends = runs[np.r_[True, apart][: len(runs)], 0], runs[np.r_[apart, True][: len(runs)], 1]
@@ -136,7 +136,7 @@ def _slow(x: Floats, main: Floats, noise: float, level: float, offset: int) -> l
             continue
         middle = np.median(x[begin:end], axis=0)
         first, last = max(begin - window - over, 0), min(end + window + over, len(x))
-        near = (np.abs(x[first:last] - middle) <= _QUIET + 4 * noise).all(axis=1)
+        near = np.asarray((np.abs(x[first:last] - middle) <= _QUIET + 4 * noise).all(axis=1))
         before, after = near[: begin - first][::-1], near[end - first :]
         begin -= int(np.argmin(np.r_[before, False]))
         end += int(np.argmin(np.r_[after, False]))

@@ -186,6 +186,19 @@ def test_a_log_of_a_bench_is_understood(desk: Path) -> None:
     assert run.sizes["capture"] == 5
 
 
+def test_the_command_prints_its_guess(desk: Path, labrig) -> None:
+    """`labrig import FILE` shows the mapping, writes it beside the run, and does not replace one that is there."""
+    FRAME.to_csv("t.csv", index=False)
+    code, out, err = labrig("import", "t.csv")
+    assert (code, err) == (0, "")
+    assert out.startswith("guessed, and written to t.map.yaml:\n  table: t.csv\n")
+    assert out.endswith("t: 6 captures in 6 segments, 1 actuated, 1 observables, 1 session(s)\n")
+    assert sorted(p.name for p in Path().iterdir()) == ["t", "t.csv", "t.map.yaml"]
+    assert labrig("import", "--mapping", "t.map.yaml", "-o", "again")[0] == 0
+    code, out, err = labrig("import", "t.csv", "-o", "t")
+    assert (code, out, err) == (2, "", "labrig: t exists already; choose another name or remove it\n")
+
+
 def test_dates_are_a_clock(desk: Path) -> None:
     """A column of dates and times of day is taken for the time, in s since its first row."""
     frame = FRAME.drop(columns="time_s")
