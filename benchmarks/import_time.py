@@ -76,7 +76,7 @@ def main() -> None:
     ]
     print("\n".join(lines))
     if not options.quick:
-        write_section(options.out, "## Import", lines)
+        write_section(options.out, "## Importing labrig", lines)
 
 
 if __name__ == "__main__":

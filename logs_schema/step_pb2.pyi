@@ -43,20 +43,22 @@ class Step(_message.Message):
     def __init__(self, timestamp: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., index: _Optional[int] = ..., kind: _Optional[str] = ..., state: _Optional[_Union[Step.State, str]] = ..., step_json: _Optional[str] = ..., result_json: _Optional[str] = ..., started_s: _Optional[float] = ..., ended_s: _Optional[float] = ..., wall_s: _Optional[float] = ...) -> None: ...
 
 class Capture(_message.Message):
-    __slots__ = ("timestamp", "capture", "setpoint", "session", "repeat", "event")
+    __slots__ = ("timestamp", "capture", "setpoint", "session", "repeat", "event", "segment")
     TIMESTAMP_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     SETPOINT_FIELD_NUMBER: _ClassVar[int]
     SESSION_FIELD_NUMBER: _ClassVar[int]
     REPEAT_FIELD_NUMBER: _ClassVar[int]
     EVENT_FIELD_NUMBER: _ClassVar[int]
+    SEGMENT_FIELD_NUMBER: _ClassVar[int]
     timestamp: _timestamp_pb2.Timestamp
     capture: int
     setpoint: _containers.RepeatedScalarFieldContainer[float]
     session: str
     repeat: str
     event: int
-    def __init__(self, timestamp: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., capture: _Optional[int] = ..., setpoint: _Optional[_Iterable[float]] = ..., session: _Optional[str] = ..., repeat: _Optional[str] = ..., event: _Optional[int] = ...) -> None: ...
+    segment: str
+    def __init__(self, timestamp: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., capture: _Optional[int] = ..., setpoint: _Optional[_Iterable[float]] = ..., session: _Optional[str] = ..., repeat: _Optional[str] = ..., event: _Optional[int] = ..., segment: _Optional[str] = ...) -> None: ...
 
 class Plan(_message.Message):
     __slots__ = ("timestamp", "procedure", "parameters_json", "plan_sha256", "steps", "estimate_s", "run_json", "layout_json")

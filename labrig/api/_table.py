@@ -8,14 +8,18 @@ from labrig.api._inputs import Place
 if TYPE_CHECKING:
     from xarray import Dataset
 
+_MAPPINGS = {".yaml", ".yml"}
+
 
 def import_table(mapping: Place, output: Place, tables: Any = ()) -> "Dataset":
     """Make a run folder of your own tables, as a MAP.yaml says what their columns mean; returns the opened run.
 
     Args:
-        mapping: the file that says what the columns mean.
+        mapping: the file that says what the columns mean; or a table, whose mapping is then guessed and written beside
+            the run, OUTPUT.map.yaml.
         output: the run folder to make.
-        tables: one file or several (CSV, Parquet, C3D) in place of those that the mapping names.
+        tables: one file or several (CSV, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP, ROS bags) in place of those that
+            the mapping names; beside a table, more of its kind, each a session.
 
     Raises:
         LabrigError: a file, a column or a unit does not exist, a value is no number, or the output exists; nothing
@@ -28,7 +32,9 @@ def import_table(mapping: Place, output: Place, tables: Any = ()) -> "Dataset":
     """
     from labrig import log
 
-    mapping = path_of(mapping, "a mapping", "the path of a MAP.yaml")
+    mapping = path_of(mapping, "a mapping", "the path of a MAP.yaml, or of a table")
     output = path_of(output, "an output", "the path of the run folder to make")
-    given = [] if tables == () else paths_of(tables, "a table", "its file (CSV, Parquet, C3D)")
+    given = [] if tables == () else paths_of(tables, "a table", "its file (CSV, Parquet, C3D, ...)")
+    if mapping.suffix.lower() not in _MAPPINGS and mapping.exists():
+        return log.import_guessed([mapping, *given], output)[0]
     return log.import_table(mapping, output, given)

@@ -21,6 +21,7 @@ app = typer.Typer(
 
 _COMMAND_MODULES = (
     "_diagnosis",
+    "_import",
     "_next",
     "_investigate",
     "_campaign",

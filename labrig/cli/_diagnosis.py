@@ -90,28 +90,6 @@ def improve(
     _say(f"new model: {output}")
 
 
-@app.command("import")
-def import_(
-    mapping: Annotated[Path, typer.Option("--mapping", help="What the columns mean (MAP.yaml).")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="The run folder to make.")],
-    table: Annotated[
-        list[Path] | None,
-        typer.Argument(metavar="TABLE...", help="CSV, Parquet or C3D; else the mapping's."),
-    ] = None,
-) -> None:
-    """Import a table of your own measurements as a run."""
-    from labrig.log import import_table
-
-    check_folder(output, "-o")
-    run = import_table(mapping, output, tables=table or ())
-    sizes = run.sizes
-    observables = 3 * sizes.get("marker", 0) + sizes.get("observable", 0)
-    _say(
-        f"{output}: {sizes['capture']} captures, {sizes['chamber']} actuated, {observables} observables, "
-        f"{len(set(run['session'].values))} session(s)"
-    )
-
-
 effects_app = typer.Typer(cls=Group, help="The physical effects that a model can lack.")
 app.add_typer(effects_app, name="effects")
 

@@ -1,9 +1,8 @@
 """The log: written durably, step by step, and read back as an `xarray.Dataset`, whatever happened to it."""
 
 from labrig.log._find import find_runs, folders_below, run_id
-from labrig.log._import import dataset_from, import_table
+from labrig.log._import import dataset_from, import_guessed, import_table, mapping_beside
 from labrig.log._layout import Layout
-from labrig.log._mapping import Mapping, read_mapping
 from labrig.log._open import open_run
 from labrig.log._recover import recover
 from labrig.log._rig_dataset import RunSeries, Series, run_series
@@ -21,8 +20,10 @@ from labrig.log._segments import (
 from labrig.log._table import layout_of, write_dataset
 from labrig.log._topics import Topic
 from labrig.log._writer import LogWriter, to_ns
+from labrig.tables import Guess, Mapping, guess_mapping, read_mapping
 
 __all__ = [
+    "Guess",
     "Layout",
     "LoadedSegment",
     "LogWriter",
@@ -34,11 +35,14 @@ __all__ = [
     "dataset_from",
     "find_runs",
     "folders_below",
+    "guess_mapping",
+    "import_guessed",
     "import_table",
     "is_segment",
     "last_logged_s",
     "layout_of",
     "load_segments",
+    "mapping_beside",
     "open_run",
     "read_mapping",
     "read_run_yaml",

@@ -40,6 +40,7 @@ class CampaignArrays:
     observed: Floats | None = None
     covariates: Floats | None = None
     wall_s: Sequence[float] | None = None
+    segment: Sequence[str] | None = None
 
 
 _DIMS = {
@@ -118,6 +119,8 @@ def _coordinates(arrays: CampaignArrays, layout: Layout) -> dict[str, Any]:
     if arrays.covariates is not None:
         coords["covariate"] = _strings([name for name, _ in layout.covariates])
         coords["covariate_unit"] = ("covariate", _strings([unit for _, unit in layout.covariates]))
+    if arrays.segment is not None:
+        coords["segment"] = ("capture", _strings(arrays.segment))
     if arrays.wall_s is not None and all(arrays.wall_s):
         wall = (np.array(list(arrays.wall_s), float) * 1e9).astype("datetime64[ns]")
         coords["wall_time"] = ("capture", wall, {"long_name": "what the clock on the wall said (UTC)"})

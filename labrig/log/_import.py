@@ -5,17 +5,28 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
-from labrig.log._mapping import Mapping, Observable, TableFile, read_mapping
-from labrig.log._tables import Table, read_table
-from labrig.log._units import check, factor, is_length
+from labrig.log._cut import cut
+from labrig.log._part import Part, session_blocks
+from labrig.tables import (
+    DATE,
+    Guess,
+    Mapping,
+    TableFile,
+    beside,
+    check,
+    check_limits,
+    check_mapping,
+    check_values,
+    factor,
+    guess_mapping,
+    read_mapping,
+)
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-Floats = NDArray[np.float64]
 _GAP_S = 1.0
 
 
@@ -27,11 +38,7 @@ def import_table(mapping_path: Path, output: Path, tables: Sequence[Path] = ()) 
     Raises `LabrigError`, and leaves nothing behind, when a file, a column or a unit does not exist, when an
     actuation or a time is not a number, or when the output exists.
     """
-    from labrig.log._open import open_run
-    from labrig.log._table import write_dataset
-
-    if output.exists():
-        raise LabrigError(f"{output} exists already; choose another name or remove it")
+    _refuse(output)
     mapping = read_mapping(mapping_path)
     files = mapping.files()
     if tables:
@@ -40,166 +47,80 @@ def import_table(mapping_path: Path, output: Path, tables: Sequence[Path] = ()) 
         files = [f.model_copy(update={"file": str(t.resolve())}) for f, t in zip(given, tables, strict=True)]
     if not files:
         raise LabrigError(f"{mapping_path}: table: name the file, or give it on the command line")
-    dataset = dataset_from(mapping, files, mapping_path)
-    write_dataset(
-        dataset,
-        output,
-        run_yaml={"procedure": "import", "mapping": mapping.model_dump(mode="json", exclude_none=True)},
+    return _write(mapping, files, mapping_path, output)
+
+
+def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Guess, Path]:
+    """Make a run folder of foreign tables that nobody described, all alike and each a session.
+
+    Returns what `open_run` gives of it, the guess, and the mapping that was written beside the run, OUTPUT.map.yaml, to
+    be read and corrected. Raises `LabrigError`, and leaves nothing behind, when nothing can be made of them, or when
+    the run or the mapping exists.
+    """
+    import yaml
+
+    _refuse(output)
+    beside_it = mapping_beside(output)
+    if beside_it.exists():
+        raise LabrigError(
+            f"{beside_it} exists already; use it (labrig import --mapping {beside_it} -o {output}) or remove it"
+        )
+    guess = guess_mapping(tables[0], beside_it.parent)
+    if len(tables) > 1:
+        guess.mapping["table"] = [beside(t, beside_it.parent) for t in tables]
+    mapping = check_mapping(guess.mapping, beside_it)
+    run = _write(mapping, mapping.files(), beside_it, output)
+    notes = "".join(f"# {remark}\n" for remark in guess.remarks)
+    text = yaml.safe_dump(
+        guess.mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110
     )
+    beside_it.write_text(
+        f"# Guessed by labrig import: read it, correct it, and import again with --mapping.\n{notes}{text}",
+        encoding="utf-8",
+    )
+    return run, guess, beside_it
+
+
+def mapping_beside(output: Path) -> Path:
+    """Where the mapping of a run lies that was guessed."""
+    return output.with_name(f"{output.name}.map.yaml")
+
+
+def _refuse(output: Path) -> None:
+    if output.exists():
+        raise LabrigError(f"{output} exists already; choose another name or remove it")
+
+
+def _write(mapping: Mapping, files: Sequence[TableFile], mapping_path: Path, output: Path) -> "Dataset":
+    from labrig.log._open import open_run
+    from labrig.log._table import write_dataset
+
+    dataset = dataset_from(mapping, files, mapping_path)
+    run_yaml: dict[str, Any] = {
+        "procedure": "import",
+        "mapping": mapping.model_dump(mode="json", exclude_none=True),
+    }
+    write_dataset(dataset, output, run_yaml=run_yaml)
     return open_run(output)
 
 
 def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Path) -> "Dataset":
-    """The campaign that tables and a mapping describe, laid out as docs/reference/dataset.md says."""
+    """The campaign that tables and a mapping describe, laid out as docs/reference/dataset.md says.
+
+    `attrs["import_remarks"]` says what the person who imports should know.
+    """
+    from labrig.log._assemble import gather
+
     _check_units(mapping, mapping_path)
-    parts = [_Part(mapping, file, mapping_path) for file in files]
+    parts = [Part(mapping, file, mapping_path) for file in files]
+    remarks = _plausible(mapping, parts, mapping_path)
+    for part in parts:
+        cut(part)
+        remarks += part.remarks
     _order_in_time(parts)
-    return _assemble(mapping, parts)
-
-
-class _Part:
-    """One file: its rows, split into captures and events."""
-
-    def __init__(self, mapping: Mapping, file: TableFile, mapping_path: Path) -> None:
-        where = mapping_path.parent / file.file
-        self.table: Table = read_table(where, mapping)
-        self.mapping, self.file, self.mapping_path = mapping, file, mapping_path
-        self.n = len(self.table.frame)
-        self.time_s = np.array(self._time())
-        self.actuation = self._actuation()
-        self.observables = observables_of(mapping, self.table)
-        self.values = self._values()
-        self.measured = self._columns(mapping.measured, "measured")
-        self.covariates = self._covariates()
-        self.session = self._session()
-        self.repeat = self.table.labels(mapping.repeat.column, "repeat") if mapping.repeat else [""] * self.n
-        self.hold_s = self._hold()
-        self.capture = self._captures()
-        self._check_time()
-
-    def _time(self) -> Floats:
-        if self.mapping.time is not None:
-            scale = factor(self.mapping.time.unit, "s", f"{self.mapping_path}: time")
-            return (
-                self.table.numbers(
-                    self.mapping.time.column, "time", required=True, thousands=self.mapping.time.thousands
-                )
-                * scale
-            )
-        if "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d":
-            return self.table.numbers("time_s", "time")
-        return np.arange(self.n, dtype=float)
-
-    def _actuation(self) -> Floats:
-        out = np.zeros((self.n, len(self.mapping.actuation)))
-        for c, entry in enumerate(self.mapping.actuation):
-            if entry.column is not None:
-                out[:, c] = self.table.numbers(entry.column, f"actuation {entry.name}", required=True)
-            elif entry.name in self.file.actuation:
-                out[:, c] = self.file.actuation[entry.name]
-            elif entry.value is not None:
-                out[:, c] = entry.value
-            elif not self.file.events:
-                raise LabrigError(
-                    f"{self.mapping_path}: actuation {entry.name!r} has neither 'column:' nor 'value:', "
-                    f"and {self.file.file} says nothing of it"
-                )
-            for event in self.file.events:
-                if entry.name not in event.actuation:
-                    raise LabrigError(
-                        f"{self.mapping_path}: {self.file.file}: an event does not say {entry.name!r}"
-                    )
-                out[self.time_s >= event.time_s, c] = event.actuation[entry.name]
-        return out
-
-    def _values(self) -> Floats:
-        columns = []
-        for o in self.observables:
-            scale = factor(o.unit, "mm", f"observable {o.name}") if o.marker and is_length(o.unit) else 1.0
-            columns.append(
-                self.table.numbers(o.column, f"observable {o.name}", thousands=o.thousands) * scale
-            )
-        return np.stack(columns, axis=1)
-
-    def _columns(self, entries: Sequence[Any], what: str) -> Floats:
-        names = [a.name for a in self.mapping.actuation]
-        out = np.full((self.n, len(names)), np.nan)
-        for entry in entries:
-            out[:, names.index(entry.name)] = self.table.numbers(
-                entry.column, f"{what} {entry.name}", thousands=entry.thousands
-            )
-        return out
-
-    def _covariates(self) -> Floats:
-        columns = []
-        for entry in self.mapping.covariates:
-            if entry.column is None:
-                columns.append(np.full(self.n, self.file.covariates.get(entry.name, np.nan)))
-            else:
-                what = f"covariate {entry.name}"
-                columns.append(self.table.numbers(entry.column, what, thousands=entry.thousands))
-        return np.stack(columns, axis=1) if columns else np.zeros((self.n, 0))
-
-    def _session(self) -> list[str]:
-        if self.mapping.session is not None:
-            return self.table.labels(self.mapping.session.column, "session")
-        return [self.file.session or Path(self.file.file).stem] * self.n
-
-    def _hold(self) -> Floats:
-        if self.mapping.hold is None:
-            return np.full(self.n, np.nan)
-        scale = factor(self.mapping.hold.unit, "s", f"{self.mapping_path}: hold")
-        return (
-            self.table.numbers(self.mapping.hold.column, "hold", thousands=self.mapping.hold.thousands)
-            * scale
-        )
-
-    def _captures(self) -> NDArray[np.int64]:
-        """Number of the capture of each row within this file; rows of one capture stand together."""
-        n = self.n
-        if self.file.events:
-            begins = np.array([e.time_s for e in self.file.events])
-            return np.searchsorted(begins, self.time_s, side="right").astype(np.int64)
-        if self.mapping.capture is None:
-            return np.arange(n)
-        if self.mapping.capture.per == "file":
-            return np.zeros(n, dtype=np.int64)
-        assert self.mapping.capture.column is not None
-        labels = self.table.labels(self.mapping.capture.column, "capture")
-        keys = list(zip(self.session, labels, strict=True))
-        out = np.zeros(n, dtype=np.int64)
-        seen: dict[tuple[str, str], int] = {}
-        for i in range(1, n):
-            out[i] = out[i - 1] + (keys[i] != keys[i - 1] or labels[i] == "")
-        for i in range(n):
-            if labels[i] and seen.setdefault(keys[i], int(out[i])) != out[i]:
-                raise LabrigError(
-                    f"{self.table.path}, line {i + self.table.first_row}: capture {labels[i]!r} appears again "
-                    "after another one; rows of one capture must stand together"
-                )
-        return out
-
-    def _check_time(self) -> None:
-        back = np.flatnonzero(np.diff(self.time_s) < 0)
-        for i in back:
-            if self.session[i] == self.session[i + 1]:
-                line = i + 1 + self.table.first_row
-                raise LabrigError(
-                    f"{self.table.path}, line {line}: time goes backward within session {self.session[i]!r}"
-                )
-
-
-def observables_of(mapping: Mapping, table: Table) -> list[Observable]:
-    """The observables of a mapping; those of a C3D file are its markers' coordinates, in mm."""
-    if mapping.observables:
-        return mapping.observables
-    if table.path.suffix.lower() != ".c3d":
-        raise LabrigError(f"{table.path}: the mapping names no observables")
-    return [
-        Observable(column=str(c), name=str(c), unit="mm", marker=str(c).rsplit(".", 1)[0], axis=str(c)[-1])  # type: ignore[arg-type]
-        for c in table.frame.columns
-        if c != "time_s"
-    ]
+    dataset = gather(mapping, parts)
+    dataset.attrs["import_remarks"] = remarks
+    return dataset
 
 
 def _check_units(mapping: Mapping, path: Path) -> None:
@@ -211,73 +132,37 @@ def _check_units(mapping: Mapping, path: Path) -> None:
     ):
         for entry in entries:
             check(entry.unit, f"{path}: {what} {entry.name!r}")
-    for what, entry in (("time", mapping.time), ("hold", mapping.hold)):
-        if entry is not None:
+    clocks = [(f"join {j.name!r}: time", j.time) for j in mapping.join]
+    for what, entry in (("time", mapping.time), ("hold", mapping.hold), *clocks):
+        if entry is not None and (entry.unit != DATE or what == "hold"):
             factor(entry.unit, "s", f"{path}: {what}")
 
 
-def _order_in_time(parts: Sequence[_Part]) -> None:
+def _plausible(mapping: Mapping, parts: Sequence[Part], path: Path) -> list[str]:
+    """What is unusual about the numbers for their units; raises `LabrigError` for what cannot be."""
+    where = str(path)
+    said = check_limits(np.concatenate([p.actuation for p in parts]), mapping.actuation, where)
+    for c, entry in enumerate(mapping.actuation):
+        if entry.column is not None:
+            u = np.concatenate([p.actuation[:, c] for p in parts])
+            said += check_values(u, entry.unit, f"actuation {entry.name!r}", where)
+    for k, o in enumerate(mapping.observables):
+        if o.marker is None:
+            values = np.concatenate([p.values[:, k] for p in parts])
+            said += check_values(values, o.unit, f"observable {o.name!r}", where)
+    for k, e in enumerate(mapping.covariates):
+        values = np.concatenate([p.covariates[:, k] for p in parts])
+        said += check_values(values, e.unit, f"covariate {e.name!r}", where)
+    return said
+
+
+def _order_in_time(parts: Sequence[Part]) -> None:
     """Put files and sessions whose clocks all begin anew one after the other."""
     end = None
-    for part in parts:
-        begin = 0
-        for i in range(1, part.n + 1):
-            if i == part.n or part.session[i] != part.session[i - 1]:
-                own = slice(begin, i)
-                if end is not None and part.time_s[own][0] <= end:
-                    part.time_s[own] += end + _GAP_S - part.time_s[own][0]
-                end = float(part.time_s[own][-1])
-                begin = i
+    for part, own in session_blocks(parts):
+        if end is not None and part.time_s[own][0] <= end:
+            part.time_s[own] += end + _GAP_S - part.time_s[own][0]
+        end = float(part.time_s[own][-1])
     start = parts[0].time_s[0]
     for part in parts:
         part.time_s -= start
-
-
-def _assemble(mapping: Mapping, parts: Sequence[_Part]) -> "Dataset":
-    from labrig.log._assemble import Capture, build_dataset
-
-    captures: list[Capture] = []
-    events: list[tuple[float, Floats, str]] = []
-    many = len({s for p in parts for s in p.session}) < sum(len(set(p.session)) for p in parts)
-    for number, part in enumerate(parts):
-        for c in range(int(part.capture.max()) + 1):
-            rows = np.flatnonzero(part.capture == c)
-            if not len(rows):
-                continue
-            _check_constant(part, rows)
-            hold = part.hold_s[rows]
-            known = np.isfinite(hold).all()
-            begin = part.time_s[rows[0]] - (hold[0] if known else 0.0)
-            session = part.session[rows[0]] + (f"#{number + 1}" if many and mapping.session is None else "")
-            events.append((float(begin), part.actuation[rows].mean(axis=0), session))
-            records = not part.file.events or c == 0 or part.file.events[c - 1].record
-            if not np.isfinite(part.values[rows]).any() or not records:
-                continue
-            captures.append(
-                Capture(
-                    event=len(events) - 1,
-                    session=session,
-                    repeat=part.repeat[rows[0]],
-                    time_s=part.time_s[rows],
-                    hold_s=hold if known else part.time_s[rows] - part.time_s[rows[0]],
-                    values=part.values[rows],
-                    measured=part.measured[rows],
-                    covariates=part.covariates[rows],
-                )
-            )
-    if not captures:
-        raise LabrigError(f"{parts[0].table.path}: no row has an observable that is a number")
-    return build_dataset(mapping, parts[0].observables, captures, events)
-
-
-def _check_constant(part: _Part, rows: NDArray[np.int64]) -> None:
-    """A capture is held at one actuation; small jitter of a measured one is let pass."""
-    u = part.actuation[rows]
-    span = np.maximum(np.ptp(part.actuation, axis=0), np.abs(part.actuation).max(axis=0) * 0.05)
-    moved = np.ptp(u, axis=0) > np.maximum(0.05 * span, 1e-12)
-    if moved.any():
-        name = part.mapping.actuation[int(np.flatnonzero(moved)[0])].name
-        raise LabrigError(
-            f"{part.table.path}, line {rows[0] + part.table.first_row}: actuation {name!r} changes within one capture; "
-            "leave 'capture:' out to take every row as one"
-        )

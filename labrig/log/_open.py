@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 def open_run(path: str | Path) -> xr.Dataset:
     """The campaign in a run folder or an .mcap file, as docs/reference/dataset.md describes it.
 
-    Damaged files are read as far as they are whole; `attrs["warnings"]` is a list of what was lost, empty
-    when nothing was. Raises `LabrigError` when there is nothing to read.
+    Damaged files are read as far as they are whole; `attrs["warnings"]` is a list of what was lost, and of
+    what its import remarked; empty when nothing was. Raises `LabrigError` when there is nothing to read.
 
     Example:
         >>> run = labrig.open_run("runs/first")
@@ -33,7 +33,8 @@ def open_run(path: str | Path) -> xr.Dataset:
     segments, warnings = load_segments(path)
     layout = segments[0].layout
     arrays = table_arrays(segments[0]) if layout.table else rig_arrays(sessions(segments))
-    attributes = {"run": str(path), "run_id": run_id(path), "warnings": warnings}
+    remarks = list(layout.attributes.get("import_remarks", ()))
+    attributes = {"run": str(path), "run_id": run_id(path), "warnings": warnings + remarks}
     if procedure := segments[0].run.get("procedure"):
         attributes["procedure"] = procedure
     return to_dataset(arrays, layout, attributes)

@@ -42,7 +42,7 @@ def summarise(folder: Path) -> RunSummary:
     segments, warnings = load_segments(folder)
     steps = [step for loaded in segments for step in _done_steps(loaded)]
     kinds = Counter(kind for _, kind, _ in steps)
-    tables = sum(len(loaded.messages(Topic.CAPTURE).payload) for loaded in segments)
+    tables = sum(_table_captures(loaded) for loaded in segments)
     messages: Counter[str] = Counter()
     for loaded in segments:
         for topic, of_topic in loaded.segment.topics.items():
@@ -66,6 +66,13 @@ def summarise(folder: Path) -> RunSummary:
         messages=dict(messages),
         events=[event for loaded in segments for event in _events(loaded)],
     )
+
+
+def _table_captures(loaded: LoadedSegment) -> int:
+    """How many captures an imported table has, whichever way it was written."""
+    from labrig.log._table_blocks import read_blocks
+
+    return len(loaded.messages(Topic.CAPTURE).payload) or len(read_blocks(loaded).get("capture_number", ()))
 
 
 def _off_kpa(chambers: Sequence[str], results: list[dict[str, Any]]) -> dict[str, float]:

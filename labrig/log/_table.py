@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from labrig._errors import LabrigError
 from labrig.log._dataset import CampaignArrays
 from labrig.log._layout import Layout
 from labrig.log._segments import LoadedSegment, segment_path
+from labrig.log._table_blocks import read_blocks, write_blocks
 from labrig.log._topics import Topic
 from labrig.log._writer import LogWriter
 
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 _REQUIRED = ("commanded", "hold_s", "time_s", "settled", "event_time_s", "event_commanded")
 _REQUIRED_COORDS = ("session", "repeat", "event_session", "event_of", "chamber_min", "chamber_max")
 _ROW_VARIABLES = ("measured", "observed", "covariates", "position_mm")
+_ROW_BY_ROW = 20_000
+"""A longer table is written in blocks: viewers plot it no longer, and row by row it would take minutes."""
 _OWN_ATTRIBUTES = {"run", "run_id", "source", "between_sessions", "units", "warnings"}
 
 
@@ -47,8 +51,11 @@ def write_dataset(dataset: xr.Dataset, folder: Path, *, run_yaml: dict[str, Any]
     try:
         writer = LogWriter(segment_path(partial, 0), layout_of(dataset), run_yaml)
         try:
-            _write_events(writer, dataset)
-            _write_captures(writer, dataset)
+            if int(_row_counts(dataset).sum()) > _ROW_BY_ROW:
+                write_blocks(writer, *_columns(dataset))
+            else:
+                _write_events(writer, dataset)
+                _write_captures(writer, dataset)
         finally:
             writer.close()
         (partial / "run.yaml").write_text(yaml.safe_dump(run_yaml, sort_keys=False), encoding="utf-8")
@@ -130,6 +137,7 @@ def _write_captures(writer: LogWriter, dataset: xr.Dataset) -> None:
     setpoints = dataset["commanded"].to_numpy()
     counts = _row_counts(dataset)
     labels = {name: dataset[name].to_numpy() for name in ("session", "repeat", "event_of")}
+    segment = _segments(dataset)
     lists = [name for name in _ROW_VARIABLES if name in rows]
     earliest = min(0.0, float(np.nanmin(rows["time_s"], initial=0.0)))
     for capture, count in enumerate(counts):
@@ -142,6 +150,7 @@ def _write_captures(writer: LogWriter, dataset: xr.Dataset) -> None:
             session=str(labels["session"][capture]),
             repeat=str(labels["repeat"][capture]),
             event=int(labels["event_of"][capture]),
+            segment=str(segment[capture]),
         )
         for row in range(count):
             writer.write(
@@ -155,47 +164,117 @@ def _write_captures(writer: LogWriter, dataset: xr.Dataset) -> None:
             )
 
 
+def _segments(dataset: xr.Dataset) -> np.ndarray:
+    if "segment" in dataset.coords:
+        return dataset["segment"].to_numpy()
+    return np.full(dataset.sizes["capture"], "")
+
+
+def _columns(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Rows, captures and events of a campaign as the fields of blocks, without the padding."""
+    inside = np.arange(dataset.sizes["time"]) < _row_counts(dataset)[:, None]
+    names = ("time_s", "hold_s", "settled", *(name for name in _ROW_VARIABLES if name in dataset))
+    rows = {name: dataset[name].to_numpy()[inside] for name in names}
+    captures = {
+        "capture_number": np.arange(dataset.sizes["capture"]),
+        "setpoint": dataset["commanded"].to_numpy(),
+        "event": dataset["event_of"].to_numpy(),
+        "session": dataset["session"].to_numpy(),
+        "repeat": dataset["repeat"].to_numpy(),
+        "segment": _segments(dataset),
+    }
+    events = {
+        "event_number": np.arange(dataset.sizes["event"]),
+        "event_time_s": dataset["event_time_s"].to_numpy(),
+        "event_setpoint": dataset["event_commanded"].to_numpy(),
+        "event_session": dataset["event_session"].to_numpy(),
+    }
+    return {"row_capture": np.nonzero(inside)[0], **rows}, captures, events
+
+
 def table_arrays(loaded: LoadedSegment) -> CampaignArrays:
     """The arrays of a run that `write_dataset` wrote."""
+    found = read_blocks(loaded) or _read_messages(loaded)
+    layout = loaded.layout
+    widths = {"measured": len(layout.chambers), "observed": len(layout.observables)}
+    widths |= {"covariates": len(layout.covariates), "position_mm": 3 * len(layout.markers)}
+    chambers = len(layout.chambers)
+    event, kept = _known_events(found)
+    number = found["capture_number"].astype(int)[kept]
+    index_of = np.full(int(max(number.max(initial=-1), found["row_capture"].max(initial=-1))) + 1, -1)
+    index_of[number] = np.arange(len(number))
+    of = index_of[found["row_capture"].astype(int)]
+    whole = of >= 0
+    of = of[whole]
+    place = _place_in_group(of)
+    shape = (len(number), int(place.max(initial=-1)) + 1)
+
+    def spread(values: np.ndarray, fill: Any = np.nan) -> np.ndarray:
+        result = np.full((*shape, *values.shape[1:]), fill, dtype=values.dtype)
+        result[of, place] = values[whole]
+        return result
+
+    lists = {}
+    for name in layout.variables:
+        values = found[name].astype(float).reshape(-1, widths[name])
+        lists[name] = spread(values.reshape(-1, len(layout.markers), 3) if name == "position_mm" else values)
+    segment = found["segment"][kept]
+    return CampaignArrays(
+        commanded=found["setpoint"].astype(float).reshape(-1, chambers)[kept],
+        hold_s=spread(found["hold_s"].astype(float)),
+        time_s=spread(found["time_s"].astype(float)),
+        settled=spread(found["settled"].astype(bool), False),
+        event_time_s=found["event_time_s"].astype(float),
+        event_commanded=found["event_setpoint"].astype(float).reshape(-1, chambers),
+        session=found["session"][kept].tolist(),
+        repeat=found["repeat"][kept].tolist(),
+        event_session=found["event_session"].tolist(),
+        event_of=event[kept].astype(np.int64),
+        segment=segment.tolist() if any(segment) else None,
+        **lists,
+    )
+
+
+def _known_events(found: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """The place of each capture's event among those that are left, and which captures (a mask) still have theirs."""
+    event, number = found["event"].astype(np.int64), found["event_number"].astype(np.int64)
+    if np.array_equal(number, np.arange(len(number))):
+        return event, np.ones(len(event), dtype=bool)
+    place = {n: i for i, n in enumerate(number.tolist())}
+    found_at = np.array([place.get(e, -1) for e in event.tolist()], dtype=np.int64)
+    return found_at, found_at >= 0
+
+
+def _read_messages(loaded: LoadedSegment) -> dict[str, np.ndarray]:
+    """A table that was written row by row, as the fields of blocks."""
     from logs_schema.observation_pb2 import Observation
     from logs_schema.pressure_pb2 import PressureCommand
     from logs_schema.step_pb2 import Capture
 
-    layout = loaded.layout
     captures = [Capture.FromString(payload) for payload in loaded.messages(Topic.CAPTURE).payload]
     events = [PressureCommand.FromString(payload) for payload in loaded.messages(Topic.COMMAND).payload]
-    index_of = {capture.capture: index for index, capture in enumerate(captures)}
-    observations = [Observation.FromString(payload) for payload in loaded.messages(Topic.OBSERVATION).payload]
-    observations = [row for row in observations if row.capture in index_of]
-    of = np.array([index_of[row.capture] for row in observations], dtype=np.int64)
-    place = _place_in_group(of)
-    shape = (len(captures), int(place.max(initial=-1)) + 1)
+    rows = [Observation.FromString(payload) for payload in loaded.messages(Topic.OBSERVATION).payload]
 
-    def spread(values: np.ndarray, fill: Any = np.nan) -> np.ndarray:
-        result = np.full((*shape, *values.shape[1:]), fill, dtype=values.dtype)
-        result[of, place] = values
-        return result
+    def texts(values: Iterable[str]) -> np.ndarray:
+        return np.array(list(values), dtype=object)
 
-    widths = {"measured": len(layout.chambers), "observed": len(layout.observables)}
-    widths |= {"covariates": len(layout.covariates), "position_mm": 3 * len(layout.markers)}
-    lists = {}
-    for name in layout.variables:
-        values = np.array([getattr(row, name) for row in observations], float).reshape(-1, widths[name])
-        lists[name] = spread(values.reshape(-1, len(layout.markers), 3) if name == "position_mm" else values)
-    chambers = len(layout.chambers)
-    return CampaignArrays(
-        commanded=np.array([capture.setpoint for capture in captures], float).reshape(-1, chambers),
-        hold_s=spread(np.array([row.hold_s for row in observations], float)),
-        time_s=spread(np.array([row.time_s for row in observations], float)),
-        settled=spread(np.array([row.settled for row in observations], bool), False),
-        event_time_s=np.array([event.time_s for event in events], float),
-        event_commanded=np.array([event.setpoint for event in events], float).reshape(-1, chambers),
-        session=[capture.session for capture in captures],
-        repeat=[capture.repeat for capture in captures],
-        event_session=[event.session for event in events],
-        event_of=np.array([capture.event for capture in captures], dtype=np.int64),
-        **lists,
-    )
+    return {
+        "row_capture": np.array([row.capture for row in rows], np.int64),
+        "time_s": np.array([row.time_s for row in rows], float),
+        "hold_s": np.array([row.hold_s for row in rows], float),
+        "settled": np.array([row.settled for row in rows], bool),
+        **{name: np.array([getattr(row, name) for row in rows], float) for name in loaded.layout.variables},
+        "capture_number": np.array([capture.capture for capture in captures], np.int64),
+        "setpoint": np.array([capture.setpoint for capture in captures], float),
+        "event": np.array([capture.event for capture in captures], np.int64),
+        "session": texts(capture.session for capture in captures),
+        "repeat": texts(capture.repeat for capture in captures),
+        "segment": texts(capture.segment for capture in captures),
+        "event_number": np.arange(len(events)),
+        "event_time_s": np.array([event.time_s for event in events], float),
+        "event_setpoint": np.array([event.setpoint for event in events], float),
+        "event_session": texts(event.session for event in events),
+    }
 
 
 def _place_in_group(of: np.ndarray) -> np.ndarray:

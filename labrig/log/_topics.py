@@ -21,6 +21,7 @@ class Topic(IntEnum):
     ENVIRONMENT = 10
     PREDICTION = 11
     RESIDUAL = 12
+    TABLE = 13
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ def topic_table() -> dict[Topic, TopicInfo]:
     from foxglove_schemas_protobuf.Log_pb2 import Log
     from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 
-    from logs_schema import model_pb2, observation_pb2, pressure_pb2, scan_pb2, step_pb2
+    from logs_schema import model_pb2, observation_pb2, pressure_pb2, scan_pb2, step_pb2, table_pb2
 
     return {
         Topic.COMMAND: TopicInfo("/pressure/command", pressure_pb2.PressureCommand),
@@ -51,6 +52,7 @@ def topic_table() -> dict[Topic, TopicInfo]:
         Topic.ENVIRONMENT: TopicInfo("/environment", observation_pb2.Environment),
         Topic.PREDICTION: TopicInfo("/model/prediction", model_pb2.MarkerVectors),
         Topic.RESIDUAL: TopicInfo("/model/residual", model_pb2.MarkerVectors),
+        Topic.TABLE: TopicInfo("/table", table_pb2.TableBlock),
     }
 
 

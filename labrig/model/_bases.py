@@ -1,24 +1,23 @@
 """Base models: what predicts the observables before any effect is added."""
 
-import importlib.util
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.effects import Rows
 from labrig.effects._rows import Floats
-from labrig.model._file import ModelFile, PythonBase, StaticBase, SurrogateBase
+from labrig.model._deflection import GRID, Deflection
+from labrig.model._file import FmuBase, ModelFile, OdeBase, PythonBase, StaticBase, SurrogateBase
+from labrig.model._memory import MemoryModel
+from labrig.model._memory_kinds import FmuModel, OdeModel, RecordModel, StepModel, memory_of
+from labrig.model._python import load_function
 from labrig.model._robust import robust_fit
-from labrig.model._simulator import GRID, SimulatorModel, solved_curves
+from labrig.model._simulator import SimulatorModel, solved_curves
 from labrig.model._surrogate import SurrogateModel
 
-_FLATTEST = 0.15
 _STEP = 1e-3
 """Step of the finite differences, fraction of a chamber's range; their error is of its square, at the limits too."""
 _CENTRAL = ((1.0, -1.0), (0.0, 0.5, -0.5))
@@ -47,7 +46,7 @@ class PythonModel:
 
     def __init__(self, spec: PythonBase, folder: Path, rows: Rows) -> None:
         self._where = f"{folder / spec.file}:{spec.function}"
-        self._function = _load_function(folder / spec.file, spec.function)
+        self._function = load_function(folder / spec.file, spec.function)
         self._n_observables = len(rows.observables)
 
     def predict(self, actuation: Floats) -> Floats:
@@ -109,7 +108,14 @@ def build_base(model: ModelFile, folder: Path, rows: Rows) -> BaseModel:
     """Make the base of a model ready for a run; `folder` is where the model file lies."""
     spec = model.base
     if isinstance(spec, PythonBase):
-        return PythonModel(spec, folder, rows)
+        memory = memory_of(spec, folder)
+        if memory == "record":
+            return RecordModel(spec, folder, rows)
+        return StepModel(spec, folder, rows) if memory == "step" else PythonModel(spec, folder, rows)
+    if isinstance(spec, OdeBase):
+        return OdeModel(spec, folder, rows)
+    if isinstance(spec, FmuBase):
+        return FmuModel(spec, folder, rows)
     if isinstance(spec, StaticBase):
         return StaticModel(spec, rows)
     if isinstance(spec, SurrogateBase):
@@ -146,35 +152,10 @@ def jacobian(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> F
     return np.stack(slopes, axis=-1)[inverse]
 
 
-@dataclass(frozen=True)
-class Deflection:
-    """How far each chamber alone moves the observables, as a share of its motion at full range.
-
-    `reach` (K, C): the mean size of each observable's slope on the way, per unit of actuation.
-    """
-
-    low: Floats
-    span: Floats
-    curves: Floats
-    reach: Floats
-
-    def at(self, actuation: Floats) -> Floats:
-        """The share at each actuation, (n, C)."""
-        return self._interpolate(actuation, self.curves)
-
-    def slope(self, actuation: Floats) -> Floats:
-        """Its derivative by the fraction of the range, (n, C), kept away from zero."""
-        slopes = np.gradient(self.curves, 1 / (GRID - 1), axis=0, edge_order=2)
-        return np.maximum(self._interpolate(actuation, slopes), _FLATTEST)
-
-    def _interpolate(self, actuation: Floats, curves: Floats) -> Floats:
-        x = (actuation - self.low) / self.span
-        grid = np.linspace(0, 1, GRID)
-        return np.stack([np.interp(x[:, c], grid, curves[:, c]) for c in range(x.shape[1])], axis=1)
-
-
 def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
     """Move each chamber alone over its range and see how far the observables go."""
+    if isinstance(base, MemoryModel):
+        return base.deflection(low, high)
     if isinstance(base, SimulatorModel):
         return Deflection(low, high - low, *solved_curves(base, low, high))
     vented = np.clip(0.0, low, high)
@@ -190,23 +171,3 @@ def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
         curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
         reach.append(np.abs(np.diff(predicted[:-1], axis=0)).sum(axis=0) / (high[c] - low[c]))
     return Deflection(low, high - low, curves, np.stack(reach, axis=1))
-
-
-def _load_function(path: Path, name: str) -> Callable[[Floats], Any]:
-    if not path.is_file():
-        raise LabrigError(f"{path}: the model's Python file does not exist")
-    spec = importlib.util.spec_from_file_location(f"labrig_user_base_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise LabrigError(f"{path}: is not a Python file; its name ends in .py")
-    module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(path.parent.resolve()))
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise LabrigError(f"{path}: can't be imported: {type(error).__name__}: {error}") from error
-    finally:
-        sys.path.remove(str(path.parent.resolve()))
-    function = getattr(module, name, None)
-    if not callable(function):
-        raise LabrigError(f"{path}: has no function {name!r}")
-    return function

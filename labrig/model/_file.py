@@ -17,11 +17,44 @@ class _Strict(BaseModel):
 
 
 class PythonBase(_Strict):
-    """A function of the user's: ``predict(actuation: (F, C)) -> (F, K)``, in the units of the run."""
+    """A function of the user's: ``predict(actuation: (F, C)) -> (F, K)``, in the units of the run.
+
+    Or with memory. `record`: ``predict(u: (n, C), t: (n,)) -> (n, K)`` over one record. `step`: ``step(state: (S,),
+    u: (C,), dt_s) -> (state, y: (K,))``, the output now and the state `dt_s` later, from `state` on. Left out, the
+    number of its parameters says which.
+    """
 
     kind: Literal["python"]
     file: str
     function: str = "predict"
+    memory: Literal["none", "record", "step"] | None = None
+    state: list[float] | None = None
+    max_step_s: float | None = Field(default=None, gt=0)
+
+
+class OdeBase(_Strict):
+    """A differential equation of the user's: ``rate(t, x, u) -> dx/dt``, ``output(x, u) -> y (K,)``, from `state` on.
+
+    Between two samples the input is `held` or `linear`.
+    """
+
+    kind: Literal["ode"]
+    file: str
+    rate: str = "rate"
+    output: str = "output"
+    state: list[float] = Field(min_length=1)
+    input: Literal["held", "linear"] = "held"
+    rtol: float = Field(default=1e-6, gt=0, lt=0.1)
+
+
+class FmuBase(_Strict):
+    """A model of another tool (FMI 2 or 3): chambers by name -> its inputs, observables by name -> its outputs."""
+
+    kind: Literal["fmu"]
+    file: str
+    inputs: dict[str, str]
+    outputs: dict[str, str]
+    parameters: dict[str, float] = Field(default_factory=dict)
 
 
 class StaticBase(_Strict):
@@ -51,7 +84,9 @@ class SurrogateBase(_Strict):
     file: str
 
 
-Base = Annotated[PythonBase | StaticBase | SimulatorBase | SurrogateBase, Field(discriminator="kind")]
+Base = Annotated[
+    PythonBase | OdeBase | FmuBase | StaticBase | SimulatorBase | SurrogateBase, Field(discriminator="kind")
+]
 
 
 class Value(_Strict):

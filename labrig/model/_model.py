@@ -14,6 +14,7 @@ from labrig.effects._fields import contribution
 from labrig.effects._rows import Floats
 from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_base, jacobian, solo_deflection
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
+from labrig.model._memory import MemoryModel
 
 _ROUNDS = 3
 _OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
@@ -121,20 +122,27 @@ class Predictor:
 
 def base_context(base: BaseModel, rows: Rows) -> Context:
     """What a base predicts of the rows, without any effect."""
-    unique, inverse = np.unique(rows.actuation, axis=0, return_inverse=True)
     vented = np.clip(0.0, rows.low, rows.high)[None]
-    inside = base.inside(unique) if isinstance(base, SimulatorModel) else {}
+    if isinstance(base, MemoryModel):
+        predicted, slope = base.predict_rows(rows), base.slope(rows)
+        inside: dict[str, Floats] = {}
+    else:
+        unique, inverse = np.unique(rows.actuation, axis=0, return_inverse=True)
+        predicted = base.predict(unique)[inverse.reshape(-1)]
+        slope = jacobian(base, rows.actuation, rows.low, rows.high)
+        by_unique = base.inside(unique) if isinstance(base, SimulatorModel) else {}
+        inside = {name: by[inverse.reshape(-1)] for name, by in by_unique.items()}
     alone = solo_deflection(base, rows.low, rows.high)
     return Context(
         rows=rows,
-        base=base.predict(unique)[inverse.reshape(-1)],
+        base=predicted,
         base_vented=base.predict(vented)[0],
-        jacobian=jacobian(base, rows.actuation, rows.low, rows.high),
+        jacobian=slope,
         deflection=alone.at(rows.actuation),
         event_deflection=alone.at(rows.event_actuation),
         deflection_slope=alone.slope(rows.actuation),
         base_kind=base.kind,
-        inside={name: by[inverse.reshape(-1)] for name, by in inside.items()},
+        inside=inside,
         reach=alone.reach,
         alone=partial(solo_deflection, base),
     )

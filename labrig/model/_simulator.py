@@ -8,10 +8,10 @@ from scipy.interpolate import CubicHermiteSpline
 from labrig._errors import LabrigError
 from labrig.effects import Rows
 from labrig.effects._rows import Floats
+from labrig.model._deflection import GRID
 from labrig.model._file import SimulatorBase
 from labrig.model._robust import robust_fit
 
-GRID = 33
 _SOLVED = np.array([0.0, 0.15, 0.5, 1.0])
 """Where on a chamber's way up a simulator is asked for its shape and slope: a sheet that lifts off moves most at first.
 Between these the curve is a cubic."""

@@ -90,7 +90,7 @@ def test_the_good_ones_pass(desk: Path, labrig: Run) -> None:
         (
             "capture: {column: capture}",
             "capture: {}",
-            "map.yaml, line 3: capture: give either 'column: NAME' or 'per: file'",
+            "map.yaml, line 3: capture: give either 'column: NAME', 'per: file' or 'per: segment'",
         ),
         (
             "{column: p1, name: c1, unit: kPa}",
@@ -168,10 +168,10 @@ def test_a_wrong_mapping(desk: Path, labrig: Run, old: str, new: str, complaint:
             "1,a,10,1.1",
             "1,a,15,1.1",
             "t.csv, line 2: actuation 'c1' changes within one capture; "
-            "leave 'capture:' out to take every row as one",
+            "leave 'capture:' out to take every row as one, or write 'capture: {per: segment}' to have the holds found",
         ),
         (TABLE, "t,capture,p1,F\n", "t.csv: has no rows"),
-        (TABLE, "", "t.csv: can't be read as a table (No columns to parse from file)"),
+        (TABLE, "", "t.csv: is empty"),
         (
             TABLE,
             "t,capture,p1,F\n0,a,10,\n1,a,10,\n",
@@ -233,7 +233,7 @@ def test_a_table_that_is_no_parquet(desk: Path, labrig: Run) -> None:
     swap("map.yaml", "table: t.csv", "table: t.parquet")
     code, out, err = labrig("import", "--mapping", "map.yaml", "-o", "run")
     assert (code, out) == (2, "")
-    assert err.startswith("labrig: t.parquet: can't be read as a table (")
+    assert err.startswith("labrig: t.parquet: can't be read as Parquet (")
     assert err.count("\n") == 1
     assert not Path("run").exists()
 

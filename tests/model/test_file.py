@@ -67,7 +67,8 @@ def test_the_smallest_model(path: Path) -> None:
         ("base: {kind: surrogate}\n", ", line 1: base: file: is missing"),
         (
             "base: {kind: magic}\n",
-            ", line 1: base: kind: there is no 'magic'; there are 'python', 'static', 'simulator', 'surrogate'",
+            ", line 1: base: kind: there is no 'magic'; "
+            "there are 'python', 'ode', 'fmu', 'static', 'simulator', 'surrogate'",
         ),
         ("base: {degree: 1}\n", ", line 1: base: kind: is missing"),
         (

@@ -17,10 +17,16 @@ def factor(unit: str, to: str, where: str) -> float:
     """What a number in `unit` is multiplied by to be in `to`; raises `LabrigError` naming `where`."""
     check(unit, where)
     registry = _registry()
+    if to in ("mm", "s") and unit in _SCREEN:
+        raise LabrigError(f"{where}: unit {unit!r} is no length; calibrate pixels to mm first")
     try:
         return float(registry.Quantity(1.0, unit).to(to).magnitude)
     except Exception as error:
         raise LabrigError(f"{where}: unit {unit!r} can't be converted to {to}") from error
+
+
+_SCREEN = {"px", "pixel", "pixels", "dot", "dots", "pel", "css_pixel", "picture_element"}
+"""What pint takes for a length of print (1/96 inch); a camera's pixels are none."""
 
 
 @cache
@@ -37,5 +43,10 @@ def check(unit: str, where: str) -> None:
 
 
 def is_length(unit: str) -> bool:
-    """Whether a checked unit is a length."""
-    return unit != "1" and _registry().Unit(unit).is_compatible_with("mm")
+    """Whether a checked unit is a length; pixels of a camera are not."""
+    return like(unit, "mm")
+
+
+def like(unit: str, other: str) -> bool:
+    """Whether a checked unit is of the same kind as another; a camera's pixels are of no kind."""
+    return unit not in {"1", *_SCREEN} and _registry().Unit(unit).is_compatible_with(other)

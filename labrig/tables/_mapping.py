@@ -1,7 +1,7 @@
 """MAP.yaml: what the columns of somebody's own table mean."""
 
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -31,15 +31,18 @@ class UnitColumn(Column):
 
 
 class CaptureColumn(_Strict):
-    """Which rows make one capture: those that share a value of `column`, or all of one file."""
+    """Which rows make one capture: those that share a value of `column`, all of one file, or one plateau of the input.
+
+    `segment`: labrig finds the plateaus, ramps and cycles of the input; rows of a moving input count one by one.
+    """
 
     column: str | int | None = None
-    per: Literal["file"] | None = None
+    per: Literal["file", "segment"] | None = None
 
     @model_validator(mode="after")
     def _one(self) -> "CaptureColumn":
         if (self.column is None) == (self.per is None):
-            raise ValueError("give either 'column: NAME' or 'per: file'")
+            raise ValueError("give either 'column: NAME', 'per: file' or 'per: segment'")
         return self
 
 
@@ -93,24 +96,48 @@ class Event(_Strict):
 
 
 class TableFile(_Strict):
-    """One file of a campaign in several; `session` defaults to the file's name."""
+    """One file of a campaign in several; `session` defaults to the file's name, `join` names its own joined files."""
 
     file: str
     session: str | None = None
     actuation: dict[str, float] = Field(default_factory=dict)
     covariates: dict[str, float] = Field(default_factory=dict)
     events: list[Event] = Field(default_factory=list)
+    join: dict[str, str] = Field(default_factory=dict)
 
 
 class Format(_Strict):
-    """How a text table is written."""
+    """How a table is written, and which part of its file it is.
+
+    `encoding` is found out where it is not given; with `units_row` the line below the header holds units.
+    """
 
     separator: str = ","
     header: bool = True
+    units_row: bool = False
     decimal: str = "."
+    encoding: str | None = None
+    part: str | None = None
     skip_rows: int = Field(default=0, ge=0)
     rows: int | None = Field(default=None, gt=0)
     every: int = Field(default=1, gt=0)
+
+
+class Join(_Strict):
+    """Another file whose rows have a clock of their own: its columns are read at the table's times.
+
+    Its columns are called ``NAME.column``. Its time t, in s, is the table's `rate` * t + `offset_s`. `how` is `linear`,
+    `nearest` or `previous`; a time that is farther than `within_s` from any row of it was not seen.
+    """
+
+    name: str
+    file: str | None = None
+    time: UnitColumn
+    how: Literal["linear", "nearest", "previous"] = "linear"
+    offset_s: float = 0.0
+    rate: float = Field(default=1.0, gt=0)
+    within_s: float | None = Field(default=None, gt=0)
+    format: Format = Field(default_factory=Format)
 
 
 class Mapping(_Strict):
@@ -118,6 +145,7 @@ class Mapping(_Strict):
 
     table: str | list[str | TableFile] | None = None
     format: Format = Field(default_factory=Format)
+    join: list[Join] = Field(default_factory=list)
     time: UnitColumn | None = None
     capture: CaptureColumn | None = None
     hold: UnitColumn | None = None
@@ -147,8 +175,13 @@ class Mapping(_Strict):
 
 def read_mapping(path: Path) -> Mapping:
     """Read a MAP.yaml; raises `LabrigError` that names the file, the line and the field."""
-    content = read_yaml(path, "mapping", begins="table: ...")
-    mapping = check_fields(Mapping, content, str(path), path)
+    return check_mapping(read_yaml(path, "mapping", begins="table: ..."), path, path)
+
+
+def check_mapping(content: dict[str, Any], where: Path, path: Path | None = None) -> Mapping:
+    """The content of a mapping, checked; complaints name `where`, and lines of the YAML file `path` if there is one."""
+    mapping = check_fields(Mapping, content, str(where), path)
+    path = where
     names = [a.name for a in mapping.actuation]
     if len(set(names)) < len(names):
         raise LabrigError(f"{path}: actuation: two entries have the same name")
@@ -162,4 +195,7 @@ def read_mapping(path: Path) -> Mapping:
     observables = [o.name for o in mapping.observables]
     if len(set(observables)) < len(observables):
         raise LabrigError(f"{path}: observables: two entries have the same name")
+    joined = [j.name for j in mapping.join]
+    if len(set(joined)) < len(joined):
+        raise LabrigError(f"{path}: join: two entries have the same name")
     return mapping

@@ -1,0 +1,71 @@
+"""`labrig import`: somebody's own tables become a run, with their mapping or with a guess at it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from labrig.cli._app import app
+from labrig.cli._places import check_folder
+
+if TYPE_CHECKING:
+    from labrig.tables import Guess
+
+
+@app.command("import")
+def import_(
+    table: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="TABLE...",
+            help="CSV, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP or a ROS bag; else the mapping's.",
+        ),
+    ] = None,
+    mapping: Annotated[
+        Path | None,
+        typer.Option("--mapping", help="What the columns mean (MAP.yaml); left out: it is guessed."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="The run folder to make [default: the table's name]."),
+    ] = None,
+) -> None:
+    """Make a run of somebody's own table."""
+    import labrig
+    from labrig.log import import_guessed, import_table
+
+    first = mapping or next(iter(table or ()), None)
+    if first is None:
+        raise labrig.LabrigError("name a table, or a mapping with --mapping")
+    output = output or Path(first.stem)
+    check_folder(output, "-o")
+    if mapping is not None:
+        run = import_table(mapping, output, tables=table or ())
+    else:
+        assert table is not None
+        run, guess, written = import_guessed(table, output)
+        _show(guess, written)
+    for remark in run.attrs["warnings"]:
+        typer.echo(f"note: {remark}")
+    sizes = run.sizes
+    observables = 3 * sizes.get("marker", 0) + sizes.get("observable", 0)
+    segments = len(set(run["segment"].values.tolist()) - {""}) if "segment" in run.coords else 0
+    named = f" in {segments} segments" if segments else ""
+    typer.echo(
+        f"{output}: {sizes['capture']} captures{named}, {sizes['chamber']} actuated, {observables} observables, "
+        f"{len(set(run['session'].values))} session(s)"
+    )
+
+
+def _show(guess: "Guess", written: Path) -> None:
+    """The guess as it was written, with what was assumed."""
+    import yaml
+
+    text = yaml.safe_dump(
+        guess.mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110
+    )
+    typer.echo(f"guessed, and written to {written}:")
+    for line in text.splitlines():
+        typer.echo(f"  {line}")
+    for remark in guess.remarks:
+        typer.echo(f"note: {remark}")

@@ -1,0 +1,136 @@
+"""Captures of one file: holds are checked, and a moving input is cut into named segments whose rows count singly."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.log._part import Part, session_blocks
+from labrig.tables import Segment, find_segments, held_share
+
+_HELD = 0.8
+_BRIEF = 0.5
+_MOVING = 4
+"""In so many rows an input changes within a capture at least, if it is a ramp and no hold that was cut wrongly."""
+_STREAM_ROWS = 30
+_EVEN = 0.5
+_HELD_JITTER = 0.05
+_CELLS = 20_000_000
+"""Holds of very unequal lengths are padded to the longest: beyond this many cells their rows count singly."""
+
+
+def cut(part: Part) -> None:
+    """Settle the captures of a file and name its segments."""
+    how = part.mapping.capture
+    if part.file.events:
+        _holds(part)
+    elif how is not None and how.per == "segment":
+        _segments(part)
+    elif how is not None:
+        _holds(part)
+    elif part.mapping.time is not None and _is_stream(part):
+        _name(part)
+    lengths = np.diff(np.r_[part.starts, part.n])
+    if len(lengths) * lengths.max() > max(_CELLS, 20 * part.n):
+        part.remarks.append(
+            f"{part.table.path.name}: its captures are too unequal: their rows count one by one"
+        )
+        part.each_alone(np.ones(part.n, dtype=bool))
+
+
+def _holds(part: Part) -> None:
+    """A capture is held at one actuation, small jitter of a measured one let pass; what moves all along is a stream.
+
+    Raises `LabrigError` where it only steps: then two holds are called one.
+    """
+    starts, u = part.starts, part.actuation
+    span = np.maximum(np.ptp(u, axis=0), np.abs(u).max(axis=0) * 0.05)
+    spread = np.maximum.reduceat(u, starts) - np.minimum.reduceat(u, starts)
+    moved = (spread > np.maximum(0.05 * span, 1e-12)).any(axis=1)
+    if not moved.any():
+        return
+    steps = np.r_[False, (np.abs(np.diff(u, axis=0)) > 1e-3 * span + 1e-12).any(axis=1)]
+    steps[starts] = False
+    lengths = np.diff(np.r_[starts, part.n])
+    wrong = moved & (np.add.reduceat(steps, starts) < _MOVING)
+    if wrong.any():
+        name = part.mapping.actuation[int(np.argmax(spread[wrong][0]))].name
+        raise LabrigError(
+            f"{part.table.at(int(starts[wrong][0]))}: actuation {name!r} changes within one capture; leave 'capture:' "
+            "out to take every row as one, or write 'capture: {per: segment}' to have the holds found"
+        )
+    rows = np.repeat(moved, lengths)
+    first = int(starts[moved][0])
+    c = int(np.argmax(spread[moved][0]))
+    names = _labels(part)
+    part.segment[rows] = np.repeat(names, lengths)[rows]
+    part.each_alone(rows)
+    part.remarks.append(
+        f"{part.table.at(first)}: actuation {part.mapping.actuation[c].name!r} moves within {names[moved][0]}: "
+        f"{int(moved.sum())} of {len(starts)} captures are no holds, and their rows count one by one"
+    )
+
+
+def _labels(part: Part) -> NDArray[np.object_]:
+    """What each capture is called: by the label of its first row, or by its file."""
+    starts = part.starts
+    how = part.mapping.capture
+    if how is not None and how.column is not None:
+        own = part.table.labels(how.column, "capture")[starts]
+        return np.array([f"capture {label}" for label in own], dtype=object)
+    if len(starts) == 1:
+        return np.array([part.table.path.stem], dtype=object)
+    return np.array([f"{part.table.path.stem} {i + 1}" for i in range(len(starts))], dtype=object)
+
+
+def _segments(part: Part) -> None:
+    """Plateaus become captures where the input is held most of the time; otherwise every row is one, with a name."""
+    found = _name(part)
+    moves = [s for _, s in found if s.kind != "plateau"]
+    holds = [s.end - s.begin for _, s in found if s.kind == "plateau"]
+    alone = np.ones(part.n, dtype=bool)
+    brief = not moves or (holds and max(s.end - s.begin for s in moves) <= _BRIEF * np.median(holds))
+    if len(holds) > 1 and brief and held_share([s for _, s in found]) >= _HELD:
+        number = np.zeros(part.n, dtype=np.int64)
+        for i, (offset, s) in enumerate(found):
+            rows = slice(offset + s.begin, offset + s.end)
+            number[rows] = i
+            alone[rows] = s.kind != "plateau"
+        part.capture = number
+        between = int(alone.sum())
+        if between:
+            part.keep &= ~alone
+            part.remarks.append(
+                f"{part.table.path.name}: {len(holds)} holds; {between} of {part.n} rows between them, "
+                "where the input moves, are history and are not compared"
+            )
+        part.each_alone(alone)
+        return
+    part.each_alone(alone)
+    many = {"plateau": "plateaus", "ramp": "ramps", "cycle": "cycles", "stretch": "stretches"}
+    count = {kind: sum(s.kind == kind for _, s in found) for kind in many}
+    words = ", ".join(f"{n} {many[kind] if n > 1 else kind}" for kind, n in count.items() if n)
+    part.remarks.append(f"{part.table.path.name}: a stream of {part.n} rows: {words}")
+
+
+def _name(part: Part) -> list[tuple[int, Segment]]:
+    """Find the segments of each session, and write their names to the rows."""
+    unit = part.mapping.actuation[0].unit
+    found: list[tuple[int, Segment]] = []
+    blocks = session_blocks([part])
+    for _, own in blocks:
+        for s in find_segments(part.actuation[own], part.time_s[own], unit):
+            found.append((own.start, s))
+            part.segment[own.start + s.begin : own.start + s.end] = s.name
+    return found
+
+
+def _is_stream(part: Part) -> bool:
+    """Whether rows come by an even clock and are many: then someone logged, and did not measure point by point."""
+    step = np.diff(part.time_s)
+    step = step[step > 0]
+    if part.n < _STREAM_ROWS or len(step) < 0.9 * (part.n - 1):
+        return False
+    middle = float(np.median(step))
+    u = part.actuation
+    moves = np.ptp(u, axis=0) > _HELD_JITTER * np.abs(u).max(axis=0)
+    return bool(np.median(np.abs(step - middle)) <= _EVEN * middle and moves.any())

@@ -1,0 +1,219 @@
+"""One file of an import: its rows in labrig's terms, cut into captures."""
+
+import itertools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.tables import (
+    Mapping,
+    Observable,
+    Table,
+    TableFile,
+    factor,
+    is_length,
+    join_tables,
+    read_table,
+    seconds,
+)
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Labels = NDArray[np.object_]
+
+
+class Part:
+    """One file: n rows of C actuations and K observables; `capture` (n,) numbers the captures within the file.
+
+    `keep` (n,) are the rows that are recorded; the others are history only. `segment` (n,) names the piece of a stream
+    that a row is in, "" elsewhere. `remarks` are what the person who imports should know.
+    """
+
+    def __init__(self, mapping: Mapping, file: TableFile, mapping_path: Path) -> None:
+        folder = mapping_path.parent
+        self.mapping, self.file, self.mapping_path = mapping, file, mapping_path
+        self.remarks: list[str] = []
+        self.table: Table = read_table(folder / file.file, mapping)
+        self.n = len(self.table.frame)
+        self.time_s = np.array(self._time())
+        if mapping.join:
+            self.table = join_tables(self.table, self.time_s, mapping.join, file.join, folder)
+        self._only_joined()
+        self.actuation = self._actuation()
+        self.observables = observables_of(mapping, self.table)
+        self.values = self._values()
+        self.measured = self._measured()
+        self.covariates = self._covariates()
+        self.session = self._session()
+        self.repeat = self._labels(mapping.repeat, "repeat")
+        self.hold_s = self._hold()
+        self.keep = np.arange(self.n) % mapping.format.every == 0
+        self.segment: Labels = np.full(self.n, "", dtype=object)
+        self.capture = self._captures()
+        self._check_time()
+
+    @property
+    def starts(self) -> Ints:
+        """The first row of each capture."""
+        return np.flatnonzero(np.r_[True, np.diff(self.capture) != 0])
+
+    def each_alone(self, rows: NDArray[np.bool_]) -> None:
+        """Make every one of some rows (n,) a capture of its own."""
+        new = np.r_[True, (np.diff(self.capture) != 0) | rows[1:] | rows[:-1]]
+        self.capture = np.cumsum(new) - 1
+
+    def _time(self) -> Floats:
+        if self.mapping.time is not None:
+            return seconds(self.table, self.mapping.time, "time")
+        if "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d":
+            return self.table.numbers("time_s", "time")
+        return np.arange(self.n, dtype=float)
+
+    def _only_joined(self) -> None:
+        """Leave out the rows for which a joined file has no input: before it began or after it ended."""
+        names = tuple(f"{j.name}." for j in self.mapping.join)
+        inputs = [a.column for a in self.mapping.actuation if str(a.column).startswith(names)]
+        inputs = [c for c in inputs if c in self.table.frame.columns]
+        if not names or not inputs:
+            return
+        whole = np.isfinite(self.table.frame[inputs].to_numpy(dtype=float)).all(axis=1)
+        if whole.all():
+            return
+        if not whole.any():
+            raise LabrigError(f"{self.table.path}: no row has an input from the joined file; see 'within_s'")
+        self.remarks.append(
+            f"{self.table.path.name}: {int((~whole).sum())} of {self.n} rows are left out: "
+            "the joined file has no input at their time"
+        )
+        frame = self.table.frame.loc[whole].reset_index(drop=True)
+        table = self.table
+        self.table = Table(table.path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
+        self.time_s = self.time_s[whole]
+        self.n = len(frame)
+
+    def _actuation(self) -> Floats:
+        out = np.zeros((self.n, len(self.mapping.actuation)))
+        for c, entry in enumerate(self.mapping.actuation):
+            if entry.column is not None:
+                out[:, c] = self.table.numbers(entry.column, f"actuation {entry.name}", required=True)
+            elif entry.name in self.file.actuation:
+                out[:, c] = self.file.actuation[entry.name]
+            elif entry.value is not None:
+                out[:, c] = entry.value
+            elif not self.file.events:
+                raise LabrigError(
+                    f"{self.mapping_path}: actuation {entry.name!r} has neither 'column:' nor 'value:', "
+                    f"and {self.file.file} says nothing of it"
+                )
+            for event in self.file.events:
+                if entry.name not in event.actuation:
+                    raise LabrigError(
+                        f"{self.mapping_path}: {self.file.file}: an event does not say {entry.name!r}"
+                    )
+                out[self.time_s >= event.time_s, c] = event.actuation[entry.name]
+        return out
+
+    def _values(self) -> Floats:
+        columns = []
+        for o in self.observables:
+            scale = factor(o.unit, "mm", f"observable {o.name}") if o.marker and is_length(o.unit) else 1.0
+            columns.append(
+                self.table.numbers(o.column, f"observable {o.name}", thousands=o.thousands) * scale
+            )
+        return np.stack(columns, axis=1)
+
+    def _measured(self) -> Floats:
+        names = [a.name for a in self.mapping.actuation]
+        out = np.full((self.n, len(names)), np.nan)
+        for entry in self.mapping.measured:
+            out[:, names.index(entry.name)] = self.table.numbers(
+                entry.column, f"measured {entry.name}", thousands=entry.thousands
+            )
+        return out
+
+    def _covariates(self) -> Floats:
+        columns = []
+        for entry in self.mapping.covariates:
+            if entry.column is None:
+                columns.append(np.full(self.n, self.file.covariates.get(entry.name, np.nan)))
+            else:
+                what = f"covariate {entry.name}"
+                columns.append(self.table.numbers(entry.column, what, thousands=entry.thousands))
+        return np.stack(columns, axis=1) if columns else np.zeros((self.n, 0))
+
+    def _labels(self, entry: Any, what: str) -> Labels:
+        if entry is None:
+            return np.full(self.n, "", dtype=object)
+        return self.table.labels(entry.column, what)
+
+    def _session(self) -> Labels:
+        if self.mapping.session is not None:
+            return self._labels(self.mapping.session, "session")
+        return np.full(self.n, self.file.session or Path(self.file.file).stem, dtype=object)
+
+    def _hold(self) -> Floats:
+        if self.mapping.hold is None:
+            return np.full(self.n, np.nan)
+        scale = factor(self.mapping.hold.unit, "s", f"{self.mapping_path}: hold")
+        return (
+            self.table.numbers(self.mapping.hold.column, "hold", thousands=self.mapping.hold.thousands)
+            * scale
+        )
+
+    def _captures(self) -> Ints:
+        """Number of the capture of each row; rows of one capture stand together."""
+        if self.file.events:
+            begins = np.array([e.time_s for e in self.file.events])
+            return np.searchsorted(begins, self.time_s, side="right").astype(np.int64)
+        how = self.mapping.capture
+        if how is None or how.per == "segment":
+            return np.arange(self.n)
+        if how.per == "file":
+            return np.zeros(self.n, dtype=np.int64)
+        labels = self._labels(how, "capture")
+        new = np.r_[
+            True, (labels[1:] != labels[:-1]) | (self.session[1:] != self.session[:-1]) | (labels[1:] == "")
+        ]
+        out = np.cumsum(new) - 1
+        seen: dict[tuple[str, str], int] = {}
+        for i in np.flatnonzero(new).tolist():
+            if labels[i] and seen.setdefault((self.session[i], labels[i]), i) != i:
+                raise LabrigError(
+                    f"{self.table.at(i)}: capture {labels[i]!r} appears again "
+                    "after another one; rows of one capture must stand together"
+                )
+        return out
+
+    def _check_time(self) -> None:
+        back = (np.diff(self.time_s) < 0) & (self.session[1:] == self.session[:-1])
+        if back.any():
+            i = int(np.flatnonzero(back)[0])
+            raise LabrigError(
+                f"{self.table.at(i + 1)}: time goes backward within session {self.session[i]!r}"
+            )
+
+
+def observables_of(mapping: Mapping, table: Table) -> list[Observable]:
+    """The observables of a mapping; those of a C3D file are its markers' coordinates, in mm."""
+    if mapping.observables:
+        return mapping.observables
+    if table.path.suffix.lower() != ".c3d":
+        raise LabrigError(f"{table.path}: the mapping names no observables")
+    return [
+        Observable(column=str(c), name=str(c), unit="mm", marker=str(c).rsplit(".", 1)[0], axis=str(c)[-1])  # type: ignore[arg-type]
+        for c in table.frame.columns
+        if c != "time_s"
+    ]
+
+
+def session_blocks(parts: Sequence[Part]) -> list[tuple[Part, slice]]:
+    """The stretches of rows of one session, in the order of the files."""
+    out = []
+    for part in parts:
+        edges = np.flatnonzero(np.r_[True, part.session[1:] != part.session[:-1], True])
+        out += [(part, slice(int(a), int(b))) for a, b in itertools.pairwise(edges)]
+    return out

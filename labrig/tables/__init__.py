@@ -1,0 +1,41 @@
+"""Somebody's own tables: read from many formats, what their columns mean, and a guess where nobody says it."""
+
+from labrig.tables._clock import seconds
+from labrig.tables._guess import Guess, guess_mapping
+from labrig.tables._join import join_tables
+from labrig.tables._mapping import Event, Join, Mapping, Observable, TableFile, check_mapping, read_mapping
+from labrig.tables._plausible import check_limits, check_values
+from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
+from labrig.tables._strokes import Segment, find_segments, held_share
+from labrig.tables._table import DATE, Table
+from labrig.tables._units import check, factor, is_length
+
+__all__ = [
+    "DATE",
+    "READ",
+    "Event",
+    "Guess",
+    "Join",
+    "Mapping",
+    "Observable",
+    "Segment",
+    "Table",
+    "TableFile",
+    "beside",
+    "check",
+    "check_limits",
+    "check_mapping",
+    "check_values",
+    "factor",
+    "find_segments",
+    "guess_mapping",
+    "held_share",
+    "is_length",
+    "join_tables",
+    "kind_of",
+    "parts_of",
+    "read_file",
+    "read_mapping",
+    "read_table",
+    "seconds",
+]

@@ -1,0 +1,169 @@
+"""Files of named arrays: MAT (v5 and v7.3), HDF5, NPZ and NPY.
+
+Arrays of one length stand side by side as the columns of a table; what has another length is another part.
+"""
+
+import zipfile
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.tables._mapping import Format
+from labrig.tables._table import Table
+
+_WIDEST = 512
+Arrays = dict[str, np.ndarray]
+
+
+def groups(path: Path) -> dict[str, int]:
+    """The parts of a file: groups (or structs) of arrays of one length, by name; "" is the file's own level."""
+    return {name: n for name, (n, _) in _grouped(_arrays(path)).items()}
+
+
+def read_arrays(path: Path, how: Format) -> Table:
+    """Read the part that `how` names, else the one with most columns; raises `LabrigError` where there is none."""
+    import pandas as pd
+
+    arrays = _arrays(path)
+    parts = _grouped(arrays)
+    if not parts:
+        raise LabrigError(f"{path}: holds no arrays of numbers that could be columns")
+    if how.part is not None and how.part not in parts:
+        raise LabrigError(f"{path}: has no part {how.part!r}; it has {', '.join(repr(p) for p in parts)}")
+    name = how.part if how.part is not None else max(parts, key=lambda p: len(parts[p][1]) * parts[p][0])
+    n, members = parts[name]
+    columns: dict[str, Any] = {}
+    for key in members:
+        columns.update(_columns(key[len(name) + 1 :] if name else key, arrays[key], n))
+    return Table(path, pd.DataFrame(columns).iloc[how.skip_rows :], how.skip_rows + 1)
+
+
+def _grouped(arrays: Arrays) -> dict[str, tuple[int, list[str]]]:
+    """Arrays of the same level and length, by the level's name; a level with several lengths is told apart by them.
+
+    All that share one length over all levels are one part, "".
+    """
+    lengths = {key: _length(a) for key, a in arrays.items()}
+    lengths = {key: n for key, n in lengths.items() if n >= 2}
+    if len(set(lengths.values())) == 1:
+        return {"": (next(iter(lengths.values())), list(lengths))}
+    found: dict[tuple[str, int], list[str]] = defaultdict(list)
+    for key, n in lengths.items():
+        found[key.rpartition("/")[0], n].append(key)
+    out: dict[str, tuple[int, list[str]]] = {}
+    for (level, n), members in sorted(found.items(), key=lambda item: -len(item[1])):
+        out[level if level not in out else f"{level}#{n}"] = (n, members)
+    return out
+
+
+def _length(a: np.ndarray) -> int:
+    shape = [s for s in a.shape if s > 1]
+    return max(shape, default=0)
+
+
+def _columns(name: str, a: np.ndarray, n: int) -> Iterator[tuple[str, Any]]:
+    """An array with n rows along one of its axes, as columns: NAME, or NAME.i, NAME.i.j."""
+    if a.ndim > 1:
+        a = a.reshape([s for s in a.shape if s > 1])
+        a = np.moveaxis(a, a.shape.index(n), 0)
+    if a.ndim == 1:
+        yield name.replace("/", "."), a
+        return
+    for place in list(np.ndindex(*a.shape[1:]))[:_WIDEST]:
+        yield ".".join([name.replace("/", "."), *map(str, place)]), a[(slice(None), *place)]
+
+
+def _arrays(path: Path) -> Arrays:
+    """Every array of numbers or text in a file, by its path within it."""
+    with path.open("rb") as file:
+        head = file.read(16)
+    if head.startswith((b"\x89HDF", b"MATLAB 7.3")):
+        return _hdf(path)
+    if head.startswith(b"\x93NUMPY"):
+        loaded = np.load(path, allow_pickle=False)
+        if loaded.dtype.names:
+            return {name: loaded[name] for name in loaded.dtype.names}
+        return {path.stem: loaded} if loaded.dtype.kind in "fiub" else {}
+    if head.startswith(b"PK"):
+        if not zipfile.is_zipfile(path):
+            raise LabrigError(f"{path}: is cut off: the end of the archive is missing")
+        with np.load(path, allow_pickle=False) as loaded:
+            out: Arrays = {}
+            for name in loaded.files:
+                try:
+                    out[name] = loaded[name]
+                except ValueError:  # pickled objects: nothing that may be run
+                    continue
+            return {name: a for name, a in out.items() if a.dtype.kind in "fiubUM"}
+    if head.startswith(b"CDF"):
+        raise LabrigError(f"{path}: is NetCDF of version 3; save it as NetCDF-4 or CSV")
+    return _mat(path)
+
+
+def _mat(path: Path) -> Arrays:
+    from scipy.io import loadmat
+
+    with np.errstate(all="ignore"):
+        content = loadmat(str(path), squeeze_me=True, struct_as_record=False)
+    out: Arrays = {}
+
+    def walk(name: str, value: Any, depth: int) -> None:
+        if hasattr(value, "_fieldnames"):
+            if depth < 6:
+                for inner in value._fieldnames:
+                    walk(f"{name}/{inner}", getattr(value, inner), depth + 1)
+        elif isinstance(value, np.ndarray):
+            if (value.dtype.kind in "fiubU" and value.size) or (
+                value.dtype == object and value.ndim == 1 and all(isinstance(v, str) for v in value)
+            ):
+                out[name] = value
+            elif value.dtype == object and depth < 6:
+                for i, inner in enumerate(value.ravel()[:64]):
+                    walk(f"{name}/{i}", inner, depth + 1)
+
+    for name, value in content.items():
+        if not name.startswith("__"):
+            walk(name, value, 0)
+    if not out:
+        raise LabrigError(
+            f"{path}: holds no arrays of numbers; MATLAB's tables and timeseries can't be read: "
+            "save their columns as arrays or with writetable"
+        )
+    return out
+
+
+def _hdf(path: Path) -> Arrays:
+    import h5py
+
+    out: Arrays = {}
+
+    def visit(name: str, item: Any) -> None:
+        if not isinstance(item, h5py.Dataset) or name.startswith("#") or item.size is None:
+            return
+        if item.dtype.names:
+            for field in item.dtype.names:
+                if item.dtype[field].kind in "fiub":
+                    out[f"{name}/{field}"] = np.asarray(item[field])
+        elif item.dtype.kind in "fiub" and item.ndim >= 1 and item.size:
+            if _is_text(item):
+                return
+            out[name] = np.asarray(item[()])
+        elif h5py.check_string_dtype(item.dtype) is not None and item.ndim == 1:
+            out[name] = np.array([str(v) for v in item.asstr()[()]], dtype=object)
+
+    try:
+        with h5py.File(path, "r") as file:
+            file.visititems(visit)
+    except OSError as error:
+        raise LabrigError(f"{path}: can't be read as HDF5 ({str(error).splitlines()[0]})") from None
+    return out
+
+
+def _is_text(item: Any) -> bool:
+    """MATLAB's 7.3 files mark what is a text, a flag or a cell."""
+    kind = item.attrs.get("MATLAB_class", b"")
+    return bytes(kind) in {b"char", b"cell"}

@@ -1,0 +1,172 @@
+"""Logs of messages: MCAP (JSON, protobuf, ROS) and ROS bags; each topic is a table with its own clock.
+
+Columns are the numbers in a topic's messages by the path to them, and `log_time_s`, when each was logged.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from labrig._errors import LabrigError
+from labrig._extras import missing
+from labrig.tables._mapping import Format
+from labrig.tables._table import Table
+
+CLOCK = "log_time_s"
+_WIDEST = 512
+_DEEPEST = 8
+
+
+def topics(path: Path) -> dict[str, int]:
+    """The topics of a log and how many messages each has."""
+    if _is_mcap(path):
+        from mcap.reader import make_reader
+
+        with path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+            if summary is not None and summary.statistics is not None:
+                count = summary.statistics.channel_message_counts
+                out: dict[str, int] = {}
+                for number, channel in summary.channels.items():
+                    out[channel.topic] = out.get(channel.topic, 0) + count.get(number, 0)
+                return out
+        out = {}
+        for topic, _, _ in _mcap_messages(path, None):
+            out[topic] = out.get(topic, 0) + 1
+        return out
+    with _ros_reader(path) as reader:
+        return {topic: info.msgcount for topic, info in reader.topics.items()}
+
+
+def read_bag(path: Path, how: Format) -> Table:
+    """Read the topic `part`, else the one with most messages; raises `LabrigError` if it has no numbers."""
+    import numpy as np
+    import pandas as pd
+
+    known = topics(path)
+    if not known:
+        raise LabrigError(f"{path}: has no messages")
+    if how.part is not None and how.part not in known:
+        raise LabrigError(f"{path}: has no topic {how.part!r}; it has {', '.join(known)}")
+    topic = how.part or max(known, key=lambda name: known[name])
+    messages = _mcap_messages(path, topic) if _is_mcap(path) else _ros_messages(path, topic)
+    clock, rows = [], []
+    for _, time_ns, message in messages:
+        clock.append(time_ns)
+        rows.append(dict(_numbers("", message, 0)))
+    if not rows or not any(rows):
+        raise LabrigError(f"{path}: the messages of {topic} hold no numbers that could be columns")
+    stamps = np.array(clock, dtype=np.int64)
+    order = np.argsort(stamps, kind="stable")
+    frame = pd.DataFrame(rows).iloc[order].reset_index(drop=True)
+    frame.insert(0, CLOCK, (stamps[order] - stamps.min()) * 1e-9 + stamps.min() * 1e-9)
+    return Table(path, frame, 1, ".", "message")
+
+
+def _is_mcap(path: Path) -> bool:
+    return path.is_file() and path.suffix.lower() not in {".bag", ".db3"}
+
+
+def _numbers(name: str, value: Any, depth: int) -> Iterator[tuple[str, float]]:
+    """The numbers within a message and the paths to them."""
+    if isinstance(value, bool | int | float):
+        yield name, float(value)
+    elif depth >= _DEEPEST or value is None or isinstance(value, str | bytes):
+        return
+    elif isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _numbers(f"{name}.{key}" if name else str(key), inner, depth + 1)
+    elif hasattr(value, "__dataclass_fields__"):
+        for key in value.__dataclass_fields__:
+            if not key.startswith("__"):
+                yield from _numbers(f"{name}.{key}" if name else key, getattr(value, key), depth + 1)
+    elif hasattr(value, "tolist"):
+        yield from _numbers(name, value.tolist(), depth)
+    elif isinstance(value, list | tuple):
+        for i, inner in enumerate(value[:_WIDEST]):
+            yield from _numbers(f"{name}.{i}", inner, depth + 1)
+
+
+def _mcap_messages(path: Path, topic: str | None) -> Iterator[tuple[str, int, Any]]:
+    """Topic, time (ns) and content of the messages of a topic, or of all."""
+    from mcap.exceptions import McapError
+    from mcap.reader import make_reader
+
+    decoders: dict[int, Any] = {}
+    try:
+        with path.open("rb") as file:
+            for schema, channel, message in make_reader(file).iter_messages(
+                topics=None if topic is None else [topic]
+            ):
+                if topic is None:
+                    yield channel.topic, message.log_time, None
+                    continue
+                if channel.id not in decoders:
+                    decoders[channel.id] = _decoder(path, channel.topic, channel.message_encoding, schema)
+                yield channel.topic, message.log_time, decoders[channel.id](message.data)
+    except McapError as error:
+        raise LabrigError(f"{path}: can't be read as MCAP ({error or type(error).__name__})") from None
+
+
+def _decoder(path: Path, topic: str, encoding: str, schema: Any) -> Any:
+    if encoding == "json":
+        return json.loads
+    if encoding == "protobuf" and schema is not None:
+        return _protobuf(schema)
+    if encoding in {"cdr", "ros1"} and schema is not None:
+        return _ros(schema, encoding)
+    raise LabrigError(f"{path}: the messages of {topic} are written as {encoding!r}, which labrig can't read")
+
+
+def _protobuf(schema: Any) -> Any:
+    from google.protobuf import descriptor_pb2, descriptor_pool, json_format, message_factory
+
+    pool = descriptor_pool.DescriptorPool()
+    for file in descriptor_pb2.FileDescriptorSet.FromString(schema.data).file:
+        pool.Add(file)
+    kind = message_factory.GetMessageClass(pool.FindMessageTypeByName(schema.name))
+
+    def decode(data: bytes) -> Any:
+        return json_format.MessageToDict(
+            kind.FromString(data), preserving_proto_field_name=True, always_print_fields_with_no_presence=True
+        )
+
+    return decode
+
+
+def _ros(schema: Any, encoding: str) -> Any:
+    try:
+        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    except ImportError:
+        raise missing("reading messages of ROS", "ros") from None
+    store = get_typestore(Stores.EMPTY)
+    known: dict[str, Any] = {}
+    text = schema.data.decode()
+    first, *others = text.split("=" * 80 + "\n")
+    known.update(get_types_from_msg(first, schema.name))
+    for other in others:
+        head, _, body = other.partition("\n")
+        known.update(get_types_from_msg(body, head.removeprefix("MSG: ").strip()))
+    store.register(known)
+    name = schema.name if "/msg/" in schema.name else schema.name.replace("/", "/msg/")
+    if encoding == "ros1":
+        return lambda data: store.deserialize_ros1(data, name)
+    return lambda data: store.deserialize_cdr(data, name)
+
+
+def _ros_reader(path: Path) -> Any:
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise missing("reading ROS bags", "ros") from None
+    folder = path.parent if path.suffix == ".db3" else path
+    return AnyReader([folder], default_typestore=get_typestore(Stores.LATEST))
+
+
+def _ros_messages(path: Path, topic: str) -> Iterator[tuple[str, int, Any]]:
+    with _ros_reader(path) as reader:
+        chosen = [c for c in reader.connections if c.topic == topic]
+        for connection, time_ns, data in reader.messages(connections=chosen):
+            yield topic, time_ns, reader.deserialize(data, connection.msgtype)

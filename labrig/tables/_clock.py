@@ -1,0 +1,15 @@
+"""The clock of a table, in seconds."""
+
+import numpy as np
+
+from labrig.tables._mapping import UnitColumn
+from labrig.tables._table import DATE, Floats, Table
+from labrig.tables._units import factor
+
+
+def seconds(table: Table, time: UnitColumn, what: str) -> Floats:
+    """The time column of a table in s, (n,), as its clock counts; raises `LabrigError` for a gap or text."""
+    if time.unit == DATE:
+        return table.dates(time.column, what)
+    scale = factor(time.unit, "s", f"{table.path}: {what}")
+    return np.array(table.numbers(time.column, what, required=True, thousands=time.thousands)) * scale

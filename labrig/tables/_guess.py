@@ -1,0 +1,284 @@
+"""A mapping for a foreign file, guessed from its names and numbers; what was assumed is said."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.tables._mapping import Format
+from labrig.tables._names import Name, unit_of
+from labrig.tables._read import beside, kind_of, parts_of, read_file
+from labrig.tables._roles import Roles, roles_of
+from labrig.tables._sniff import sniff
+from labrig.tables._table import Table, short
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_PREVIEW = 20
+_MOST_PARTS = 12
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What a file is taken for.
+
+    `mapping` is the content of a mapping file (docs/reference/mapping.md); its path of the table starts at the
+    file's own folder. `preview` are the first rows as they were read; `remarks` say what was assumed, one line each.
+    """
+
+    mapping: dict[str, Any]
+    preview: "pd.DataFrame"
+    remarks: list[str] = field(default_factory=list)
+
+
+def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
+    """Guess what the columns of a file mean; `folder` is where the mapping is to lie, if not beside the file.
+
+    Raises `LabrigError` when the file can't be read, or has nothing that could be an input or an output.
+    """
+    path = Path(path)
+    kind = kind_of(path)
+    if kind == "text":
+        how = sniff(path)
+        return _guess(path, [(how, read_file(path, how))], folder)
+    if kind in {"c3d", "parquet"}:
+        return _guess(path, [(Format(), read_file(path, Format()))], folder)
+    parts = {name: n for name, n in parts_of(path).items() if n > 1}
+    if not parts:
+        raise LabrigError(f"{path}: has no rows")
+    tables = []
+    for name in sorted(parts, key=lambda p: -parts[p])[:_MOST_PARTS]:
+        how = Format(part=name) if len(parts) > 1 else Format()
+        if kind == "excel":
+            how = _sheet_format(path, how)
+        try:
+            tables.append((how, read_file(path, how)))
+        except LabrigError:
+            if len(parts) == 1:
+                raise
+    if not tables:
+        raise LabrigError(f"{path}: none of its {len(parts)} parts is a table of numbers")
+    return _guess(path, tables, folder)
+
+
+def _sheet_format(path: Path, how: Format) -> Format:
+    """Whether a sheet has a header, and units below it."""
+    top = read_file(path, how.model_copy(update={"header": False, "rows": 3})).frame
+
+    def text(i: int) -> list[str]:
+        return [str(v) for v in top.iloc[i].tolist() if v is not None and v == v] if i < len(top) else []
+
+    first, second = text(0), text(1)
+    header = bool(first) and not all(_is_float(v) for v in first)
+    units = (
+        header and bool(second) and all(unit_of(v) is not None for v in second) and not _is_float(second[0])
+    )
+    return how.model_copy(update={"header": header, "units_row": units})
+
+
+def _is_float(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
+    read = [
+        (how, table, roles_of(table, _units_below(path, how, table), how.part or "")) for how, table in tables
+    ]
+    how, table, roles = max(read, key=lambda one: (_worth(one[2]), len(one[1].frame)))
+    mapping: dict[str, Any] = {"table": beside(path, Path(folder)) if folder is not None else path.name}
+    if written := how.model_dump(exclude_defaults=True):
+        mapping["format"] = written
+    remarks = list(roles.remarks)
+    joined = [one for one in read if one[1] is not table]
+    joins, extra = _joins(mapping["table"], joined, roles, remarks)
+    if joins:
+        mapping["join"] = joins
+    if table.path.suffix.lower() == ".c3d":
+        return _of_c3d(mapping, table)
+    mapping |= _fields(table, roles, extra, remarks)
+    if not mapping["actuation"]:
+        remarks.append("nothing looks like an input: name what was commanded under 'actuation:'")
+        mapping["actuation"] = [{"name": "none", "value": 0.0, "unit": "1"}]
+    if not mapping.get("observables"):
+        have = ", ".join(str(c) for c in list(table.frame.columns)[:8])
+        raise LabrigError(
+            f"{path}: nothing is left that was measured (columns: {short(have, quote=False)}); "
+            "write a mapping (docs/reference/mapping.md)"
+        )
+    return Guess(mapping, table.frame.head(_PREVIEW), remarks)
+
+
+def _units_below(path: Path, how: Format, table: Table) -> dict[str, str]:
+    if not how.units_row:
+        return {}
+    raw = read_file(path, how.model_copy(update={"units_row": False, "rows": 1}), as_text=True).frame.iloc[0]
+    names = [str(c) for c in table.frame.columns]
+    found = {n: unit_of(str(v)) for n, v in zip(names, raw.tolist(), strict=True)}
+    return {n: u for n, u in found.items() if u is not None}
+
+
+def _worth(roles: Roles) -> int:
+    return bool(roles.markers or roles.observables) + bool(roles.actuation) + (roles.time is not None)
+
+
+def _joins(
+    file: str, others: list[tuple[Format, Table, Roles]], main: Roles, remarks: list[str]
+) -> tuple[list[dict[str, Any]], list[tuple[str, Roles]]]:
+    """The other parts that have a clock, and what they add."""
+    joins: list[dict[str, Any]] = []
+    extra: list[tuple[str, Roles]] = []
+    for how, _, roles in others:
+        part = how.part or ""
+        if roles.time is None or main.time is None:
+            remarks.append(f"part {part!r} has no clock to join it by and is left out")
+            continue
+        name = part.strip("/").replace("/", "_") or "other"
+        steps = all(_is_steps(roles.values[n.column]) for n in roles.actuation)
+        joins.append(
+            {
+                "name": name,
+                "file": file,
+                "time": {"column": roles.time[0].column, "unit": roles.time[1]},
+                "how": "previous" if roles.actuation and steps else "linear",
+                "format": how.model_dump(exclude_defaults=True),
+            }
+        )
+        extra.append((name, roles))
+        remarks.append(f"part {part!r} is joined by time; its columns are called {name}.COLUMN")
+    return joins, extra
+
+
+def _is_steps(values: np.ndarray) -> bool:
+    return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
+
+
+def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks: list[str]) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    has_header = [isinstance(c, str) for c in table.frame.columns]
+
+    def key(column: str, prefix: str = "") -> str | int:
+        if prefix:
+            return f"{prefix}.{column}"
+        return column if all(has_header) else int(column)
+
+    if roles.time is not None:
+        out["time"] = {"column": key(roles.time[0].column), "unit": roles.time[1]}
+    if roles.capture is not None and _held(table, roles):
+        out["capture"] = {"column": key(roles.capture.column)}
+    elif roles.time is not None and len(table.frame) >= _PREVIEW:
+        out["capture"] = {"per": "segment"}
+    for field_ in ("session", "repeat"):
+        if (found := getattr(roles, field_)) is not None:
+            out[field_] = {"column": key(found.column)}
+    if roles.hold is not None:
+        out["hold"] = {"column": key(roles.hold.column), "unit": roles.hold.unit}
+    sources = [("", roles), *extra]
+    actuation: list[dict[str, Any]] = []
+    for prefix, own in sources:
+        for n in own.actuation:
+            unit = n.unit or _assume("pressure", own.values[n.column], key(n.column, prefix), remarks)
+            actuation.append({"column": key(n.column, prefix), "name": _called(n, prefix), "unit": unit})
+    out["actuation"] = actuation
+    names = {entry["column"]: entry["name"] for entry in actuation}
+    measured = [
+        {
+            "column": key(n.column, p),
+            "name": names[key(own_name.column, p)],
+            "unit": n.unit or own_name.unit or "1",
+        }
+        for p, own in sources
+        for n, own_name in own.measured
+    ]
+    if measured:
+        out["measured"] = measured
+    observables: list[dict[str, Any]] = []
+    for prefix, own in sources:
+        for owner, axes in own.markers.items():
+            marker = f"{prefix}.{owner}" if prefix else owner
+            values = np.concatenate([own.values[n.column] for n in axes.values()])
+            said = next((n.unit for n in axes.values() if n.unit), None)
+            unit = said or _assume("length", values, owner, remarks)
+            observables += [
+                {
+                    "column": key(axes[a].column, prefix),
+                    "name": f"{marker}.{a}",
+                    "unit": unit,
+                    "marker": marker,
+                    "axis": a,
+                }
+                for a in sorted(axes)
+            ]
+        for n in own.observables:
+            if n.unit is None:
+                remarks.append(f"the unit of {n.column!r} is not said: written as 1")
+            observables.append(
+                {"column": key(n.column, prefix), "name": _called(n, prefix), "unit": n.unit or "1"}
+            )
+    if observables:
+        out["observables"] = observables
+    covariates = [
+        {"column": key(n.column, p), "name": _called(n, p), "unit": n.unit or "1"}
+        for p, own in sources
+        for n in own.covariates
+    ]
+    if covariates:
+        out["covariates"] = covariates
+    return out
+
+
+def _called(name: Name, prefix: str) -> str:
+    own = f"column {name.called}" if name.called.isdigit() else name.called
+    return f"{prefix}.{own}" if prefix else own
+
+
+def _held(table: Table, roles: Roles) -> bool:
+    """Whether the inputs stand still within what is called a capture."""
+    assert roles.capture is not None
+    labels = table.labels(table.frame.columns[_place(table, roles.capture.column)], "capture")
+    blocks = np.cumsum(np.r_[0, labels[1:] != labels[:-1]])
+    starts = np.flatnonzero(np.r_[True, np.diff(blocks) > 0])
+    if len(starts) != len(set(labels.tolist())):
+        return False
+    for n in roles.actuation:
+        u = roles.values[n.column]
+        spread = np.maximum.reduceat(u, starts) - np.minimum.reduceat(u, starts)
+        if (spread > 0.05 * max(float(np.ptp(u)), 1e-12)).any():
+            return False
+    return True
+
+
+def _place(table: Table, column: str) -> int:
+    return [str(c) for c in table.frame.columns].index(column)
+
+
+def _assume(what: str, values: np.ndarray, name: Any, remarks: list[str]) -> str:
+    """A unit by the size of the numbers; that it is an assumption is said."""
+    size = float(np.nanpercentile(np.abs(values), 95)) if np.isfinite(values).any() else 0.0
+    if what == "length":
+        spread = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
+        unit = "m" if size < 3 and spread < 2 else "mm"
+    else:
+        unit = "1"
+    remarks.append(
+        f"the unit of {name!r} is not said: {'taken as' if unit != '1' else 'written as'} {unit}"
+        f" (95 % of its numbers are below {size:.3g})"
+    )
+    return unit
+
+
+def _of_c3d(mapping: dict[str, Any], table: Table) -> Guess:
+    points = list(dict.fromkeys(str(c).rpartition(".")[0] for c in table.frame.columns if c != "time_s"))
+    mapping |= {
+        "capture": {"per": "file"},
+        "actuation": [{"name": "none", "value": 0.0, "unit": "kPa"}],
+        "markers": points,
+    }
+    remark = "a C3D file does not say what was commanded: put it under 'actuation:', or 'events:' of the file"
+    return Guess(mapping, table.frame.head(_PREVIEW), [remark])

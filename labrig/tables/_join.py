@@ -1,0 +1,97 @@
+"""Files with clocks of their own, read at the times of the first one."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+from labrig.tables._clock import seconds
+from labrig.tables._mapping import Join
+from labrig.tables._read import read_file
+from labrig.tables._table import Table
+
+if TYPE_CHECKING:
+    pass
+
+Floats = NDArray[np.float64]
+
+
+def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, str], folder: Path) -> Table:
+    """The table with the columns of every joined file, ``NAME.column``, at its times `time_s` (n,) of its own clock.
+
+    `own` are the files that stand for those that a join names itself; paths start at `folder`. What the joined file has
+    no row for is NaN. Raises `LabrigError` if a file is missing, its clock goes back, or it has no row in this time.
+    """
+    import pandas as pd
+
+    columns: dict[str, Floats] = {}
+    for join in joins:
+        file = own.get(join.name, join.file)
+        if file is None:
+            raise LabrigError(
+                f"{table.path}: join {join.name!r} names no file, and neither does this table's entry"
+            )
+        other = read_file(folder / file, join.format)
+        clock = seconds(other, join.time, f"join {join.name}") * join.rate + join.offset_s
+        back = np.flatnonzero(np.diff(clock) < 0)
+        if len(back):
+            raise LabrigError(
+                f"{other.at(int(back[0]) + 1)}: time goes backward; a joined file has one clock"
+            )
+        if clock[-1] < time_s.min() or clock[0] > time_s.max():
+            raise LabrigError(
+                f"{other.path}: its times {clock[0]:.6g} to {clock[-1]:.6g} s (after 'rate' and 'offset_s') are not"
+                f" those of {table.path.name}, {time_s.min():.6g} to {time_s.max():.6g} s; give 'offset_s'"
+            )
+        reader = _reader(clock, time_s, join)
+        for column in other.frame.columns:
+            if isinstance(values := _numbers(other, column), np.ndarray):
+                columns[f"{join.name}.{column}"] = reader(values)
+    frame = pd.concat([table.frame, pd.DataFrame(columns)], axis=1)
+    return Table(table.path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
+
+
+def _numbers(table: Table, column: str | int) -> Floats | None:
+    """A column's numbers, or None where it is text: nobody may need it."""
+    if str(column) in table.doubled:
+        return None
+    try:
+        return table.numbers(column, "join")
+    except LabrigError:
+        return None
+
+
+def _reader(clock: Floats, at: Floats, join: Join):
+    """What reads a column of the joined file at the times `at`."""
+    after = np.clip(np.searchsorted(clock, at, side="right"), 1, max(len(clock) - 1, 1))
+    if len(clock) == 1:
+        after = np.zeros(len(at), dtype=np.int64)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(np.abs(clock[after] - at) < np.abs(at - clock[before]), after, before)
+    last = np.searchsorted(clock, at, side="right") - 1
+    chosen = np.maximum(last, 0) if join.how == "previous" else nearest
+    far = np.abs(clock[chosen] - at)
+    limit = join.within_s
+    if join.how == "previous":
+        unseen = (last < 0) | (far > (limit if limit is not None else np.inf))
+    else:
+        typical = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
+        reach = limit if limit is not None else typical
+        unseen = far > reach + 1e-9
+        if join.how == "linear":
+            unseen |= (at < clock[0] - 1e-9) | (at > clock[-1] + 1e-9)
+
+    def read(values: Floats) -> Floats:
+        if join.how != "linear" or len(clock) == 1:
+            out = values[chosen].astype(float)
+        else:
+            width = clock[after] - clock[before]
+            share = np.clip((at - clock[before]) / np.where(width > 0, width, 1.0), 0.0, 1.0)
+            out = values[before] + share * (values[after] - values[before])
+            out = np.where(share == 0.0, values[before], np.where(share == 1.0, values[after], out))
+        out[unseen] = np.nan
+        return out
+
+    return read

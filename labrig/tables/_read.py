@@ -1,0 +1,163 @@
+"""A foreign file becomes a table, by its ending and by what is in it."""
+
+import os
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from labrig._errors import LabrigError
+from labrig.tables._mapping import Format, Mapping
+from labrig.tables._table import Table, short
+
+_ENDINGS = {
+    "excel": {".xlsx", ".xlsm", ".xls", ".xlsb", ".ods"},
+    "parquet": {".parquet", ".pq"},
+    "arrays": {".mat", ".h5", ".hdf5", ".hdf", ".npz", ".npy", ".nc"},
+    "c3d": {".c3d"},
+    "bag": {".mcap", ".bag", ".db3"},
+}
+_BEGINS = (
+    (b"PAR1", "parquet"),
+    (b"\x89HDF", "arrays"),
+    (b"MATLAB 5.0", "arrays"),
+    (b"MATLAB 7.3", "arrays"),
+    (b"\x93NUMPY", "arrays"),
+    (b"\x89MCAP", "bag"),
+    (b"#ROSBAG", "bag"),
+    (b"\xd0\xcf\x11\xe0", "excel"),
+)
+READ = "CSV and other text, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP and ROS bags"
+
+
+def kind_of(path: Path) -> str:
+    """`text`, `excel`, `parquet`, `arrays`, `c3d` or `bag`: by what the file begins with, else by its ending.
+
+    A file with the wrong ending is read as what it is. Raises `LabrigError` if it is not there, is empty, or can't be
+    read.
+    """
+    if path.is_dir():
+        if (path / "metadata.yaml").is_file():
+            return "bag"
+        raise LabrigError(f"{path}: is a folder; name a table ({READ})")
+    if not path.is_file():
+        raise LabrigError(f"{path}: there is no such table")
+    try:
+        with path.open("rb") as file:
+            head = file.read(512)
+    except OSError as error:
+        raise LabrigError(f"{path}: can't be read ({error.strerror or error})") from None
+    if not head:
+        raise LabrigError(f"{path}: is empty")
+    for begin, kind in _BEGINS:
+        if head.startswith(begin):
+            return kind
+    if head.startswith(b"PK") and zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as archive:
+            return "arrays" if any(n.endswith(".npy") for n in archive.namelist()) else "excel"
+    ending = path.suffix.lower()
+    for kind, endings in _ENDINGS.items():
+        if ending in endings:
+            return kind
+    return "text"
+
+
+def read_table(path: Path, mapping: Mapping) -> Table:
+    """Read one file of a mapping; raises `LabrigError` when it is not there or not what its name says."""
+    return read_file(path, mapping.format, mapping, as_text=mapping.any_thousands())
+
+
+def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_text: bool = False) -> Table:
+    """Read one file as `how` says; a C3D file takes the names of its markers from the `mapping`."""
+    kind = kind_of(path)
+    with _readable(path, kind):
+        table = _reader(kind, mapping, as_text)(path, how)
+    frame = table.frame.iloc[: how.rows].reset_index(drop=True)
+    if frame.empty:
+        raise LabrigError(f"{path}: has no rows")
+    return Table(path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
+
+
+@contextmanager
+def _readable(path: Path, kind: str) -> Iterator[None]:
+    """Whatever a reader stumbles over is said in one line, with the file."""
+    try:
+        yield
+    except LabrigError:
+        raise
+    except MemoryError:
+        raise LabrigError(f"{path}: is too large for this computer's memory; take less of it") from None
+    except Exception as error:
+        lines = str(error).strip().splitlines()
+        reason = short(lines[0].strip(), quote=False) if lines else type(error).__name__
+        raise LabrigError(f"{path}: can't be read as {_NAMES[kind]} ({reason})") from error
+
+
+_NAMES = {
+    "text": "a table",
+    "excel": "a workbook",
+    "parquet": "Parquet",
+    "arrays": "a file of arrays",
+    "c3d": "C3D",
+    "bag": "a log",
+}
+
+
+def _reader(kind: str, mapping: Mapping | None, as_text: bool) -> Callable[[Path, Format], Table]:
+    if kind == "c3d":
+        from labrig.tables._c3d import read_c3d
+
+        return lambda path, how: read_c3d(path, mapping)
+    if kind == "excel":
+        from labrig.tables._workbook import read_workbook
+
+        return read_workbook
+    if kind == "arrays":
+        from labrig.tables._arrays import read_arrays
+
+        return read_arrays
+    if kind == "bag":
+        from labrig.tables._bags import read_bag
+
+        return read_bag
+    if kind == "parquet":
+        return _read_parquet
+    from labrig.tables._text import read_text
+
+    return lambda path, how: read_text(path, how, as_text=as_text)
+
+
+def _read_parquet(path: Path, how: Format) -> Table:
+    import pandas as pd
+
+    frame = pd.read_parquet(path)
+    if frame.index.name is not None and frame.index.name not in frame.columns:
+        frame = frame.reset_index()
+    return Table(path, frame)
+
+
+def parts_of(path: Path) -> dict[str, int]:
+    """What a file has several of, with the rows of each: sheets, groups of arrays with a length, topics."""
+    kind = kind_of(path)
+    with _readable(path, kind):
+        if kind == "excel":
+            from labrig.tables._workbook import sheets
+
+            return sheets(path)
+        if kind == "arrays":
+            from labrig.tables._arrays import groups
+
+            return groups(path)
+        if kind == "bag":
+            from labrig.tables._bags import topics
+
+            return topics(path)
+    return {}
+
+
+def beside(path: Path, folder: Path) -> str:
+    """A path as a mapping in `folder` writes it, with slashes on every system."""
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # another drive on Windows
+        return path.resolve().as_posix()

@@ -1,0 +1,111 @@
+"""One foreign table in memory: its columns as numbers or labels; every complaint names the file, row and column."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig._errors import LabrigError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+DATE = "date"
+"""The `unit` of a time column that holds dates and times of day."""
+_LONG = 40
+
+
+@dataclass(frozen=True)
+class Table:
+    """The rows of one file.
+
+    Row i is row `first_row + i` as people count; `row_is` is what a row is called there. Markers of C3D files appear as
+    columns ``NAME.x`` in mm, their time as ``time_s``. `doubled` are names that more than one column has.
+    """
+
+    path: Path
+    frame: "pd.DataFrame"
+    first_row: int = 1
+    decimal: str = "."
+    row_is: str = "row"
+    doubled: frozenset[str] = field(default_factory=frozenset)
+
+    def numbers(
+        self, column: str | int, what: str, *, required: bool = False, thousands: str | None = None
+    ) -> Floats:
+        """A column as floats; raises `LabrigError` for a missing column, text, or (if required) a gap."""
+        import pandas as pd
+
+        values = self._column(column, what)
+        if values.dtype.kind in "fiub" and not thousands:
+            out = np.asarray(values, dtype=float)
+            blank = np.isnan(out)
+        else:
+            text = values.astype(str).str.strip()
+            blank = np.asarray(values.isna() | text.isin(["", "nan", "NaN", "NA", "<NA>", "None"]))
+            if thousands:
+                text = text.str.replace(thousands, "", regex=False)
+            if self.decimal != ".":
+                text = text.str.replace(self.decimal, ".", regex=False)
+            out = np.asarray(pd.to_numeric(text.where(~blank), errors="coerce"), dtype=float)
+        wrong = ~np.isfinite(out) & ~blank
+        if wrong.any():
+            i = int(np.flatnonzero(wrong)[0])
+            found: Any = values.iloc[i]
+            found = found if isinstance(found, str) else float(out[i]) if np.isinf(out[i]) else str(found)
+            raise LabrigError(f"{self.at(i)}: column {column!r} ({what}) holds {short(found)}, not a number")
+        if required and blank.any():
+            i = int(np.flatnonzero(blank)[0])
+            raise LabrigError(f"{self.at(i)}: column {column!r} ({what}) is empty or NaN; every row needs it")
+        return out
+
+    def dates(self, column: str | int, what: str) -> Floats:
+        """A column of dates and times of day as seconds since 1970 (UTC where they name no zone)."""
+        import pandas as pd
+
+        values = self._column(column, what)
+        kind = None if values.dtype.kind == "M" else "mixed"
+        stamps = pd.to_datetime(values, errors="coerce", utc=True, format=kind)
+        if stamps.isna().any():
+            i = int(np.flatnonzero(np.asarray(stamps.isna()))[0])
+            raise LabrigError(
+                f"{self.at(i)}: column {column!r} ({what}) holds {short(values.iloc[i])}, not a date"
+            )
+        since = (stamps - pd.Timestamp("1970-01-01", tz="UTC")) / pd.Timedelta(seconds=1)
+        return np.asarray(since, dtype=float)
+
+    def labels(self, column: str | int, what: str) -> NDArray[np.object_]:
+        """A column as text, empty where there is nothing; whole numbers without a decimal point; shape (rows,)."""
+        import pandas as pd
+
+        code, unique = pd.factorize(self._column(column, what), use_na_sentinel=True)
+        names = [
+            str(int(v)) if isinstance(v, float | np.floating) and float(v).is_integer() else str(v)
+            for v in unique.tolist()
+        ]
+        return np.array([*names, ""], dtype=object)[code]
+
+    def at(self, i: int) -> str:
+        """Where row i of the table is, for a complaint."""
+        return f"{self.path}, {self.row_is} {i + self.first_row}"
+
+    def _column(self, column: str | int, what: str) -> "pd.Series":
+        if column in self.doubled:
+            raise LabrigError(
+                f"{self.path}: two columns are called {column!r} ({what}); rename one of them in the file"
+            )
+        if column not in self.frame.columns:
+            have = ", ".join(short(str(c), quote=False) for c in list(self.frame.columns)[:12])
+            more = ", ..." if len(self.frame.columns) > 12 else ""
+            raise LabrigError(f"{self.path}: has no column {column!r} ({what}); it has {have}{more}")
+        values: Any = self.frame[column]
+        return values
+
+
+def short(value: Any, *, quote: bool = True) -> str:
+    """A value as a complaint shows it: huge cells are cut."""
+    text = repr(value) if quote else str(value)
+    return text if len(text) <= _LONG + 8 else f"{text[:_LONG]}... ({len(text)} characters)"

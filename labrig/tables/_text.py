@@ -1,0 +1,144 @@
+"""Text tables: CSV and its kin, in any encoding."""
+
+import codecs
+import warnings
+from pathlib import Path
+from typing import Any
+
+from labrig._errors import LabrigError
+from labrig.tables._mapping import Format
+from labrig.tables._table import Table, short
+
+_BLOCK = 1 << 22
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_OLD = ["cp1252", "cp1251", "cp932", "gb18030", "mac_roman"]
+SEPARATORS = {"whitespace": r"\s+", "tab": "\t"}
+
+
+def find_encoding(path: Path) -> str:
+    """The encoding of a text file, by its first bytes and by what it can be decoded as.
+
+    Raises `LabrigError` for a file that is no text.
+    """
+    with path.open("rb") as file:
+        head = file.read(1 << 16)
+        for mark, name in _MARKS:
+            if head.startswith(mark):
+                return name
+        if b"\x00" in head:
+            zeros = head[1::2].count(0), head[::2].count(0)
+            if max(zeros) > 0.4 * (len(head) / 2) and min(zeros) < 0.05 * (len(head) / 2):
+                return "utf-16-le" if zeros[0] > zeros[1] else "utf-16-be"
+            raise LabrigError(f"{path}: is no text and no table that labrig knows by its first bytes")
+        decoder = codecs.getincrementaldecoder("utf-8")()
+        sample = b""
+        block, valid = head, True
+        while block:
+            try:
+                decoder.decode(block)
+            except UnicodeDecodeError:
+                valid = False
+            if not block.isascii():
+                sample += b"\n".join(line for line in block.splitlines() if not line.isascii())[: 1 << 14]
+            if not valid:
+                break
+            block = file.read(_BLOCK)
+    return "utf-8" if valid else _old_encoding(sample)
+
+
+def _old_encoding(sample: bytes) -> str:
+    """One of the encodings from before Unicode; the western one where little speaks for another."""
+    from charset_normalizer import from_bytes
+
+    if sum(byte > 0x7F for byte in sample) >= 24 and (
+        best := from_bytes(sample, cp_isolation=_OLD, threshold=0.4).best()
+    ):
+        return best.encoding
+    return "cp1252"
+
+
+def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
+    """Read a text table; `as_text` leaves its cells as they are written.
+
+    Raises `LabrigError` if its encoding is wrong, its rows are longer than its header, or it is no text.
+    """
+    import pandas as pd
+
+    encoding = how.encoding or find_encoding(path)
+    try:
+        codecs.lookup(encoding)
+    except LookupError:
+        raise LabrigError(
+            f"{path}: there is no encoding {encoding!r}; use one such as utf-8, utf-16 or cp1252"
+        ) from None
+    options: dict[str, Any] = {
+        "sep": SEPARATORS.get(how.separator, how.separator),
+        "encoding": encoding,
+        "skipinitialspace": True,
+        "skip_blank_lines": False,
+        "header": None,
+        "index_col": False,
+    }
+    if as_text or how.decimal != ".":
+        options["dtype"] = str
+    above = how.skip_rows + how.header + (how.units_row and how.header)
+    names, doubled = _names(path, how, options) if how.header else (None, frozenset())
+    if how.rows is not None:
+        options["nrows"] = how.rows
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.DtypeWarning)
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            frame = pd.read_csv(path, skiprows=above, names=names, **options)
+    except pd.errors.EmptyDataError:
+        raise LabrigError(f"{path}: has no rows") from None
+    except pd.errors.ParserWarning:
+        raise LabrigError(f"{path}: its rows have more cells than its header has names") from None
+    except UnicodeError:
+        raise LabrigError(
+            f"{path}: is not text in the encoding {encoding}; name the right one under 'format: encoding:'"
+        ) from None
+    if frame.isna().to_numpy()[-1:].all():
+        frame = frame.iloc[: frame.notna().any(axis=1).to_numpy().nonzero()[0].max(initial=-1) + 1]
+    return Table(path, frame, above + 1, how.decimal, "line", doubled)
+
+
+def _names(path: Path, how: Format, options: dict[str, Any]) -> tuple[list[str], frozenset[str]]:
+    """The names in the header, made different from each other, and those that were not."""
+    import pandas as pd
+
+    options = {**options, "dtype": str, "nrows": 1, "keep_default_na": False}
+    try:
+        raw = pd.read_csv(path, skiprows=how.skip_rows, **options).iloc[0].tolist()
+    except (pd.errors.EmptyDataError, IndexError):
+        raise LabrigError(f"{path}: has no rows") from None
+    except UnicodeError:
+        raise LabrigError(
+            f"{path}: is not text in the encoding {options['encoding']}; "
+            "name the right one under 'format: encoding:'"
+        ) from None
+    return distinct([str(name).strip() for name in raw])
+
+
+def distinct(raw: list[str]) -> tuple[list[str], frozenset[str]]:
+    """Names of columns, the second of two that are alike with its number behind it; and those that were alike."""
+    names: list[str] = []
+    doubled = set()
+    taken = set(raw)
+    for i, name in enumerate(raw):
+        name = name if len(name) <= 200 else short(name, quote=False)
+        if not name or name in names:
+            if name:
+                doubled.add(name)
+            name = f"{name or 'column'}.{i}"
+            while name in taken:
+                name += "_"
+        names.append(name)
+        taken.add(name)
+    return names, frozenset(doubled)
