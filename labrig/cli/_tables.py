@@ -28,7 +28,7 @@ def print_summary(summary: dict[str, Any], title: str) -> None:
         _print_effects(console, summary)
     errors = Table(title=f"error, {units} rms")
     for name in error:
-        errors.add_column({"ceiling": "predictability bound"}.get(name, name), justify="right")
+        errors.add_column("predictability bound" if name == "ceiling" else name, justify="right")
     errors.add_row(*(f"{float(v):.3g}" if v is not None else "-" for v in error.values()))
     console.print(errors)
     if summary.get("ranking"):
