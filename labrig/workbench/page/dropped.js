@@ -6,7 +6,7 @@ import { post, upload } from "./server.js";
 
 export function dropZone(place, context) {
   const field = h("input", { type: "file", hidden: true, accept: ".csv,.tsv,.txt,.parquet,.c3d,.mcap", onchange: () => field.files[0] && take(field.files[0], place, context) });
-  const zone = h("button", { type: "button", class: "drop", onclick: () => field.click() }, "Drop a CSV, C3D or MCAP here, or choose one");
+  const zone = h("button", { type: "button", class: "dropzone", onclick: () => field.click() }, "Drop a CSV, C3D or MCAP here, or choose one");
   const over = (on) => document.body.classList.toggle("dropping", on);
   const enter = (event) => {
     if (![...(event.dataTransfer?.types || [])].includes("Files")) return;
