@@ -35,7 +35,7 @@ def make_base(recipe: dict[str, Any]) -> Predict:
     if kind == "exact":
         return lambda actuation: rig.settled(np.asarray(actuation, dtype=float))
     if kind == "clipped":
-        return lambda actuation: rig.settled(np.clip(np.asarray(actuation, dtype=float), 0.0, high))
+        return lambda actuation: rig.settled(np.clip(np.asarray(actuation, dtype=float), rig.low_kpa, high))
     if kind == "learnt":
         return _learnt(rig, recipe["points"], recipe["seed"])
     if kind == "wrong":
@@ -118,8 +118,9 @@ def _learnt(rig: Rig, points: int, seed: int) -> Predict:
     from scipy.stats import qmc
 
     high = np.asarray(rig.high_kpa, dtype=float)
-    unit = qmc.LatinHypercube(len(high), rng=np.random.default_rng(seed)).random(points)
-    spline = RBFInterpolator(unit, rig.settled(unit * high), kernel="cubic", degree=1)
+    low = rig.low_kpa / high
+    share = low + (1.0 - low) * qmc.LatinHypercube(len(high), rng=np.random.default_rng(seed)).random(points)
+    spline = RBFInterpolator(share, rig.settled(share * high), kernel="cubic", degree=1)
     return lambda actuation: spline(np.asarray(actuation, dtype=float) / high)
 
 

@@ -40,7 +40,7 @@ def to_dataset(rig: Rig, plan: Plan, measured: Array, random: np.random.Generato
     coords = {
         "capture": np.arange(plan.captures),
         "chamber": list(rig.chambers),
-        "chamber_min": ("chamber", np.zeros(len(rig.chambers))),
+        "chamber_min": ("chamber", np.array(rig.low_kpa, dtype=float)),
         "chamber_max": ("chamber", np.array(rig.high_kpa, dtype=float)),
         "session": ("capture", session),
         "repeat": ("capture", np.array(plan.capture_repeat, dtype=str)),

@@ -94,7 +94,15 @@ def draw(
     dataset = _measure(what, plan, what.path, what.how, random)
     dataset.attrs["start_s"] = 0.0
     again = make_plan(
-        "holds", random, rig.high_kpa, 120, False, what.tilted, long_share=0.15, loaded=what.loaded
+        "holds",
+        random,
+        rig.high_kpa,
+        120,
+        False,
+        what.tilted,
+        long_share=0.15,
+        loaded=what.loaded,
+        min_kpa=rig.low_kpa,
     )
     clean = Spoil(row=what.how.row, capture=what.how.capture)
     fresh = _measure(what, again, make_path(again), clean, random)
@@ -164,7 +172,17 @@ def _attempt(
     if kind.confounded:
         count, repeats, tilted, loaded = min(count, 120), False, False, False
     long_share = float(random.uniform(0.05, 0.2))
-    plan = make_plan(design, random, rig.high_kpa, captures or count, repeats, tilted, long_share, loaded)
+    plan = make_plan(
+        design,
+        random,
+        rig.high_kpa,
+        captures or count,
+        repeats,
+        tilted,
+        long_share,
+        loaded,
+        rig.low_kpa,
+    )
     path = make_path(plan)
     if not needs <= has(rig, path):
         return None

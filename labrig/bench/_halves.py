@@ -9,16 +9,19 @@ from labrig._errors import LabrigError
 from labrig.bench._nature import Array, Half, Rig
 
 HALVES = ("development", "exam")
+PORTIONS = {"third": "labrig.bench.development.third"}
+"""Portions of a half that are drawn from apart, by name, and where they are."""
+DRAWN_FROM = (*HALVES, *PORTIONS)
 LOADED: dict[str, Half] = {}
 """Halves that are in use; others are imported when they are asked for."""
 
 
 def half_of(name: str) -> Half:
-    """The half of that name."""
+    """The half, or the portion, of that name."""
     if name not in LOADED:
-        if name not in HALVES:
-            raise LabrigError(f"bench: there is no half '{name}' (known: {', '.join(HALVES)})")
-        LOADED[name] = getattr(import_module(f"labrig.bench.{name}"), name.upper())
+        if name not in DRAWN_FROM:
+            raise LabrigError(f"bench: there is no half '{name}' (known: {', '.join(DRAWN_FROM)})")
+        LOADED[name] = getattr(import_module(PORTIONS.get(name, f"labrig.bench.{name}")), name.upper())
     return LOADED[name]
 
 
@@ -41,11 +44,17 @@ class Linear(Rig):
         self.chambers, self.high_kpa = rig.chambers, rig.high_kpa
         self.observables, self.marker_names = rig.observables, rig.marker_names
         self.rest_mm, self.noise = rig.rest_mm, rig.noise
+        self._low_kpa = rig.low_kpa
         half = np.diag(0.5 * self.high_kpa)  # each chamber alone, half full
         walls = rig.deflection(half)
         self._give = np.linalg.solve(half, walls)
         self._rest = rig.at_rest
         self._reach = np.linalg.lstsq(walls, rig.shape(walls) - self._rest, rcond=None)[0]
+
+    @property
+    def low_kpa(self) -> Array:
+        """The lower limits (C,)."""
+        return self._low_kpa
 
     def deflection(self, kpa: Array) -> Array:
         """How far each chamber's wall gives way, (T, C)."""

@@ -33,9 +33,9 @@ class Rig(ABC):
     """A body that pressures deform at once, without memory: what remains when nothing is hidden.
 
     A subclass draws its own proportions from `random`, and sets: `chambers`, `high_kpa` (C,) the upper limits (the
-    lower ones are zero), `observables`, `rest_mm` (M, 3) where the markers are at rest (None without markers),
-    `marker_names`, and `noise`, the usual noise of one row in the units of the observables. Observables of one rig
-    share one unit.
+    lower ones, `low_kpa`, are zero unless it says otherwise), `observables`, `rest_mm` (M, 3) where the markers are at
+    rest (None without markers), `marker_names`, and `noise`, the usual noise of one row in the units of the
+    observables. Observables of one rig share one unit.
     """
 
     kind: ClassVar[str]
@@ -48,6 +48,11 @@ class Rig(ABC):
 
     @abstractmethod
     def __init__(self, random: np.random.Generator) -> None: ...
+
+    @property
+    def low_kpa(self) -> Array:
+        """The lower limits (C,): zero, or below it where a rig is driven both ways."""
+        return np.zeros(len(self.chambers))
 
     @abstractmethod
     def deflection(self, kpa: Array) -> Array:

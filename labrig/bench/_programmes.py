@@ -31,6 +31,7 @@ class Plan:
     capture_rows_s: list[Array] = field(default_factory=list)
     session_tilt_deg: list[float] = field(default_factory=lambda: [0.0])
     session_payload_kg: list[float] = field(default_factory=lambda: [0.0])
+    min_kpa: Array = field(default_factory=lambda: np.zeros(1))  # broadcast against `max_kpa`
 
     def capture(self, pressure_kpa: Array, hold_s: float, rows: int, repeat: str = "") -> None:
         """Actuate, and look at `rows` moments of the hold, evenly spaced or (long holds) in ever longer
@@ -74,7 +75,20 @@ def _set_point(plan: Plan) -> Array:
     random = plan.random
     x = random.uniform(0.0, 1.0, plan.max_kpa.size)
     edge = random.random(plan.max_kpa.size) < 0.15
-    return plan.max_kpa * np.where(edge, np.round(x), x)
+    return _between(plan, np.where(edge, np.round(x), x))
+
+
+def _between(plan: Plan, share: Array) -> Array:
+    """Pressures (C,) at shares (C,) of the way from the lower limits to the upper ones."""
+    return plan.min_kpa + (plan.max_kpa - plan.min_kpa) * share
+
+
+def _one_way(plan: Plan, low: float, high: float) -> Array:
+    """Pressures (C,) of between `low` and `high` of a limit: the upper ones, or by chance lower ones that are not 0."""
+    size = plan.random.uniform(low, high, plan.max_kpa.size)
+    if not np.any(plan.min_kpa):
+        return plan.max_kpa * size
+    return np.where(plan.random.random(size.size) < 0.5, plan.min_kpa, plan.max_kpa) * size
 
 
 def _hold(plan: Plan, long_share: float) -> tuple[float, int]:
@@ -110,7 +124,9 @@ def _walk(plan: Plan, count: int, repeats: bool, long_share: float) -> None:
             continue
         chosen = plan.random.permutation(here.size)[: int(plan.random.integers(1, min(3, here.size) + 1))]
         here = here.copy()
-        here[chosen] = plan.max_kpa[chosen] * plan.random.uniform(0.0, 1.0, chosen.size)
+        anywhere = np.zeros(here.size)
+        anywhere[chosen] = plan.random.uniform(0.0, 1.0, chosen.size)
+        here[chosen] = _between(plan, anywhere)[chosen]
         plan.capture(here, *_hold(plan, long_share))
 
 
@@ -155,14 +171,18 @@ def make_plan(
     tilted: bool = False,
     long_share: float = 0.12,
     loaded: bool = False,
+    min_kpa: Array | None = None,
 ) -> Plan:
-    """A plan of about `captures` captures; from session to session `tilted` turns the base, `loaded` hangs weights on.
+    """A plan of about `captures` captures between the limits (C,), the lower ones zero unless there is `min_kpa`.
+
+    From session to session `tilted` turns the base, and `loaded` hangs weights on.
 
     Designs: holds, walk, sweeps, sessions (three or four of those, minutes apart); and two that cannot tell
     some effects apart: one_hold (a single actuation watched for long), and one_level (one set of pressures,
     on and off, in holds of one length).
     """
-    plan = Plan(random, np.asarray(max_kpa, dtype=float))
+    high = np.asarray(max_kpa, dtype=float)
+    plan = Plan(random, high, min_kpa=np.zeros_like(high) if min_kpa is None else np.asarray(min_kpa, float))
     if design in _ONE_SESSION and not (tilted or loaded):
         _ONE_SESSION[design](plan, captures, repeats, long_share)
     elif design == "sessions" or design in _ONE_SESSION:
@@ -170,7 +190,7 @@ def make_plan(
     elif design == "one_hold":
         _one_hold(plan, captures)
     elif design == "one_level":
-        top = plan.max_kpa * random.uniform(0.5, 0.9, plan.max_kpa.size)
+        top = _one_way(plan, 0.5, 0.9)
         while plan.captures < captures:
             plan.capture(top, 6.0, 4, repeat="on")
             plan.capture(0.0 * top, 6.0, 4, repeat="off")
@@ -199,7 +219,7 @@ def _sessions(
 
 def _one_hold(plan: Plan, captures: int) -> None:
     """All captures belong to one actuation: nothing but time passes."""
-    top = plan.max_kpa * plan.random.uniform(0.4, 0.9, plan.max_kpa.size)
+    top = _one_way(plan, 0.4, 0.9)
     plan.capture(top, 6.0, 4)
     began_s = plan.capture_s[0]
     for k in range(1, captures):

@@ -16,7 +16,7 @@ from labrig.bench._bases import own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
-from labrig.bench._halves import HALVES
+from labrig.bench._halves import DRAWN_FROM
 from labrig.bench._judge import is_false_alarm, is_near, is_right, wrongly_sure
 
 RECORDS = "campaigns.jsonl"
@@ -159,8 +159,8 @@ def plan(
     """(half, class, seed) of every campaign; without `count`, as many of each class as its figures need."""
     names, out = list(classes), []
     for half in halves:
-        if half not in HALVES:
-            raise LabrigError(f"bench: there is no half '{half}' (known: {', '.join(HALVES)})")
+        if half not in DRAWN_FROM:
+            raise LabrigError(f"bench: there is no half '{half}' (known: {', '.join(DRAWN_FROM)})")
         for name in names:
             if name not in CLASSES:
                 raise LabrigError(f"bench: there is no class '{name}' (known: {', '.join(CLASSES)})")

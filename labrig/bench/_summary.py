@@ -7,7 +7,7 @@ import numpy as np
 
 from labrig.bench._classes import CLASSES
 from labrig.bench._goals import alike, judged
-from labrig.bench._halves import HALVES
+from labrig.bench._halves import DRAWN_FROM, HALVES
 from labrig.bench._intervals import bootstrap, newcombe, share
 from labrig.bench._judge import POSSIBLE, SURE, brier, calibration_error, called, label, probabilities
 
@@ -21,12 +21,12 @@ def summarise(records: Records, reveal: bool = False) -> dict[str, Any]:
 
     Of the exam nothing is said by law, rig, base or campaign, so that nobody tunes to it, unless `reveal` is set.
     """
-    halves = {half: [r for r in records if r["truth"]["half"] == half] for half in HALVES}
+    halves = {half: [r for r in records if r["truth"]["half"] == half] for half in DRAWN_FROM}
     out: dict[str, Any] = {
         "campaigns": len(records),
         "halves": {half: figures(found, reveal or half != "exam") for half, found in halves.items() if found},
     }
-    if len(out["halves"]) == 2:
+    if all(half in out["halves"] for half in HALVES):
         out["difference"] = _differences(halves["development"], halves["exam"])
     return out
 

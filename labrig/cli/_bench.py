@@ -20,7 +20,9 @@ def draw_campaign(
         str, typer.Option("--class", help="Kind of campaign: null, single, ...")
     ] = "single",
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
-    half: Annotated[str, typer.Option(help="Whose rigs and laws: development or exam.")] = "development",
+    half: Annotated[
+        str, typer.Option(help="Whose rigs and laws: development, exam or third.")
+    ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
     """Write one blind campaign as plain files: table.csv, map.yaml, base.py, model.yaml, and truth.json."""
@@ -37,7 +39,7 @@ def draw_campaign(
 def blind(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam or both.")
+        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, or third.")
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
     count: Annotated[

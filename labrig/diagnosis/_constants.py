@@ -20,6 +20,8 @@ P_EFFECT = 0.1
 """Prior probability of each further effect with a name."""
 P_UNNAMED = 0.003
 """Prior probability of each kind of structure without a name: a name explains more often than none does."""
+P_FORM = 0.1
+"""Prior probability that the base is wrong in form: as usual as an effect, since no model is exact."""
 INDEPENDENT = 2000
 """Most independent numbers that a campaign is worth, however many it has: models of neighbours are never exact."""
 MATERIAL = 0.17

@@ -17,6 +17,7 @@ from labrig.diagnosis._evidence import (
     free_variances,
     unexplained,
 )
+from labrig.diagnosis._unnamed import FORM, LEVER
 from labrig.effects._rows import Floats
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -41,6 +42,8 @@ class Posterior:
     probability: Floats
 
 
+OF_BASE = frozenset({"?" + FORM, "?" + LEVER})
+"""The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""
 _LOOKED_AT = 2
@@ -95,7 +98,7 @@ class Search:
         """Log prior probability of one form of a set; what has no name is rarer, as a trace too."""
         out = 0.0
         for owner, block, size in raised:
-            usual = k.P_EFFECT if is_name(owner) else k.P_UNNAMED
+            usual = k.P_EFFECT if is_name(owner) else k.P_FORM if owner in OF_BASE else k.P_UNNAMED
             if block >= 0:
                 out += np.log(self.design.blocks[block].share)
             if size in self.traces:

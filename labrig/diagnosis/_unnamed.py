@@ -11,6 +11,8 @@ from labrig.effects._rows import Floats
 
 FORM = "form"
 """The base's own error of form: each chamber's deflection, in a pattern of its own."""
+LEVER = "lever"
+"""The same where chambers act at other places than the base has them."""
 
 
 _FEWEST_EVENTS = 4
@@ -103,7 +105,7 @@ def _lever(context: Context) -> Iterator[Space]:
             out.append(field(f"{name} along {letter}", moved[:, :, c] * z))
             out.append(field(f"{name} wide {letter}", moved[:, :, c] * (z**2 - 1), 0.5))
     if out:
-        yield Space("where chambers act", "lever", acting(out))
+        yield Space("where chambers act", LEVER, acting(out))
 
 
 def _cross(x: Floats) -> Iterator[Space]:

@@ -9,7 +9,7 @@ from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._posterior import REST, Search, is_name, missed, sizes
+from labrig.diagnosis._posterior import OF_BASE, REST, Search, is_name, missed, sizes
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,10 @@ class Answer:
     @cached_property
     def limit(self) -> float:
         """The size, in floors, from which an effect is worth a name: beside what has none, a larger one."""
-        return max(self.least, k.BESIDE * float(np.linalg.norm(list(self.unnamed.values()))))
+        return max(
+            self.least,
+            k.BESIDE * float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in OF_BASE])),
+        )
 
     @property
     def names(self) -> tuple[str, ...]:

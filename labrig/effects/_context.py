@@ -238,6 +238,12 @@ class Context:
         event = self.rows.event
         return u[event] + (at_start[event] - u[event]) * np.exp(-self.elapsed_s / tau_s)[:, None]
 
+    def gained(self, tau_s: float) -> Floats:
+        """What a first-order lag of the actuation has gained since its actuation, (F, C): what seeps into a pocket."""
+        left = np.exp(-self.elapsed_s / tau_s)[:, None]
+        late = self.relaxed(tau_s) - self.rows.actuation  # (state - u) exp(-t / tau)
+        return late - late / np.maximum(left, 1e-12)
+
     def _lagged(self, tau_s: float, u: Floats) -> Floats:
         key = ("lagged", tau_s, id(u))
         if key not in self._memo:

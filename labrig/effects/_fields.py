@@ -57,6 +57,40 @@ def strain_modes(context: Context) -> Floats:
     return modes
 
 
+def distortions(context: Context) -> list[tuple[str, Floats]]:
+    """What a lens or a perspective that is off does: squares of the measured place along each axis, and its cube.
+
+    Each (F, K) of size one, root mean square over all.
+    """
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    if len(own) < 9:
+        return []
+    place = _places(context)
+    place = place / max(float(np.sqrt((place**2).mean())), 1e-12)
+    x, y, z = np.moveaxis(place, 2, 0)
+    r2 = (place**2).sum(axis=2)
+    out = []
+    for name, shape in (
+        ("xx", x * x),
+        ("yy", y * y),
+        ("zz", z * z),
+        ("xy", x * y),
+        ("yz", y * z),
+        ("zx", z * x),
+    ):
+        for a, letter in enumerate("xyz"):
+            change = np.zeros_like(context.base)
+            mine = own[rows.axis[own] == a]
+            change[:, mine] = shape[:, rows.marker[mine]]
+            out.append((f"{name} along {letter}", change))
+    radial = np.zeros_like(context.base)
+    radial[:, own] = (place * r2[..., None])[:, rows.marker[own], rows.axis[own]]
+    out.append(("radial", radial))
+    size = [(n, float(np.sqrt((v**2).mean()))) for n, v in out]
+    return [(n, v / s) for (n, v), (_, s) in zip(out, size, strict=True) if s > 1e-3]
+
+
 def smooth_places(context: Context) -> Floats:
     """Smooth fields over the body at rest, (K, q): polynomials of degree 0 to 2 of the place, along each axis.
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, pressure
+from labrig.effects._family import Space, acting, pressure
 from labrig.effects._inside import FORM, inside
+from labrig.effects._obstacles import obstacles
 from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
@@ -104,7 +105,7 @@ class Contact(Effect):
                     yield Variant(f"wall at {sign}{letter}", (term,), {"distance": distance})
 
     def family(self, context: Context) -> Iterator[Space]:
-        """A limit on pressure, wall deflection or travel; a post in front of some markers; or a plane."""
+        """A limit on pressure or wall deflection, on all walls together, or in space: one of them."""
         if not context.moves:
             return
         x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
@@ -119,7 +120,13 @@ class Contact(Effect):
             ]
             if (h > 0).mean() >= 0.005 or (g > 0).mean() >= 0.005:
                 yield Space(f"limit {limit}", "contact limit", acting(out), 0.2)
-        yield from _places(context)
+        for limit in (0.08, 0.18, 0.35):  # a wall that cannot come back below it
+            h, g = np.maximum(limit - x, 0), np.maximum(limit - d, 0)
+            out = [pressure("pressure", h), pressure("wall", g / slope)]
+            yield Space(f"from below {limit}", "contact from below", acting(out), 0.2)
+        if x.shape[1] > 1:
+            yield from _together(context)
+        yield from obstacles(context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))
@@ -133,75 +140,16 @@ class Contact(Effect):
         return by_chamber(context, part, named=True)
 
 
-def _places(context: Context) -> Iterator[Space]:
-    """Limits in space: travel, planes that markers meet, and posts in the way of some of them."""
-    far, rows = float(context.travel.max()), context.rows
-    has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
-    if far <= 0 or not has_axis:
-        return
-    move = _by_marker(context, context.displacement)
-    length = np.linalg.norm(move, axis=2)
-    way = move / np.maximum(length, 1e-9)[..., None]
-    for share in (0.3, 0.5, 0.7, 0.85):
-        past = np.maximum(length - share * far, 0)
-        yield Space(
-            f"travel {share}",
-            "contact travel",
-            acting([field("stop", _to_rows(context, -past[..., None] * way))]),
-        )
-    for share in (0.4, 0.6, 0.8):  # each marker by itself, at a share of its own farthest way
-        past = np.maximum(length - share * length.max(axis=0), 0)
-        out = []
-        for m in range(len(rows.markers)):
-            alone = np.zeros_like(move)
-            alone[:, m] = -past[:, m, None] * way[:, m]
-            out.append(field(f"marker {m}", _to_rows(context, alone)))
-        yield Space(f"post {share}", "contact post", acting(out))
-    rest = rows.rest_mm
-    here = move + (rest[None] if rest is not None and np.isfinite(rest).all() else 0.0)
-    main = (move * length[..., None]).sum(axis=(0, 1))
-    normals = {"main": main / max(np.linalg.norm(main), 1e-9)}
-    for a, letter in enumerate("xyz"):
-        for side in (1.0, -1.0):
-            if (side * move[:, :, a]).max() > 0.3 * far:
-                normals[("+" if side > 0 else "-") + letter] = side * np.eye(3)[a]
-    for name, n in normals.items():
-        height = here @ n
-        out_ = (move @ n) > 0.1 * far
-        if out_.mean() < 0.01:
-            continue
-        across = np.linalg.svd(n[None])[2][1:]
-        beside = np.stack([(here - here.mean(axis=(0, 1))) @ t for t in across], axis=2)
-        beside /= np.abs(beside).max() + 1e-12
-        for share in (40, 65, 85, 95):
-            past = np.where(out_, np.maximum(height - np.percentile(height[out_], share), 0), 0.0)
-            met = (past > 0).astype(float) * past.max(initial=0.0)
-            out = [
-                ("back", -past[..., None] * n, 1.0),
-                ("own way", -past[..., None] * way, 0.5),
-                ("nearer", -met[..., None] * n, 0.1),
-            ]
-            out += [(f"tilted {j}", -(met * beside[:, :, j])[..., None] * n, 0.3) for j in (0, 1)]
-            yield Space(
-                f"plane {name} {share}",
-                "contact plane",
-                acting([field(k, _to_rows(context, v), w) for k, v, w in out]),
+def _together(context: Context) -> Iterator[Space]:
+    """A cord around the body, or a cage, that gives all walls together no more than a length."""
+    x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
+    for name, load in (("pressures", x), ("walls", d)):
+        length = np.abs(load).mean(axis=1)
+        for share in (0.4, 0.6, 0.8):
+            top = np.quantile(length, share)
+            lost = np.maximum(1 - top / np.maximum(length, 1e-9), 0.0)[:, None]
+            out = [pressure("shared", -load * lost / (slope if load is d else 1.0))]
+            out.append(
+                pressure("alike", -np.repeat(np.maximum(length - top, 0)[:, None], x.shape[1], axis=1), 0.3)
             )
-
-
-def _by_marker(context: Context, values: Floats) -> Floats:
-    """Values (F, K) as (F, M, 3), zero along axes that are not seen."""
-    rows = context.rows
-    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
-    out = np.zeros((len(values), len(rows.markers), 3))
-    out[:, rows.marker[own], rows.axis[own]] = values[:, own]
-    return out
-
-
-def _to_rows(context: Context, values: Floats) -> Floats:
-    """The reverse of `_by_marker`."""
-    rows = context.rows
-    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
-    out = np.zeros((len(values), len(rows.marker)))
-    out[:, own] = values[:, rows.marker[own], rows.axis[own]]
-    return out
+            yield Space(f"{name} together {share}", "contact together", acting(out), 0.6)

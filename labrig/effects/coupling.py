@@ -7,10 +7,14 @@ import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, pressure
+from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
+from labrig.effects._obstacles import by_marker, to_rows
 from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber
+
+_PAIRS = 12
+"""Most pairs of chambers that are asked one by one how one turns the other; of more, all others together."""
 
 
 class Coupling(Effect):
@@ -85,10 +89,13 @@ class Coupling(Effect):
             pressure("wall near saturating", d * (np.tanh(1.5 * d) @ near) / slope, 0.7),
             pressure("wall near", d * (d @ near) / slope, 0.7),
         ]
+        taken = x @ others / (C - 1)  # a supply gives no more than what the others leave
+        out += [pressure(f"ceiling {t}", -np.maximum(x + 0.5 * taken - t, 0), 0.5) for t in (0.7, 0.9, 1.1)]
         for k in range(1, min(C, 4)):  # each chamber by its k-th nearest neighbour
             order = np.argsort(-near, axis=1)[:, k - 1]
             out.append(pressure(f"neighbour {k}", x * x[:, order]))
         yield Space("together", "coupling", acting(out), 0.6)
+        yield from _turned_along(context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         x = context.rows.fraction
@@ -106,3 +113,30 @@ class Coupling(Effect):
 def neighbour_pairs(near: Floats) -> list[tuple[int, int]]:
     """The pairs of chambers whose regions overlap at all."""
     return [(i, j) for i, j in combinations(range(len(near)), 2) if near[i, j] > 0 or near[j, i] > 0]
+
+
+def _turned_along(context: Context) -> Iterator[Space]:
+    """One chamber turns the ground on which others stand, and so the way that they move the markers."""
+    rows = context.rows
+    C = len(rows.chambers)
+    if (rows.axis >= 0).sum() < 3 or not (rows.marker >= 0).any():
+        return
+    moved = [
+        by_marker(context, context.jacobian[:, :, c] * (rows.actuation - context.vented)[:, c, None])
+        for c in range(C)
+    ]
+    whole = sum(moved)
+    out = []
+    for i in range(C):
+        parts = (
+            [(f"{rows.chambers[j]} by {rows.chambers[i]}", moved[j]) for j in range(C) if j != i]
+            if C * (C - 1) <= _PAIRS
+            else [(f"all by {rows.chambers[i]}", whole - moved[i])]
+        )
+        turn = context.deflection[:, i, None, None]
+        for name, part in parts:
+            out += [
+                field(f"{name} about {'xyz'[a]}", to_rows(context, turn * np.cross(np.eye(3)[a], part)))
+                for a in range(3)
+            ]
+    yield Space("turned along", "coupling turned", acting(out))

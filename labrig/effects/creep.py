@@ -7,9 +7,10 @@ import numpy as np
 
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, lags, pressure
+from labrig.effects._family import Space, acting, field, lags, pressure
 from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber, of_step, shows
+from labrig.effects._skin import lag_behind
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
@@ -90,6 +91,8 @@ class Creep(Effect):
         if not context.linear:
             out.append(pressure("settled wall", context.deflection / context.deflection_slope, 0.05))
         yield Space("retarded", "creep", acting(out), 0.8)
+        skin = [field(f"skin {tau}", lag_behind(context, tau)) for tau in taus[1:]]
+        yield Space("in the skin", "creep skin", acting(skin))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)

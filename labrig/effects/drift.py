@@ -7,7 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, clocks, field, motion_scale, pattern, pressure
-from labrig.effects._fields import frame_modes
+from labrig.effects._fields import frame_modes, scale_mode, strain_modes
 from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, along_own, of_field
 
@@ -100,13 +100,15 @@ class Drift(Effect):
             ]
             yield Space("gain", "drift gain", acting(out), 0.5)
         if has_axis:
-            modes = frame_modes(context)
+            modes = [frame_modes(context), scale_mode(context)[:, :, None], strain_modes(context)]
+            modes = np.concatenate(modes, axis=2)
             size = np.sqrt((modes**2).mean(axis=(0, 1)))
             modes = modes / np.where(size > 0, size, 1.0) * scale[None, :, None]
             out = [
-                field(f"{n} {j}", modes[:, :, j] * q[:, None], w * (1.0 if j < 3 else 0.3))
+                field(f"{n} {j}", modes[:, :, j] * q[:, None], w * likely)
                 for n, q, w in ticks
-                for j in range(6)
+                for j, likely in enumerate([1.0] * 3 + [0.3] * 4 + [0.1] * 5)
+                if j < 6 or "cosine" not in n  # what swells does it slowly
             ]
             yield Space("rigid", "drift rigid", acting(out))
         if context.moves:

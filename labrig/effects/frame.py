@@ -7,7 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
-from labrig.effects._fields import frame_modes, scale_mode, strain_modes
+from labrig.effects._fields import distortions, frame_modes, scale_mode, strain_modes
 from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_capture
 
@@ -56,6 +56,9 @@ class Frame(Effect):
         likely = [1.0] * 6 + [0.3] + [0.1] * 5
         whole = [field(n, modes[:, :, j], likely[j]) for j, n in enumerate(names)]
         yield Space("always", "frame", acting(whole))
+        bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
+        if bent:
+            yield Space("distorted", "frame distorted", acting([*whole, *bent]))
         if len(rows.sessions) > 1:
             out = [
                 field(f"{n} session {s}", modes[:, :, j] * (rows.session == s)[:, None], likely[j])

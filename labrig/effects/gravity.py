@@ -22,6 +22,9 @@ _PAYLOAD = {
 """Units of a payload, in kg (of a force: of the mass that weighs so much)."""
 _WHERE_COMPLIANT = {"sag": "weight", "payload": "weight_per_kg", "tilt": "weight_by_tilt"}
 _TILTED = {"tilt", "orientation", "angle"}
+_SPACES = {"what gives": ("pressure", "field"), "anywhere": ("pattern",)}
+_FREE = 1.0
+"""Prior variance of a sag whose shape over the body is free: weights may sit anywhere."""
 _ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
 
 
@@ -92,17 +95,13 @@ class Gravity(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """Sag along each axis under the body's own weight, and under payload and tilt where these were logged."""
         rows = context.rows
-        loads = []
-        for name, cov in rows.covariates.items():
-            if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
-                continue
-            if "load" in name.lower() or "mass" in name.lower():
-                loads.append(("load", cov.values / np.abs(cov.values).max()))
-            if name.lower() in _TILTED:
-                angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
-                loads += [("sine", np.sin(angle)), ("cosine", np.cos(angle) - np.cos(angle).mean())]
+        loads = _pulls(context)
         has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
-        out = [pattern(name, values, 0.003) for name, values in loads]
+        out = [pattern(name, values, _FREE) for name, values in loads]
+        if context.moves:
+            whole = [(n, np.repeat(v[:, None], len(rows.chambers), axis=1)) for n, v in loads]
+            out += [pressure(f"{n} held", v, 0.3) for n, v in whole]
+            out += [pressure(f"{n} held load", v * rows.fraction, 0.3) for n, v in whole]
         if has_axis and context.moves:
             scale = motion_scale(context)
             give = np.abs(context.jacobian * context.span).sum(axis=2)
@@ -110,11 +109,6 @@ class Gravity(Effect):
                 own = rows.marker == m
                 give[:, own] = give[:, own].mean(axis=1, keepdims=True)
             give = give / np.sqrt((give**2).mean()) * scale
-            out += [
-                pressure(f"{n} held", np.repeat(v[:, None], len(rows.chambers), axis=1), 0.3)
-                for n, v in loads
-            ]
-            out += [pressure(f"{n} held load", v[:, None] * rows.fraction, 0.3) for n, v in loads]
             ways = [("own", np.ones(len(give)), 1.0)] + [(n, v, 1.0) for n, v in loads]
             modes = frame_modes(context)
             modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * scale[:, None]
@@ -129,8 +123,13 @@ class Gravity(Effect):
                     out.append(
                         field(f"{way} {letter} give", np.where(own, give, 0.0) * factor[:, None], weight)
                     )
-        if out:
-            yield Space("weight", "gravity", acting(out))
+        for name, kinds in _SPACES.items():
+            some = [f for f in out if f.kind in kinds or "body" in f.name]
+            if some:
+                yield Space(name, f"gravity {name}", acting(some))
+        body = [f for f in out if "body" in f.name]
+        if body:
+            yield Space("as one body", "gravity as one body", acting(body))
 
     def sign(self, context: Context, part: Part) -> Sign:
         """Against payload or tilt, where it follows them; else against how far the pressures move each marker."""
@@ -168,6 +167,25 @@ class Gravity(Effect):
         for a, letter in enumerate("xyz"):
             along = np.where(context.rows.axis == a, compliance, 0.0) * context.span.mean()
             yield letter, along
+
+
+def _pulls(context: Context) -> list[tuple[str, Floats]]:
+    """What weights pull by, as far as it was logged: payload, tilt by sine and cosine, and the payload turned with it.
+
+    The cosine is there twice: all of it where the base knows no weight, its change where it was fitted upright.
+    """
+    loads, tilts = [], []
+    for name, cov in context.rows.covariates.items():
+        if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
+            continue
+        if "load" in name.lower() or "mass" in name.lower():
+            loads.append(("load", cov.values / np.abs(cov.values).max()))
+        if name.lower() in _TILTED:
+            angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
+            tilts += [("sine", np.sin(angle)), ("cosine", np.cos(angle))]
+    turned = [(f"{one} {way}", load * along) for one, load in loads for way, along in tilts]
+    since = [("cosine since upright", along - 1) for way, along in tilts if way == "cosine"]
+    return [*loads, *tilts, *since, *turned]
 
 
 def _products(along: Floats, features: Floats) -> Floats:

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, play_of, pressure
+from labrig.effects._family import Space, acting, field, play_of, pressure
 from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber
+from labrig.effects._skin import play_behind
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
@@ -75,6 +76,8 @@ class Hysteresis(Effect):
         if not context.linear:
             out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
         yield Space("play", "hysteresis", acting(out), 0.8)
+        skin = [field(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
+        yield Space("in the skin", "hysteresis skin", acting(skin))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

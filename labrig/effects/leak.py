@@ -7,6 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
+from labrig.effects._fields import overlap
 from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, of_field, pressures
 
@@ -58,6 +59,11 @@ class Leak(Effect):
                 pressure(f"lost {tau} square", -x * x * lost, 0.3),
                 pressure(f"lost {tau} root", -np.sqrt(np.clip(x, 0, None)) * lost, 0.3),
             ]
+            if context.has_time and 5 < tau < 500:  # into a pocket in the wall, which fills
+                out.append(pressure(f"pocket {tau}", -context.gained(tau) / context.span, 0.3))
+            if x.shape[1] > 1:  # through a wall that two chambers share, one gains what the other loses
+                out.append(pressure(f"gained {tau}", (x @ overlap(context).T - x) * -lost, 0.3))
+                out.append(pressure(f"gained by all {tau}", (x.mean(axis=1, keepdims=True) - x) * -lost, 0.1))
         yield Space("lost", "leak", acting(out), 0.4)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:

@@ -14,6 +14,12 @@ from labrig.effects._spectrum import fill
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
+_ON_A_PLATE = 4
+_MOST_OF_ALL = 0.6
+"""Share of all observables from which on a group is no few against the others."""
+_SHOWN = 4
+_DEARER = 2.0
+"""What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
 
 
 class MarkerSlip(Effect):
@@ -113,48 +119,37 @@ class MarkerSlip(Effect):
         scale = motion_scale(context)
         found = []
         for m in markers:
-            own = rows.marker == m
-            A = error[:, ~own]
-            _, U = np.linalg.eigh(A.T @ A)
-            Z = np.column_stack([A @ U[:, -min(6, A.shape[1]) :], np.ones(len(A))])
-            ridge = 1e-2 * np.trace(Z.T @ Z) / len(Z.T) * np.eye(Z.shape[1])
-            e = error[:, own] - Z @ np.linalg.solve(Z.T @ Z + ridge, Z.T @ error[:, own])
-            e -= np.median(e, axis=0)
-            spread = 1.4826 * np.median(np.abs(np.diff(e, axis=0))) / np.sqrt(2) + 1e-12
-            e = np.clip(e / spread, -30, 30)
-            n = np.arange(1, len(e))
-            gain = (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
-            edge = max(
-                3, len(e) // 10
-            )  # nearer to an end a slip can't be told from an offset, or from chance
-            gain[:edge] = gain[-edge:] = 0
-            i = int(np.argmax(gain))
-            found.append(
-                (
-                    float(gain[i]),
-                    int(m),
-                    int(captures[i + 1]),
-                    [int(captures[j + 1]) for j in _more_steps(e, i) if j > i],
-                )
-            )
-        for _, m, since, others in sorted(found, reverse=True)[:3]:
+            for group in _groups(rows, m):
+                own = np.isin(rows.marker, group)
+                if own.mean() > _MOST_OF_ALL:
+                    continue
+                e = _beside_others(error, own)
+                gain = _step_gain(e)
+                i = int(np.argmax(gain))
+                found.append((float(gain[i]) - _DEARER * own.sum(), group, i, e))
+        found.sort(key=lambda one: -one[0])
+        for _, group, i, e in found[:_SHOWN]:
+            since, others = int(captures[i + 1]), [int(captures[j + 1]) for j in _more_steps(e, i)]
+            own = np.isin(rows.marker, group)
             after = rows.capture >= since
             ramp = np.clip((rows.capture - since) / max(captures[-1] - since, 1), 0, None)
+            moved = np.abs(np.diff(context.displacement[:, own], axis=0)).sum(axis=1)
+            worn = np.append(0.0, np.cumsum(moved)) * after
+            worn = np.maximum(worn - worn[after].min(initial=np.inf), 0) / max(np.ptp(worn[after]), 1e-9)
+            ways = [("step", after.astype(float), 1.0), ("slide", ramp, 0.3), ("worn", worn, 0.3)]
+            ways += [
+                (f"step again {n}", (rows.capture >= o).astype(float), 0.3) for n, o in enumerate(others)
+            ]
             out = []
-            for k in np.flatnonzero(rows.marker == m):
-                e = np.zeros(context.base.shape[1])
-                e[k] = scale[k]
+            for k in np.flatnonzero(own):
+                one = np.zeros(context.base.shape[1])
+                one[k] = scale[k]
                 out += [
-                    field(f"step {rows.axis[k]}", after[:, None] * e),
-                    field(f"slide {rows.axis[k]}", ramp[:, None] * e, 0.3),
+                    field(f"{way} {rows.marker[k]} {rows.axis[k]}", q[:, None] * one, w)
+                    for way, q, w in (ways if len(group) == 1 else ways[:2])
                 ]
-                out += [
-                    field(f"step {rows.axis[k]} {i}", (rows.capture >= o)[:, None] * e, 0.3)
-                    for i, o in enumerate(others)
-                ]
-            yield Space(
-                f"marker {m} since {since}", "marker_slip", tuple(out), scanned=len(markers) * len(captures)
-            )
+            name = f"marker {group[0]} since {since}" if len(group) == 1 else f"markers {group} since {since}"
+            yield Space(name, "marker_slip", tuple(out), scanned=2 * len(markers) * len(captures))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
@@ -203,6 +198,36 @@ def _median(x: Floats) -> Floats:
     some = np.isfinite(x).any(axis=1)
     out[some] = np.nanmedian(x[some], axis=1)
     return out
+
+
+def _groups(rows: Rows, marker: int) -> list[list[int]]:
+    """A marker by itself, and with its three nearest neighbours, as on one plate."""
+    out = [[int(marker)]]
+    if rows.rest_mm is not None and np.isfinite(rows.rest_mm).all() and marker < len(rows.rest_mm):
+        away = np.linalg.norm(rows.rest_mm - rows.rest_mm[int(marker)], axis=1)
+        out.append(sorted(int(m) for m in np.argsort(away)[:_ON_A_PLATE]))
+    return out
+
+
+def _beside_others(error: Floats, own: Floats) -> Floats:
+    """What some observables' errors by capture have that the others' do not say, in units of their own scatter."""
+    A = error[:, ~own]
+    _, U = np.linalg.eigh(A.T @ A)
+    Z = np.column_stack([A @ U[:, -min(6, A.shape[1]) :], np.ones(len(A))])
+    ridge = 1e-2 * np.trace(Z.T @ Z) / len(Z.T) * np.eye(Z.shape[1])
+    e = error[:, own] - Z @ np.linalg.solve(Z.T @ Z + ridge, Z.T @ error[:, own])
+    e -= np.median(e, axis=0)
+    spread = 1.4826 * np.median(np.abs(np.diff(e, axis=0)), axis=0) / np.sqrt(2) + 1e-12
+    return np.clip(e / spread, -30, 30)
+
+
+def _step_gain(e: Floats) -> Floats:
+    """How much a step after each capture explains; nearer to an end it can't be told from an offset, or from chance."""
+    n = np.arange(1, len(e))
+    gain = (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
+    edge = max(3, len(e) // 10)
+    gain[:edge] = gain[-edge:] = 0
+    return gain
 
 
 def _more_steps(e: Floats, first: int) -> list[int]:

@@ -55,7 +55,7 @@ class Regulator(Effect):
             yield Variant("as measured", (Term.common("sensor", settled),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Gain, offset, dead band and a curved characteristic of each chamber's pressure."""
+        """Gain, offset, dead band, steps and a curved characteristic of each chamber's own pressure."""
         if not context.moves:
             return
         x = context.rows.fraction
@@ -69,6 +69,13 @@ class Regulator(Effect):
             pressure("wave 2", on * np.sin(2 * np.pi * x) / np.pi, 0.15),
             pressure("wave 1", on * np.sin(np.pi * x), 0.15),
         ]
+        grid = np.linspace(0, 1, 13)
+        steps = [pressure(f"from {at:.2f}", on * (x >= at), 0.02) for at in (grid[1:] + grid[:-1])[:-1] / 2]
+        hats = [
+            pressure(f"at {at:.2f}", on * np.maximum(1 - np.abs(x - at) / grid[1], 0), 0.02)
+            for at in grid[1:]
+        ]
+        out += [*steps, *hats]
         yield Space("settled", "regulator", acting(out), 0.4)
 
     def covariate(self, context: Context) -> tuple[str, str, np.ndarray]:

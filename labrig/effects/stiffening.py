@@ -8,7 +8,10 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
+from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber
+
+_LEAST = 1e-3
 
 
 class Stiffening(Effect):
@@ -66,6 +69,9 @@ class Stiffening(Effect):
             pressure("cube", x**3),
             pressure("wall square", d**2 / slope),
             pressure("wall cube", d**3 / slope),
+            pressure("power", _log(x), 0.5),
+            pressure("power, twice", _log(x) * np.log(np.clip(np.abs(x), _LEAST, None)), 0.15),
+            pressure("wall power", _log(d) / slope, 0.5),
             pressure("wall fifth", d**5 / slope, 0.5),
             pressure("all", x * x.mean(axis=1, keepdims=True), 0.5),
         ]
@@ -79,3 +85,8 @@ class Stiffening(Effect):
 
     def sign(self, context: Context, part: Part) -> Sign:
         return by_chamber(context, part, named=True)
+
+
+def _log(x: Floats) -> Floats:
+    """x log |x|: how x changes with the power that it is raised to."""
+    return x * np.log(np.clip(np.abs(x), _LEAST, None))

@@ -231,8 +231,10 @@ def test_names_that_do_not_exist() -> None:
     """An unknown class or half is one line that lists the known ones."""
     with pytest.raises(LabrigError, match=r"^bench: there is no class 'force' \(known: null, null-slow, "):
         draw("force", 0)
-    with pytest.raises(LabrigError, match=r"^bench: there is no half 'third' \(known: development, exam\)"):
-        draw("null", 0, "third")
+    with pytest.raises(
+        LabrigError, match=r"^bench: there is no half 'fourth' \(known: development, exam, third\)"
+    ):
+        draw("null", 0, "fourth")
 
 
 def test_only_what_is_plain_is_pickled() -> None:

@@ -88,13 +88,21 @@ def test_unknown() -> None:
         assert verdict.beside == {"history": pytest.approx(2 * LARGE * answers[0].probability)}
 
 
-@pytest.mark.parametrize("beside", ["?form", "?history", "?time"])
+@pytest.mark.parametrize("beside", ["?history", "?time"])
 def test_a_name_larger_than_what_has_none_keeps_it(beside: str) -> None:
     """A name stands beside unnamed structure that is smaller; how large that is, and what carries it, is said."""
     verdict = told(answer(1.0, "leak", beside=beside, unnamed=0.6 * LARGE))
     assert (verdict.verdict, verdict.effects) == ("identified", ("leak",))
     assert verdict.beside == {WORDS[beside]: pytest.approx(0.6 * LARGE)}
     assert told(answer(1.0, "leak", beside=beside, unnamed=1.6 * LARGE)).verdict == "unknown"
+
+
+def test_the_bases_own_form_outvotes_no_name() -> None:
+    """That the base is wrong in form is no mystery: however large, it stands beside a name; alone, it is unknown."""
+    verdict = told(answer(1.0, "leak", beside="?form", unnamed=1.6 * LARGE))
+    assert (verdict.verdict, verdict.effects) == ("identified", ("leak",))
+    assert verdict.beside == {WORDS["?form"]: pytest.approx(1.6 * LARGE)}
+    assert told(answer(1.0, beside="?form", unnamed=1.6 * LARGE)).verdict == "unknown"
 
 
 def test_what_is_too_small_has_no_name() -> None:

@@ -1,0 +1,209 @@
+"""Where a surface may meet something: limits in space, found by a scan of the residuals where there are many."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._family import Feature, Space, acting, field, motion_scale
+from labrig.effects._rows import Floats
+
+_LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
+_BEST = 3
+_NEIGHBOURS = 9
+_SHALLOW = 0.2
+"""Sine of the angle between way and plane below which a marker is taken to slide along it, not to meet it."""
+
+
+def obstacles(context: Context) -> Iterator[Space]:
+    """Ends of the body's main motions; of the markers' travel; planes and posts in the way of markers."""
+    if float(context.travel.max()) <= 0:
+        return
+    yield from _ends(context)
+    rows = context.rows
+    if (rows.axis >= 0).sum() < 3 or not (rows.marker >= 0).any():
+        return
+    places = _Places(context)
+    far = float(context.travel.max())
+    for share in (0.3, 0.5, 0.7, 0.85):
+        past = np.maximum(places.length - share * far, 0)
+        stop = field("stop", to_rows(context, -past[..., None] * places.way))
+        yield Space(f"travel {share}", "contact travel", acting([stop]))
+    yield from places.cages()
+    yield from places.planes()
+    yield from places.posts()
+
+
+def _ends(context: Context) -> Iterator[Space]:
+    """The body as a whole, in one of its two main motions, runs against a stop."""
+    scale = motion_scale(context)
+    moved = context.displacement / scale
+    _, size, modes = np.linalg.svd(moved[:: max(1, len(moved) // 400)], full_matrices=False)
+    for j, mode in enumerate(modes[:2]):
+        if size[j] < 0.2 * size[0]:
+            break
+        for side in (1.0, -1.0):
+            along = side * (moved @ mode)
+            top = float(along.max())
+            if top < 0.3 * np.abs(moved @ modes[0]).max():
+                continue
+            past = [(level, np.maximum(along - level * top, 0.0)) for level in (0.35, 0.5, 0.65, 0.8, 0.9)]
+            out = [field(f"end {level}", -p[:, None] * side * mode * scale) for level, p in past]
+            yield Space(f"end of motion {'+' if side > 0 else '-'}{j}", "contact end", acting(out))
+
+
+class _Places:
+    """Markers' predicted ways, and what of the residual stands against them, by capture."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        rows = context.rows
+        self.move = by_marker(context, context.displacement)
+        self.length = np.linalg.norm(self.move, axis=2)
+        self.way = self.move / np.maximum(self.length, 1e-9)[..., None]
+        rest = rows.rest_mm
+        self.here = self.move + (rest[None] if rest is not None and np.isfinite(rest).all() else 0.0)
+        self.first = np.unique(rows.capture, return_index=True)[1]
+        count = np.bincount(np.searchsorted(np.unique(rows.capture), rows.capture))
+        sums = np.add.reduceat(by_marker(context, np.nan_to_num(context.residual)), self.first, axis=0)
+        self.left = sums / count[:, None, None]
+
+    def past(self, normal: Floats, level: float, captures: bool = False) -> Floats | None:
+        """How far markers go behind a plane across `normal`, (F, M) or (captures, M); None where hardly any does."""
+        along = self.move @ normal
+        far = float(self.length.max())
+        height = self.here @ normal
+        met = along > 0.1 * far
+        if met.mean() < 0.01:
+            return None
+        low, high = np.percentile(height[met], (5, 100))
+        behind = np.where(met, np.maximum(height - (low + level * (high - low)), 0.0), 0.0)
+        return behind[self.first] if captures else behind
+
+    def planes(self) -> Iterator[Space]:
+        """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
+        found = []
+        normals = _normals()
+        for i, normal in enumerate(normals):
+            against = -(self.left @ normal)
+            for level in _LEVELS:
+                past = self.past(normal, level, captures=True)
+                if past is not None and past.max() > 0:
+                    gain = max(float((past * against).sum()), 0.0) / np.sqrt((past**2).sum())
+                    found.append((gain, i, level))
+        chosen: list[tuple[int, float]] = []
+        for _, i, level in sorted(found, reverse=True):
+            if all(i != other for other, _ in chosen):
+                chosen.append((i, level))
+            if len(chosen) == _BEST:
+                break
+        for i, level in chosen:
+            features = acting(self._plane(normals[i], level))
+            yield Space(f"plane {i} {level}", "contact plane", features, scanned=len(normals) * len(_LEVELS))
+
+    def _plane(self, normal: Floats, level: float) -> list[Feature]:
+        context = self.context
+        out = []
+        for name, at, weight in (
+            ("back", level, 1.0),
+            ("sooner", level - 0.1, 0.3),
+            ("later", level + 0.07, 0.3),
+        ):
+            past = self.past(normal, at)
+            if past is not None:
+                out.append(field(name, to_rows(context, -past[..., None] * normal), weight))
+        past = self.past(normal, level)
+        assert past is not None
+        climb = self.way @ normal
+        slip = self.way - climb[..., None] * normal
+        stuck = np.where(climb > _SHALLOW, past / np.maximum(climb, _SHALLOW), 0.0)
+        out.append(field("held fast", to_rows(context, -stuck[..., None] * slip), 0.3))
+        met = (past > 0) * past.max()
+        out.append(field("nearer", to_rows(context, -met[..., None] * normal), 0.1))
+        across = np.linalg.svd(normal[None])[2][1:]
+        beside = np.stack([(self.here - self.here.mean(axis=(0, 1))) @ t for t in across], axis=2)
+        beside /= np.abs(beside).max() + 1e-12
+        for j in (0, 1):
+            out.append(
+                field(f"tilted {j}", to_rows(context, -(met * beside[:, :, j])[..., None] * normal), 0.2)
+            )
+            turned = -(past * beside[:, :, j])[..., None] * normal
+            out.append(field(f"uneven {j}", to_rows(context, turned), 0.3))
+        return out
+
+    def cages(self) -> Iterator[Space]:
+        """A ball or a tube around the middle of the markers at rest, which they do not leave."""
+        away = self.here - (self.here - self.move).mean(axis=(0, 1))
+        for share in (0.5, 0.7, 0.85, 0.95):
+            out = []
+            for name, shape in (
+                ("ball", np.ones(3)),
+                *((f"tube {'xyz'[a]}", 1 - np.eye(3)[a]) for a in range(3)),
+            ):
+                radial = away * shape
+                far = np.linalg.norm(radial, axis=2)
+                wide = far.max() - (far.max() - far.min()) * (1 - share)
+                past = np.maximum(far - wide, 0.0) / np.maximum(far, 1e-9)
+                out.append(field(name, to_rows(self.context, -past[..., None] * radial)))
+            yield Space(f"cage {share}", "contact cage", acting(out))
+
+    def posts(self) -> Iterator[Space]:
+        """Some markers near each other are stopped, each at a share of its own farthest way."""
+        top = self.length.max(axis=0)
+        far = np.maximum(top, 1e-9)
+        way = self.way[self.first]
+        against = -np.einsum("cmj,cmj->cm", self.left, way)
+        gain = np.zeros(len(top))
+        for level in (0.4, 0.6, 0.8):
+            past = np.maximum(self.length[self.first] - level * far, 0.0)
+            size = np.sqrt((past**2).sum(axis=0))
+            gain = np.maximum(gain, np.maximum((past * against).sum(axis=0), 0.0) / np.maximum(size, 1e-9))
+        gain[top < 0.2 * top.max()] = 0.0
+        middle = self.here.mean(axis=0)
+        chosen: list[int] = []
+        for m in np.argsort(-gain):
+            if gain[m] <= 0 or len(chosen) == 2:
+                break
+            chosen.append(int(m))
+        for m in chosen:
+            near = np.argsort(np.linalg.norm(middle - middle[m], axis=1))[:_NEIGHBOURS]
+            ahead = self.way[np.argmax(self.length[:, m]), m]
+            out = []
+            for level in (0.35, 0.55, 0.75, 0.9):
+                for n in near:
+                    along = self.move[:, n] @ ahead
+                    stopped = np.maximum(along - level * max(along.max(), 1e-9), 0.0)
+                    alone = np.zeros_like(self.move)
+                    alone[:, n] = -stopped[:, None] * ahead
+                    out.append(field(f"neighbour {n} {level}", to_rows(self.context, alone)))
+            yield Space(
+                f"post before {self.context.rows.markers[m]}", "contact post", acting(out), scanned=len(top)
+            )
+
+
+def _normals() -> Floats:
+    """Directions (42, 3) spread evenly over the sphere: the corners of a twice divided icosahedron."""
+    golden = (1 + np.sqrt(5)) / 2
+    corners = [np.roll([0.0, s, t * golden], j) for j in range(3) for s in (1, -1) for t in (1, -1)]
+    points = np.array(corners) / np.sqrt(1 + golden**2)
+    middles = [a + b for i, a in enumerate(points) for b in points[:i] if a @ b > 0.4]
+    out = np.array([*points, *middles])
+    return out / np.linalg.norm(out, axis=1, keepdims=True)
+
+
+def by_marker(context: Context, values: Floats) -> Floats:
+    """Values (F, K) as (F, M, 3), zero along axes that are not seen."""
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    out = np.zeros((len(values), len(rows.markers), 3))
+    out[:, rows.marker[own], rows.axis[own]] = values[:, own]
+    return out
+
+
+def to_rows(context: Context, values: Floats) -> Floats:
+    """The reverse of `by_marker`."""
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    out = np.zeros((len(values), len(rows.marker)))
+    out[:, own] = values[:, rows.marker[own], rows.axis[own]]
+    return out

@@ -1,0 +1,38 @@
+"""What acts where it is seen, not in a chamber: histories of the observables themselves."""
+
+import numpy as np
+
+from labrig.effects._context import Context
+from labrig.effects._family import motion_scale
+from labrig.effects._rows import Floats
+
+
+def at_events(context: Context) -> Floats:
+    """The predicted displacement at each event (E, K): of its rows, else by the chambers' deflections."""
+    rows = context.rows
+    E = len(rows.event_session)
+    count = np.bincount(rows.event, minlength=E)
+    total = np.zeros((E, context.base.shape[1]))
+    np.add.at(total, rows.event, context.displacement)
+    out = total / np.maximum(count, 1)[:, None]
+    alone = count == 0
+    if alone.any():
+        by_chamber = np.linalg.lstsq(context.deflection, context.displacement, rcond=None)[0]
+        out[alone] = context.event_deflection[alone] @ by_chamber
+    return out
+
+
+def play_behind(context: Context, width: float) -> Floats:
+    """How far a play of `width`, a share of the whole motion, of each observable stays behind it, (F, K)."""
+    drive, half = at_events(context), width * motion_scale(context)
+    state = np.zeros_like(drive)
+    for e, before in enumerate(context.started):
+        last = state[before] if before >= 0 else 0.0
+        state[e] = np.maximum(drive[e] - half, np.minimum(drive[e] + half, last))
+    return (state - drive)[context.rows.event]
+
+
+def lag_behind(context: Context, tau_s: float) -> Floats:
+    """How far a first-order lag of each observable stays behind it, (F, K)."""
+    drive = at_events(context)
+    return context.lagged(tau_s, drive) - drive[context.rows.event]

@@ -1,0 +1,277 @@
+"""The third portion of the development half: its rigs and laws do what they promise, and it is drawn from apart."""
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+
+from labrig.bench import CLASSES, draw, half_of, make_rig
+from labrig.bench._hide import has
+from labrig.bench._nature import EFFECTS, Array, Law, Path, Rig, Setting, simulate
+from labrig.bench._path import make_path
+from labrig.bench._programmes import CONFOUNDED_DESIGNS, DESIGNS, make_plan
+from labrig.bench.development import DEVELOPMENT
+from labrig.bench.development.third import THIRD
+
+LAWS = [law for laws in THIRD.laws.values() for law in laws] + list(THIRD.outside)
+BY_NAME = {law.__name__: law for law in LAWS}
+
+
+@cache
+def case(kind: str) -> tuple[Rig, Path]:
+    """A rig of a kind, always the same, and a small campaign on it in which all laws find what they need."""
+    rig = THIRD.rigs[kind](np.random.default_rng(3))
+    random = np.random.default_rng(4)
+    plan = make_plan("sessions", random, rig.high_kpa, 40, True, True, 0.25, True, min_kpa=rig.low_kpa)
+    return rig, make_path(plan)
+
+
+def law_on(name: str, kind: str, seed: int = 11) -> tuple[Law, Path]:
+    """A law of a name on the rig of a kind."""
+    rig, path = case(kind)
+    return BY_NAME[name](Setting(rig, path, np.random.default_rng(seed))), path
+
+
+def change(law: Law, path: Path, strength: float = 1.0) -> Array:
+    """What a law changes at the measured moments, (R, K)."""
+    return simulate(law.rig, [(law, strength)], path) - simulate(law.rig, [], path)
+
+
+@pytest.mark.parametrize("kind", LAWS, ids=lambda law: law.__name__)
+def test_a_law_changes_nothing_at_strength_0_and_more_the_stronger_it_is(kind: type[Law]) -> None:
+    """On every rig that can have it a law's change is finite, none at 0, and grows with the strength."""
+    shown = 0
+    for rig_kind in THIRD.rigs:
+        rig, path = case(rig_kind)
+        if not kind.needs <= has(rig, path):
+            continue
+        law = kind(Setting(rig, path, np.random.default_rng(11)))
+        sizes = [np.sqrt(np.mean(change(law, path, s) ** 2)) for s in (0.0, 0.3, 1.0, 2.0, 4.0)]
+        assert np.isfinite(sizes).all()
+        assert sizes[0] < 1e-9
+        assert (np.diff(sizes) >= -1e-9).all(), (rig_kind, sizes)
+        assert sizes[4] > sizes[2] or sizes[4] == 0, (rig_kind, sizes)
+        shown += sizes[2] > rig.noise
+    assert shown >= 2
+
+
+@pytest.mark.parametrize("name", BY_NAME)
+def test_a_law_is_the_same_law_each_time(name: str) -> None:
+    """All chance is in the making: a law does the same when asked again, and another seed makes another one."""
+    rig_kind = next(k for k in THIRD.rigs if BY_NAME[name].needs <= has(*case(k)))
+    (one, path), (same, _), (other, _) = (law_on(name, rig_kind, seed) for seed in (5, 5, 6))
+    first = change(one, path)
+    assert np.array_equal(first, change(one, path))
+    assert np.array_equal(first, change(same, path))
+    assert not np.array_equal(first, change(other, path))
+
+
+def test_every_effect_has_three_new_published_laws_and_four_more_have_no_effect() -> None:
+    """Each effect has three laws or more, each with its source, and none has the name of an older one."""
+    assert set(THIRD.laws) == set(EFFECTS)
+    for effect, laws in THIRD.laws.items():
+        assert len(laws) >= 3
+        assert {law.effect for law in laws} == {effect}
+    assert len(THIRD.outside) >= 4
+    assert not {law.effect for law in THIRD.outside} & set(EFFECTS)
+    assert all(re.search(r"\b(16|17|18|19|20)\d\d\b", law.__doc__ or "") for law in LAWS)
+    older = {law.__name__ for laws in DEVELOPMENT.laws.values() for law in laws}
+    assert not older & set(BY_NAME)
+    assert not set(DEVELOPMENT.rigs) & set(THIRD.rigs)
+
+
+@pytest.mark.parametrize("kind", THIRD.rigs.values(), ids=lambda rig: rig.kind)
+def test_a_rig_rests_when_vented_and_moves_when_full(kind: type[Rig]) -> None:
+    """Rigs by chance have matching shapes, rest when vented, give way by 1 when full, and move by many noises."""
+    for seed in range(8):
+        rig = kind(np.random.default_rng(seed))
+        count = len(rig.chambers)
+        assert rig.high_kpa.shape == rig.low_kpa.shape == (count,)
+        assert (rig.low_kpa <= 0).all()
+        assert np.allclose(rig.deflection(np.zeros((1, count))), 0)
+        assert np.allclose(rig.deflection(rig.high_kpa[None]), 1)
+        far = rig.settled(rig.high_kpa * np.array([[-0.1], [-3.0], [5.0]]))
+        assert far.shape == (3, len(rig.observables))
+        assert np.isfinite(far).all()
+        assert np.abs(rig.settled(rig.high_kpa * np.eye(count)) - rig.at_rest).max() > 50 * rig.noise
+        assert len({o.unit for o in rig.observables}) == 1
+        if rig.rest_mm is not None:
+            own = [3 * o.marker + o.axis for o in rig.observables]
+            assert np.allclose(rig.rest_mm.ravel()[own], rig.at_rest)
+
+
+def test_rigs_are_as_unlike_as_laboratories() -> None:
+    """From one chamber to twelve, from one number to more than a hundred, with and without markers, one both ways."""
+    drawn = [kind(np.random.default_rng(seed)) for kind in THIRD.rigs.values() for seed in range(12)]
+    assert {1, 12} <= {len(rig.chambers) for rig in drawn}
+    sizes = [len(rig.observables) for rig in drawn]
+    assert min(sizes) == 1
+    assert 100 < max(sizes) <= 150
+    assert {rig.observables[0].unit for rig in drawn} == {"mm", "N", "kPa", "deg"}
+    assert {rig.kind for rig in drawn if (rig.low_kpa < 0).any()} == {"sheet"}
+
+
+@pytest.mark.parametrize("design", [*DESIGNS, *CONFOUNDED_DESIGNS])
+def test_a_rig_that_is_driven_both_ways_gets_set_points_of_both_signs(design: str) -> None:
+    """Programmes stay between the limits, and where the lower ones are below zero they go there."""
+    random, high, low = np.random.default_rng(2), np.array([20.0, 30.0]), np.array([-10.0, -30.0])
+    plans = [make_plan(design, random, high, 30, min_kpa=low) for _ in range(4)]
+    told = np.concatenate([np.array(plan.capture_kpa) for plan in plans])
+    assert (told >= low - 1e-9).all()
+    assert (told <= high + 1e-9).all()
+    assert (told < -1.0).any()
+    assert (told > 1.0).any()
+    one_way = make_plan(design, random, high, 30)
+    assert np.min(one_way.capture_kpa) >= 0
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_campaign_of_each_class_is_drawn_from_the_third_portion(name: str) -> None:
+    """Campaigns of every class have rigs and laws of the third portion alone, as large as the class says."""
+    kind = CLASSES[name]
+    for seed in range(2):
+        campaign = draw(name, seed, "third", captures=40)
+        truth = campaign.truth
+        assert truth["half"] == "third"
+        assert truth["rig"] in THIRD.rigs
+        assert set(truth["laws"]) <= set(BY_NAME)
+        assert len(truth["effects"]) == kind.effects
+        for floors in truth["amplitudes"].values():
+            assert 0.97 * kind.floors[0] < floors < 1.03 * kind.floors[1]
+        data, rig = campaign.dataset, make_rig(truth["base"])
+        np.testing.assert_array_equal(data["chamber_min"].values, rig.low_kpa)
+        for part in (data, campaign.fresh):
+            assert (part["commanded"].values >= part["chamber_min"].values - 1e-9).all()
+            assert (part["commanded"].values <= part["chamber_max"].values + 1e-9).all()
+
+
+def test_the_development_half_is_drawn_from_as_before() -> None:
+    """The third portion has a name of its own to be drawn by, and none of it is in the development half."""
+    assert half_of("third") is THIRD
+    older = {law for laws in DEVELOPMENT.laws.values() for law in laws} | set(DEVELOPMENT.outside)
+    assert not older & set(LAWS)
+
+
+# What single laws promise.
+
+
+def _holds(path: Path) -> list[tuple[int, int]]:
+    """First and last moment of each actuation that is held for ten seconds or more."""
+    begins = np.flatnonzero(np.diff(path.event, prepend=-1))
+    ends = np.append(begins[1:], len(path.event)) - 1
+    late = [int(b + np.argmax(path.hold_s[b : e + 1] > 1.5)) for b, e in zip(begins, ends, strict=True)]
+    return [(b, int(e)) for b, e in zip(late, ends, strict=True) if path.hold_s[e] - path.hold_s[b] > 10]
+
+
+@pytest.mark.parametrize("law", THIRD.laws["leak"], ids=lambda law: law.__name__)
+def test_a_leak_brings_a_held_pressure_nearer_to_the_rooms(law: type[Law]) -> None:
+    """Within a hold a leak takes pressure away, or vacuum; only a pocket that is full gives some back to a chamber."""
+    for kind in ("trunk", "sheet"):
+        rig, path = case(kind)
+        found = law(Setting(rig, path, np.random.default_rng(1)))
+        left = found.pressure(path, path.kpa, 1.0)
+        lost = [np.abs(left[e]) - np.abs(left[b]) for b, e in _holds(path)]
+        high = np.abs(path.kpa).max()
+        assert np.min(lost) < -0.02 * high
+        assert np.max(lost) < 1e-3 * high or law.__name__ == "HiddenPocket"
+
+
+def test_a_hidden_pocket_fills_up_and_gives_back() -> None:
+    """What a chamber loses to a pocket ends at the pocket's share, and some of it comes back once it is vented."""
+    rig, _ = case("trunk")
+    plan = make_plan("one_hold", np.random.default_rng(0), rig.high_kpa, 100)
+    plan.capture(np.zeros(6), 120.0, 6)
+    path = make_path(plan)
+    found = BY_NAME["HiddenPocket"](Setting(rig, path, np.random.default_rng(1)))
+    takes = found._takes  # pyright: ignore[reportAttributeAccessIssue]
+    held = path.event == 0
+    left = found.pressure(path, path.kpa, 1.0)
+    np.testing.assert_allclose(left[held][-1], path.kpa[held][-1] / (1 + takes), rtol=1e-3)
+    assert (left[-1][takes > 0] > 0.01 * rig.high_kpa[takes > 0]).all()
+    assert (left[-1] < path.kpa[held][-1] - left[held][-1] + 1e-6).all()
+
+
+@pytest.mark.parametrize("law", THIRD.laws["creep"], ids=lambda law: law.__name__)
+def test_creep_goes_on_under_load(law: type[Law]) -> None:
+    """Of a vented rig that is filled and held, the change grows through the hold, ever slower."""
+    rig, _ = case("trunk")
+    plan = make_plan("one_hold", np.random.default_rng(0), rig.high_kpa, 20)
+    path = make_path(plan)
+    found = law(Setting(rig, path, np.random.default_rng(1)))
+    size = np.linalg.norm(change(found, path), axis=1)
+    assert (np.diff(size) > -1e-9).all()
+    assert size[8] - size[0] > size[-1] - size[-9] > 0
+
+
+@pytest.mark.parametrize("law", THIRD.laws["delay"], ids=lambda law: law.__name__)
+def test_delay_is_over_at_the_end_of_a_long_hold(law: type[Law]) -> None:
+    """What a delay changes just after an actuation is gone ten seconds later."""
+    rig, path = case("wing")
+    found = law(Setting(rig, path, np.random.default_rng(1)))
+    deflection = found.wall(path, path.kpa, rig.deflection(found.pressure(path, path.kpa, 0.6)), 0.6)
+    off = np.abs(deflection - rig.deflection(path.kpa)).max(axis=1)
+    holds = _holds(path)
+    assert max(off[b] for b, _ in holds) > 0.02
+    assert max(off[e] for _, e in holds if path.hold_s[e] > 14) < 1e-3
+
+
+@pytest.mark.parametrize("law", THIRD.laws["friction"], ids=lambda law: law.__name__)
+def test_friction_is_behind_whichever_way_it_comes_from(law: type[Law]) -> None:
+    """The same set-point is reached from below and from above with different shapes, and stays as it is in a hold."""
+    rig, _ = case("boom")
+    plan = make_plan("one_level", np.random.default_rng(0), rig.high_kpa, 4)
+    for level in (0.0, 0.5, 1.0, 0.5):
+        plan.capture(level * rig.high_kpa, 6.0, 4)
+    path = make_path(plan)
+    found = law(Setting(rig, path, np.random.default_rng(1)))
+    seen = simulate(rig, [(found, 1.0)], path)[-16:].reshape(4, 4, -1)
+    apart = np.abs(seen[1, -1] - seen[3, -1]).max()
+    assert apart > 5 * rig.noise
+    assert np.abs(seen[:, -1] - seen[:, 0]).max() < 0.05 * apart
+
+
+def test_masing_loops_close() -> None:
+    """After a small loop inside a large one the body is where it would be without the small one."""
+    law, _ = law_on("MasingBranches", "trunk")
+    branches = law._branches  # pyright: ignore[reportAttributeAccessIssue]
+    plain = branches(np.array([0.0, 2.0, -1.5, 1.0, 1.8]))
+    again = branches(np.array([0.0, 2.0, -1.5, 1.0, 0.2, 0.6, 0.3, 1.0, 1.8]))
+    assert again[-2:] == pytest.approx(plain[-2:])
+    assert again[4] != pytest.approx(again[7])
+    assert branches(np.array([0.0, 2.0, -1.5, 3.0]))[-1] == pytest.approx(branches(np.array([0.0, 3.0]))[-1])
+
+
+@pytest.mark.parametrize("law", THIRD.laws["coupling"], ids=lambda law: law.__name__)
+def test_coupling_does_nothing_to_a_chamber_alone(law: type[Law]) -> None:
+    """Each chamber alone moves as modelled, at least within its limits; together they do not."""
+    rig, path = case("trunk")
+    found = law(Setting(rig, path, np.random.default_rng(1)))
+    alone = np.vstack([0.95 * rig.high_kpa * np.eye(6), rig.high_kpa * np.linspace(0.4, 0.95, 6)])
+    pressures = found.pressure(path, alone, 1.0)
+    walls = found.wall(path, pressures, rig.deflection(pressures), 1.0)
+    values = found.seen(path, walls, rig.shape(walls), 1.0)
+    off = np.abs(values - rig.settled(alone)).max(axis=1)
+    assert off[:-1].max() < 0.5 * rig.noise
+    assert off[-1] > 3 * rig.noise
+
+
+@pytest.mark.parametrize(
+    "law", [*THIRD.laws["frame"], *THIRD.laws["rest_shape"]], ids=lambda law: law.__name__
+)
+def test_frames_and_rest_shapes_are_there_at_rest(law: type[Law]) -> None:
+    """What is wrong with a frame or a rest shape is seen of the vented body too, and hardly depends on pressure."""
+    rig, path = case("wing")
+    found = law(Setting(rig, path, np.random.default_rng(1)))
+    off = change(found, path)
+    first = off[path.session[path.row] == 0]
+    assert np.std(first, axis=0).max() < 0.5 * np.abs(first.mean(axis=0)).max()
+
+
+def test_buckling_takes_either_side_with_the_same_load() -> None:
+    """Aside from its threshold the body is pushed to one side at some times and to the other at others."""
+    law, path = law_on("BucklesEitherWay", "wing")
+    aside = change(law, path) @ law._aside  # pyright: ignore[reportAttributeAccessIssue]
+    assert aside.min() < -1e-3
+    assert aside.max() > 1e-3
+    assert np.mean(np.abs(aside) < 1e-9) > 0.2
