@@ -5,8 +5,8 @@ import * as jobs from "./jobs.js";
 import { post, upload } from "./server.js";
 
 export function dropZone(place, context) {
-  const field = h("input", { type: "file", hidden: true, accept: ".csv,.tsv,.txt,.parquet,.c3d,.mcap", onchange: () => field.files[0] && take(field.files[0], place, context) });
-  const zone = h("button", { type: "button", class: "drop", onclick: () => field.click() }, "Drop a CSV, C3D or MCAP here, or choose one");
+  const field = h("input", { type: "file", hidden: true, onchange: () => field.files[0] && take(field.files[0], place, context) });
+  const zone = h("button", { type: "button", class: "drop", onclick: () => field.click() }, "Drop a table here (CSV, Excel, MAT, C3D, MCAP, …), or choose one");
   const over = (on) => document.body.classList.toggle("dropping", on);
   const enter = (event) => {
     if (![...(event.dataTransfer?.types || [])].includes("Files")) return;
