@@ -103,7 +103,7 @@ class Gravity(Effect):
                 loads += [("sine", np.sin(angle)), ("cosine", np.cos(angle) - np.cos(angle).mean())]
         has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
         out = [pattern(name, values, 0.003) for name, values in loads]
-        if has_axis and context.moves:
+        if has_axis and context.moves and context.jacobian.any():
             scale = motion_scale(context)
             give = np.abs(context.jacobian * context.span).sum(axis=2)
             for m in np.unique(rows.marker[rows.marker >= 0]):

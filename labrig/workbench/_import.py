@@ -82,7 +82,7 @@ def guessed(path: str) -> tuple[dict[str, Any], list[list[str]], list[str]]:
 
     guess = guess_mapping(path)
     preview = guess.preview.head(_SHOWN)
-    rows = [[str(name) for name in preview.columns], *([str(v) for v in row] for row in preview.to_numpy())]
+    rows = [[str(name) for name in preview.columns], *([str(v) for v in row] for row in preview.itertuples(index=False))]
     return guess.mapping, rows, guess.remarks
 
 

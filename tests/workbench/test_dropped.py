@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 CSV = "t,pressure_1 [kPa],pressure_2 [kPa],force [N]\n" + "".join(
-    f"{10 * i},{20 * (i % 3)},{15 * (i % 4)},{0.5 * (i % 3) + 0.2 * (i % 4):.2f}\n" for i in range(24)
+    f"{10 * i},{20 * (i % 3)},{15 * (i % 4)},{0.1 + 0.5 * (i % 3) + 0.2 * (i % 4):.1f}\n" for i in range(24)
 )
 
 
@@ -37,6 +37,7 @@ def test_a_dropped_table_is_guessed_and_becomes_a_run(drop, ask, bench, runs):
     assert [a["column"] for a in mapping["actuation"]] == ["pressure_1 [kPa]", "pressure_2 [kPa]"]
     assert [o["unit"] for o in mapping["observables"]] == ["N"]
     assert found["rows"][0] == CSV.partition("\n")[0].split(",")
+    assert found["rows"][1] == CSV.splitlines()[1].split(",")
     assert len(found["rows"]) == 9
     assert any("time" in remark for remark in found["remarks"])
     begun = ask("/api/import", {k: found[k] for k in ("table", "mapping", "name")})[1]
