@@ -82,8 +82,8 @@ def guessed(path: str) -> tuple[dict[str, Any], list[list[str]], list[str]]:
 
     guess = guess_mapping(path)
     preview = guess.preview.head(_SHOWN)
-    rows = [[str(name) for name in preview.columns], *([str(v) for v in row] for row in preview.itertuples(index=False))]
-    return guess.mapping, rows, guess.remarks
+    cells = [list(preview.columns), *preview.itertuples(index=False)]
+    return guess.mapping, [[str(cell) for cell in row] for row in cells], guess.remarks
 
 
 def _captures(path: Path) -> int | None:

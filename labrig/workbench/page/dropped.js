@@ -71,7 +71,7 @@ function offer(found, place, context) {
       "div",
       { class: "card" },
       h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
-      found.remarks.map((remark) => h("p", { class: "warning" }, remark)),
+      found.remarks.length ? h("ul", { class: "warning remarks" }, found.remarks.map((remark) => h("li", {}, remark))) : null,
       h("div", { class: found.log ? "" : "mapping" }, found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), mapping), preview ? h("div", {}, h("h3", {}, "The first rows"), preview) : null),
       said,
       h("div", { class: "bar", style: "justify-content:flex-start;margin:12px 0 0" }, button, h("label", {}, "as the run ", name)),

@@ -24,7 +24,7 @@ export function waterfall(steps, units, notes = {}) {
         floor ? h("u", { style: `left:${(100 * floor) / top}%` }) : null,
       ),
       h("span", { class: "value" }, `${number(value)} ${units}`),
-      h("span", { class: "drop" }, drop),
+      h("span", { class: "fell" }, drop),
     );
   });
   return h("div", { class: "waterfall", role: "img", "aria-label": steps.map(([label, value]) => `${label} ${number(value)} ${units}`).join(", ") }, bars);
