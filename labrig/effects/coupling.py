@@ -54,7 +54,7 @@ class Coupling(Effect):
         yield Variant("square root, neighbours", (Term.common("neighbours", mutual),))
         yield Variant("per chamber", (Term.per_chamber("chamber", u * (x @ near), context.rows.chambers),))
         pairs = neighbour_pairs(near)
-        if context.shows(context.rows.n_captures > 1.5 * len(pairs)):
+        if pairs and context.shows(context.rows.n_captures > 1.5 * len(pairs)):
             for form, other in partner.items():
                 yield Variant(f"{form}, pairs", (self._pairs(context, pairs, other),))
             few = len(pairs) <= 3 or len(context.rows.unit) <= 8 or context.base_kind == "static"

@@ -102,7 +102,7 @@ class Gravity(Effect):
             whole = [(n, np.repeat(v[:, None], len(rows.chambers), axis=1)) for n, v in loads]
             out += [pressure(f"{n} held", v, 0.3) for n, v in whole]
             out += [pressure(f"{n} held load", v * rows.fraction, 0.3) for n, v in whole]
-        if has_axis and context.moves:
+        if has_axis and context.moves and context.jacobian.any():
             scale = motion_scale(context)
             give = np.abs(context.jacobian * context.span).sum(axis=2)
             for m in np.unique(rows.marker[rows.marker >= 0]):

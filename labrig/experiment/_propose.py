@@ -89,15 +89,21 @@ def propose_experiment(
         without: names of effects to leave out of the library.
 
     Raises:
-        LabrigError: the diagnosis leaves nothing open, or no programme of this rig would tell.
+        LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, or the model's
+            prediction does not depend on the pressures.
     """
     if not minutes > 0:
         raise LabrigError(f"an experiment of {minutes:g} min: give it some time")
+    rows = _some(rows_from(runs))
+    streams, context, _, _ = prepare(rows, model)
+    if context.moves and not context.jacobian.any():
+        raise LabrigError(
+            "the model predicts the same at all pressures: it can't say which programme would tell effects apart; "
+            "give it a base that follows them, such as base: {kind: static, degree: 1}"
+        )
     found = (
         diagnose(runs, model, tolerance=tolerance, without=without).summary if summary is None else summary
     )
-    rows = _some(rows_from(runs))
-    streams, context, _, _ = prepare(rows, model)
     effects = {n: e for n, e in model.library().items() if n not in without}
     limits = Limits.of(rows) if limits is None else limits
     verdict = str(found["verdict"])

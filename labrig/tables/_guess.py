@@ -10,6 +10,7 @@ from labrig._errors import LabrigError
 from labrig.tables._mapping import Format
 from labrig.tables._names import Name, unit_of
 from labrig.tables._read import beside, kind_of, parts_of, read_file
+from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
 from labrig.tables._sniff import sniff
 from labrig.tables._table import Table, short
@@ -223,6 +224,9 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
             )
     if observables:
         out["observables"] = observables
+    units = {o["marker"]: o["unit"] for o in observables if "marker" in o}
+    if rest := rest_of(roles, units, remarks):
+        out["markers"] = rest
     covariates = [
         {"column": key(n.column, p), "name": _called(n, p), "unit": n.unit or "1"}
         for p, own in sources

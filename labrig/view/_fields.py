@@ -265,6 +265,7 @@ def _pressures(fields: "xr.Dataset", capture: int) -> str:
     values = np.asarray(fields["commanded"].values[capture], dtype=float)
     chambers = [str(name) for name in fields["chamber"].values]
     unit = str(fields["commanded"].attrs.get("units", ""))
+    unit = "" if unit == "1" else unit
     order = [
         int(k)
         for k in np.argsort(-np.abs(np.nan_to_num(values)))

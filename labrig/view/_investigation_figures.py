@@ -6,7 +6,7 @@ from itertools import accumulate
 from typing import Any
 
 from labrig.view._figures import FONT, Figure, _layout
-from labrig.view._pictures import _error
+from labrig.view._pictures import error_bars
 from labrig.view._style import AFTER, FLOOR
 
 
@@ -18,7 +18,7 @@ def investigation_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Fi
     """
     pictures: dict[str, Callable[[], Figure]] = {"rounds": partial(_rounds, content)}
     if steps := [(str(name), float(value)) for name, value in content["waterfall"] if value is not None]:
-        pictures["error"] = partial(_error, steps, str(content["units"]))
+        pictures["error"] = partial(error_bars, steps, str(content["units"]))
     return pictures
 
 

@@ -16,17 +16,8 @@ from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, failed, says
 from labrig.workbench._desk import OWN, Desk
 
-KINDS = (".csv", ".tsv", ".txt", ".parquet", ".c3d", ".mcap")
 MOST_BYTES = 4 * 1024**3
 _SHOWN = 8
-_TEMPLATE = """\
-# What the columns mean: docs/how-to/your-data.md
-time: {column: t, unit: s}
-actuation:
-  - {column: p1, name: c1, unit: kPa, min: 0, max: 60}
-observables:
-  - {column: x1, name: m1.x, unit: mm, marker: m1, axis: x}
-"""
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -51,8 +42,8 @@ def _drop(desk: Desk) -> Any:
 async def _kept(desk: Desk, request: Request) -> Path:
     """Write what is sent to a folder of its own, whole or not at all."""
     name = re.sub(r"[^\w.()+ -]", "_", Path(request.query_params.get("name", "")).name).strip(". ")
-    if not name or Path(name).suffix.lower() not in KINDS:
-        raise LabrigError(f"{name or 'a file without a name'}: drop one of {', '.join(KINDS)}")
+    if not name:
+        raise LabrigError("a file without a name: give it one and drop it again")
     folder = desk.folder / OWN / "dropped" / f"{time.strftime('%Y%m%d-%H%M%S')}-{time.time_ns() % 10**6:06d}"
     folder.mkdir(parents=True)
     path, size = folder / name, 0
@@ -73,53 +64,42 @@ async def _kept(desk: Desk, request: Request) -> Path:
 def _looked_at(desk: Desk, path: Path) -> dict[str, Any]:
     """What the page shows of a dropped file: a mapping, the first rows, remarks, a name for the run."""
     said: dict[str, Any] = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
-    if path.suffix.lower() == ".mcap":
-        return {**said, "log": True, **_log(path)}
+    if path.suffix.lower() == ".mcap" and (captures := _captures(path)) is not None:
+        remark = f"a log of labrig's with {captures} captures"
+        return {**said, "log": True, "rows": [], "mapping": "", "remarks": [remark]}
     try:
         mapping, rows, remarks = desk.worker.ask(guessed, str(path))
     except LabrigError as error:
-        return {**said, "mapping": _TEMPLATE, "rows": _first_lines(path), "remarks": [str(error)]}
+        shutil.rmtree(path.parent, ignore_errors=True)
+        raise LabrigError(str(error).replace(str(path), path.name)) from None
     text = yaml.safe_dump(mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=100)
     return {**said, "mapping": text, "rows": rows, "remarks": remarks}
 
 
 def guessed(path: str) -> tuple[dict[str, Any], list[list[str]], list[str]]:
     """A mapping for a table, its header and first rows as texts, and remarks; in the worker."""
-    from labrig import log
+    from labrig.log import guess_mapping
 
-    guess_mapping = getattr(log, "guess_mapping", None)
-    if guess_mapping is None:
-        raise LabrigError("say what the columns mean, in place of this example")
-    guess = guess_mapping(Path(path))
+    guess = guess_mapping(path)
     preview = guess.preview.head(_SHOWN)
-    rows = [[str(name) for name in preview.columns], *([str(v) for v in row] for row in preview.to_numpy())]
-    return guess.mapping, rows, list(guess.remarks)
+    cells = [list(preview.columns), *preview.itertuples(index=False)]
+    return guess.mapping, [[str(cell) for cell in row] for row in cells], guess.remarks
 
 
-def _log(path: Path) -> dict[str, Any]:
-    """A log of labrig's own needs no mapping."""
+def _captures(path: Path) -> int | None:
+    """Of a log of labrig's own, which needs no mapping and is put into `log`; None for another MCAP file."""
     from labrig.log import run_id, summarise
 
     folder = path.parent / "log"
-    folder.mkdir(exist_ok=True)
-    shutil.move(path, folder / "log.000.mcap")
+    folder.mkdir()
+    log = path.rename(folder / "log.000.mcap")
     try:
-        summary = summarise(folder)
         run_id(folder)
+        return summarise(folder).captures
     except LabrigError:
-        shutil.rmtree(path.parent, ignore_errors=True)
-        raise LabrigError(f"{path.name} is no log of labrig's; export it as a CSV and drop that") from None
-    return {"rows": [], "mapping": "", "remarks": [f"a log of labrig's with {summary.captures} captures"]}
-
-
-def _first_lines(path: Path) -> list[list[str]]:
-    """The first rows of a text table, cut at its commas, semicolons or tabs; none of what is no text."""
-    if path.suffix.lower() in (".parquet", ".c3d"):
-        return []
-    with path.open(encoding="utf-8", errors="replace") as file:
-        lines = [line.rstrip("\n") for line, _ in zip(file, range(_SHOWN + 1), strict=False)]
-    separator = max(",;\t", key=lambda sign: sum(line.count(sign) for line in lines))
-    return [line.split(separator) for line in lines]
+        log.rename(path)
+        shutil.rmtree(folder)
+        return None
 
 
 def _import(desk: Desk, request: Request) -> Any:

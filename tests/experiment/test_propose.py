@@ -253,6 +253,17 @@ def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     assert str(caught.value) == "an experiment of 0 min: give it some time"
 
 
+def test_a_base_that_ignores_the_pressures_is_refused(make_lab) -> None:
+    """A model that predicts the same at all pressures can judge no programme: it is said so, with what to do."""
+    lab = make_lab(captures=30, rows_s=ROWS_S)
+    run = lab.dataset(lab.predict(lab.u) + lab.noise())
+    lab.reach = 0 * lab.reach
+    with pytest.raises(LabrigError) as caught:
+        propose_experiment(run, lab.model(), minutes=2)
+    assert str(caught.value).startswith("the model predicts the same at all pressures: ")
+    assert "base: {kind: static, degree: 1}" in str(caught.value)
+
+
 def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
     """A shifted frame and a rest shape differ by no pressure: it is said so, with what to do by hand."""
     lab = make_lab(captures=40, markers=4)

@@ -5,8 +5,8 @@ import * as jobs from "./jobs.js";
 import { post, upload } from "./server.js";
 
 export function dropZone(place, context) {
-  const field = h("input", { type: "file", hidden: true, accept: ".csv,.tsv,.txt,.parquet,.c3d,.mcap", onchange: () => field.files[0] && take(field.files[0], place, context) });
-  const zone = h("button", { type: "button", class: "dropzone", onclick: () => field.click() }, "Drop a CSV, C3D or MCAP here, or choose one");
+  const field = h("input", { type: "file", hidden: true, onchange: () => field.files[0] && take(field.files[0], place, context) });
+  const zone = h("button", { type: "button", class: "dropzone", onclick: () => field.click() }, "Drop a table here (CSV, Excel, MAT, C3D, MCAP, …), or choose one");
   const over = (on) => document.body.classList.toggle("dropping", on);
   const enter = (event) => {
     if (![...(event.dataTransfer?.types || [])].includes("Files")) return;
@@ -71,7 +71,7 @@ function offer(found, place, context) {
       "div",
       { class: "card" },
       h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
-      found.remarks.map((remark) => h("p", { class: "warning" }, remark)),
+      found.remarks.length ? h("ul", { class: "warning remarks" }, found.remarks.map((remark) => h("li", {}, remark))) : null,
       h("div", { class: found.log ? "" : "mapping" }, found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), mapping), preview ? h("div", {}, h("h3", {}, "The first rows"), preview) : null),
       said,
       h("div", { class: "bar", style: "justify-content:flex-start;margin:12px 0 0" }, button, h("label", {}, "as the run ", name)),

@@ -109,7 +109,7 @@ function drawn(root, context, data) {
         "section",
         { class: "card captures" },
         h("div", { class: "bar" }, h("h2", {}, "Captures"), h("span", { class: "switch", role: "group", "aria-label": "order" }, to("sort", "error", "by error"), to("sort", "time", "in time"))),
-        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error, ${units} ${per}; the mark is the noise floor`)),
+        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error, ${`${units} ${per}`.trim()}; the mark is the noise floor`)),
         h("ol", {}, h("li", {}, everything), items),
       ),
     ),

@@ -126,7 +126,7 @@ function figure(panel, found, range, label) {
     { type: "scatter", mode: "markers", x: means.map((m) => m[0]), y: means.map((m) => m[1]), error_y: { type: "data", array: means.map((m) => m[2]), thickness: 1, width: 0, color: colour("rust") }, marker: { size: 8, color: colour("rust"), line: { color: colour("raised"), width: 1.5 } }, hovertemplate: "mean %{y:.3g}<extra></extra>" },
   ];
   if (found.fitted.length) data.push({ type: "scatter", mode: discrete ? "markers" : "lines", x: means.map((m) => m[0]), y: means.map((m) => m[3]), line: { color: colour("teal"), width: 2.5 }, marker: { symbol: "line-ew-open", size: 26, color: colour("teal"), line: { width: 2.5 } }, hovertemplate: "effect %{y:.3g}<extra></extra>" });
-  const unit = panel.unit ? `, ${panel.unit}` : "";
+  const unit = panel.unit && panel.unit !== "1" ? `, ${panel.unit}` : "";
   const ticks = discrete ? { tickvals: [-1, 0, 1], ticktext: ["down", "none", "up"], range: [-1.5, 1.5] } : {};
   return { data, layout: { height: 240, showlegend: false, shapes, margin: { l: 52, r: 10, t: 6, b: 40 }, xaxis: axis(`${panel.title}${unit}`, ticks), yaxis: axis(`residual, ${found.units}`, { range }) } };
 }

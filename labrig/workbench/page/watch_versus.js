@@ -14,8 +14,9 @@ export async function versus(place, context) {
     card.append(h("p", { class: "muted" }, "Two models are compared on this run once there are two: add an effect to one, and save it."));
     return;
   }
-  const a = context.query.get("a") || models.find((name) => name !== context.info.model) || models[0];
-  const b = context.query.get("b") || context.info.model;
+  const [before, after] = pair(models, context.info.model);
+  const a = context.query.get("a") || before;
+  const b = context.query.get("b") || after;
   const select = (id, chosen) => h("select", { id, "aria-label": id, onchange: (event) => context.set({ a, b, [id]: event.target.value }) }, models.map((name) => h("option", { value: name, selected: name === chosen }, name)));
   const body = h("div");
   card.append(h("div", { class: "bar" }, h("label", {}, "before ", select("a", a)), h("label", {}, "after ", select("b", b))), body);
@@ -34,12 +35,20 @@ export async function versus(place, context) {
   fill(body, given.found ? shown(given.found) : h("p", { class: "muted" }, `Both models are held against the same captures of ${context.run}.`), h("div", { class: "bar" }, button, busy ? jobs.progress(busy) : null), command(given.command));
 }
 
+/** A model and its improvement, as Add names it, in this order; else the model and another one. */
+function pair(models, model) {
+  const improves = (name, other) => name.startsWith(`${other.replace(/\.ya?ml$/, "")}.improved`);
+  const others = models.filter((name) => name !== model);
+  const first = others.find((name) => improves(model, name));
+  return first ? [first, model] : [model, others.find((name) => improves(name, model)) || others[0]];
+}
+
 function shown(found) {
   const names = found.models.map((model) => model.name);
   const errors = [...names, "floor"].map((name) => [name, found.error[name]]);
   const top = Math.max(...errors.map(([, value]) => value));
   const bars = errors.map(([name, value], k) =>
-    h("tr", {}, h("td", {}, name === "floor" ? "noise floor" : name), h("td", { class: "bars" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, `${number(value)} ${found.units}`)),
+    h("tr", {}, h("td", {}, name === "floor" ? "noise floor" : name), h("td", { class: "versus-bar" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, `${number(value)} ${found.units}`)),
   );
   const { value, low, high } = found.difference;
   const interval = low === null || high === null || low === undefined ? "" : `, 95 % interval ${number(low)} to ${number(high)}`;

@@ -1,0 +1,51 @@
+"""Where markers are at rest, for a guess: the mean position while every input is zero."""
+
+import numpy as np
+
+from labrig.tables._roles import Roles
+from labrig.tables._units import factor, is_length
+
+_ZERO = 0.01
+"""Of an input's largest value: what counts as zero."""
+
+_APART = 0.1
+"""Columns whose markers lie closer together at rest than this share of the largest motion are displacements."""
+
+
+def rest_of(roles: Roles, units: dict[str, str], remarks: list[str]) -> dict[str, dict[str, list[float]]]:
+    """`markers:` of a mapping, rest positions in mm; empty where they are not known.
+
+    `units` are those of the markers' columns. That rows at zero are taken for rest, or that there are none, is said.
+    """
+    whole = {
+        name: axes
+        for name, axes in roles.markers.items()
+        if set(axes) == set("xyz") and is_length(units[name])
+    }
+    if len(whole) < 2 or not roles.actuation:
+        return {}
+    inputs = np.abs(np.stack([roles.values[n.column] for n in roles.actuation], axis=1))
+    vented = (inputs <= _ZERO * np.nan_to_num(inputs).max(axis=0)).all(axis=1)
+    place = np.stack(
+        [
+            np.stack([roles.values[axes[a].column] for a in "xyz"], axis=1) * factor(units[name], "mm", name)
+            for name, axes in whole.items()
+        ],
+        axis=1,
+    )
+    vented &= np.isfinite(place).all(axis=(1, 2))
+    if not vented.any():
+        remarks.append(
+            "no row has every input at 0, so where the markers are at rest is not known and no surface is drawn: "
+            f"say it, such as markers: {{{next(iter(whole))}: {{rest: [x, y, z]}}}}, in mm"
+        )
+        return {}
+    rest = place[vented].mean(axis=0)
+    if np.ptp(rest, axis=0).max() <= _APART * np.nanmax(np.abs(place - rest)):
+        return {}
+    remarks.append(
+        f"where the markers are at rest is their mean over {vented.sum()} rows with every input at 0"
+    )
+    return {
+        name: {"rest": [round(float(x), 3) + 0.0 for x in at]} for name, at in zip(whole, rest, strict=True)
+    }

@@ -1,0 +1,97 @@
+"""Families are as wide as their kind: laws that no form of the library has lie in a space of their effect."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from labrig.effects import Context
+from labrig.effects._obstacles import by_marker, to_rows
+from labrig.effects._registry import shipped
+from tests.effects.test_family import LONG_S, context_of, followed
+
+Change = Callable[[Context], np.ndarray]
+
+
+def best(make_lab, effect: str, change: Change, **extra) -> dict[str, float]:
+    """How much of a hidden change, written by a law of the test's own, each space of an effect holds, by its key."""
+    lab = make_lab(captures=40, long_s=LONG_S)
+    clean = context_of(lab, lab.predict(lab.u), **extra)
+    hidden = change(clean)
+    values = lab.predict(lab.u) + hidden.reshape(lab.predict(lab.u).shape) + 0.1 * lab.noise()
+    context = context_of(lab, values, **extra)
+    return {s.key: followed(context, s, hidden) for s in shipped()[effect].family(context)}
+
+
+def behind_a_plane(context: Context) -> np.ndarray:
+    """Markers are pushed back to a plane that is tilted against all axes (projection on a half space)."""
+    normal = np.array([0.5, 0.3, 0.8])
+    normal /= np.linalg.norm(normal)
+    assert context.rows.rest_mm is not None
+    here = by_marker(context, context.displacement) + context.rows.rest_mm
+    height = here @ normal
+    past = np.maximum(height - np.quantile(height, 0.85), 0.0)
+    return to_rows(context, -past[..., None] * normal)
+
+
+def on_one_plate(context: Context) -> np.ndarray:
+    """Four neighbouring markers are turned about their middle, once, by a knock."""
+    rest = context.rows.rest_mm
+    assert rest is not None
+    near = np.argsort(np.linalg.norm(rest - rest[0], axis=1))[:4]
+    arm = np.zeros_like(rest)
+    arm[near] = np.cross([0.02, -0.03, 0.05], rest[near] - rest[near].mean(axis=0)) + [0.5, 0.0, 0.3]
+    return to_rows(context, (context.rows.capture >= 22)[:, None, None] * arm)
+
+
+def into_a_pocket(context: Context) -> np.ndarray:
+    """Air seeps into a closed pocket until it is as full: dp/dt = (q - p) r / tau, dq/dt = (p - q) / tau, by steps."""
+    rows, tau_s, volume = context.rows, 40.0, 0.3
+    inside, lost = np.zeros(rows.actuation.shape[1]), np.zeros_like(rows.actuation)
+    for e, command in enumerate(rows.event_actuation):
+        own = np.flatnonzero(rows.event == e)
+        end = rows.event_time_s[e + 1] if e + 1 < len(rows.event_time_s) else rows.event_time_s[e] + 60.0
+        p, q, t = command.copy(), inside.copy(), 0.0
+        for wanted, row in [*((context.elapsed_s[r], r) for r in own), (end - rows.event_time_s[e], -1)]:
+            while t < wanted:
+                dt = min(0.2, wanted - t)
+                p, q, t = p + dt * (q - p) * volume / tau_s, q + dt * (p - q) / tau_s, t + dt
+            if row >= 0:
+                lost[row] = p - command
+        inside = q
+    return np.einsum("fkc,fc->fk", context.jacobian, lost)
+
+
+def through_a_lens(context: Context) -> np.ndarray:
+    """Barrel distortion about the middle: each place is seen nearer to it by the cube of how far it is away."""
+    assert context.rows.rest_mm is not None
+    here = by_marker(context, context.displacement) + context.rows.rest_mm
+    away = here - here.mean(axis=(0, 1))
+    return to_rows(context, -2e-6 * (away**2).sum(axis=2)[..., None] * away)
+
+
+def from_heavy_markers(context: Context) -> np.ndarray:
+    """Each marker hangs down by its own weight, along the vertical in the frame of the tilted base."""
+    tilt = np.deg2rad(context.rows.covariates["tilt"].values)
+    down = np.stack([np.sin(tilt), np.zeros_like(tilt), -np.cos(tilt)], axis=1)
+    sag_mm = np.random.default_rng(3).uniform(0.1, 0.9, len(context.rows.markers))
+    return to_rows(context, down[:, None] * sag_mm[None, :, None])
+
+
+TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
+
+
+@pytest.mark.parametrize(
+    ("effect", "change", "kind", "least", "extra"),
+    [
+        ("contact", behind_a_plane, "plane", 0.9, {}),
+        ("marker_slip", on_one_plate, "markers", 0.95, {}),
+        ("leak", into_a_pocket, "lost", 0.97, {}),
+        ("frame", through_a_lens, "distorted", 0.98, {}),
+        ("gravity", from_heavy_markers, "anywhere", 0.99, TILT),
+    ],
+)
+def test_a_law_of_the_kind_lies_in_a_space(make_lab, effect, change, kind, least, extra) -> None:
+    """What a law written here changes lies in the space that is meant for its kind, whatever the law."""
+    held = best(make_lab, effect, change, **extra)
+    assert max((share for key, share in held.items() if key.startswith(kind)), default=0.0) > least, held

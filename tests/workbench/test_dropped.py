@@ -1,0 +1,88 @@
+"""Files dropped on the page: what is made of them."""
+
+import time
+from urllib.parse import quote
+
+import pytest
+import yaml
+
+CSV = "t,pressure_1 [kPa],pressure_2 [kPa],force [N]\n" + "".join(
+    f"{10 * i},{20 * (i % 3)},{15 * (i % 4)},{0.1 + 0.5 * (i % 3) + 0.2 * (i % 4):.1f}\n" for i in range(24)
+)
+
+
+@pytest.fixture
+def drop(ask):
+    """Drops a file; gives the status and what is said of it."""
+    return lambda name, content: ask(f"/api/drop?name={quote(name)}", content)
+
+
+@pytest.fixture
+def runs(ask):
+    """The runs that the page lists, with their captures."""
+
+    def listed():
+        said = ask("/api/runs")[1]
+        run, captures = said["columns"].index("run"), said["columns"].index("captures")
+        return {row[run]: row[captures] for row in said["rows"]}
+
+    return listed
+
+
+def test_a_dropped_table_is_guessed_and_becomes_a_run(drop, ask, bench, runs):
+    """A table that nobody described comes back with a mapping, its first rows and remarks, and is a run as it is."""
+    status, found = drop("press.csv", CSV.encode())
+    assert status == 200
+    mapping = yaml.safe_load(found["mapping"])
+    assert [a["column"] for a in mapping["actuation"]] == ["pressure_1 [kPa]", "pressure_2 [kPa]"]
+    assert [o["unit"] for o in mapping["observables"]] == ["N"]
+    assert found["rows"][0] == CSV.partition("\n")[0].split(",")
+    assert found["rows"][1] == CSV.splitlines()[1].split(",")
+    assert len(found["rows"]) == 9
+    assert any("time" in remark for remark in found["remarks"])
+    begun = ask("/api/import", {k: found[k] for k in ("table", "mapping", "name")})[1]
+    end = time.monotonic() + 60
+    while next(j for j in bench.desk.jobs.all() if j.facts()["id"] == begun["job"]["id"]).state == "running":
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert runs() == {"press": 24}
+
+
+def test_a_workbook_is_read_as_well(drop, tmp_path):
+    """What labrig import reads can be dropped: an Excel sheet, too."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for line in CSV.splitlines():
+        book.active.append([float(x) if x[0].isdigit() else x for x in line.split(",")])
+    book.save(tmp_path / "press.xlsx")
+    status, found = drop("press.xlsx", (tmp_path / "press.xlsx").read_bytes())
+    assert (status, found["rows"][0]) == (200, CSV.partition("\n")[0].split(","))
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("picture.png", bytes(range(256)) * 8),
+        ("other.mcap", b"\x89MCAP0\r\n nothing"),
+        ("empty.csv", b""),
+        ("inputs.csv", b"t [s],pressure [kPa]\n0,1\n1,2\n2,3\n"),
+        ("..", b"1"),
+    ],
+)
+def test_what_is_no_campaign_is_refused_in_one_line(drop, bench, name, content):
+    """A file that no run can be made of is refused by its own name, and is not kept."""
+    status, said = drop(name, content)
+    assert status == 400
+    assert said["error"].count("\n") == 0
+    assert str(bench.desk.folder) not in said["error"]
+    assert not [p for p in bench.desk.folder.rglob("*") if p.name == name]
+
+
+def test_a_log_of_labrigs_needs_no_mapping(drop, ask, make_run, bench, runs):
+    """The log of a run, dropped, is a run again with as many captures."""
+    run = bench.desk.folder / make_run(captures=10)
+    status, found = drop("again.mcap", next(run.glob("*.mcap")).read_bytes())
+    assert (status, found["log"]) == (200, True)
+    assert "10 captures" in found["remarks"][0]
+    assert ask("/api/import", {"table": found["table"], "name": "again"})[1] == {"run": "again", "job": None}
+    assert runs() == {"run": 10, "again": 10}
