@@ -15,10 +15,11 @@ Change = Callable[[Context], np.ndarray]
 
 def best(make_lab, effect: str, change: Change, **extra) -> dict[str, float]:
     """How much of a hidden change, written by a law of the test's own, each space of an effect holds, by its key."""
-    lab = make_lab(captures=40, long_s=LONG_S)
+    lab = make_lab(captures=40, markers=12, long_s=LONG_S)
     clean = context_of(lab, lab.predict(lab.u), **extra)
     hidden = change(clean)
-    values = lab.predict(lab.u) + hidden.reshape(lab.predict(lab.u).shape) + 0.1 * lab.noise()
+    values = lab.predict(lab.u) + 0.1 * lab.noise()
+    values[np.isfinite(lab.dataset(values, **extra)["hold_s"].values)] += hidden
     context = context_of(lab, values, **extra)
     return {s.key: followed(context, s, hidden) for s in shipped()[effect].family(context)}
 
@@ -40,7 +41,8 @@ def on_one_plate(context: Context) -> np.ndarray:
     assert rest is not None
     near = np.argsort(np.linalg.norm(rest - rest[0], axis=1))[:4]
     arm = np.zeros_like(rest)
-    arm[near] = np.cross([0.02, -0.03, 0.05], rest[near] - rest[near].mean(axis=0)) + [0.5, 0.0, 0.3]
+    about = rest[near] - rest[near].mean(axis=0)
+    arm[near] = np.cross([0.02, -0.03, 0.05], about) + np.array([0.5, 0.0, 0.3])
     return to_rows(context, (context.rows.capture >= 22)[:, None, None] * arm)
 
 
