@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from drivers import Clock, Identity, MarkerFrame, PressureSample, VentReport
 from labrig.rig import Rig, RigConfig, parse_rig
+from labrig_drivers import Clock, Identity, MarkerFrame, PressureSample, VentReport
 
 MARKERS, CHAMBERS, FRAME_HZ, SAMPLE_HZ = 34, 10, 100.0, 30.0
 MARKER_NAMES = [f"m{n + 1:02d}" for n in range(MARKERS)]

@@ -21,11 +21,11 @@ from unittest import mock
 import numpy as np
 from _streaming import CHAMBER_NAMES, CHAMBERS, FRAME_HZ, MARKER_NAMES, MARKERS, SAMPLE_HZ, make_rig
 
-from drivers import MarkerFrame, RealClock, SimulatedClock
 from labrig.bench._report import write_section
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps, run
 from labrig.log import Layout, LogWriter, Topic, load_segments, open_run
-from logs_schema.step_pb2 import Step
+from labrig_drivers import MarkerFrame, RealClock, SimulatedClock
+from labrig_schema.step_pb2 import Step
 
 
 class Captures(Procedure):

@@ -22,11 +22,11 @@ from unittest import mock
 import numpy as np
 import yaml
 
-from drivers import MarkerFrame
 from labrig.bench._report import write_section
 from labrig.catalogue import INDEX, list_runs, tag
 from labrig.log import Layout, LogWriter, Topic, find_runs, run_id, summarise
-from logs_schema.step_pb2 import Step
+from labrig_drivers import MarkerFrame
+from labrig_schema.step_pb2 import Step
 
 MARKERS, FRAMES, CAPTURES = 34, 30, 3
 LARGE_FRAMES = 30_000

@@ -25,15 +25,15 @@ from typing import Any
 
 import numpy as np
 
-from drivers import Channel, RealClock
-from drivers._cgstream import block, packet
-from drivers._cgstream_session import ClientSession
-from drivers._vicon import Vicon, ViconOptions
-from drivers._vicon_markers import MarkerTable
-from drivers.simulated._vicon_encode import Scene, contents
-from drivers.simulated._vicon_server import ViconServer
-from drivers.simulated._wire_plant import SharedPlant
 from labrig.bench._report import write_section
+from labrig_drivers import Channel, RealClock
+from labrig_drivers._cgstream import block, packet
+from labrig_drivers._cgstream_session import ClientSession
+from labrig_drivers._vicon import Vicon, ViconOptions
+from labrig_drivers._vicon_markers import MarkerTable
+from labrig_drivers.simulated._vicon_encode import Scene, contents
+from labrig_drivers.simulated._vicon_server import ViconServer
+from labrig_drivers.simulated._wire_plant import SharedPlant
 
 NAMES = tuple(f"m{number:02d}" for number in range(1, 35))
 

@@ -21,21 +21,21 @@ from typing import Any
 
 import numpy as np
 
-from drivers._artec_files import ScanFileError, parse
-from drivers._cgstream import MAGIC, CgstreamError, block, packet
-from drivers._cgstream_session import ClientSession
-from drivers._modbus import ModbusOptions, ModbusWire
-from drivers._modbus_map import load_map
-from drivers._openpneu_stream import StreamParser, telemetry_line
-from drivers._recording import RecordingError, parse_piece
-from drivers._transport import LinkError
-from drivers._vicon_markers import MarkerTable
-from drivers._wired_pressure import WireError
-from drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_bytes
-from drivers.simulated._openpneu_board import OpenPneuBoard
-from drivers.simulated._vicon_encode import Scene, contents
-from drivers.simulated._vicon_server import TwinClient, ViconServer
 from labrig.bench._report import write_section
+from labrig_drivers._artec_files import ScanFileError, parse
+from labrig_drivers._cgstream import MAGIC, CgstreamError, block, packet
+from labrig_drivers._cgstream_session import ClientSession
+from labrig_drivers._modbus import ModbusOptions, ModbusWire
+from labrig_drivers._modbus_map import load_map
+from labrig_drivers._openpneu_stream import StreamParser, telemetry_line
+from labrig_drivers._recording import RecordingError, parse_piece
+from labrig_drivers._transport import LinkError
+from labrig_drivers._vicon_markers import MarkerTable
+from labrig_drivers._wired_pressure import WireError
+from labrig_drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_bytes
+from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
+from labrig_drivers.simulated._vicon_encode import Scene, contents
+from labrig_drivers.simulated._vicon_server import TwinClient, ViconServer
 
 SLOW_S = 2.0
 ABSURD = (0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0xFFFF, MAGIC)

@@ -20,9 +20,9 @@ import numpy as np
 from _ik import accuracy, evaluation, search
 from _ik.setup import Bench, asked_for
 
-from drivers import Scan
 from labrig.bench._report import markdown, write_section
 from labrig.campaign._scans import keep_scan
+from labrig_drivers import Scan
 
 HEADING = "## Inverse kinematics"
 

@@ -28,12 +28,12 @@ from typing import Any
 import numpy as np
 import yaml
 
-from drivers import Channel, RealClock
-from drivers.simulated._openpneu_board import OpenPneuBoard
-from drivers.simulated._openpneu_twin import OpenPneuTwin
-from drivers.simulated._wire_plant import SharedPlant
 from labrig import LabrigError
 from labrig.log import summarise
+from labrig_drivers import Channel, RealClock
+from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
+from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
+from labrig_drivers.simulated._wire_plant import SharedPlant
 
 WITHIN_S = 10.0
 VENTED_KPA = 3.0

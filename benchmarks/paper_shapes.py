@@ -18,13 +18,13 @@ import numpy as np
 from _ik import search
 from _ik.setup import Bench, asked_for
 
-from drivers import Scan, SimulatedClock
 from labrig.bench._report import markdown, write_section
 from labrig.campaign import run
 from labrig.campaign._scans import keep_scan
 from labrig.ik import outcomes
 from labrig.rig import connect, load_rig
-from procedures import Validate
+from labrig_drivers import Scan, SimulatedClock
+from labrig_procedures import Validate
 
 HEADING = "## Paper P7–P9"
 REFINE = 3

@@ -18,11 +18,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from _ik.setup import EXAMPLES, Bench, asked_for
 from PIL import Image
 
-from drivers import SimulatedClock
 from labrig.campaign import run
 from labrig.cli._validate import report
 from labrig.rig import connect, load_rig
-from procedures import Validate
+from labrig_drivers import SimulatedClock
+from labrig_procedures import Validate
 
 BODIES = (2, 6, 8)
 SIZE = (1060, 1850)

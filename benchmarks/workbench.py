@@ -23,10 +23,10 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
-from drivers.simulated import hide, seal
 from labrig.bench._report import write_section
 from labrig.cli._demo_steps import MODEL, RIG
 from labrig.workbench import open_desk, start
+from labrig_drivers.simulated import hide, seal
 
 CAPTURES = 300
 REPEATS = 5

@@ -27,11 +27,11 @@ import psutil
 from _streaming import CHAMBERS, FRAME_HZ, MARKERS, SAMPLE_HZ, make_rig
 from campaign import Captures
 
-from drivers import MarkerFrame, PressureSample, RealClock
 from labrig._running import notes
 from labrig.bench._report import write_section
 from labrig.campaign import Actuate, Completed, Control, Progress, Reachable, Record, Recording, Watching, run
 from labrig.log import Topic, load_segments
+from labrig_drivers import MarkerFrame, PressureSample, RealClock
 
 HOURS, HOLD_S = 8.0, 4.0
 ASK_S = 0.35
@@ -50,7 +50,7 @@ def overhead(folder: Path, captures: int, watched: bool) -> list[float]:
     """Overheads of the captures of one run, as shares of its 3 s, from the log's own times."""
     from itertools import pairwise
 
-    from logs_schema.step_pb2 import Step
+    from labrig_schema.step_pb2 import Step
 
     clock, control = RealClock(), Control()
     rig, procedure = make_rig(clock), Captures(count=captures + 1, settle_s=2.0, record_s=1.0)

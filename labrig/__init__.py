@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 
 if TYPE_CHECKING:
-    from drivers import DeviceError
     from labrig.api._compare import Comparison, ModelComparison, compare
     from labrig.api._diagnose import Diagnosis, diagnose
     from labrig.api._ik import solve_ik
@@ -34,12 +33,13 @@ if TYPE_CHECKING:
     from labrig.log import open_run
     from labrig.model import Model
     from labrig.rig import load_rig
+    from labrig_drivers import DeviceError
 
 __version__ = "0.1.0"
 
 _LAZY = {
     "Comparison": "labrig.api._compare",
-    "DeviceError": "drivers",
+    "DeviceError": "labrig_drivers",
     "Diagnosis": "labrig.api._diagnose",
     "Improvement": "labrig.api._improve",
     "Investigation": "labrig.api._investigate",

@@ -6,11 +6,11 @@ from pathlib import Path
 
 
 def main() -> int:
-    """Run protoc on every .proto file beside this script; returns its exit code."""
+    """Run protoc on every .proto file of the package; returns its exit code."""
     folder = Path(__file__).parent
-    names = sorted(f"logs_schema/{path.name}" for path in folder.glob("*.proto"))
+    names = sorted(f"labrig_schema/{path.name}" for path in folder.glob("labrig_schema/*.proto"))
     command = [sys.executable, "-m", "grpc_tools.protoc", "-I.", "--python_out=.", "--pyi_out=.", *names]
-    return subprocess.run(command, cwd=folder.parent, check=False).returncode
+    return subprocess.run(command, cwd=folder, check=False).returncode
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from drivers import SimulatedClock
 from labrig import open_run
 from labrig.campaign import Procedure, run
 from labrig.physics import load_shell, open_simulations, plant_shell, rig_shell, simulate
@@ -28,7 +27,8 @@ from labrig.surrogate import (
     train_warp,
     training_set,
 )
-from procedures import Capture
+from labrig_drivers import SimulatedClock
+from labrig_procedures import Capture
 
 Floats = NDArray[np.float64]
 

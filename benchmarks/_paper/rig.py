@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field
 
-from drivers import SimulatedClock
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Steps, run
 from labrig.log import open_run
 from labrig.physics import Simulations, open_simulations, simulate
@@ -31,6 +30,7 @@ from labrig.surrogate import (
     train_forward,
     training_set,
 )
+from labrig_drivers import SimulatedClock
 
 CHAMBERS = tuple(f"c{i + 1}" for i in range(9))
 OCCLUSION = 0.018

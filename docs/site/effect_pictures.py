@@ -18,11 +18,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import labrig
-from drivers.simulated import hide, seal
 from labrig.diagnosis import Signature
 from labrig.effects._registry import shipped
 from labrig.view._signature_figure import binned
 from labrig.view._style import FLOOR, GROUPS, INK, LINE, MUTED
+from labrig_drivers.simulated import hide, seal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

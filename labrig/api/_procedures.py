@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 def shipped() -> dict[str, "type[Procedure]"]:
     """The procedures that labrig brings, by name."""
-    import procedures
+    import labrig_procedures
 
-    kinds = [getattr(procedures, name) for name in procedures.__all__]
+    kinds = [getattr(labrig_procedures, name) for name in labrig_procedures.__all__]
     return {kind.procedure_name(): kind for kind in kinds}
 
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from drivers import DeviceError
 from labrig.campaign._execute import execute
 from labrig.campaign._follow import Miss, misses, reached_kpa
 from labrig.campaign._session import Session
 from labrig.campaign._steps import Completed, Record, Recording, Result, Scan, Scanned, Step
+from labrig_drivers import DeviceError
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from drivers import DeviceError, MarkerFrame, PressureSample, RealClock
 from labrig._errors import LabrigError
 from labrig.campaign._scans import keep_scan
 from labrig.campaign._session import Session
@@ -30,6 +29,7 @@ from labrig.campaign._steps import (
 )
 from labrig.log import Topic, to_ns
 from labrig.rig import RigConfig
+from labrig_drivers import DeviceError, MarkerFrame, PressureSample, RealClock
 
 _STILLNESS_S = 0.5
 _SCAN_GRACE_S = 5.0

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers import PressureSample
 from labrig.campaign._steps import Floats
 from labrig.rig import RigConfig
+from labrig_drivers import PressureSample
 
 IN_A_ROW = 3
 """Samples in a row that must be outside the tolerance: one alone may be a slip of the sensor or of the link."""

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drivers import MarkerFrame, PressureSample
 from labrig.campaign._procedure import RigInfo
 from labrig.campaign._steps import Completed, Step
+from labrig_drivers import MarkerFrame, PressureSample
 
 _QUEUE_LENGTH = 2000
 _LAST_WORDS_S = 2.0

@@ -8,15 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from drivers import (
-    Channel,
-    Identity,
-    MarkerFrame,
-    PressureSample,
-    Scan,
-    SimulatedClock,
-    VentReport,
-)
 from labrig._errors import LabrigError
 from labrig.campaign._execute import execute, limit_errors
 from labrig.campaign._observe import Observation
@@ -26,6 +17,15 @@ from labrig.campaign._signals import SignalGuard
 from labrig.campaign._steps import Actuate, Record, Result, Step
 from labrig.campaign._walk import ProcedureError, Walk
 from labrig.rig import Rig, RigConfig
+from labrig_drivers import (
+    Channel,
+    Identity,
+    MarkerFrame,
+    PressureSample,
+    Scan,
+    SimulatedClock,
+    VentReport,
+)
 
 _DRY_TICK_S = 0.25
 _VENT_S = 1.0

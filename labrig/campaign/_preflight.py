@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers import DeviceError, MarkerStatus
 from labrig._errors import LabrigError
 from labrig.campaign._session import Session
+from labrig_drivers import DeviceError, MarkerStatus
 
 _WAIT_S = 5.0
 _LOOK_S = 0.5

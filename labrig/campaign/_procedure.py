@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
-from drivers import Channel
 from labrig._errors import LabrigError
 from labrig.campaign._steps import Step
+from labrig_drivers import Channel
 
 Steps = Generator[Step, Any, None]
 """What `Procedure.steps` returns: steps go out, each one's result comes back from its `yield`."""

@@ -11,7 +11,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from drivers import Clock, MarkerFrame, PressureSample, RealClock
 from labrig._errors import LabrigError
 from labrig._running import Reception
 from labrig.campaign._kept import Kept, listed
@@ -20,6 +19,7 @@ from labrig.campaign._procedure import Procedure, RigInfo
 from labrig.campaign._session import Control
 from labrig.campaign._steps import Completed, Step
 from labrig.rig import RigConfig, link_of
+from labrig_drivers import Clock, MarkerFrame, PressureSample, RealClock
 
 KEPT_S = 120.0
 """How far back the pressures are kept for whoever begins to watch, s."""

@@ -50,7 +50,7 @@ def read_completed(folder: Path) -> list[Completed]:
 
 
 def _done(loaded: LoadedSegment, series: RunSeries, folder: Path) -> list[Completed]:
-    from logs_schema.step_pb2 import Step as StepMessage
+    from labrig_schema.step_pb2 import Step as StepMessage
 
     completed = []
     for payload in loaded.messages(Topic.STEP).payload:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from drivers import Clock, DeviceError, RealClock, VentNotConfirmedError, VentReport
 from labrig._errors import LabrigError
 from labrig.campaign._attempt import attempt
 from labrig.campaign._execute import execute, limit_errors, vent
@@ -25,6 +24,7 @@ from labrig.campaign._steps import Actuate, Completed, Record, Result, Settle, S
 from labrig.campaign._walk import Walk
 from labrig.log import Layout, LogWriter, last_logged_s, read_run_yaml, segment_path, segment_paths
 from labrig.rig import Rig
+from labrig_drivers import Clock, DeviceError, RealClock, VentNotConfirmedError, VentReport
 
 _PROGRESS_S = 0.5
 _RETRY_S = 0.5

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers import Scan
 from labrig._durable import sync_folder
 from labrig.rig import RigConfig
+from labrig_drivers import Scan
 
 _SEALED = "sealed.json"
 

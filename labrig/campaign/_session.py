@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
 from labrig._errors import LabrigError
 from labrig.campaign._observe import Observation
 from labrig.campaign._signals import SignalGuard
 from labrig.campaign._steps import Completed, Floats, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import Rig
+from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
 
 _LOG_THERE_S = 1.0
 
@@ -214,7 +214,7 @@ class Session:
         """Log a step's STARTED, DONE or FAILED; DONE makes everything so far durable."""
         import json
 
-        from logs_schema import step_pb2
+        from labrig_schema import step_pb2
 
         if self.log is None:
             return

@@ -169,7 +169,7 @@ def recover(
 @app.command()
 def reveal(run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder, or the demo's.")]) -> None:
     """Say what the simulated rig of a run hid."""
-    from drivers.simulated import reveal as open_seal
+    from labrig_drivers.simulated import reveal as open_seal
 
     hidden = open_seal(run)
     effects = hidden.get("effects", [])

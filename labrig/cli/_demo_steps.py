@@ -77,9 +77,9 @@ def run_demo(hide: str, seed: int, out: Path) -> Path:
 
 def _hidden(hide: str, seed: int) -> dict[str, Any]:
     """The setting of the simulated rig; raises `LabrigError` for an effect that does not exist."""
-    from drivers.simulated import choose
-    from drivers.simulated import hide as hide_effect
-    from drivers.simulated.hidden import EFFECTS
+    from labrig_drivers.simulated import choose
+    from labrig_drivers.simulated import hide as hide_effect
+    from labrig_drivers.simulated.hidden import EFFECTS
 
     if not hide:
         return choose(seed)
@@ -105,7 +105,7 @@ def _new_folder(out: Path) -> Path:
 
 
 def _prepare(folder: Path, seed: int, hidden: dict[str, Any]) -> None:
-    from drivers.simulated import seal
+    from labrig_drivers.simulated import seal
 
     (folder / "rig.yaml").write_text(RIG.replace("SEED", str(seed)), encoding="utf-8")
     (folder / "model.yaml").write_text(MODEL, encoding="utf-8")
@@ -113,10 +113,10 @@ def _prepare(folder: Path, seed: int, hidden: dict[str, Any]) -> None:
 
 
 def _campaign(console: Console, folder: Path, seed: int) -> None:
-    from drivers import SimulatedClock
     from labrig.campaign import run
     from labrig.rig import connect, load_rig
-    from procedures import Capture
+    from labrig_drivers import SimulatedClock
+    from labrig_procedures import Capture
 
     clock = SimulatedClock()
     start_s, began = clock.now_s(), time.monotonic()

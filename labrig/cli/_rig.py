@@ -13,7 +13,7 @@ from labrig.cli._signals import ending_on_signals
 if TYPE_CHECKING:
     from threading import Event
 
-    from drivers._check import Finding
+    from labrig_drivers._check import Finding
 
 rig_app = typer.Typer(
     name="rig",
@@ -39,10 +39,10 @@ def check(
     Each chamber is filled alone to half of its limit, which finds tubes that are off or swapped, leaks, and sensors
     whose zero or scale is wrong. It takes 5 to 15 s a chamber; --still leaves it out.
     """
-    from drivers import RealClock
-    from drivers._check import check_devices
     from labrig.cli._rig_steps import check_chambers
     from labrig.rig import device_makers, load_rig
+    from labrig_drivers import RealClock
+    from labrig_drivers._check import check_devices
 
     config = load_rig(rig)
     makers = device_makers(config, RealClock())
@@ -107,9 +107,9 @@ def simulate(
     ] = None,
 ) -> None:
     """Start devices that speak the real wire protocols, and write the rig.yaml that reaches them."""
-    from drivers import RealClock
-    from drivers.simulated import build_plant
-    from drivers.simulated._twins import PRESSURE_KINDS, TwinOptions, TwinRig
+    from labrig_drivers import RealClock
+    from labrig_drivers.simulated import build_plant
+    from labrig_drivers.simulated._twins import PRESSURE_KINDS, TwinOptions, TwinRig
 
     _one_of("pressure", pressure, PRESSURE_KINDS)
     _one_of("build", build, ("full", "published"))
@@ -146,9 +146,9 @@ def record(
     seconds: Annotated[float, typer.Option(min=0.1, help="How long to record, s.")] = 10.0,
 ) -> None:
     """Read RIG's devices for a while, vent, and keep every byte that passes, for `labrig rig replay`."""
-    from drivers import RealClock
     from labrig._errors import LabrigError
     from labrig.rig import load_rig
+    from labrig_drivers import RealClock
 
     config = load_rig(rig)
     check_folder(out, "-o")
@@ -176,10 +176,10 @@ def replay(
     """Answer on local ports as the recorded devices did, and write the rig.yaml that reaches them."""
     from contextlib import ExitStack
 
-    from drivers._recording import RecordingError
-    from drivers.simulated._replay import ReplayTwin
     from labrig._errors import LabrigError
     from labrig.rig import load_rig
+    from labrig_drivers._recording import RecordingError
+    from labrig_drivers.simulated._replay import ReplayTwin
 
     check_folder(out, "-o")
     if not (recording / "rig.yaml").is_file():
@@ -238,7 +238,7 @@ def _recorded_rig(config: Any) -> dict[str, Any]:
 def _record_session(config: Any, out: Path, clock: Any, seconds: float) -> None:
     import time
 
-    from drivers import build_device
+    from labrig_drivers import build_device
 
     devices: dict[str, Any] = {}
     try:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from drivers import DeviceError
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
@@ -22,6 +21,7 @@ from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
 from labrig.rig import RigConfig, check_unattended, clock_of, connect, load_rig
+from labrig_drivers import DeviceError
 
 if TYPE_CHECKING:
     from labrig.campaign import Plan

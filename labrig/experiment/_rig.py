@@ -46,7 +46,7 @@ def on_rig(experiment: Experiment, config: "RigConfig") -> Experiment:
     Raises `LabrigError` if it would break a limit.
     """
     from labrig.campaign import dry_run
-    from procedures import Programme
+    from labrig_procedures import Programme
 
     plan = dry_run(Programme.model_validate({"points": experiment.programme()}), config)
     if plan.broken:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drivers import RealClock
 from labrig.campaign import Procedure, Watching, dry_run, read_completed, resume, run
 from labrig.log import read_run_yaml
 from labrig.rig import RigConfig, clock_of, connect, is_simulated
+from labrig_drivers import RealClock
 
 if TYPE_CHECKING:
     from labrig.rig import Rig
@@ -85,7 +85,7 @@ def complete(folder: Path) -> bool:
 
 def procedure_of(folder: Path) -> tuple[Procedure, int]:
     """The procedure of a run that has begun, one of those that an investigation runs, and its seed."""
-    from procedures import Capture, Programme
+    from labrig_procedures import Capture, Programme
 
     facts = read_run_yaml(folder)
     kind = {each.procedure_name(): each for each in (Capture, Programme)}[str(facts["procedure"])]

@@ -2,7 +2,6 @@
 
 from typing import TYPE_CHECKING
 
-from drivers import DeviceError
 from labrig._errors import LabrigError
 from labrig.investigation._bench import Bench
 from labrig.investigation._programmes import (
@@ -16,6 +15,7 @@ from labrig.investigation._reporter import Reporter, names_in
 from labrig.investigation._rounds import confirmed, diagnosed, fitted, given_round, measured_round
 from labrig.investigation._state import Settings, State, begun
 from labrig.investigation._work import Work
+from labrig_drivers import DeviceError
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result

@@ -22,7 +22,7 @@ CLEAR = {"nothing_missing", "identified", "multiple"}
 
 def first_campaign(work: Work, reserve_min: float) -> Procedure:
     """The first campaign, sized to the budget less what is kept; raises `LabrigError` where that is too little."""
-    from procedures import Capture
+    from labrig_procedures import Capture
 
     settings = work.state.settings
     few = Capture.model_validate({"captures": FEWEST, "highest": settings.highest})
@@ -38,7 +38,7 @@ def first_campaign(work: Work, reserve_min: float) -> Procedure:
 
 def fresh_programme(work: Work) -> Procedure:
     """What confirms a name: other set-points, another order, longer holds."""
-    from procedures import Capture
+    from labrig_procedures import Capture
 
     settings = work.state.settings
 
@@ -61,7 +61,7 @@ def experiment(work: Work, result: "Result", left_min: float) -> Procedure | Non
     from labrig.diagnosis import write_json
     from labrig.experiment import limits_of, on_rig, propose_experiment
     from labrig.view import write_experiment
-    from procedures import Programme
+    from labrig_procedures import Programme
 
     state, config = work.state, work.bench.config
     summary = _asked(work, result.summary)

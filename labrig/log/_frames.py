@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from drivers import MarkerFrame
+from labrig_drivers import MarkerFrame
 
 POINT = np.dtype([("position_mm", "<f4", (3,)), ("status", "u1")])
 """One marker in a cloud: positions as 32 bit floats (below 0.0001 mm at 1 m), `MarkerStatus`."""

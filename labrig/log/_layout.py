@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from labrig._errors import LabrigError
-from logs_schema import VERSION
+from labrig_schema import VERSION
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class RunSeries:
 
 def run_series(loaded: LoadedSegment) -> RunSeries:
     """The measurements of a segment of a rig's run as arrays."""
-    from logs_schema.pressure_pb2 import PressureMeasured
+    from labrig_schema.pressure_pb2 import PressureMeasured
 
     layout = loaded.layout
     frames, status = marker_series(loaded.messages(Topic.MARKERS), len(layout.markers))
@@ -161,7 +161,7 @@ def _seconds(time_ns: Any, loaded: LoadedSegment) -> Any:
 
 
 def _events(loaded: LoadedSegment) -> tuple[list[int], list[Floats]]:
-    from logs_schema.pressure_pb2 import PressureCommand
+    from labrig_schema.pressure_pb2 import PressureCommand
 
     messages = loaded.messages(Topic.COMMAND)
     times, setpoints = [], []
@@ -177,8 +177,8 @@ def _captures(
     loaded: LoadedSegment, times: list[int], setpoints: list[Floats], first_event: int
 ) -> list[_Capture]:
     """Every completed recording, with everything since the actuation or the recording before it."""
-    from logs_schema.observation_pb2 import Environment
-    from logs_schema.step_pb2 import Step
+    from labrig_schema.observation_pb2 import Environment
+    from labrig_schema.step_pb2 import Step
 
     layout = loaded.layout
     series = run_series(loaded)

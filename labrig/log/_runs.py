@@ -90,7 +90,7 @@ def _off_kpa(chambers: Sequence[str], results: list[dict[str, Any]]) -> dict[str
 
 
 def _done_steps(loaded: LoadedSegment) -> list[tuple[int, str, dict[str, Any]]]:
-    from logs_schema.step_pb2 import Step
+    from labrig_schema.step_pb2 import Step
 
     steps = [Step.FromString(payload) for payload in loaded.messages(Topic.STEP).payload]
     return [

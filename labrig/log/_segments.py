@@ -121,7 +121,7 @@ def _with_layout(number: int, segment: Segment, path: Path) -> LoadedSegment:
 
 def _spare_layout(segment: Segment) -> str:
     """The second copy of the layout, which stands in /plan, inside a chunk with a checksum."""
-    from logs_schema.step_pb2 import Plan
+    from labrig_schema.step_pb2 import Plan
 
     for payload in segment.topics.get(Topic.PLAN, Messages()).payload:
         if text := Plan.FromString(payload).layout_json:

@@ -247,9 +247,9 @@ def _known_events(found: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]
 
 def _read_messages(loaded: LoadedSegment) -> dict[str, np.ndarray]:
     """A table that was written row by row, as the fields of blocks."""
-    from logs_schema.observation_pb2 import Observation
-    from logs_schema.pressure_pb2 import PressureCommand
-    from logs_schema.step_pb2 import Capture
+    from labrig_schema.observation_pb2 import Observation
+    from labrig_schema.pressure_pb2 import PressureCommand
+    from labrig_schema.step_pb2 import Capture
 
     captures = [Capture.FromString(payload) for payload in loaded.messages(Topic.CAPTURE).payload]
     events = [PressureCommand.FromString(payload) for payload in loaded.messages(Topic.COMMAND).payload]

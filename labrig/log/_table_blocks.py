@@ -88,7 +88,7 @@ def _fields(chunk: dict[str, np.ndarray]) -> dict[str, Any]:
 
 def read_blocks(loaded: LoadedSegment) -> dict[str, np.ndarray]:
     """All fields of the blocks of a log, joined; lists of columns are still flat. Empty if there are no blocks."""
-    from logs_schema.table_pb2 import TableBlock
+    from labrig_schema.table_pb2 import TableBlock
 
     blocks = [TableBlock.FromString(payload) for payload in loaded.messages(Topic.TABLE).payload]
     if not blocks:

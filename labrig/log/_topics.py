@@ -37,7 +37,7 @@ def topic_table() -> dict[Topic, TopicInfo]:
     from foxglove_schemas_protobuf.Log_pb2 import Log
     from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 
-    from logs_schema import model_pb2, observation_pb2, pressure_pb2, scan_pb2, step_pb2, table_pb2
+    from labrig_schema import model_pb2, observation_pb2, pressure_pb2, scan_pb2, step_pb2, table_pb2
 
     return {
         Topic.COMMAND: TopicInfo("/pressure/command", pressure_pb2.PressureCommand),

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drivers import MarkerFrame, PressureSample
 from labrig._durable import sync_folder
 from labrig._errors import LabrigError
 from labrig.log._frames import FrameEncoder
 from labrig.log._layout import Layout, layout_to_text, pack_metadata
 from labrig.log._rescue import rescue
 from labrig.log._topics import Topic, descriptor_set, topic_table
+from labrig_drivers import MarkerFrame, PressureSample
 
 _CHUNK_BYTES = 1024 * 1024 - 64 * 1024
 """A chunk is closed by the message that passes this: it stays below 1 MiB for messages below 64 KiB."""

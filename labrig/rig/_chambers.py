@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers import DeviceError
 from labrig.rig._rig import Rig
+from labrig_drivers import DeviceError
 
 Floats = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """The clock of a rig: a simulated one where nothing has to be waited for."""
 
-from drivers import Clock, RealClock, SimulatedClock
 from labrig.rig._config import RigConfig
+from labrig_drivers import Clock, RealClock, SimulatedClock
 
 
 def is_simulated(config: RigConfig) -> bool:

@@ -5,13 +5,13 @@ from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from drivers import Channel
-from drivers._settings import SETTINGS
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._near import meant
 from labrig._paths import path_of
 from labrig._yaml import read_yaml
+from labrig_drivers import Channel
+from labrig_drivers._settings import SETTINGS
 
 
 class _Section(BaseModel):

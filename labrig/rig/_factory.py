@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from drivers import Clock, Device, RealClock, build_device
 from labrig._errors import LabrigError
 from labrig.rig._config import DeviceConfig, RigConfig
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._rig import Rig
+from labrig_drivers import Clock, Device, RealClock, build_device
 
 _KINDS = {"pressure": ("openpneu", "modbus"), "mocap": ("vicon",), "scanner": ("artec",)}
 
@@ -147,7 +147,7 @@ class _Simulated:
         options = device.options
 
         def make() -> Any:
-            simulated = importlib.import_module("drivers.simulated")
+            simulated = importlib.import_module("labrig_drivers.simulated")
             if self._plant is None:
                 try:
                     self._plant = simulated.build_plant(self.config.to_dict(), self.folder)

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers._check import Finding, State
 from labrig.rig._chambers import Filling, Fillings
 from labrig.rig._config import ChamberConfig, RigConfig
+from labrig_drivers._check import Finding, State
 
 Floats = NDArray[np.float64]
 

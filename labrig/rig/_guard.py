@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers import (
+from labrig._errors import LabrigError
+from labrig.rig._config import RigConfig
+from labrig_drivers import (
     Channel,
     DeviceError,
     Identity,
@@ -24,8 +26,6 @@ from drivers import (
     VentNotConfirmedError,
     VentReport,
 )
-from labrig._errors import LabrigError
-from labrig.rig._config import RigConfig
 
 _START_S = 30.0
 _CALL_S = 15.0

@@ -21,11 +21,11 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from drivers import DeviceError, RealClock, VentNotConfirmedError
 from labrig._errors import LabrigError
 from labrig.rig._asked import Asked, receive
 from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
+from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 _RETRY_S = 0.5
 _IDLE_S = 0.1

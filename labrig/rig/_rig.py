@@ -7,8 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers import Clock, Device, Identity, MotionCapture, PressureController, Scanner, VentReport
 from labrig.rig._config import RigConfig
+from labrig_drivers import Clock, Device, Identity, MotionCapture, PressureController, Scanner, VentReport
 
 
 @dataclass

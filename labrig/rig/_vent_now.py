@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from drivers import DeviceError, RealClock, VentNotConfirmedError
 from labrig._errors import LabrigError
 from labrig._running import GoneError, Note, SilentError, notes
 from labrig.rig._asked import link_of
 from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
+from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 _RETRY_S = 0.3
 _TELL_S = 2.0

@@ -137,7 +137,7 @@ def read_mesh(path: str | Path, unit: str | None = None) -> Mesh:
     or mm or m, whichever makes a size that a person's surface can have. Raises `LabrigError`, in one line, for a
     file that is missing, damaged, of another kind, or of no clear size.
     """
-    from drivers._artec_files import MM_PER_UNIT, ScanFileError, parse, read_set, scan_set
+    from labrig_drivers._artec_files import MM_PER_UNIT, ScanFileError, parse, read_set, scan_set
 
     path = Path(path)
     if unit is not None and unit not in MM_PER_UNIT:
@@ -173,7 +173,7 @@ def clean(vertices_mm: ArrayLike, triangles: ArrayLike, name: str = "mesh") -> M
 
     Raises `LabrigError` when nothing is left that could be a surface.
     """
-    from drivers._artec_files import weld
+    from labrig_drivers._artec_files import weld
 
     vertices, corners = np.asarray(vertices_mm, float), np.asarray(triangles, np.int64).reshape(-1, 3)
     if len(corners) == 0:

@@ -124,8 +124,8 @@ def shots_of(path: str | Path, chamber_names: tuple[str, ...]) -> list[Shot]:
     Raises `LabrigError` for a run that can't be read, and for a scan whose file is gone or damaged.
     """
     from labrig.log import Topic, load_segments, sessions, to_ns
-    from logs_schema.pressure_pb2 import PressureCommand
-    from logs_schema.step_pb2 import Step
+    from labrig_schema.pressure_pb2 import PressureCommand
+    from labrig_schema.step_pb2 import Step
 
     path = Path(path)
     segments, _ = load_segments(path)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drivers import MarkerFrame, PressureSample
 from labrig._errors import LabrigError
 from labrig.campaign import Completed, Observer, Progress, RigInfo, Step
 from labrig.view._colours import STEPS, moved_colours, rgb
@@ -16,6 +15,7 @@ from labrig.view._legend import legend_picture
 from labrig.view._scene import CHAMBER_COLOURS, UNSEEN, draw_state, scene_in_front
 from labrig.view._style import BEFORE
 from labrig.view._viewer import Viewer, reachable, start_viewer
+from labrig_drivers import MarkerFrame, PressureSample
 
 if TYPE_CHECKING:
     from labrig.view._rerun import Recording

@@ -9,9 +9,9 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import Response
 
-from drivers import DeviceError
 from labrig._errors import LabrigError
 from labrig.diagnosis import plain
+from labrig_drivers import DeviceError
 
 __all__ = ["Answer", "answering", "body_of", "failed", "plain", "says", "told"]
 

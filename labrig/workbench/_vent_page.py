@@ -23,9 +23,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from drivers import DeviceError
 from labrig._errors import LabrigError
 from labrig.rig import RigConfig, VentNow, load_rig, runs_on, vent_now
+from labrig_drivers import DeviceError
 
 WHY = "the vent button"
 _WAIT_S = 2.0

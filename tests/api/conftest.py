@@ -19,7 +19,7 @@ RIG = {
 @pytest.fixture(scope="session")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with rig.yaml, model.yaml and the run `first`."""
-    from drivers.simulated import hide, seal
+    from labrig_drivers.simulated import hide, seal
 
     folder = tmp_path_factory.mktemp("lab")
     (folder / "rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")

@@ -34,7 +34,7 @@ SHOWN = [name for name in labrig.__all__ if ">>>" in (getattr(labrig, name).__do
 @pytest.fixture(scope="session")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A rig that hides hysteresis: rig.yaml, model.yaml, runs/first, runs/on_off; and a table with its mapping."""
-    from drivers.simulated import hide, seal
+    from labrig_drivers.simulated import hide, seal
 
     folder = tmp_path_factory.mktemp("campaign")
     (folder / "rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
@@ -60,11 +60,11 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def shapes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sheet over four chambers with a scanner: rig.yaml, simulations, forward.pt, runs/first, and body.ply."""
-    from drivers import Scan
     from labrig.campaign._scans import keep_scan
     from labrig.physics import load_shell, simulate
     from labrig.surface import grid
     from labrig.surrogate import save_model
+    from labrig_drivers import Scan
 
     folder = tmp_path_factory.mktemp("shapes")
     rig = {

@@ -12,7 +12,7 @@ from labrig.bench._nature import EFFECTS, Law, Path, Rig, Setting, simulate
 from labrig.bench.exam import EXAM
 
 LAWS = [law for laws in EXAM.laws.values() for law in laws] + list(EXAM.outside)
-FORBIDDEN = ("labrig.effects", "labrig.diagnosis", "labrig.bench.development", "drivers")
+FORBIDDEN = ("labrig.effects", "labrig.diagnosis", "labrig.bench.development", "labrig_drivers")
 
 
 @cache

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from drivers import SimulatedClock
 from labrig.rig import Rig, RigConfig, connect, parse_rig
+from labrig_drivers import SimulatedClock
 
 HERE = Path(__file__).parent
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drivers import (
+from labrig_drivers import (
     Channel,
     Clock,
     DeviceError,

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, VentNotConfirmedError
 from labrig import LabrigError, open_run
 from labrig.campaign import (
     Actuate,
@@ -28,6 +27,7 @@ from labrig.campaign import (
     run,
 )
 from labrig.log import LogWriter
+from labrig_drivers import DeviceError, VentNotConfirmedError
 
 VENTED_KPA = 0.5
 WITHIN_S = 5.0

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, PressureSample
 from labrig import open_run
 from labrig.campaign import (
     Actuate,
@@ -28,6 +27,7 @@ from labrig.campaign import (
 )
 from labrig.campaign._follow import misses
 from labrig.log import load_segments, summarise
+from labrig_drivers import DeviceError, PressureSample
 
 NOBODY = Watching()
 
@@ -55,7 +55,7 @@ def _events(folder: Path) -> list[str]:
 
 def _states(folder: Path) -> list[tuple[int, int]]:
     from labrig.log import Topic
-    from logs_schema.step_pb2 import Step
+    from labrig_schema.step_pb2 import Step
 
     segments, _ = load_segments(folder)
     steps = [Step.FromString(payload) for payload in segments[0].messages(Topic.STEP).payload]
@@ -164,7 +164,7 @@ def test_what_was_commanded_and_reached_is_in_the_log(fake: Any, tmp_path: Path)
     import json
 
     from labrig.log import Topic
-    from logs_schema.step_pb2 import Step
+    from labrig_schema.step_pb2 import Step
 
     fake.pressure.faults["leaks"] = {0: 0.1}
     run(Two(), fake.rig, tmp_path / "run", fake.clock)

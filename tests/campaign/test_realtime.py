@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, RealClock
 from labrig import open_run
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Steps, read_completed, run
 from labrig.rig import connect
+from labrig_drivers import DeviceError, RealClock
 
 
 class Scans(Procedure):

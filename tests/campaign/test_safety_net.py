@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, PressureSample
 from labrig import open_run
 from labrig.campaign import Actuate, Interrupted, Procedure, Record, RigInfo, Scan, Settle, Steps, Vent, run
 from labrig.log import LogWriter
+from labrig_drivers import DeviceError, PressureSample
 
 
 class Twice(Procedure):

@@ -11,7 +11,7 @@ from unittest import mock
 import pytest
 
 from labrig.log import Layout, LogWriter, Topic, run_id
-from logs_schema.step_pb2 import Step
+from labrig_schema.step_pb2 import Step
 
 START_S = 1_785_000_000.0
 

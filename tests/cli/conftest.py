@@ -24,7 +24,7 @@ MODEL = "base: {kind: simulator, rig: rig.yaml}\neffects: []\n"
 @pytest.fixture
 def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Path]:
     """Makes a folder with a simulated rig that hides something, and its model, and goes there."""
-    from drivers.simulated import hide, seal
+    from labrig_drivers.simulated import hide, seal
 
     def make(hidden: str, seed: int = 1, **rig: Any) -> Path:
         monkeypatch.chdir(tmp_path)

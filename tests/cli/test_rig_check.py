@@ -47,7 +47,7 @@ def test_without_filling_nothing_moves(
     def moved(*_: Any) -> None:
         raise AssertionError("a set-point was commanded")
 
-    monkeypatch.setattr("drivers.simulated.SimulatedPressure.set", moved)
+    monkeypatch.setattr("labrig_drivers.simulated.SimulatedPressure.set", moved)
     code, out, err = _check(capsys, "--still")
     assert (code, err) == (0, "")
     assert "confirmed in" in out
@@ -57,7 +57,7 @@ def test_tubes_that_are_swapped_show_in_the_markers(
     lab: Callable[..., Path], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With sensors on the board the pressures are as asked for; against a model the markers tell."""
-    from drivers.simulated._plant import SimulatedPlant
+    from labrig_drivers.simulated._plant import SimulatedPlant
 
     lab("nothing")
     code, out, _ = _check(capsys, "--model", "model.yaml")

@@ -44,7 +44,7 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture
 def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a simulated rig and a user's procedure, as the current one."""
-    from drivers.simulated import hide, seal
+    from labrig_drivers.simulated import hide, seal
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rig.yaml").write_text(yaml.safe_dump(RIG))

@@ -43,13 +43,13 @@ def wheel(tmp_path_factory):
 
 
 def test_wheel_holds_the_packages_and_nothing_else(wheel):
-    """The wheel has labrig, drivers, procedures and logs_schema with their data files, and no tests."""
+    """The wheel installs names that are labrig's own and collide with nobody's, with their data files, and no tests."""
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.split("/")[0] for name in names if ".dist-info/" not in name} == {
         "labrig",
-        "drivers",
-        "procedures",
-        "logs_schema",
+        "labrig_drivers",
+        "labrig_procedures",
+        "labrig_schema",
     }
     assert any(name.endswith("licenses/LICENSE") for name in names)
 
@@ -84,7 +84,7 @@ def test_wheel_gives_the_command_anywhere(wheel, tmp_path):
     where = [
         str(python),
         "-c",
-        "import labrig, drivers, procedures, logs_schema.pressure_pb2; print(labrig.__file__)",
+        "import labrig, labrig_drivers, labrig_procedures, labrig_schema.pressure_pb2; print(labrig.__file__)",
     ]
     found = subprocess.run(where, cwd=tmp_path, check=True, capture_output=True, text=True, timeout=60)
     assert Path(found.stdout.strip()).is_relative_to(packages)

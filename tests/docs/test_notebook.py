@@ -16,7 +16,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "notebook.md"
 @pytest.fixture
 def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The files that the page speaks of: a simulated rig that hides creep, its first run, and a model without it."""
-    from drivers.simulated import hide, seal
+    from labrig_drivers.simulated import hide, seal
 
     rig = {
         "name": "bench",

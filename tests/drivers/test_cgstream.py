@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers._cgstream import CgObject, CgstreamError, PacketReader, block, blocks, packet
-from drivers._cgstream_session import MAX_BAD_PACKETS, ClientSession
-from drivers.simulated._vicon_encode import Scene, contents
+from labrig_drivers._cgstream import CgObject, CgstreamError, PacketReader, block, blocks, packet
+from labrig_drivers._cgstream_session import MAX_BAD_PACKETS, ClientSession
+from labrig_drivers.simulated._vicon_encode import Scene, contents
 
 HELLO = bytes.fromhex(
     "01002b1a 1c000000  a1860100 14000000 04000000 02000000 05000000 06000000 a4860100".replace(" ", "")

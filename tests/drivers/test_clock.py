@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from drivers import RealClock, SimulatedClock
+from labrig_drivers import RealClock, SimulatedClock
 
 
 def test_setting_the_computers_clock_moves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

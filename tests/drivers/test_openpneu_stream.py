@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers._openpneu_stream import MAX_LINE_BYTES, Reply, StreamParser, Telemetry, telemetry_line
+from labrig_drivers._openpneu_stream import MAX_LINE_BYTES, Reply, StreamParser, Telemetry, telemetry_line
 
 VALUES = (0.0, -12.34, 100.0, 5.5, 1.0, 2.0, 3.0, 4.0, 5.0, 60.25)
 LINE = b"T0.00,-12.34,100.00,5.50,1.00,2.00,3.00,4.00,5.00,60.25;\r\n"

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from drivers._transport import LinkError, TcpLink
+from labrig_drivers._transport import LinkError, TcpLink
 
 MANY_BYTES = 32_000_000
 """More than any system keeps for a peer that does not read."""

@@ -6,8 +6,8 @@ from collections import deque
 import numpy as np
 import pytest
 
-from drivers import Channel, DeviceError, RealClock, VentNotConfirmedError
-from drivers._wired_pressure import PressureOptions, WiredPressure, WireError
+from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError
+from labrig_drivers._wired_pressure import PressureOptions, WiredPressure, WireError
 
 CHANNELS = (Channel("a", 0, 60), Channel("b", -20, 40))
 FINE, CALM = (20.0, 10.0), (1.0, -1.0)

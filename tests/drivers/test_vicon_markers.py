@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from drivers import MarkerStatus
-from drivers._cgstream_objects import LABELED_DTYPE, Subject
-from drivers._cgstream_session import CgFrame, Statics
-from drivers._vicon_markers import MarkerTable
+from labrig_drivers import MarkerStatus
+from labrig_drivers._cgstream_objects import LABELED_DTYPE, Subject
+from labrig_drivers._cgstream_session import CgFrame, Statics
+from labrig_drivers._vicon_markers import MarkerTable
 
 SEEN, OCCLUDED, NOT_SUBSCRIBED = MarkerStatus.SEEN, MarkerStatus.OCCLUDED, MarkerStatus.NOT_SUBSCRIBED
 

@@ -8,9 +8,9 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from drivers import Channel, DeviceError, RealClock, VentNotConfirmedError
-from drivers._transport import LinkError
-from drivers._wired_pressure import PressureOptions, WiredPressure, WireError
+from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError
+from labrig_drivers._transport import LinkError
+from labrig_drivers._wired_pressure import PressureOptions, WiredPressure, WireError
 
 CHANNELS = (Channel("a", 0, 60), Channel("b", -20, 40))
 

@@ -8,7 +8,6 @@ import pytest
 import typer
 import yaml
 
-from drivers import Scan
 from labrig import LabrigError
 from labrig._executor import Executor
 from labrig.campaign._scans import keep_scan
@@ -17,6 +16,7 @@ from labrig.ik import load_shape_model, solve_files
 from labrig.physics import load_shell
 from labrig.surface import distances, grid, read_mesh
 from labrig.view._ik_report import ik_page
+from labrig_drivers import Scan
 
 BODIES = sorted((Path(__file__).parents[2] / "examples" / "bodies").glob("*.ply"))
 PRESSURES = {"a.ply": np.linspace(10, 50, 9), "b.ply": np.full(9, 25.0)}

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import yaml
 
-from drivers.simulated import build_plant
 from labrig.ik import Remembering, SurfaceModel, plan_path, solve_with_path
 from labrig.ik._path import SETTLE_S, paths_to
 from labrig.model import EffectEntry, Model, ModelFile
 from labrig.physics import load_surface
 from labrig.surface import Mesh, grid
+from labrig_drivers.simulated import build_plant
 
 RIG = {
     "name": "r",
@@ -106,11 +106,11 @@ def test_displaced_markers_are_taken_into_the_surface():
 
 def campaign_of(rig, tmp_path):
     """A repeatability run on a simulated rig."""
-    from drivers import SimulatedClock
     from labrig import open_run
     from labrig.campaign import run
     from labrig.rig import connect, load_rig
-    from procedures import Repeatability
+    from labrig_drivers import SimulatedClock
+    from labrig_procedures import Repeatability
 
     path = tmp_path / "rig.yaml"
     path.write_text(yaml.safe_dump(rig))

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import yaml
 
-from drivers import Scan, SimulatedClock
 from labrig import LabrigError
 from labrig.campaign import dry_run, read_completed, resume, run
 from labrig.campaign._scans import keep_scan
@@ -16,7 +15,8 @@ from labrig.cli._validate import report
 from labrig.ik import Refinement, outcomes
 from labrig.rig import connect, load_rig
 from labrig.surface import grid
-from procedures import Validate
+from labrig_drivers import Scan, SimulatedClock
+from labrig_procedures import Validate
 
 PLAY = {
     "name": "hysteresis",

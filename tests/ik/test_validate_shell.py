@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import yaml
 
-from drivers import Scan, SimulatedClock
 from labrig.campaign import resume, run
 from labrig.campaign._scans import keep_scan
 from labrig.cli._validate import report
@@ -16,7 +15,8 @@ from labrig.physics import load_shell, plant_shell, simulate
 from labrig.rig import connect, load_rig
 from labrig.surface import grid
 from labrig.surrogate import Frames, save_model, train_forward, train_warp, training_set
-from procedures import Validate
+from labrig_drivers import Scan, SimulatedClock
+from labrig_procedures import Validate
 
 TRUTH = np.array([35.0, 10.0, 45.0, 20.0, 40.0, 15.0, 30.0, 25.0, 20.0])
 PLAY = {

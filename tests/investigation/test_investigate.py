@@ -22,7 +22,7 @@ RIG = {
 
 def make_lab(folder: Path, hidden: str = "leak") -> None:
     """rig.yaml with something sealed, and a model that does not know it."""
-    from drivers.simulated import hide, seal
+    from labrig_drivers.simulated import hide, seal
 
     (folder / "rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
     (folder / "model.yaml").write_text(

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import MarkerFrame, MarkerStatus, PressureSample
 from labrig.log import Layout, LogWriter, Topic
-from logs_schema.step_pb2 import Step
+from labrig_drivers import MarkerFrame, MarkerStatus, PressureSample
+from labrig_schema.step_pb2 import Step
 
 CAPTURES = 6
 START_S = 1_767_225_600.0

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from labrig.log import Layout, LogWriter, Topic, load_segments, summarise
-from logs_schema.step_pb2 import Step
+from labrig_schema.step_pb2 import Step
 
 LAYOUT = Layout(("c1",), (0.0,), (60.0,), markers=("m1",))
 

@@ -38,8 +38,8 @@ def test_a_chunk_is_a_mebibyte_at_most(tmp_path: Path) -> None:
     """What a power cut can cost before a step is done is bounded."""
     import numpy as np
 
-    from drivers import MarkerFrame
     from labrig.log import Layout, LogWriter
+    from labrig_drivers import MarkerFrame
 
     names = tuple(f"m{index}" for index in range(34))
     writer = LogWriter(tmp_path / "log.000.mcap", Layout(("c1",), (0.0,), (1.0,), markers=names))

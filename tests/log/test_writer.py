@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import MarkerFrame
 from labrig import LabrigError
 from labrig.log import Layout, LogWriter, load_segments
 from labrig.log import to_ns as nanoseconds
+from labrig_drivers import MarkerFrame
 
 
 def _layout(markers: int = 1) -> Layout:

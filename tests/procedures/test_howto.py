@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from drivers import SimulatedClock
 from labrig import open_run
 from labrig.campaign import dry_run, run
 from labrig.rig import connect, parse_rig
+from labrig_drivers import SimulatedClock
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "procedure.md").read_text(encoding="utf-8")
 RIG = {

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-import procedures
-from drivers import Channel
+import labrig_procedures
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, dry_run
 from labrig.rig import parse_rig
-from procedures import Capture, Hold, Idle, Pairs, Repeatability, Survey, Sweep
+from labrig_drivers import Channel
+from labrig_procedures import Capture, Hold, Idle, Pairs, Repeatability, Survey, Sweep
 
-ALL = [getattr(procedures, name) for name in procedures.__all__ if name != "Validate"]
+ALL = [getattr(labrig_procedures, name) for name in labrig_procedures.__all__ if name != "Validate"]
 """All that need nothing but a rig; validate needs targets and a model, and has tests of its own in tests/ik."""
 
 

@@ -9,7 +9,7 @@ from labrig.campaign import Actuate, Note, Record, dry_run, rig_info
 from labrig.experiment import Limits
 from labrig.experiment._plan import Point, Probe
 from labrig.rig import parse_rig
-from procedures import Programme
+from labrig_procedures import Programme
 
 RIG = parse_rig(
     {

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drivers import Channel, Clock, DeviceError, Identity, PressureSample, VentReport
+from labrig_drivers import Channel, Clock, DeviceError, Identity, PressureSample, VentReport
 
 STEP_S = 0.002
 

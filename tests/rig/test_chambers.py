@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import SimulatedClock
 from labrig.rig import Filling, Fillings, Rig, chamber_findings, fill_in_turn, parse_rig, swapped_markers
+from labrig_drivers import SimulatedClock
 
 sys.path.insert(0, str(Path(__file__).parent))
 from pneumatics import Board, Faults

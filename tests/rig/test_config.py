@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import yaml
 
-from drivers import DeviceError, Identity, SimulatedClock
 from labrig import LabrigError
 from labrig.rig import connect, load_rig, parse_rig
+from labrig_drivers import DeviceError, Identity, SimulatedClock
 
 GOOD: dict[str, Any] = {
     "name": "small",
@@ -127,7 +127,7 @@ def test_a_device_that_cannot_be_made_is_explained(
 
 MINE = """
 import numpy as np
-from drivers import Identity, VentReport, DeviceError
+from labrig_drivers import Identity, VentReport, DeviceError
 
 LOG = []
 

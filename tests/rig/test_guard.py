@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, RealClock, SimulatedClock
 from labrig import LabrigError
 from labrig.rig import GuardedPressure, Rig, connect, load_rig
+from labrig_drivers import DeviceError, RealClock, SimulatedClock
 
 SLOW_S = 10.0
 """Longer than any of these vents takes on a busy machine; the time stated in the docs is the heartbeat's."""
 
 RUNNER = """
 import sys, time
-from drivers import RealClock
+from labrig_drivers import RealClock
 from labrig.rig import connect, load_rig
 rig = connect(load_rig(sys.argv[1]), RealClock())
 rig.vent()

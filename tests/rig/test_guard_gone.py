@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, RealClock
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps, run
 from labrig.rig import GuardedPressure, Rig, connect, load_rig
+from labrig_drivers import DeviceError, RealClock
 
 SLOW_S = 20.0
 

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, VentNotConfirmedError, VentReport
 from labrig.rig import GuardedPressure, load_rig
 from labrig.rig._guard_process import main
+from labrig_drivers import DeviceError, VentNotConfirmedError, VentReport
 
 HEARTBEAT_S = 2.0
 NEVER_S = 1e6

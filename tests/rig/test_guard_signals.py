@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, RealClock
 from labrig.rig import Rig, connect, load_rig
+from labrig_drivers import DeviceError, RealClock
 
 pytestmark = pytest.mark.skipif(
     sys.platform == "win32", reason="Windows cannot send these to another process"

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from drivers import Identity
 from labrig import LabrigError
 from labrig.rig import Rig, check_unattended, parse_rig
+from labrig_drivers import Identity
 
 
 def _rig(kind: str = "openpneu", details: dict[str, str] | None = None, **safety: Any) -> Rig:

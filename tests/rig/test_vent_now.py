@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers import DeviceError, RealClock, VentNotConfirmedError
 from labrig._running import GoneError, Note, Reception, SilentError, notes
 from labrig.rig import GuardedPressure, connect, load_rig, vent_now
+from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 SLOW_S = 10.0
 
 RUNNER = """
 import sys, time
-from drivers import RealClock
+from labrig_drivers import RealClock
 from labrig.rig import connect, load_rig
 rig = connect(load_rig(sys.argv[1]), RealClock())
 rig.vent()

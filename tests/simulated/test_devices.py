@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers import (
+from labrig_drivers import (
     DeviceError,
     MotionCapture,
     PressureController,
@@ -13,7 +13,7 @@ from drivers import (
     SimulatedClock,
     VentNotConfirmedError,
 )
-from drivers.simulated import SimulatedMocap, SimulatedPressure, SimulatedScanner, build_plant
+from labrig_drivers.simulated import SimulatedMocap, SimulatedPressure, SimulatedScanner, build_plant
 
 RIG = {
     "chambers": [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60} for i in range(1, 10)],

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivers import DeviceError, MarkerStatus, SimulatedClock
-from drivers.simulated import build_plant, hide, reveal, seal
-from drivers.simulated._calibration import reference_programme, run_programme
-from drivers.simulated._plant import make_hidden
-from drivers.simulated._wire_plant import SharedPlant
-from drivers.simulated.hidden import EFFECTS
 from labrig.physics import reduced_surface
+from labrig_drivers import DeviceError, MarkerStatus, SimulatedClock
+from labrig_drivers.simulated import build_plant, hide, reveal, seal
+from labrig_drivers.simulated._calibration import reference_programme, run_programme
+from labrig_drivers.simulated._plant import make_hidden
+from labrig_drivers.simulated._wire_plant import SharedPlant
+from labrig_drivers.simulated.hidden import EFFECTS
 
 
 def rig(**simulated: object) -> dict:

@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 import yaml
 
-from drivers import RealClock, SimulatedClock
-from drivers.simulated import build_plant, hide
-from drivers.simulated._wire_plant import SharedPlant
 from labrig._errors import LabrigError
 from labrig.physics import (
     ShellSurface,
@@ -23,6 +20,9 @@ from labrig.physics import (
     rig_shell,
 )
 from labrig.rig import load_rig, parse_rig
+from labrig_drivers import RealClock, SimulatedClock
+from labrig_drivers.simulated import build_plant, hide
+from labrig_drivers.simulated._wire_plant import SharedPlant
 
 PLANT = {"count": [12, 12], "shapes": 32, "seed": 5}
 
@@ -219,7 +219,7 @@ def test_a_plant_on_wires_is_solved_before_it_is_asked(cache, monkeypatch):
         done.set()
 
     plant.prepare = watched
-    monkeypatch.setattr("drivers.simulated._wire_plant._HELD_S", 1.5)
+    monkeypatch.setattr("labrig_drivers.simulated._wire_plant._HELD_S", 1.5)
     shared = SharedPlant(plant, RealClock())
     for level in (10.0, 20.0, 30.0):
         shared.command(np.full(4, level))
@@ -302,7 +302,7 @@ def test_a_campaign_is_captured_on_it(cache, tmp_path):
     from labrig.campaign import run
     from labrig.log import open_run
     from labrig.rig import connect
-    from procedures import Capture
+    from labrig_procedures import Capture
 
     content = {**rig(), "simulated": {**rig()["simulated"], "noise_mm": 0.02}}
     path = tmp_path / "rig.yaml"

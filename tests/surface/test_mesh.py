@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_bytes
 from labrig import LabrigError
 from labrig.surface import Mesh, Nearest, Target, clean, grid, read_mesh
+from labrig_drivers.simulated._artec_twin import obj_bytes, ply_bytes, stl_bytes, xyz_bytes
 
 WRITERS = {
     "obj": lambda v, t: obj_bytes(v, t, "none.mtl", True).replace(b"mtllib none.mtl\nusemtl scan\n", b""),

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers import SimulatedClock
 from labrig import LabrigError
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Steps, run
 from labrig.log import Layout, open_run
 from labrig.log._dataset import CampaignArrays, to_dataset
 from labrig.rig import connect, parse_rig
 from labrig.surrogate import Frames, frames_of, shots_of
+from labrig_drivers import SimulatedClock
 
 
 def _run(position, unit="kPa", settled=None):

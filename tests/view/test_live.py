@@ -12,7 +12,6 @@ import pytest
 import yaml
 
 import labrig
-from drivers import SimulatedClock
 from labrig import LabrigError
 from labrig.campaign import RigInfo, Watching, run
 from labrig.physics import load_surface
@@ -20,7 +19,8 @@ from labrig.rig import connect, parse_rig
 from labrig.view import LiveView, live_observers, live_predict
 from labrig.view import _live as live_module
 from labrig.view._viewer import headless_viewer
-from procedures import Capture
+from labrig_drivers import SimulatedClock
+from labrig_procedures import Capture
 
 drawing = pytest.mark.skipif(
     sys.platform == "linux" and not any(Path("/usr/share/vulkan/icd.d").glob("*.json")),
@@ -191,7 +191,7 @@ def test_a_hanging_viewer_does_not_hold_up_the_end():
     script = """
 import socket, threading
 import numpy as np
-from drivers import Channel, MarkerFrame
+from labrig_drivers import Channel, MarkerFrame
 from labrig.campaign import RigInfo
 from labrig.view import LiveView
 silent = socket.socket()

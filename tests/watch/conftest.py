@@ -17,9 +17,9 @@ from typing import Any
 import pytest
 import yaml
 
-from drivers import RealClock
-from drivers.simulated import build_plant
-from drivers.simulated._twins import TwinOptions, TwinRig
+from labrig_drivers import RealClock
+from labrig_drivers.simulated import build_plant
+from labrig_drivers.simulated._twins import TwinOptions, TwinRig
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")

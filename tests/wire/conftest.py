@@ -7,8 +7,8 @@ import time
 import numpy as np
 import pytest
 
-from drivers import Channel, RealClock
-from drivers.simulated._wire_plant import SharedPlant
+from labrig_drivers import Channel, RealClock
+from labrig_drivers.simulated._wire_plant import SharedPlant
 
 CHAMBERS = ("c1", "c2", "c3", "c4")
 MARKERS = tuple(f"m{number:02d}" for number in range(1, 35))

@@ -10,9 +10,16 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
-from drivers import DeviceError, RealClock, build_device
-from drivers._artec_files import IncompleteError, ScanFileError, parse, weld
-from drivers.simulated._artec_twin import ArtecTwin, obj_bytes, ply_bytes, png_bytes, stl_bytes, xyz_bytes
+from labrig_drivers import DeviceError, RealClock, build_device
+from labrig_drivers._artec_files import IncompleteError, ScanFileError, parse, weld
+from labrig_drivers.simulated._artec_twin import (
+    ArtecTwin,
+    obj_bytes,
+    ply_bytes,
+    png_bytes,
+    stl_bytes,
+    xyz_bytes,
+)
 
 TRIANGLES = np.array([[0, 1, 2], [1, 3, 2]])
 SQUARE = np.array([[0.0, 0, 0], [100, 0, 0], [0, 100, 0], [100, 100, 10]])

@@ -8,13 +8,13 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
-from drivers import Channel, DeviceError, MarkerStatus, RealClock, build_device
-from drivers._modbus_map import load_map
-from drivers.simulated._modbus_twin import ModbusTwin
-from drivers.simulated._openpneu_board import OpenPneuBoard
-from drivers.simulated._openpneu_twin import OpenPneuTwin
-from drivers.simulated._vicon_server import ViconServer
-from drivers.simulated._wire_plant import SharedPlant
+from labrig_drivers import Channel, DeviceError, MarkerStatus, RealClock, build_device
+from labrig_drivers._modbus_map import load_map
+from labrig_drivers.simulated._modbus_twin import ModbusTwin
+from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
+from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
+from labrig_drivers.simulated._vicon_server import ViconServer
+from labrig_drivers.simulated._wire_plant import SharedPlant
 
 CHANNELS = tuple(Channel(name, 0.0, 60.0) for name in ("c1", "c2", "c3", "c4"))
 PATIENCE_S = 20.0

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers import Channel, DeviceError, RealClock, VentNotConfirmedError, build_device
-from drivers._modbus import from_counts, signed, spans, to_counts
-from drivers._modbus_map import MAPS, RegisterMapError, load_map
-from drivers._wired_pressure import WireError
-from drivers.simulated._modbus_twin import ModbusTwin
-from drivers.simulated._wire_plant import SharedPlant
+from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError, build_device
+from labrig_drivers._modbus import from_counts, signed, spans, to_counts
+from labrig_drivers._modbus_map import MAPS, RegisterMapError, load_map
+from labrig_drivers._wired_pressure import WireError
+from labrig_drivers.simulated._modbus_twin import ModbusTwin
+from labrig_drivers.simulated._wire_plant import SharedPlant
 
 CHANNELS = tuple(Channel(name, 0.0, 60.0) for name in ("c1", "c2", "c3", "c4"))
 

@@ -6,9 +6,9 @@ import time
 import numpy as np
 import pytest
 
-from drivers import Channel, DeviceError, RealClock, VentNotConfirmedError, build_device
-from drivers.simulated._openpneu_board import OpenPneuBoard
-from drivers.simulated._openpneu_twin import OpenPneuTwin
+from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError, build_device
+from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
+from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
 
 CHANNELS = tuple(Channel(name, 0.0, 60.0) for name in ("c1", "c2", "c3", "c4"))
 

@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 
-from drivers._openpneu_stream import Reply, StreamParser, Telemetry
-from drivers.simulated._openpneu_board import OpenPneuBoard
-from drivers.simulated._openpneu_twin import OpenPneuTwin
-from drivers.simulated._wire_plant import SharedPlant
+from labrig_drivers._openpneu_stream import Reply, StreamParser, Telemetry
+from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
+from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
+from labrig_drivers.simulated._wire_plant import SharedPlant
 
 
 @pytest.fixture

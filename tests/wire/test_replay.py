@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers import Channel, DeviceError, RealClock, build_device
-from drivers._recording import Recorder, RecordingError, read_header, read_pieces
-from drivers.simulated._modbus_twin import ModbusTwin
-from drivers.simulated._openpneu_board import OpenPneuBoard
-from drivers.simulated._openpneu_twin import OpenPneuTwin
-from drivers.simulated._replay import ReplayTwin
-from drivers.simulated._vicon_server import ViconServer
+from labrig_drivers import Channel, DeviceError, RealClock, build_device
+from labrig_drivers._recording import Recorder, RecordingError, read_header, read_pieces
+from labrig_drivers.simulated._modbus_twin import ModbusTwin
+from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
+from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
+from labrig_drivers.simulated._replay import ReplayTwin
+from labrig_drivers.simulated._vicon_server import ViconServer
 
 CHANNELS = tuple(Channel(name, 0.0, 60.0) for name in ("c1", "c2", "c3", "c4"))
 TARGET = np.array([10.0, 20.0, 30.0, 40.0])
@@ -70,7 +70,7 @@ def test_vicon_session_replays_byte_for_byte(tmp_path, shared, plant, closing, u
 
 def test_modbus_session_replays(tmp_path, shared, closing, until):
     """A recorded Modbus session answers requests in the order in which they were made."""
-    from drivers._modbus_map import load_map
+    from labrig_drivers._modbus_map import load_map
 
     twin = closing(ModbusTwin(shared, load_map("festo-vtem.yaml")).start())
     file = tmp_path / "pressure.wire"

@@ -9,10 +9,10 @@ import time
 import pytest
 import yaml
 
-from drivers import DeviceError, RealClock
-from drivers._check import check_devices
-from drivers.simulated._twins import TwinOptions, TwinRig
 from labrig.rig import device_makers, parse_rig
+from labrig_drivers import DeviceError, RealClock
+from labrig_drivers._check import check_devices
+from labrig_drivers.simulated._twins import TwinOptions, TwinRig
 
 NO_MAP = "pressure: map: nope.yaml: no such register map (labrig brings festo-pgva.yaml, festo-vtem.yaml)"
 LABRIG = [sys.executable, "-c", "from labrig.cli import main; main()"]

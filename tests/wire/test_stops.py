@@ -2,11 +2,11 @@
 
 import pytest
 
-from drivers import Channel, RealClock, build_device
-from drivers._modbus_map import load_map
-from drivers.simulated._modbus_twin import ModbusTwin
-from drivers.simulated._openpneu_board import OpenPneuBoard
-from drivers.simulated._openpneu_twin import OpenPneuTwin
+from labrig_drivers import Channel, RealClock, build_device
+from labrig_drivers._modbus_map import load_map
+from labrig_drivers.simulated._modbus_twin import ModbusTwin
+from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
+from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
 
 CHANNELS = tuple(Channel(name, 0.0, 60.0) for name in ("c1", "c2", "c3", "c4"))
 

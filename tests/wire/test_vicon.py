@@ -6,10 +6,10 @@ import struct
 import numpy as np
 import pytest
 
-from drivers import DeviceError, MarkerStatus, RealClock, build_device
-from drivers._cgstream import CgObject, block, packet
-from drivers.simulated._vicon_encode import Scene
-from drivers.simulated._vicon_server import ViconServer
+from labrig_drivers import DeviceError, MarkerStatus, RealClock, build_device
+from labrig_drivers._cgstream import CgObject, block, packet
+from labrig_drivers.simulated._vicon_encode import Scene
+from labrig_drivers.simulated._vicon_server import ViconServer
 
 EMPTY = block(6, bytes(4))
 SEEN, OCCLUDED, STALE, NOT_SUBSCRIBED = MarkerStatus

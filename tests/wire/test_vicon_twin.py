@@ -10,9 +10,9 @@ import sys
 import numpy as np
 import pytest
 
-from drivers._cgstream import CgObject, PacketReader, block, blocks, packet
-from drivers._cgstream_objects import decode_contents, decode_labeled, decode_set, decode_subject
-from drivers.simulated._vicon_server import ViconServer
+from labrig_drivers._cgstream import CgObject, PacketReader, block, blocks, packet
+from labrig_drivers._cgstream_objects import decode_contents, decode_labeled, decode_set, decode_subject
+from labrig_drivers.simulated._vicon_server import ViconServer
 
 STATICS = {1, 2, 28, 37}
 
