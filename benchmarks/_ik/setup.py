@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
 from labrig import open_run
 from labrig.campaign import Procedure, run
@@ -29,8 +28,6 @@ from labrig.surrogate import (
 )
 from labrig_drivers import SimulatedClock
 from labrig_procedures import Capture
-
-Floats = NDArray[np.float64]
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "bodies"
 PLANT = {"count": [36, 36], "seed": 1}

@@ -6,7 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from labrig.view._learning import Floats, _figure, draw_lines, plain_axis, save_figure
+from labrig.arrays import Floats
+from labrig.view._learning import (
+    _figure,
+    draw_lines,
+    plain_axis,
+    save_figure,
+)
 from labrig.view._style import AFTER, BEFORE, GROUPS, INK, MUTED
 
 __all__ = ["bars", "curves", "histogram", "structure"]

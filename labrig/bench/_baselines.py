@@ -9,18 +9,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.bench._design import PATTERNS, Residuals, columns, residuals
 from labrig.effects import Context, Effect
-
-Array = NDArray[np.float64]
 
 MOST_EFFECTS = 3
 _ROWS = 300  # rows of the campaign that are used: a plain regression needs no more
 
 
-def _squares(X: Array, y: Array) -> tuple[float, int]:
+def _squares(X: Floats, y: Floats) -> tuple[float, int]:
     """Residual sum of squares of a least squares fit, and the rank."""
     gram = X.T @ X
     value, vector = np.linalg.eigh(gram)
@@ -29,7 +27,7 @@ def _squares(X: Array, y: Array) -> tuple[float, int]:
     return float(y @ y - projected @ projected), int(keep.sum())
 
 
-def candidates(data: Residuals, library: dict[str, Effect]) -> dict[str, list[Array]]:
+def candidates(data: Residuals, library: dict[str, Effect]) -> dict[str, list[Floats]]:
     """Columns of every form of every effect that can act on these rows."""
     found = {}
     for name, effect in library.items():
@@ -39,7 +37,7 @@ def candidates(data: Residuals, library: dict[str, Effect]) -> dict[str, list[Ar
 
 
 def _forward(
-    y: Array, forms: dict[str, list[Array]], better: Callable[[float, int, float, int], float]
+    y: Floats, forms: dict[str, list[Floats]], better: Callable[[float, int, float, int], float]
 ) -> list[str]:
     """Take the effect for which `better(old rss, old rank, new rss, new rank)` is highest while it is
     positive.
@@ -48,7 +46,7 @@ def _forward(
     taken = np.zeros((y.size, 0))
     squares, rank = float(y @ y), 0
     while len(chosen) < MOST_EFFECTS:
-        best: tuple[float, str, Array, float, int] | None = None
+        best: tuple[float, str, Floats, float, int] | None = None
         for name in sorted(forms.keys() - set(chosen)):
             for X in forms[name]:
                 joint = np.concatenate([taken, X], axis=1)
@@ -63,7 +61,7 @@ def _forward(
     return sorted(chosen)
 
 
-def bic(y: Array, forms: dict[str, list[Array]]) -> list[str]:
+def bic(y: Floats, forms: dict[str, list[Floats]]) -> list[str]:
     """Forward selection by the Bayesian information criterion (Schwarz 1978)."""
     n = y.size
 
@@ -73,7 +71,7 @@ def bic(y: Array, forms: dict[str, list[Array]]) -> list[str]:
     return _forward(y, forms, better)
 
 
-def f_test(y: Array, forms: dict[str, list[Array]], level: float = 0.05) -> list[str]:
+def f_test(y: Floats, forms: dict[str, list[Floats]], level: float = 0.05) -> list[str]:
     """Forward selection by F-tests that take every entry for independent, Bonferroni over the library."""
     from scipy.stats import f as f_distribution
 
@@ -139,14 +137,14 @@ def _sparse(context: Context) -> list[str] | None:
     return sorted(names[:MOST_EFFECTS])
 
 
-def _quiet_fit(optimizer: Any, X: Array, y: Array) -> Array:
+def _quiet_fit(optimizer: Any, X: Floats, y: Floats) -> Floats:
     """Coefficients of a sparse fit; that a threshold leaves nothing over is no news here."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return optimizer.fit(X, y).coef_
 
 
-def _everyday_terms(context: Context) -> dict[str, Array]:
+def _everyday_terms(context: Context) -> dict[str, Floats]:
     """Terms that a person would put into a sparse regression, under the name of what they would stand for."""
     rows = context.rows
     u = (rows.actuation - rows.low) / (rows.high - rows.low)

@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.bench._halves import half_of, make_rig
-from labrig.bench._nature import Array, Rig
+from labrig.bench._nature import Rig
 from labrig.bench._size import strength_for
 
-Predict = Callable[[Array], Array]
+Predict = Callable[[Floats], Floats]
 
 KINDS = {"exact": 0.6, "clipped": 0.25, "learnt": 0.15}
 """How often a base is of which kind."""
@@ -44,7 +45,7 @@ def make_base(recipe: dict[str, Any]) -> Predict:
     raise LabrigError(f"bench: there is no base '{kind}' (exact, clipped, learnt or wrong)")
 
 
-def own_error(recipe: dict[str, Any], pressure: Array) -> float:
+def own_error(recipe: dict[str, Any], pressure: Floats) -> float:
     """Root mean square of what a recipe's base itself has wrong at pressures (F, C); no effect takes it away."""
     pressure = np.asarray(pressure, dtype=float)
     if recipe["kind"] == "exact":
@@ -53,7 +54,7 @@ def own_error(recipe: dict[str, Any], pressure: Array) -> float:
 
 
 def draw_base(
-    rig_recipe: dict[str, Any], pressure: Array, floor: float, random: np.random.Generator, structural: float
+    rig_recipe: dict[str, Any], pressure: Floats, floor: float, random: np.random.Generator, structural: float
 ) -> dict[str, Any]:
     """A recipe of a base for a rig; with `structural`, wrong in form by that many floors at pressures (F, C)."""
     recipe = {**rig_recipe, "kind": "exact", "seed": int(random.integers(2**31))}
@@ -71,7 +72,7 @@ def draw_base(
     return {**recipe, "kind": kind}
 
 
-def _draw_wrong(recipe: dict[str, Any], pressure: Array, wanted: float, random: np.random.Generator) -> dict:
+def _draw_wrong(recipe: dict[str, Any], pressure: Floats, wanted: float, random: np.random.Generator) -> dict:
     forms = list(half_of(recipe["half"]).wrong)
     for _ in range(8):
         wrong = {
@@ -88,7 +89,7 @@ def _draw_wrong(recipe: dict[str, Any], pressure: Array, wanted: float, random: 
     raise LabrigError(f"bench: no base of the rig {recipe['rig']} can be wrong by {wanted:.3g}")
 
 
-def chambers_own_law(recipe: dict[str, Any], pressure: Array) -> bool:
+def chambers_own_law(recipe: dict[str, Any], pressure: Floats) -> bool:
     """Whether most of what a base has wrong is a function of each chamber's own pressure, acting where it acts.
 
     An effect of the pressures (regulator, tension, stiffening) or of a limit may then rightly be named for it.
@@ -107,7 +108,7 @@ def chambers_own_law(recipe: dict[str, Any], pressure: Array) -> bool:
     return bool(np.sum((left.ravel() - fit) ** 2) < 0.3 * np.sum(left**2))
 
 
-def _wrong(rig: Rig, recipe: dict[str, Any]) -> Callable[[Array, float], Array]:
+def _wrong(rig: Rig, recipe: dict[str, Any]) -> Callable[[Floats, float], Floats]:
     form = half_of(recipe["half"]).wrong[recipe["form"]]
     return form(rig, np.random.default_rng(recipe["seed"]))
 
@@ -124,5 +125,5 @@ def _learnt(rig: Rig, points: int, seed: int) -> Predict:
     return lambda actuation: spline(np.asarray(actuation, dtype=float) / high)
 
 
-def _rms(values: Array) -> float:
+def _rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(np.square(values))))

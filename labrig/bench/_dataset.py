@@ -5,16 +5,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.bench._nature import Rig
 from labrig.bench._programmes import Plan
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
-
-def _padded(rows: Array, counts: NDArray[np.int64]) -> Array:
+def _padded(rows: Floats, counts: NDArray[np.int64]) -> Floats:
     """Rows (R, ...) of captures with `counts` (F,) rows each as (F, T, ...), NaN where a hold is shorter."""
     out = np.full((len(counts), int(counts.max()), *rows.shape[1:]), np.nan)
     inside = np.arange(out.shape[1]) < counts[:, None]
@@ -22,7 +21,7 @@ def _padded(rows: Array, counts: NDArray[np.int64]) -> Array:
     return out
 
 
-def to_dataset(rig: Rig, plan: Plan, measured: Array, random: np.random.Generator) -> "xr.Dataset":
+def to_dataset(rig: Rig, plan: Plan, measured: Floats, random: np.random.Generator) -> "xr.Dataset":
     """The Dataset of a plan and what was measured (R, K); half of the campaigns have pressure sensors.
 
     Sensors sit at the regulators, so they read what was commanded. Between sessions whose pressures are

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.effects import Context, Variant
 from labrig.effects._fields import contribution
-
-Array = NDArray[np.float64]
 
 PATTERNS = 3  # free shapes over the observables are looked for among this many directions of the residuals
 
@@ -19,8 +18,8 @@ class Residuals:
 
     context: Context
     seen: NDArray[np.bool_]
-    value: Array
-    modes: Array
+    value: Floats
+    modes: Floats
 
 
 def residuals(context: Context, random: np.random.Generator, most_rows: int) -> Residuals:
@@ -35,7 +34,7 @@ def residuals(context: Context, random: np.random.Generator, most_rows: int) -> 
     return Residuals(context, seen, left[seen], modes)
 
 
-def columns(data: Residuals, variant: Variant) -> Array:
+def columns(data: Residuals, variant: Variant) -> Floats:
     """One column (N,) for each unknown coefficient of a variant, (N, Q), each of unit length."""
     context = data.context
     zeros = [_zeros(term, context.base.shape[1]) for term in variant.terms]
@@ -50,14 +49,14 @@ def columns(data: Residuals, variant: Variant) -> Array:
     return X[:, length > 1e-9] / length[length > 1e-9]
 
 
-def _zeros(term, observables: int) -> Array:
+def _zeros(term, observables: int) -> Floats:
     if term.kind == "frame":
         return np.zeros(6)
     width = term.feature.shape[-1]
     return np.zeros((width, observables)) if term.kind == "pattern" else np.zeros(width)
 
 
-def _units(zero: Array, modes: Array | None) -> list[Array]:
+def _units(zero: Floats, modes: Floats | None) -> list[Floats]:
     units = []
     if modes is None:
         for k in range(zero.size):

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.bench._bases import chambers_own_law, draw_base
 from labrig.bench._classes import CLASSES, CONFOUNDED, FAMILIES, Kind, family_of
 from labrig.bench._dataset import to_dataset
 from labrig.bench._halves import half_of, make_rig
 from labrig.bench._hide import FEW, Hidden, has, hide, pick_effects, pick_laws, pick_rig
-from labrig.bench._nature import Array, Path, Rig, simulate
+from labrig.bench._nature import Path, Rig, simulate
 from labrig.bench._noise import Spoil, spoil
 from labrig.bench._path import PAUSE_S, make_path
 from labrig.bench._programmes import DESIGNS, Plan, make_plan
@@ -39,7 +40,7 @@ class Campaign:
     truth: dict[str, Any] = field(default_factory=dict)
     later: "Callable[[Plan, int], xr.Dataset] | None" = field(default=None, repr=False, compare=False)
     """Measures another plan on the same rig, vented for `PAUSE_S` after the campaign; an int seeds its noise."""
-    parts: dict[str, Array] = field(default_factory=dict, repr=False, compare=False)
+    parts: dict[str, Floats] = field(default_factory=dict, repr=False, compare=False)
     """By effect, what it alone changes (R, K) at the rows of `dataset`, capture by capture, without noise."""
 
     def __getstate__(self) -> dict[str, Any]:
@@ -213,7 +214,7 @@ def _right_verdict(kind: Kind, effects: list[str], deleted: set[str]) -> str:
     return "identified" if len(effects) == 1 else "multiple"
 
 
-def _also(base: dict[str, Any], pressure: Array) -> list[str]:
+def _also(base: dict[str, Any], pressure: Floats) -> list[str]:
     """Names that a wrong law of the base's chambers may rightly go by: it is an error of compliance."""
     wrong_law = chambers_own_law(base, pressure)
     return sorted({*FAMILIES["pressure"], *FAMILIES["limit"]}) if wrong_law else []

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.bench._nature import Array, Half, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Half, Rig
 
 HALVES = ("development", "exam")
 PORTIONS = {"third": "labrig.bench.development.third"}
@@ -52,14 +53,14 @@ class Linear(Rig):
         self._reach = np.linalg.lstsq(walls, rig.shape(walls) - self._rest, rcond=None)[0]
 
     @property
-    def low_kpa(self) -> Array:
+    def low_kpa(self) -> Floats:
         """The lower limits (C,)."""
         return self._low_kpa
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         """How far each chamber's wall gives way, (T, C)."""
         return np.asarray(np.asarray(kpa, dtype=float) @ self._give, dtype=float)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         """The observables (T, K)."""
         return self._rest + deflection @ self._reach

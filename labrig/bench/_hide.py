@@ -6,9 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.bench._classes import CONFOUNDED, DELETED, FAMILIES, STATIC_SAFE, Kind
 from labrig.bench._halves import half_of, make_rig
-from labrig.bench._nature import EFFECTS, Array, Half, Law, Path, Rig, Setting, simulate
+from labrig.bench._nature import (
+    EFFECTS,
+    Half,
+    Law,
+    Path,
+    Rig,
+    Setting,
+    simulate,
+)
 from labrig.bench._size import strength_for
 
 LONG_S = 15.0
@@ -142,7 +151,7 @@ def hide(
     return out
 
 
-def _beside_a_map(path: Path) -> Callable[[Array], Array]:
+def _beside_a_map(path: Path) -> Callable[[Floats], Floats]:
     """Takes out of a change (R, K) what is linear in the pressures that were commanded."""
     kpa = path.commanded_kpa[path.row]
     basis = np.linalg.svd(np.column_stack([np.ones(len(kpa)), kpa]), full_matrices=False)[0]

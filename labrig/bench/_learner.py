@@ -1,16 +1,14 @@
 """A black box that learns the base's residuals: it lowers the error and names nothing."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.effects import Rows
-
-Array = NDArray[np.float64]
 
 _COMPONENTS = 6
 
 
-def _features(rows: Rows) -> Array:
+def _features(rows: Rows) -> Floats:
     """Pressures now and before, the step, time in hold and time in session, (F, ...)."""
     before = np.maximum(rows.event - 1, 0)
     previous = rows.event_actuation[before]
@@ -19,7 +17,7 @@ def _features(rows: Rows) -> Array:
     return np.concatenate([rows.actuation, previous, rows.actuation - previous, clock], axis=1)
 
 
-def learned_error(rows: Rows, base: Array, fresh: Rows, fresh_base: Array) -> float | None:
+def learned_error(rows: Rows, base: Floats, fresh: Rows, fresh_base: Floats) -> float | None:
     """Error (rms over captures' means) on the fresh campaign after the residuals of the first were learned.
 
     Extremely randomised trees on the leading principal components of the residuals. None without
@@ -43,7 +41,7 @@ def learned_error(rows: Rows, base: Array, fresh: Rows, fresh_base: Array) -> fl
     return capture_error(fresh, fresh_base + middle + score @ directions)
 
 
-def capture_error(rows: Rows, predicted: Array) -> float:
+def capture_error(rows: Rows, predicted: Floats) -> float:
     """Root mean square, over captures and observables, of the mean residual of each hold."""
     left = rows.values - predicted
     seen = np.isfinite(left)

@@ -13,10 +13,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from labrig.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -40,37 +38,37 @@ class Rig(ABC):
 
     kind: ClassVar[str]
     chambers: tuple[str, ...]
-    high_kpa: Array
+    high_kpa: Floats
     observables: tuple[Observable, ...]
     marker_names: tuple[str, ...] = ()
-    rest_mm: Array | None = None
+    rest_mm: Floats | None = None
     noise: float
 
     @abstractmethod
     def __init__(self, random: np.random.Generator) -> None: ...
 
     @property
-    def low_kpa(self) -> Array:
+    def low_kpa(self) -> Floats:
         """The lower limits (C,): zero, or below it where a rig is driven both ways."""
         return np.zeros(len(self.chambers))
 
     @abstractmethod
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         """How far each chamber's wall gives way, (T, C) from pressures (T, C): 0 at rest, about 1 at full pressure.
 
         It must take any finite pressure, a little below zero and above the limit too, as the physics would.
         """
 
     @abstractmethod
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         """The observables (T, K) of deflections (T, C)."""
 
-    def settled(self, kpa: Array) -> Array:
+    def settled(self, kpa: Floats) -> Floats:
         """The observables (T, K) under pressures (T, C), with nothing hidden."""
         return self.shape(self.deflection(np.asarray(kpa, dtype=float)))
 
     @property
-    def at_rest(self) -> Array:
+    def at_rest(self) -> Floats:
         """The observables (K,) of the vented rig."""
         return self.settled(np.zeros((1, len(self.chambers))))[0]
 
@@ -85,15 +83,15 @@ class Path:
     is turned about x; `payload_kg` (T,) what hangs on the rig; `row` (R,) which of the moments are measured.
     """
 
-    time_s: Array
-    commanded_kpa: Array
-    kpa: Array
+    time_s: Floats
+    commanded_kpa: Floats
+    kpa: Floats
     event: Ints
-    hold_s: Array
+    hold_s: Floats
     session: Ints
-    session_s: Array
-    tilt_deg: Array
-    payload_kg: Array
+    session_s: Floats
+    tilt_deg: Floats
+    payload_kg: Floats
     row: Ints
 
 
@@ -124,15 +122,15 @@ class Law(ABC):
     def __init__(self, setting: Setting) -> None:
         self.rig = setting.rig
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """What the chambers get, (T, C), instead of `kpa`."""
         return kpa
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """How far the walls give way, (T, C), instead of `deflection`, which the true pressures `kpa` would make."""
         return deflection
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """What is there to be measured, (T, K), instead of `values`, at the walls' `deflection` (T, C)."""
         return values
 
@@ -156,7 +154,7 @@ EFFECTS = (
 )
 """The effects that the library names."""
 
-WrongForm = Callable[[Rig, np.random.Generator], Callable[[Array, float], Array]]
+WrongForm = Callable[[Rig, np.random.Generator], Callable[[Floats, float], Floats]]
 """Makes, for a rig, a base that is wrong in form: (kpa (T, C), how wrong) -> values (T, K); at 0 it is exact."""
 
 
@@ -171,7 +169,7 @@ class Half:
     wrong: Mapping[str, WrongForm]
 
 
-def simulate(rig: Rig, laws: Sequence[tuple[Law, float]], path: Path) -> Array:
+def simulate(rig: Rig, laws: Sequence[tuple[Law, float]], path: Path) -> Floats:
     """The observables (R, K) at the measured moments, under laws each with its strength."""
     kpa = path.kpa
     for law, strength in laws:

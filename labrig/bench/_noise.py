@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.bench._nature import Rig
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Spoil:
         return asdict(self)
 
 
-def _slow(random: np.random.Generator, captures: int, axes: int, memory: float = 0.9) -> Array:
+def _slow(random: np.random.Generator, captures: int, axes: int, memory: float = 0.9) -> Floats:
     """Stationary AR(1) of unit variance, (captures, axes)."""
     series = np.empty((captures, axes))
     value = random.normal(size=axes)
@@ -47,8 +46,8 @@ def _slow(random: np.random.Generator, captures: int, axes: int, memory: float =
 
 
 def spoil(
-    true: Array, rig: Rig, capture: NDArray[np.int64], how: Spoil, random: np.random.Generator
-) -> Array:
+    true: Floats, rig: Rig, capture: NDArray[np.int64], how: Spoil, random: np.random.Generator
+) -> Floats:
     """Measured observables (R, K), NaN where out of sight, for true ones; `capture` (R,) numbers their holds.
 
     A marker is hidden, or jumps, with all its axes; an observable that is no marker's stays in sight.

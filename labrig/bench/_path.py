@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Ints, Path
+from labrig.arrays import Floats, Ints
+from labrig.bench._nature import Path
 from labrig.bench._programmes import Plan
 
 VALVE_S = 0.12
@@ -41,7 +42,7 @@ def make_path(plan: Plan, before: Plan | None = None) -> Path:
 
 
 def _path(
-    begin_s: Array, end_s: float, target: Array, session: Ints, tilt: Array, payload: Array, row_s: Array
+    begin_s: Floats, end_s: float, target: Floats, session: Ints, tilt: Floats, payload: Floats, row_s: Floats
 ) -> Path:
     time_s = _moments(begin_s, end_s, row_s)
     event = np.searchsorted(begin_s, time_s, side="right") - 1
@@ -67,7 +68,7 @@ def _path(
     )
 
 
-def _moments(begin_s: Array, end_s: float, row_s: Array) -> Array:
+def _moments(begin_s: Floats, end_s: float, row_s: Floats) -> Floats:
     """All moments in order: a grid after each actuation, log-spaced ones through long holds, and the rows."""
     moments = []
     for start, hold in zip(begin_s, np.diff(np.append(begin_s, end_s)), strict=True):

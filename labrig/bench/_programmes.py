@@ -3,11 +3,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
-
-Array = NDArray[np.float64]
+from labrig.arrays import Floats
 
 FIRST_ROW_S = 1.6  # by then a chamber has filled through its valve to 2e-5 of the step
 
@@ -17,23 +15,23 @@ class Plan:
     """A programme under construction: one capture for each actuation, and releases between sessions."""
 
     random: np.random.Generator
-    max_kpa: Array
+    max_kpa: Floats
     time_s: float = 1.0
     session: int = 0
     between_sessions: str = "unknown"
-    commands: list[tuple[float, Array]] = field(default_factory=list)
+    commands: list[tuple[float, Floats]] = field(default_factory=list)
     command_session: list[int] = field(default_factory=list)
     command_logged: list[bool] = field(default_factory=list)
     capture_s: list[float] = field(default_factory=list)
-    capture_kpa: list[Array] = field(default_factory=list)
+    capture_kpa: list[Floats] = field(default_factory=list)
     capture_session: list[int] = field(default_factory=list)
     capture_repeat: list[str] = field(default_factory=list)
-    capture_rows_s: list[Array] = field(default_factory=list)
+    capture_rows_s: list[Floats] = field(default_factory=list)
     session_tilt_deg: list[float] = field(default_factory=lambda: [0.0])
     session_payload_kg: list[float] = field(default_factory=lambda: [0.0])
-    min_kpa: Array = field(default_factory=lambda: np.zeros(1))  # broadcast against `max_kpa`
+    min_kpa: Floats = field(default_factory=lambda: np.zeros(1))  # broadcast against `max_kpa`
 
-    def capture(self, pressure_kpa: Array, hold_s: float, rows: int, repeat: str = "") -> None:
+    def capture(self, pressure_kpa: Floats, hold_s: float, rows: int, repeat: str = "") -> None:
         """Actuate, and look at `rows` moments of the hold, evenly spaced or (long holds) in ever longer
         steps.
         """
@@ -60,7 +58,7 @@ class Plan:
         self.session_tilt_deg.append(tilt_deg)
         self.session_payload_kg.append(payload_kg)
 
-    def _command(self, pressure_kpa: Array, logged: bool) -> None:
+    def _command(self, pressure_kpa: Floats, logged: bool) -> None:
         self.commands.append((self.time_s, pressure_kpa))
         self.command_session.append(self.session)
         self.command_logged.append(logged)
@@ -70,7 +68,7 @@ class Plan:
         return len(self.capture_s)
 
 
-def _set_point(plan: Plan) -> Array:
+def _set_point(plan: Plan) -> Floats:
     """Anywhere in the box; now and then some chambers are vented or full."""
     random = plan.random
     x = random.uniform(0.0, 1.0, plan.max_kpa.size)
@@ -78,12 +76,12 @@ def _set_point(plan: Plan) -> Array:
     return _between(plan, np.where(edge, np.round(x), x))
 
 
-def _between(plan: Plan, share: Array) -> Array:
+def _between(plan: Plan, share: Floats) -> Floats:
     """Pressures (C,) at shares (C,) of the way from the lower limits to the upper ones."""
     return plan.min_kpa + (plan.max_kpa - plan.min_kpa) * share
 
 
-def _one_way(plan: Plan, low: float, high: float) -> Array:
+def _one_way(plan: Plan, low: float, high: float) -> Floats:
     """Pressures (C,) of between `low` and `high` of a limit: the upper ones, or by chance lower ones that are not 0."""
     size = plan.random.uniform(low, high, plan.max_kpa.size)
     if not np.any(plan.min_kpa):
@@ -133,7 +131,7 @@ def _walk(plan: Plan, count: int, repeats: bool, long_share: float) -> None:
 def _sweeps(plan: Plan, count: int, repeats: bool, long_share: float) -> None:
     """Staircases up and down along random directions; with repeats, each of the first ones comes twice."""
     end = plan.captures + count
-    kept: list[tuple[str, Array]] = []
+    kept: list[tuple[str, Floats]] = []
     number = 0
     while plan.captures < end:
         if repeats and kept and plan.random.random() < 0.3:
@@ -165,13 +163,13 @@ CONFOUNDED_DESIGNS = ("one_hold", "one_level")
 def make_plan(
     design: str,
     random: np.random.Generator,
-    max_kpa: Array,
+    max_kpa: Floats,
     captures: int,
     repeats: bool = True,
     tilted: bool = False,
     long_share: float = 0.12,
     loaded: bool = False,
-    min_kpa: Array | None = None,
+    min_kpa: Floats | None = None,
 ) -> Plan:
     """A plan of about `captures` captures between the limits (C,), the lower ones zero unless there is `min_kpa`.
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._judge import is_right
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from labrig.model import Model
 
-Array = NDArray[np.float64]
 Strategy = Literal["chosen", "random", "even"]
 STRATEGIES: tuple[Strategy, ...] = ("chosen", "random", "even")
 
@@ -102,7 +101,7 @@ def _holds(
     summary: dict[str, Any],
     seed: int,
     taken: int,
-) -> list[tuple[Array, float]]:
+) -> list[tuple[Floats, float]]:
     """The next set-points, kPa, and how long each is held, s."""
     from labrig import LabrigError
     from labrig.experiment import propose_experiment
@@ -125,7 +124,7 @@ def _holds(
     return [(HIGHEST * high * u[:-1], float(h)) for u, h in zip(unit, hold_s, strict=True)]
 
 
-def _measured(campaign: Campaign, holds: list[tuple[Array, float]], seed: int) -> "xr.Dataset":
+def _measured(campaign: Campaign, holds: list[tuple[Floats, float]], seed: int) -> "xr.Dataset":
     plan = Plan(np.random.default_rng(seed), campaign.dataset["chamber_max"].values)
     for pressure, hold_s in holds:
         plan.capture(pressure, max(hold_s, 2.5), 6 if hold_s > 15 else 4)

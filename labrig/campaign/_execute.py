@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.campaign._scans import keep_scan
 from labrig.campaign._session import Session
 from labrig.campaign._steps import (
     Actuate,
     Actuated,
-    Floats,
     Note,
     Record,
     Recording,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.campaign._steps import Floats
+from labrig.arrays import Floats
 from labrig.rig import RigConfig
 from labrig_drivers import PressureSample
 

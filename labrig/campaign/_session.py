@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.campaign._observe import Observation
 from labrig.campaign._signals import SignalGuard
-from labrig.campaign._steps import Completed, Floats, Step
+from labrig.campaign._steps import Completed, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import Rig
 from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample

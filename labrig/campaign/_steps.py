@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from labrig.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from labrig.arrays import Ints
 from labrig.effects import Context
-from labrig.effects._rows import Ints
 
 MAX_GROUPS = 12
 _SESSIONS_AS_GROUPS = 6

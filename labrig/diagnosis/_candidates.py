@@ -6,12 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._columns import Columns, coefficients, join, order_of
 from labrig.diagnosis._score import Score, score
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Term, Variant
 from labrig.effects._fields import contribution
-from labrig.effects._rows import Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial.distance import cdist
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context
-from labrig.effects._rows import Floats, Ints
 
 _MOST_ROWS = 700
 _RIDGES = (0.01, 0.1, 1.0)

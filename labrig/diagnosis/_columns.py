@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._streams import Streams, solve_calibrated
 from labrig.effects import Term, Variant
-from labrig.effects._rows import Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
 from labrig.effects import Context, Effect
 from labrig.effects._family import Space, motion_scale
 from labrig.effects._fields import frame_modes
-from labrig.effects._rows import Floats
 
 SLOW = "slow noise"
 DECLARED = "declared"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
@@ -23,7 +24,6 @@ from labrig.diagnosis._result import Result
 from labrig.diagnosis._verdict import Verdict, answers_of, decide, underpowered
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
-from labrig.effects._rows import Floats
 from labrig.model import Model
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_blas_funcs, get_lapack_funcs, solve_triangular
 
+from labrig.arrays import Floats
 from labrig.diagnosis._design import DECLARED, Design
-from labrig.effects._rows import Floats
 
 _NEGLIGIBLE = 1e-4
 _SYRK = get_blas_funcs(("syrk",), dtype=np.float32)[0]

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from labrig.arrays import Floats, Ints
 from labrig.effects import Context
-from labrig.effects._rows import Floats, Ints
 from labrig.effects._spectrum import bulk_noise
 
 _MOST_TO_MATCH = 2000

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import Design
 from labrig.diagnosis._floor import Floor
-from labrig.effects._rows import Floats
 
 FEW = 6
 """Observables below which the residuals' spectrum says nothing about the noise."""

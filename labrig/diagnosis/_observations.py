@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from scipy.linalg import helmert
 from scipy.sparse import csr_matrix
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
-from labrig.effects._rows import Floats, Ints
 
 _FAR = 5.0
 _CROWD = 12

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import capture_means
 from labrig.effects import Context
-from labrig.effects._rows import Floats, Ints
 from labrig.effects._spectrum import fill
 
 FORM = 0.03

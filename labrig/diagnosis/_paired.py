@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
-from labrig.effects._rows import Floats, Ints
+from labrig.arrays import Floats, Ints
 
 LEVEL = 0.95
 FEWEST_BLOCKS = 3

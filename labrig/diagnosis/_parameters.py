@@ -4,13 +4,13 @@ import re
 
 import numpy as np
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._columns import coefficients, columns_of, order_of
 from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Term, Variant
 from labrig.effects._fields import centre_of
-from labrig.effects._rows import Floats, Ints
 from labrig.model import EffectEntry, FittedOn, Value
 
 _ROUNDS = 10

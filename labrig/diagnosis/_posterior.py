@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import (
@@ -18,7 +19,6 @@ from labrig.diagnosis._evidence import (
     unexplained,
 )
 from labrig.diagnosis._unnamed import FORM, LEVER
-from labrig.effects._rows import Floats
 
 Raised = tuple[tuple[str, int, float], ...]
 """What is raised in an explanation: owner, number of its block (-1: a free pattern), prior sd in floors; sorted."""

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.diagnosis._candidates import Fit, change_of
 from labrig.diagnosis._columns import coefficients
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
 from labrig.effects import Context, Variant
 from labrig.effects._fields import contribution
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._streams import Streams, build_streams
 from labrig.effects import Context, Rows, join_rows, rows_of
-from labrig.effects._rows import Floats
 from labrig.model import Model
 
 if TYPE_CHECKING:

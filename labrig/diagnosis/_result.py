@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.effects._rows import Floats
+from labrig.arrays import Floats
 
 if TYPE_CHECKING:
     from xarray import Dataset

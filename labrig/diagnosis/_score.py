@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns, Split
-from labrig.effects._rows import Floats
 
 RIDGES = (1e-3, 0.03, 0.3)
 

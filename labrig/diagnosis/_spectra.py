@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._family import Space
-from labrig.effects._rows import Floats
 
 FILE = Path(__file__).with_name("spectra.json")
 BLOCKS = ("shared", "own", "pattern")

@@ -13,12 +13,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor, capture_means
 from labrig.diagnosis._outliers import FORM
 from labrig.effects import Context
 from labrig.effects._fields import frame_modes
-from labrig.effects._rows import Floats, Ints
 from labrig.effects._spectrum import bulk_edge, fill
 
 MAX_PATTERNS = 8

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.diagnosis._about import about
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._paired import LEVEL, Difference, Sums, by_block, difference
@@ -15,7 +16,6 @@ from labrig.diagnosis._present import fields_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._where import places
-from labrig.effects._rows import Floats
 from labrig.model import Model
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
-from labrig.effects._rows import Floats, Ints
 from labrig.effects.coupling import overlap
 
 _CLEAR = 1.3

@@ -8,7 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.effects._rows import Floats, Ints, Rows
+from labrig.arrays import Floats, Ints
+from labrig.effects._rows import Rows
 
 LINEAR = 0.03
 MOMENTS = "the moments of its actuations"

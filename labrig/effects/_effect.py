@@ -7,9 +7,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._family import Space
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, along_own
 
 Acts = Literal["pressure", "mechanics", "observation"]

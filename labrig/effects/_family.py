@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
-from labrig.effects._rows import Floats
 
 FeatureKind = Literal["pressure", "field", "pattern"]
 

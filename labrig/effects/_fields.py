@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Term, Variant
-from labrig.effects._rows import Floats
 
 
 def frame_modes(context: Context) -> Floats:

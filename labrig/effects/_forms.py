@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import frame_modes
-from labrig.effects._rows import Floats
 
 if TYPE_CHECKING:
     from labrig.effects._effect import Effect, Term, Variant

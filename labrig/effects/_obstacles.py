@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._family import Feature, Space, acting, field, motion_scale
-from labrig.effects._rows import Floats
 
 _LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
 _BEST = 3

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats, Ints
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TRANSIENT_S = 1.0
 """Seconds after an actuation that a quasi-static model says nothing about (valves, inertia)."""

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
-from labrig.effects._rows import Floats
 
 Names = NDArray[np.str_]
 

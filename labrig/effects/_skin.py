@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._family import motion_scale
-from labrig.effects._rows import Floats
 
 
 def at_events(context: Context) -> Floats:

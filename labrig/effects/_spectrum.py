@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from labrig.effects._rows import Floats
+from labrig.arrays import Floats
 
 
 @lru_cache(maxsize=64)

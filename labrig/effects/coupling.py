@@ -5,12 +5,12 @@ from itertools import combinations
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._obstacles import by_marker, to_rows
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber
 
 _PAIRS = 12

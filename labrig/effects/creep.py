@@ -5,10 +5,10 @@ from itertools import product
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, lags, pressure
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber, of_step, shows
 from labrig.effects._skin import lag_behind
 

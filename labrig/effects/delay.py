@@ -4,10 +4,10 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, lags, pressure
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, of_step
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)

@@ -4,11 +4,11 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, clocks, field, motion_scale, pattern, pressure
 from labrig.effects._fields import frame_modes, scale_mode, strain_modes
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, along_own, of_field
 
 HOUR_S = 3600.0

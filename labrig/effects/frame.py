@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
 from labrig.effects._fields import distortions, frame_modes, scale_mode, strain_modes
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_capture
 
 

@@ -4,10 +4,10 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
 from labrig.effects._skin import play_behind
 

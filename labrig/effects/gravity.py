@@ -4,12 +4,12 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import frame_modes
 from labrig.effects._inside import inside
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, along_own, by_capture, held
 
 _NEWTON = 1 / 9.80665

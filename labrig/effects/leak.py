@@ -4,11 +4,11 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
 from labrig.effects._fields import overlap
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, of_field, pressures
 
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)

@@ -5,10 +5,11 @@ from collections.abc import Collection, Iterator
 import numpy as np
 from scipy.ndimage import median_filter
 
+from labrig.arrays import Bools, Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, field, motion_scale
-from labrig.effects._rows import Floats, Rows
+from labrig.effects._rows import Rows
 from labrig.effects._sign import Part, Sign, by_capture
 from labrig.effects._spectrum import fill
 
@@ -209,7 +210,7 @@ def _groups(rows: Rows, marker: int) -> list[list[int]]:
     return out
 
 
-def _beside_others(error: Floats, own: Floats) -> Floats:
+def _beside_others(error: Floats, own: Bools) -> Floats:
     """What some observables' errors by capture have that the others' do not say, in units of their own scatter."""
     A = error[:, ~own]
     _, U = np.linalg.eigh(A.T @ A)

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, field, motion_scale, pattern
 from labrig.effects._fields import smooth_places
 from labrig.effects._inside import inside
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, along_own
 
 

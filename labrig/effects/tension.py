@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
-from labrig.effects._rows import Floats
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects import Covariate, Rows
-from labrig.effects._rows import TRANSIENT_S, Floats
+from labrig.effects._rows import TRANSIENT_S
 
 SLEW_PER_S = 100.0
 SETTLE_S = 1.0

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects import Context, Effect
-from labrig.effects._rows import Floats
 from labrig.effects.coupling import overlap
 from labrig.experiment._plan import Point, Probe
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.diagnosis import Candidate, Fit, Streams, fit, forms_of
 from labrig.effects import Context, Effect, Rows, Term, Variant, join_rows
 from labrig.effects._fields import frame_modes
-from labrig.effects._rows import Floats
 
 FORMS = 4
 MOST_OTHERS = 4

@@ -14,9 +14,9 @@ from functools import cached_property
 
 import numpy as np
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis import Streams
 from labrig.effects import Context, Term
-from labrig.effects._rows import Floats, Ints
 from labrig.experiment._plan import Limits, Planned, Point, planned_rows
 from labrig.experiment._rivals import Form, Rival, fields_of_terms, join_contexts
 from labrig.model import Predictor

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.effects._rows import Floats
+from labrig.arrays import Floats
 from labrig.experiment._plan import Limits, Point, Probe
 from labrig.experiment._probes import moves
 from labrig.experiment._score import Judge, Problem, Sums

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis import STATIC, covariates, kernel
-from labrig.effects._rows import Floats, Ints
 from labrig.experiment._plan import Probe
 from labrig.experiment._score import Problem
 from labrig.experiment._search import Choice

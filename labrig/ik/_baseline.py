@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.ik._descent import NOWHERE, History
 from labrig.ik._evaluate import ShapeModel, evaluator
 from labrig.surface import Mesh, Target, grid
-
-Floats = NDArray[np.float64]
 
 SAMPLES = 134
 """134 x 134 = 17,956 samples, the paper's 18,000."""

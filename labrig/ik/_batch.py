@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.arrays import Floats
 from labrig.ik._load import load_shape_model
 from labrig.ik._memory import Approach, Remembering
 from labrig.ik._path import solve_with_path
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver
 from labrig.surface import Target, distances, grid, read_mesh
-
-Floats = NDArray[np.float64]
 
 MEASURED = 61
 """Results are measured on MEASURED x MEASURED points of the surface, exactly, to the target's triangles."""

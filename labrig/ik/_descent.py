@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats, Ints
 from labrig.ik._evaluate import Evaluator
 from labrig.surface import Target
 from labrig.surface._pose import rotation_of
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 History = tuple[tuple[float, float], ...]
 """(time since the search began, s; mean distance, mm) at the start and after every step."""
 

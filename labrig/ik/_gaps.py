@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.ik._result import Gap
-
-Floats = NDArray[np.float64]
 
 TOLERANCE_MM = 2.0
 """Distances up to this are no gap."""

@@ -4,9 +4,8 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from labrig.arrays import Floats
 
 NEGLIGIBLE_MM = 0.05
 """Modes that together move the control points by less than this, root mean square, are left out.

@@ -5,15 +5,15 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 
 if TYPE_CHECKING:
     from labrig.effects import Rows
     from labrig.model import Model
 
-Floats = NDArray[np.float64]
 
 _FAR_S = 1e8
 """A session so long after the path that no effect is too slow for it; nobody looks at it."""

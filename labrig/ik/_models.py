@@ -3,12 +3,13 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from labrig.arrays import Floats
 
 if TYPE_CHECKING:
     from labrig.physics import Shell, Solution, Surface
 
-Floats = NDArray[np.float64]
 
 _KEPT = 64
 _INSIDE = ("prestretch_", "stiffening_", "core_offset", "contact_", "gravity_")

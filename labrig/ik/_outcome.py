@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.ik._batch import MEASURED, solver_of
 from labrig.ik._descent import Pose
 from labrig.ik._evaluate import ShapeModel
@@ -16,8 +16,6 @@ from labrig.ik._models import ShellModel, SurfaceModel
 from labrig.ik._solve import Solver
 from labrig.ik._trial import SETTLE_S, Trial, make_trials
 from labrig.surface import Mesh, Registration, grid, read_mesh
-
-Floats = NDArray[np.float64]
 
 _COARSE = 23
 """Samples a side when the plant's own best is sought: each step solves the simulator anew."""

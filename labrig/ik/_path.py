@@ -4,15 +4,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from labrig.arrays import Floats
 from labrig.ik._descent import Pose
 from labrig.ik._memory import Approach, Displaced, Remembering
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver
 from labrig.surface import Mesh, Target
-
-Floats = NDArray[np.float64]
 
 SETTLE_S = 3.0
 DWELLS_S = (SETTLE_S, 10.0, 30.0)

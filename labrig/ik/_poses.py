@@ -1,12 +1,10 @@
 """Where to begin: how the target may lie, and at which pressures the surface looks most like it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.surface import Mesh, Target
 from labrig.surface._registration import COARSE, global_starts, start_score
-
-Floats = NDArray[np.float64]
 
 NEAR = 0.06
 """Score up to which the pose that the target has is a good one to begin with."""

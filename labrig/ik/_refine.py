@@ -5,9 +5,8 @@ from the model once, and every scan corrects them along the step that led to it.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from labrig.arrays import Floats
 
 _DAMPING = 3e-3
 _REACH = 0.25

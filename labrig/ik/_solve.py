@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.ik._descent import FAR_AWAY, NOWHERE, Descent, History, Pose, State
 from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
 from labrig.ik._poses import lies_near, likeliest, spread_actuations
 from labrig.ik._result import IkResult
 from labrig.ik._stopwatch import stopwatch
 from labrig.surface import Mesh, Target, grid
-
-Floats = NDArray[np.float64]
 
 SAMPLES = 27
 """The search looks at SAMPLES x SAMPLES points of the surface."""

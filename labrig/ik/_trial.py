@@ -7,17 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of
 from labrig.ik._descent import Pose
 from labrig.ik._memory import Approach, Displaced
 from labrig.ik._refine import Refinement
 from labrig.ik._solve import Solver
 from labrig.surface import Mesh, Target, distances, grid, read_mesh, register
-
-Floats = NDArray[np.float64]
 
 SETTLE_S = 3.0
 _WORDS = {"": "the whole model", "warp": "without the warp", "effects": "without the effects"}

@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.ik._evaluate import Reduced
 from labrig.ik._gaussian import Process
-
-Floats = NDArray[np.float64]
 
 _CHUNK = 1024
 """Points whose bells fit into the cache."""

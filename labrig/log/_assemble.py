@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats, Ints
 from labrig.log._part import Part
 from labrig.tables import Mapping, Observable, is_length
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 _JITTER = 0.05
 """A file in which an input moves by less than this part of its size, or of what it does in all files, is held."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats, Ints
 from labrig.tables import (
     Mapping,
     Observable,
@@ -21,8 +22,6 @@ from labrig.tables import (
     seconds,
 )
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Labels = NDArray[np.object_]
 
 

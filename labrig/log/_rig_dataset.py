@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.log._dataset import CampaignArrays
 from labrig.log._frames import POINT
 from labrig.log._scan import Messages
@@ -18,7 +19,6 @@ _LONGEST_GAP_S = 1.5
 _NEAR_S = 0.1
 """Between sensor samples further apart than the longest gap, the pressure is known only near one of them."""
 
-Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
 
 

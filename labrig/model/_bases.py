@@ -7,8 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.effects import Rows
-from labrig.effects._rows import Floats
 from labrig.model._deflection import GRID, Deflection
 from labrig.model._file import FmuBase, ModelFile, OdeBase, PythonBase, StaticBase, SurrogateBase
 from labrig.model._memory import MemoryModel

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.effects._rows import Floats
+from labrig.arrays import Floats
 
 GRID = 33
 _FLATTEST = 0.15

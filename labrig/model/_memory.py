@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats, Ints
 from labrig.effects import Rows
-from labrig.effects._rows import Floats, Ints
 from labrig.model._deflection import GRID, Deflection
 
 _STEP = 1e-3

@@ -9,8 +9,8 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._extras import missing
+from labrig.arrays import Floats
 from labrig.effects import Rows
-from labrig.effects._rows import Floats
 from labrig.model._file import FmuBase, OdeBase, PythonBase
 from labrig.model._memory import MemoryModel
 from labrig.model._python import load_function

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labrig.effects._rows import Floats
+from labrig.arrays import Floats
 
 _ROUNDS = 5
 

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.effects import Rows
-from labrig.effects._rows import Floats
 from labrig.model._deflection import GRID
 from labrig.model._file import SimulatorBase
 from labrig.model._robust import robust_fit

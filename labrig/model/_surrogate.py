@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.effects import Rows
-from labrig.effects._rows import Floats
 
 
 class SurrogateModel:

@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._user_folder import cache_folder
-
-Array = NDArray[np.float64]
+from labrig.arrays import Floats
 
 
 def content_folder(kind: str, name: str, *content: Any) -> Path:
@@ -34,7 +32,7 @@ class ArrayCache:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def read(self, key: Any) -> tuple[Array, ...] | None:
+    def read(self, key: Any) -> tuple[Floats, ...] | None:
         """The arrays of a key, None if there are none."""
         try:
             with np.load(self._path(key), allow_pickle=False) as arrays:
@@ -42,7 +40,7 @@ class ArrayCache:
         except Exception:  # not there, cut off, or of another format: worked out again
             return None
 
-    def write(self, key: Any, *arrays: Array) -> None:
+    def write(self, key: Any, *arrays: Floats) -> None:
         """Keep the arrays of a key."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)

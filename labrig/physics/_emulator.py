@@ -6,9 +6,8 @@ It lies a few tenths of a millimetre off and costs microseconds; where more is n
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from labrig.arrays import Floats
 
 _LENGTH = 1.6
 """Correlation length, in ranges of a chamber."""
@@ -23,12 +22,12 @@ class Emulator:
     `places` (N, C) are those that were solved; `weight` (N * (1 + C), K); `mean` (K,).
     """
 
-    places: Array
-    weight: Array
-    mean: Array
+    places: Floats
+    weight: Floats
+    mean: Floats
 
     @classmethod
-    def fit(cls, places: Array, values: Array, slopes: Array) -> "Emulator":
+    def fit(cls, places: Floats, values: Floats, slopes: Floats) -> "Emulator":
         """From values (N, K) and slopes (N, K, C) at `places` (N, C)."""
         n, chambers = places.shape
         kernel = np.empty((n, 1 + chambers, n, 1 + chambers))
@@ -48,18 +47,18 @@ class Emulator:
         weight = np.linalg.solve(matrix, right.reshape(size, -1))
         return cls(places, np.asarray(weight, dtype=float), mean)
 
-    def __call__(self, places: Array) -> Array:
+    def __call__(self, places: Floats) -> Floats:
         """Points (F, K) at places (F, C)."""
         parts = [self._some(places[k : k + _ROWS]) for k in range(0, len(places), _ROWS)]
         return np.concatenate(parts) if parts else np.empty((0, len(self.mean)))
 
-    def _some(self, places: Array) -> Array:
+    def _some(self, places: Floats) -> Floats:
         near, pull = _near(places, self.places)
         basis = np.concatenate([near[..., None], near[..., None] * pull], axis=2)
         return self.mean + basis.reshape(len(places), -1) @ self.weight
 
 
-def _near(a: Array, b: Array) -> tuple[Array, Array]:
+def _near(a: Floats, b: Floats) -> tuple[Floats, Floats]:
     """Correlation (n, m) of two sets of places, and its logarithm's slope by those of the second (n, m, C)."""
     apart = (a[:, None] - b[None]) / _LENGTH
     return np.exp(-0.5 * (apart**2).sum(-1)), apart / _LENGTH

@@ -8,9 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from labrig.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -34,14 +33,14 @@ class Geometry:
     """A named surface: its rest map `(u, v) -> (..., 3)` mm, patches, and markers in (u, v), shape (M, 2)."""
 
     name: str
-    rest: Callable[[Array, Array], Array]
+    rest: Callable[[Floats, Floats], Floats]
     patches: tuple[Patch, ...]
-    markers_uv: Array
+    markers_uv: Floats
     edge: float  # width of a patch's soft edge, in (u, v)
     tangential: float  # second-order tangential displacement, dimensionless
 
 
-def _mannequin(u: Array, v: Array) -> Array:
+def _mannequin(u: Floats, v: Floats) -> Floats:
     """Front of a torso at half scale: a doubly curved half shell, 420 mm high."""
     angle = (u - 0.5) * np.deg2rad(140.0)
     girth = 1.0 - 0.16 * np.exp(-(((v - 0.35) / 0.2) ** 2)) + 0.05 * np.sin(np.pi * v)
@@ -50,12 +49,12 @@ def _mannequin(u: Array, v: Array) -> Array:
     return np.stack([150.0 * girth * np.sin(angle), 95.0 * girth * np.cos(angle) + bust, 420.0 * v], axis=-1)
 
 
-def _flat(u: Array, v: Array) -> Array:
+def _flat(u: Floats, v: Floats) -> Floats:
     """A flat upright sheet of 200 mm x 200 mm, facing y."""
     return np.stack([200.0 * (u - 0.5), np.zeros_like(u), 200.0 * v], axis=-1)
 
 
-def spread_points(count: int, margin: float) -> Array:
+def spread_points(count: int, margin: float) -> Floats:
     """`count` well-spread points of the unit square, `margin` away from its border; shape (count, 2)."""
     plastic = 1.32471795724474602596
     index = np.arange(1, count + 1)[:, None]
@@ -63,7 +62,7 @@ def spread_points(count: int, margin: float) -> Array:
     return np.asarray(margin + (1.0 - 2.0 * margin) * points, dtype=float)
 
 
-def grid_points(columns: int, rows: int, margin: float) -> Array:
+def grid_points(columns: int, rows: int, margin: float) -> Floats:
     """A regular grid inside the unit square, `margin` away from its border, u fastest; (columns * rows, 2)."""
     u, v = (margin + (1.0 - 2.0 * margin) * (np.arange(n) + 0.5) / n for n in (columns, rows))
     return np.stack(np.meshgrid(u, v, indexing="xy"), axis=-1).reshape(-1, 2)
@@ -94,20 +93,20 @@ GEOMETRIES = {
 }
 
 
-def _step(x: Array, width: float) -> tuple[Array, Array]:
+def _step(x: Floats, width: float) -> tuple[Floats, Floats]:
     """A soft step and its slope."""
     t = np.tanh(x / width)
     return t, (1.0 - t * t) / width
 
 
-def _ridge(x: Array, low: float, high: float, width: float) -> tuple[Array, Array]:
+def _ridge(x: Floats, low: float, high: float, width: float) -> tuple[Floats, Floats]:
     """One inside [low, high], zero outside, soft edges of `width`; value and slope."""
     rise, rise_slope = _step(x - low, width)
     fall, fall_slope = _step(x - high, width)
     return 0.5 * (rise - fall), 0.5 * (rise_slope - fall_slope)
 
 
-def profiles(geometry: Geometry, u: Array, v: Array) -> tuple[Array, Array, Array]:
+def profiles(geometry: Geometry, u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
     """How far each chamber moves each point per mm of its own deflection, and the slopes of that.
 
     Returns value, d/du, d/dv, each of shape (P, C). 85 % of a profile is the patch's own dome; 15 % spreads
@@ -125,7 +124,7 @@ def profiles(geometry: Geometry, u: Array, v: Array) -> tuple[Array, Array, Arra
     return value, slope_u, slope_v
 
 
-def tangents(geometry: Geometry, u: Array, v: Array) -> tuple[Array, Array, Array]:
+def tangents(geometry: Geometry, u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
     """Tangents d/du and d/dv (mm, not normalised) and the outward unit normal; each (P, 3)."""
     step = 1e-5
     along_u = (geometry.rest(u + step, v) - geometry.rest(u - step, v)) / (2.0 * step)

@@ -7,10 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats, Ints
 from labrig.surface import Spline
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -24,16 +22,16 @@ class Quadrature:
     """
 
     spline: Spline
-    control_mm: Array
-    node: Integers
-    free: Integers
+    control_mm: Floats
+    node: Ints
+    free: Ints
     moving: NDArray[np.bool_]
     n_free_v: int
-    uv: Array
-    area_mm2: Array
-    basis: Array
-    normal: Array
-    curvature: Array
+    uv: Floats
+    area_mm2: Floats
+    basis: Floats
+    normal: Floats
+    curvature: Floats
 
     @property
     def n_free(self) -> int:
@@ -45,14 +43,14 @@ class Quadrature:
         """Quadrature points in a knot span."""
         return len(self.area_mm2) // len(self.node)
 
-    def at_points(self, control_mm: Array, derivative: int = 0) -> Array:
+    def at_points(self, control_mm: Floats, derivative: int = 0) -> Floats:
         """A field with control points (K, ...) at the quadrature points (Q, ...), or a derivative (0..5)."""
         node = np.repeat(self.node, self.points_per_element, axis=0)
         return np.einsum("qn,qn...->q...", self.basis[:, derivative], control_mm[node])
 
 
 def make_quadrature(
-    spline: Spline, points_mm: Callable[[Array, Array], Array], fixed_rings: int, name: str
+    spline: Spline, points_mm: Callable[[Floats, Floats], Floats], fixed_rings: int, name: str
 ) -> Quadrature:
     """The quadrature of the surface that meets `points_mm(u, v)`, degree x degree points in every knot span.
 
@@ -68,12 +66,12 @@ def make_quadrature(
     node = node + first[1][None, ::per, None, None] + np.arange(per + 1)[None, None, None, :]
     node = np.broadcast_to(node, (*spans, per + 1, per + 1)).reshape(-1, (per + 1) ** 2)
 
-    def by_element(pairs: Array) -> Array:
+    def by_element(pairs: Floats) -> Floats:
         """From [u point, v point, ...] to [element, point within it, ...]."""
         cut = pairs.reshape(spans[0], per, spans[1], per, *pairs.shape[2:]).swapaxes(1, 2)
         return np.ascontiguousarray(cut).reshape(-1, *pairs.shape[2:])
 
-    def product(du: int, dv: int) -> Array:
+    def product(du: int, dv: int) -> Floats:
         outer = along[0][du][:, None, :, None] * along[1][dv][None, :, None, :]
         return by_element(outer.reshape(*outer.shape[:2], -1))
 
@@ -102,7 +100,7 @@ def make_quadrature(
     )
 
 
-def _gauss(spline: Spline, axis: int) -> tuple[Array, Array, Integers, Array]:
+def _gauss(spline: Spline, axis: int) -> tuple[Floats, Floats, Ints, Floats]:
     """Gauss points of one direction's spans, weights, first basis functions, values and two derivatives."""
     x, w = np.polynomial.legendre.leggauss(spline.degree)
     breaks = np.unique(spline.knots[axis])
@@ -113,11 +111,11 @@ def _gauss(spline: Spline, axis: int) -> tuple[Array, Array, Integers, Array]:
     return places, (half * w).ravel(), first, along
 
 
-def _sum(weight: Array, corners: Array) -> Array:
+def _sum(weight: Floats, corners: Floats) -> Floats:
     return np.einsum("qn,qnc->qc", weight, corners)
 
 
-def _orthonormal(parametric: Array, corners: Array, name: str) -> tuple[Array, Array, Array]:
+def _orthonormal(parametric: Floats, corners: Floats, name: str) -> tuple[Floats, Floats, Floats]:
     """Derivatives by (u, v) turned into derivatives along orthonormal tangents; normals; area per du dv.
 
     The first direction is that of v, the second is 90 degrees to its left, so their cross product is outwards.

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.arrays import Floats
 from labrig.physics._shell import Shell, load_shell
-
-Array = NDArray[np.float64]
 
 _COARSE = 16
 LEVELS = np.array([0.0, 0.08, 0.2, 0.4, 0.7, 1.0])
@@ -28,7 +27,7 @@ def corners(chambers: int, count: int, seed: int) -> NDArray[np.int8]:
     return ((gray[:, None] >> np.arange(chambers)) & 1).astype(np.int8)
 
 
-def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) -> tuple[Array, list[str]]:
+def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) -> tuple[Floats, list[str]]:
     """Pressures (N, C), kPa, and what each is: `corner` or `halton`.
 
     A Halton sequence (another stretch of it for another seed) fills the unit cube; each coordinate is taken as the
@@ -45,7 +44,7 @@ def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) ->
     return np.concatenate([at_corner, pressures]), ["corner"] * len(at_corner) + ["halton"] * len(spread)
 
 
-def _halton(count: int, dimensions: int, seed: int) -> Array:
+def _halton(count: int, dimensions: int, seed: int) -> Floats:
     """`count` points of the sequence (the first one of all, the origin, left out), (count, dimensions)."""
     from scipy.stats import qmc
 
@@ -54,7 +53,7 @@ def _halton(count: int, dimensions: int, seed: int) -> Array:
     return sequence.random(count)
 
 
-def inflation_curve(task: tuple[dict[str, Any], int]) -> Array:
+def inflation_curve(task: tuple[dict[str, Any], int]) -> Floats:
     """How far a chamber alone inflates at `LEVELS` of its range, mm on average over its patch.
 
     Where it has no equilibrium it is taken to inflate in proportion to the pressure.

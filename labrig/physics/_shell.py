@@ -8,9 +8,10 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.physics._quadrature import Quadrature, make_quadrature
 from labrig.physics._shell_file import ShellFile, read_shell
 from labrig.physics._shell_parameters import ShellParameter, read_parameters, with_parameters
@@ -18,8 +19,6 @@ from labrig.physics._shell_solve import TOLERANCE, minimise, reference_force, re
 from labrig.physics._shell_system import History, System
 from labrig.physics._threads import one_thread
 from labrig.surface import Spline
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,15 +29,15 @@ class Solution:
     later solve can start from; `residual` unbalanced over applied force; `iterations`; `energies_mj` on the way.
     """
 
-    pressure_kpa: Array
-    layers_mm: Array
-    state: Array
+    pressure_kpa: Floats
+    layers_mm: Floats
+    state: Floats
     residual: float
     iterations: int
     energies_mj: tuple[float, ...]
 
     @property
-    def control_mm(self) -> Array:
+    def control_mm(self) -> Floats:
         """Control points of the outermost layer, (n_u, n_v, 3), mm."""
         return self.layers_mm[-1]
 
@@ -58,10 +57,10 @@ class Shell:
         self.file = file
         self.name = file.name
         self.chamber_names = tuple(chamber.name for chamber in file.chambers)
-        self.max_kpa: Array = np.array([chamber.max for chamber in file.chambers])
+        self.max_kpa: Floats = np.array([chamber.max for chamber in file.chambers])
         self.spline = Spline(file.control_points, file.degree)
         self.marker_names = tuple(file.marker_places)
-        self.marker_uv: Array = np.array(list(file.marker_places.values())).reshape(-1, 2)
+        self.marker_uv: Floats = np.array(list(file.marker_places.values())).reshape(-1, 2)
         self.parameters: Mapping[str, ShellParameter] = MappingProxyType(read_parameters(file))
         self._given_history = history
 
@@ -85,7 +84,7 @@ class Shell:
         return System(self.quadrature, self.file, values, history.checked(points, layers, self.name))
 
     @property
-    def control_rest_mm(self) -> Array:
+    def control_rest_mm(self) -> Floats:
         """Control points of the resting surface, before any load, (n_u, n_v, 3), mm."""
         return self.quadrature.control_mm.reshape(*self.spline.count, 3)
 
@@ -95,7 +94,7 @@ class Shell:
         return self._system.size
 
     @property
-    def patch_area_mm2(self) -> Array:
+    def patch_area_mm2(self) -> Floats:
         """Area at each quadrature point on which each chamber's air bears, (Q, C), mm^2."""
         return self._system.patch * self.quadrature.area_mm2[:, None]
 
@@ -129,7 +128,7 @@ class Shell:
         shell.__dict__["quadrature"] = self.quadrature
         return shell
 
-    def solve(self, pressure_kpa: ArrayLike, start: "Solution | Array | None" = None) -> Solution:
+    def solve(self, pressure_kpa: ArrayLike, start: "Solution | Floats | None" = None) -> Solution:
         """The equilibrium at chamber pressures (C,), kPa, sought from `start` (another solution, or a state).
 
         Raises `LabrigError` for pressures that are negative or not finite, and if no equilibrium is found.
@@ -152,7 +151,7 @@ class Shell:
             tuple(energy * 1e-3 for energy in found.energies),
         )  # fmt: skip
 
-    def jacobian(self, solution: Solution) -> Array:
+    def jacobian(self, solution: Solution) -> Floats:
         """How the outermost layer's control points move with pressure, (n_u, n_v, 3, C), mm/kPa; implicit."""
         system = self._system
         none = system.energy(solution.state, system.field(np.zeros(len(self.chamber_names))))[1]
@@ -162,7 +161,7 @@ class Shell:
         ]
         return self._moved(solution, np.stack(loads, axis=1))
 
-    def parameter_jacobian(self, solution: Solution, names: Sequence[str]) -> Array:
+    def parameter_jacobian(self, solution: Solution, names: Sequence[str]) -> Floats:
         """How they move with parameters, (n_u, n_v, 3, P), mm per unit of each; implicit.
 
         Raises `LabrigError` for a parameter that the shell does not have.
@@ -185,7 +184,7 @@ class Shell:
             loads.append((low - high) / (2.0 * step))
         return self._moved(solution, np.stack(loads, axis=1))
 
-    def _moved(self, solution: Solution, loads: Array) -> Array:
+    def _moved(self, solution: Solution, loads: Floats) -> Floats:
         system = self._system
         with one_thread():
             moved = respond(system, solution.state, system.field(solution.pressure_kpa), loads)
@@ -193,12 +192,12 @@ class Shell:
         out[self.quadrature.moving] = moved.reshape(-1, system.n_layers, 3, loads.shape[1])[:, -1]
         return out.reshape(*self.spline.count, 3, -1)
 
-    def _layers_mm(self, x: Array) -> Array:
+    def _layers_mm(self, x: Floats) -> Floats:
         layers = np.repeat(self.quadrature.control_mm[None], self._system.n_layers, axis=0)
         layers[:, self.quadrature.moving] += x.reshape(-1, self._system.n_layers, 3).swapaxes(0, 1)
         return layers.reshape(-1, *self.spline.count, 3)
 
-    def _checked(self, pressure_kpa: ArrayLike) -> Array:
+    def _checked(self, pressure_kpa: ArrayLike) -> Floats:
         pressure = np.array(pressure_kpa, dtype=float)
         if pressure.shape != (len(self.chamber_names),):
             raise LabrigError(
@@ -210,13 +209,13 @@ class Shell:
             )
         return pressure
 
-    def _named(self, pressure: Array) -> str:
+    def _named(self, pressure: Floats) -> str:
         return (
             ", ".join(f"{name} {p:.4g}" for name, p in zip(self.chamber_names, pressure, strict=True))
             + " kPa"
         )
 
-    def _start(self, start: "Solution | Array | None") -> Array:
+    def _start(self, start: "Solution | Floats | None") -> Floats:
         state = start.state if isinstance(start, Solution) else start
         if state is None:
             return np.zeros(self._system.size)

@@ -3,13 +3,12 @@
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labrig.arrays import Floats
 from labrig.physics._quantity import Unit
 from labrig.surface import Spline
 
-Array = NDArray[np.float64]
 Millimetres = Annotated[float, Unit("mm")]
 
 
@@ -48,7 +47,7 @@ class TubeCore(Section):
     rings: tuple[Ring, ...] = ()
     bumps: tuple[Bump, ...] = ()
 
-    def points_mm(self, u: Array, v: Array) -> Array:
+    def points_mm(self, u: Floats, v: Floats) -> Floats:
         """Points (..., 3), mm, at (u, v)."""
         angle = (u - 0.5) * np.deg2rad(self.wrap_deg)
         girth = 1.0 + self.barrel * np.sin(np.pi * v)
@@ -67,7 +66,7 @@ class PlaneCore(Section):
     width: Millimetres
     height: Millimetres
 
-    def points_mm(self, u: Array, v: Array) -> Array:
+    def points_mm(self, u: Floats, v: Floats) -> Floats:
         """Points (..., 3), mm, at (u, v)."""
         return np.stack([self.width * (u - 0.5), np.zeros_like(u), self.height * v], axis=-1)
 
@@ -91,7 +90,7 @@ class SplineCore(Section):
             raise ValueError("more control points than the degree are needed in each direction")
         return self
 
-    def points_mm(self, u: Array, v: Array) -> Array:
+    def points_mm(self, u: Floats, v: Floats) -> Floats:
         """Points (..., 3), mm, at (u, v)."""
         control = np.asarray(self.control_points, dtype=float)
         spline = Spline((control.shape[0], control.shape[1]), self.degree)

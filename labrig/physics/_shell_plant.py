@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.physics._cache import content_folder
 from labrig.physics._emulator import Emulator
 from labrig.physics._shell import Shell
@@ -26,8 +27,6 @@ from labrig.physics._shell_surface import MESH, ShellSurface
 from labrig.physics._simulate import simulate
 from labrig.physics._simulations import Simulations, open_simulations
 from labrig.surface import grid
-
-Array = NDArray[np.float64]
 
 _LOG = logging.getLogger("labrig.physics")
 _COUNT, _SHAPES, _SPREAD = (34, 34), 240, 0.15
@@ -111,62 +110,62 @@ class ShellBody:
         self.marker_names = self._exact.marker_names
         self._shapes = shapes
         self._lock = threading.Lock()
-        self._held: dict[bytes, tuple[Array, ...]] = {}
+        self._held: dict[bytes, tuple[Floats, ...]] = {}
 
     @property
-    def rest_mm(self) -> Array:
+    def rest_mm(self) -> Floats:
         """Marker positions with every chamber vented, mm, (M, 3); solved."""
         return self._rest_mm
 
     @cached_property
-    def _rest_mm(self) -> Array:
+    def _rest_mm(self) -> Floats:
         return self._at_hold(np.zeros(len(self.chamber_names)))[1][0]
 
     @property
-    def normal(self) -> Array:
+    def normal(self) -> Floats:
         """Outward unit normals at the markers at rest, (M, 3)."""
         return self._exact.normal
 
     @property
-    def compliance_mm_per_kpa(self) -> Array:
+    def compliance_mm_per_kpa(self) -> Floats:
         """Deflection per pressure at rest, (C,)."""
         return self._law[0]
 
     @property
-    def limit_mm(self) -> Array:
+    def limit_mm(self) -> Floats:
         """Deflection at which the cubic stiffness of a chamber equals its linear one, (C,)."""
         return self._law[1]
 
     @property
-    def weight(self) -> Array:
+    def weight(self) -> Floats:
         """Normal displacement of each marker per mm of deflection of each chamber alone, on the way, (M, C)."""
         return self._weight
 
     @cached_property
-    def _weight(self) -> Array:
+    def _weight(self) -> Floats:
         half = np.diag(0.5 * self.shell.max_kpa)
         moved = self.shape_mm(self.deflection_mm(half)) - self.shape_mm(np.zeros((1, len(half))))
         return np.einsum("cmd,md->mc", moved, self.normal) / np.diag(self.deflection_mm(half))
 
-    def deflection_mm(self, pressure_kpa: ArrayLike) -> Array:
+    def deflection_mm(self, pressure_kpa: ArrayLike) -> Floats:
         """Deflection of each chamber, mm, same shape as the pressures (..., C)."""
         gain, limit = self._law
         load = gain * np.asarray(pressure_kpa, dtype=float)
         scale = 2.0 * limit / np.sqrt(3.0)
         return scale * np.sinh(np.arcsinh(1.5 * np.sqrt(3.0) * load / limit) / 3.0)
 
-    def pressure_kpa(self, deflection_mm: Array) -> Array:
+    def pressure_kpa(self, deflection_mm: Floats) -> Floats:
         """The pressures (..., C) that give deflections, within what a shell can be asked for."""
         gain, limit = self._law
         pressure = (deflection_mm + deflection_mm**3 / limit**2) / gain
         return np.clip(pressure, 0.0, _BEYOND * self.shell.max_kpa)
 
-    def shape_mm(self, deflection_mm: Array) -> Array:
+    def shape_mm(self, deflection_mm: Floats) -> Floats:
         """Marker positions for deflections (F, C): (F, M, 3), mm; by the quick stand-in."""
         places = self._place(self.pressure_kpa(np.atleast_2d(deflection_mm)))
         return self._emulator(places).reshape(len(places), -1, 3)
 
-    def correction_mm(self, pressure_kpa: Array, deflection_mm: Array) -> Array:
+    def correction_mm(self, pressure_kpa: Floats, deflection_mm: Floats) -> Floats:
         """What the stand-in lacks, (F, M, 3) mm, at deflections (F, C) near those that pressures (C,) hold: from the
         shape and its slopes solved there, once.
         """
@@ -180,11 +179,11 @@ class ShellBody:
         lacking = slope - np.moveaxis(slope_quick, 0, -1)
         return (at - quick[0]) + np.einsum("fc,mdc->fmd", moved, lacking)
 
-    def prepare(self, pressure_kpa: Array) -> None:
+    def prepare(self, pressure_kpa: Floats) -> None:
         """Solve what `correction_mm` needs at pressures (C,) ahead of time; may be called from another thread."""
         self._at_hold(pressure_kpa)
 
-    def _at_hold(self, pressure_kpa: Array) -> tuple[Array, tuple[Array, ...]]:
+    def _at_hold(self, pressure_kpa: Floats) -> tuple[Floats, tuple[Floats, ...]]:
         """Pressures within what can be solved, and the markers and their slopes there."""
         held = np.clip(pressure_kpa, 0.0, _BEYOND * self.shell.max_kpa)
         key = held.tobytes()
@@ -195,13 +194,13 @@ class ShellBody:
                 )
         return held, self._held[key]
 
-    def solved_mm(self, pressure_kpa: Array) -> Array:
+    def solved_mm(self, pressure_kpa: Floats) -> Floats:
         """Marker positions (M, 3), mm, solved at pressures (C,)."""
         with self._lock:
             solution = self._exact.solve(pressure_kpa)
         return self.shell.spline.evaluate(solution.control_mm, self._exact.marker_uv)
 
-    def mesh_at(self, deflection_mm: Array) -> Array:
+    def mesh_at(self, deflection_mm: Floats) -> Floats:
         """Mesh vertices, mm, (V, 3), for chamber deflections (C,); solved."""
         pressure = self.pressure_kpa(np.asarray(deflection_mm, dtype=float))
         with self._lock:
@@ -227,11 +226,11 @@ class ShellBody:
         return _cached(content, self._shapes)
 
     @cached_property
-    def _law(self) -> tuple[Array, ...]:
+    def _law(self) -> tuple[Floats, ...]:
         """Gain, mm/kPa, and limit, mm, of each chamber, (C,): fitted to how far it alone lifts its middle."""
         return self._exact.kept("law", self._fitted_law)
 
-    def _fitted_law(self) -> tuple[Array, Array]:
+    def _fitted_law(self) -> tuple[Floats, Floats]:
         from labrig.physics._samples import LEVELS, inflation_curve
 
         gains, limits = [], []
@@ -263,7 +262,7 @@ class ShellBody:
         by_place = (self._place(pressure + step) - self._place(pressure - step)) / (2 * step)
         return Emulator.fit(self._place(pressure), values, slopes / by_place[:, None, :])
 
-    def _place(self, pressure_kpa: Array) -> Array:
+    def _place(self, pressure_kpa: Floats) -> Floats:
         """Deflections over those at the highest pressures: where the surface changes evenly."""
         return self.deflection_mm(pressure_kpa) / self.deflection_mm(self.shell.max_kpa)
 

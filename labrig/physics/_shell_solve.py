@@ -8,14 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.physics._shell_system import System
 
-Array = NDArray[np.float64]
-Solve = Callable[[Array], Array]
+Solve = Callable[[Floats], Floats]
 
 _factor_single, _solve_single = get_lapack_funcs(("pbtrf", "pbtrs"), dtype=np.float32)
 _factor_double, _solve_double = get_lapack_funcs(("pbtrf", "pbtrs"), dtype=np.float64)
@@ -37,9 +36,9 @@ _MEMORY, _PATIENCE, _EXPECTED = 12, 8, 0.1
 class Descent:
     """Where a search stands: coordinates, energy, gradient, and every energy on the way."""
 
-    x: Array
+    x: Floats
     energy: float
-    gradient: Array
+    gradient: Floats
     energies: list[float]
     steps: int = 0
 
@@ -49,13 +48,13 @@ class Descent:
         return float(np.linalg.norm(self.gradient))
 
 
-def reference_force(system: System, pressure_kpa: Array, max_kpa: Array) -> float:
+def reference_force(system: System, pressure_kpa: Floats, max_kpa: Floats) -> float:
     """Norm of the force of the air on the resting shape, with a floor; what residuals are measured in."""
     force, most = (float(np.linalg.norm(system.push_at_rest @ p)) for p in (pressure_kpa, max_kpa))
     return max(force, _LEAST_LOAD * most)
 
 
-def minimise(system: System, field: Array, start: Array, target: float, scale: float) -> Descent:
+def minimise(system: System, field: Floats, start: Floats, target: float, scale: float) -> Descent:
     """Descend from `start` until the force is below `target` (or until nothing helps: see `Descent.force`)."""
     band = np.empty((system.size, system.bandwidth + 1))
     energy, gradient = system.energy(start, field)
@@ -80,7 +79,7 @@ def minimise(system: System, field: Array, start: Array, target: float, scale: f
     return at
 
 
-def _move(system: System, field: Array, at: Descent, step: Array) -> float:
+def _move(system: System, field: Floats, at: Descent, step: Floats) -> float:
     """Go along `step` as far as the energy falls; returns the part that was gone, 0 for none."""
     at.steps += 1
     slope = float(at.gradient @ step)
@@ -102,7 +101,7 @@ def _move(system: System, field: Array, at: Descent, step: Array) -> float:
 
 
 def _factor(
-    system: System, x: Array, field: Array, band: Array, convex: bool, shift: float, double: bool = False
+    system: System, x: Floats, field: Floats, band: Floats, convex: bool, shift: float, double: bool = False
 ) -> tuple[Solve, bool, float]:
     """A Cholesky factor, in single precision or `double`, of what `band` holds, made convex or shifted if it must
     be.
@@ -129,18 +128,18 @@ def _factor(
             shift = max(4.0 * shift, 0.4)
 
 
-def _applied(factor: Array, double: bool) -> Solve:
+def _applied(factor: Floats, double: bool) -> Solve:
     if double:
         return lambda v: _solve_double(factor, v, lower=1)[0]
     return lambda v: _solve_single(factor, v.astype(np.float32), lower=1)[0].astype(float)
 
 
-def _finish(system: System, field: Array, at: Descent, target: float, solve: Solve, band: Array) -> None:
+def _finish(system: System, field: Floats, at: Descent, target: float, solve: Solve, band: Floats) -> None:
     """L-BFGS whose first approximation is the inverse that `solve` applies; a new one when it stalls, from the
     second on in double precision.
     """
-    steps: list[Array] = []
-    turns: list[Array] = []
+    steps: list[Floats] = []
+    turns: list[Floats] = []
     since, mark, renewed = 0, at.force, 0
     for _ in range(_QUASI_STEPS):
         if at.force <= target:
@@ -165,7 +164,7 @@ def _finish(system: System, field: Array, at: Descent, target: float, solve: Sol
             since, mark = 0, at.force
 
 
-def _two_loops(gradient: Array, steps: list[Array], turns: list[Array], solve: Solve) -> Array:
+def _two_loops(gradient: Floats, steps: list[Floats], turns: list[Floats], solve: Solve) -> Floats:
     q = gradient.copy()
     parts = []
     for s, y in zip(reversed(steps), reversed(turns), strict=True):
@@ -178,7 +177,7 @@ def _two_loops(gradient: Array, steps: list[Array], turns: list[Array], solve: S
     return r
 
 
-def respond(system: System, x: Array, field: Array, loads: Array) -> Array:
+def respond(system: System, x: Floats, field: Floats, loads: Floats) -> Floats:
     """How the equilibrium x moves under small additional forces (D, n): (D, n), mm, by the exact stiffness."""
     band = np.empty((system.size, system.bandwidth + 1))
     system.second(x, field, band, False)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.physics._cache import ArrayCache, content_folder
 from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._shell_rig import has_shell, rig_shell
@@ -19,7 +20,6 @@ from labrig.physics._surface import Surface, as_pressures, reduced_surface
 from labrig.physics._warm import LEAST, Predictor, nearest
 from labrig.surface import grid
 
-Array = NDArray[np.float64]
 Node = tuple[int, ...]
 
 MESH = (61, 81)
@@ -49,13 +49,13 @@ class ShellSurface:
                 raise LabrigError(
                     f"rig: markers: shell '{shell.name}' has no marker '{marker}' (it has {known[0]}..{known[-1]})"
                 )
-        self.marker_uv: Array = shell.marker_uv[[known.index(marker) for marker in self.marker_names]]
+        self.marker_uv: Floats = shell.marker_uv[[known.index(marker) for marker in self.marker_names]]
         self._basis = shell.spline.basis(self.marker_uv)
-        self._nodes: dict[Node, tuple[Array, ...]] = {}
-        self._by: dict[tuple[Node, tuple[str, ...]], Array] = {}
+        self._nodes: dict[Node, tuple[Floats, ...]] = {}
+        self._by: dict[tuple[Node, tuple[str, ...]], Floats] = {}
         self._solved: dict[Node, Solution] = {}
-        self._places: list[Array] = []
-        self._states: list[Array] = []
+        self._places: list[Floats] = []
+        self._states: list[Floats] = []
         self._predictor: Predictor | None = None
 
     @property
@@ -64,19 +64,19 @@ class ShellSurface:
         return MappingProxyType({name: parameter.value for name, parameter in self.shell.parameters.items()})
 
     @cached_property
-    def rest_mm(self) -> Array:
+    def rest_mm(self) -> Floats:
         """Marker positions with every chamber vented, mm, (M, 3)."""
         return self.predict(np.zeros((1, len(self.chamber_names))))[0]
 
     @cached_property
-    def normal(self) -> Array:
+    def normal(self) -> Floats:
         """Outward unit normals at the markers at rest, (M, 3)."""
         control = self.shell.control_rest_mm
         by_u, by_v = (self.shell.spline.evaluate(control, self.marker_uv, *d) for d in ((1, 0), (0, 1)))
         normal = np.cross(by_v, by_u)
         return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
-    def predict(self, pressure_kpa: ArrayLike) -> Array:
+    def predict(self, pressure_kpa: ArrayLike) -> Floats:
         """Marker positions, mm, (F, M, 3), for pressures (F, C), kPa; NaN in, NaN out.
 
         Raises `LabrigError` where there is no equilibrium.
@@ -88,7 +88,7 @@ class ShellSurface:
             out[rows] = at + np.einsum("fc,mdc->fmd", pressure[rows] - self._pressure(node), jacobian)
         return out
 
-    def jacobian(self, pressure_kpa: ArrayLike) -> Array:
+    def jacobian(self, pressure_kpa: ArrayLike) -> Floats:
         """d position / d pressure, mm/kPa, (F, M, 3, C), at pressures (F, C); implicit."""
         pressure = self._checked(pressure_kpa)
         out = np.full((len(pressure), len(self.marker_names), 3, len(self.chamber_names)), np.nan)
@@ -96,7 +96,7 @@ class ShellSurface:
             out[rows] = self._nodes[node][1]
         return out
 
-    def parameter_jacobian(self, pressure_kpa: ArrayLike, names: Sequence[str]) -> Array:
+    def parameter_jacobian(self, pressure_kpa: ArrayLike, names: Sequence[str]) -> Floats:
         """d position / d parameter, mm per unit of each, (F, M, 3, P), at pressures (F, C); implicit."""
         pressure = self._checked(pressure_kpa)
         out = np.full((len(pressure), len(self.marker_names), 3, len(names)), np.nan)
@@ -104,7 +104,7 @@ class ShellSurface:
             out[rows] = self._by_parameters(node, tuple(names))
         return out
 
-    def mesh(self, pressure_kpa: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+    def mesh(self, pressure_kpa: ArrayLike) -> tuple[Floats, NDArray[np.int64]]:
         """The whole surface at one set of pressures (C,), solved there: vertices mm (V, 3), triangles (T, 3), wound
         outwards.
         """
@@ -112,7 +112,7 @@ class ShellSurface:
         uv, triangles = grid(*MESH)
         return self.shell.spline.evaluate(solution.control_mm, uv), triangles
 
-    def solve(self, pressure_kpa: Array) -> Solution:
+    def solve(self, pressure_kpa: Floats) -> Solution:
         """The equilibrium at pressures (C,), from the best start there is; negative pressures are vented."""
         pressure = np.maximum(pressure_kpa, 0.0)
         place = pressure / self.shell.max_kpa
@@ -133,7 +133,7 @@ class ShellSurface:
                 )
         return solution
 
-    def _by_node(self, pressure: Array) -> list[tuple[Node, NDArray[np.int64]]]:
+    def _by_node(self, pressure: Floats) -> list[tuple[Node, NDArray[np.int64]]]:
         """The nodes nearest to pressures (F, C), each with the rows that it serves; rows with NaN have none."""
         np.maximum(pressure, 0.0, out=pressure)
         whole = np.flatnonzero(np.isfinite(pressure).all(axis=1))
@@ -149,10 +149,10 @@ class ShellSurface:
             else []
         )
 
-    def _pressure(self, node: Node) -> Array:
+    def _pressure(self, node: Node) -> Floats:
         return _STEP * np.array(node, dtype=float)
 
-    def _with_nodes(self, pressure: Array) -> list[tuple[Node, NDArray[np.int64]]]:
+    def _with_nodes(self, pressure: Floats) -> list[tuple[Node, NDArray[np.int64]]]:
         """`_by_node`, once all the nodes are solved."""
         found = self._by_node(pressure)
         for node, _ in found:
@@ -160,7 +160,7 @@ class ShellSurface:
                 self._nodes[node] = self.kept(node, lambda node=node: self.markers_of(self._solution(node)))
         return found
 
-    def _by_parameters(self, node: Node, names: tuple[str, ...]) -> Array:
+    def _by_parameters(self, node: Node, names: tuple[str, ...]) -> Floats:
         """Slopes by parameters at a node, (M, 3, P)."""
         key = (node, names)
         if key not in self._by:
@@ -170,7 +170,7 @@ class ShellSurface:
             )
         return self._by[key]
 
-    def kept(self, key: Any, make: Callable[[], tuple[Array, ...]]) -> tuple[Array, ...]:
+    def kept(self, key: Any, make: Callable[[], tuple[Floats, ...]]) -> tuple[Floats, ...]:
         """What the cache on disk holds for a JSON-like key, or what is made now, and kept if that took long."""
         found = self._cache.read(key)
         if found is not None:
@@ -186,7 +186,7 @@ class ShellSurface:
         content = (_FORMAT, self.shell.content(), self.marker_names)
         return ArrayCache(content_folder("shell", self.shell.name, *content))
 
-    def markers_of(self, solution: Solution) -> tuple[Array, Array]:
+    def markers_of(self, solution: Solution) -> tuple[Floats, Floats]:
         """Marker positions (M, 3), mm, and their slopes by pressure (M, 3, C), mm/kPa, of a solution."""
         at = self._basis @ solution.control_mm.reshape(-1, 3)
         return at, self._at_markers(self.shell.jacobian(solution))
@@ -198,11 +198,11 @@ class ShellSurface:
             self._solved[node] = self.solve(self._pressure(node))
         return self._solved[node]
 
-    def _at_markers(self, by: Array) -> Array:
+    def _at_markers(self, by: Floats) -> Floats:
         """Derivatives of control points (n_u, n_v, 3, n) as those of the markers, (M, 3, n)."""
         return (self._basis @ by.reshape(self.shell.spline.size, -1)).reshape(len(self.marker_names), 3, -1)
 
-    def _checked(self, pressure_kpa: ArrayLike) -> Array:
+    def _checked(self, pressure_kpa: ArrayLike) -> Floats:
         return as_pressures(pressure_kpa, len(self.chamber_names), f"shell {self.shell.name}")
 
 

@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.physics._quadrature import Quadrature
 from labrig.physics._shell_file import ShellFile
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -22,8 +20,8 @@ class History:
     positive where the material has crept longer. `damage` (Q, L): the part of its stiffness that is lost, 0..1.
     """
 
-    eigenstrain: Array
-    damage: Array
+    eigenstrain: Floats
+    damage: Floats
 
     @classmethod
     def new(cls, points: int, layers: int) -> "History":
@@ -80,7 +78,7 @@ class System:
         return (degree * self.quadrature.n_free_v + degree) * per_point + per_point - 1
 
     @cached_property
-    def patch(self) -> Array:
+    def patch(self) -> Floats:
         """How much of each chamber's pressure bears on each quadrature point, (Q, C)."""
         u, v = self.quadrature.uv.T
         columns = []
@@ -95,7 +93,7 @@ class System:
             columns.append(soft)
         return np.stack(columns, axis=1)
 
-    def field(self, pressure_kpa: Array) -> Array:
+    def field(self, pressure_kpa: Floats) -> Floats:
         """Pressure below each layer at the quadrature points, (Q, L), kPa, from chamber pressures (C,)."""
         below = np.array([chamber.layer - 1 for chamber in self.file.chambers])
         return np.stack(
@@ -104,7 +102,7 @@ class System:
         )
 
     @cached_property
-    def mass(self) -> Array:
+    def mass(self) -> Floats:
         """Area that each free coordinate stands for, mm^2, (D,): the metric of a shift of the second derivatives."""
         q = self.quadrature
         share = q.area_mm2[:, None] * q.basis[:, 0]
@@ -113,7 +111,7 @@ class System:
         return np.repeat(area[q.moving], 3 * self.n_layers).astype(float)
 
     @cached_property
-    def push_at_rest(self) -> Array:
+    def push_at_rest(self) -> Floats:
         """Force of each chamber's air on the resting shape, per kPa, (D, C)."""
         still, chambers = np.zeros(self.size), len(self.file.chambers)
         none = self.energy(still, self.field(np.zeros(chambers)))[1]
@@ -125,11 +123,11 @@ class System:
         stiffness = float((self._layers[:, 0] * self._layers[:, 1]).sum())
         return 1e-14 * stiffness * float(self.quadrature.area_mm2.sum())
 
-    def energy(self, x: Array, field: Array) -> tuple[float, Array]:
+    def energy(self, x: Floats, field: Floats) -> tuple[float, Floats]:
         """Energy, kPa mm^3, and gradient (D,); the energy is infinite for an impossible shape."""
         return self._assemble(x, field, np.zeros((1, 1)), False, True)
 
-    def second(self, x: Array, field: Array, band: Array, convex: bool) -> tuple[float, Array]:
+    def second(self, x: Floats, field: Floats, band: Floats, convex: bool) -> tuple[float, Floats]:
         """Energy and gradient; writes the second derivatives to `band` (D, bandwidth + 1), see `assemble`.
 
         `convex` leaves out what compressive stress takes from the stiffness.
@@ -138,8 +136,8 @@ class System:
         return self._assemble(x, field, band, True, convex)
 
     def _assemble(
-        self, x: Array, field: Array, band: Array, curved: bool, convex: bool
-    ) -> tuple[float, Array]:
+        self, x: Floats, field: Floats, band: Floats, curved: bool, convex: bool
+    ) -> tuple[float, Floats]:
         from labrig.physics._shell_assembly import assemble
         from labrig.physics._shell_terms import IMPOSSIBLE
 
@@ -153,7 +151,7 @@ class System:
         return (np.inf if energy >= IMPOSSIBLE or not np.isfinite(energy) else float(energy)), gradient
 
     @cached_property
-    def _core(self) -> Array:
+    def _core(self) -> Floats:
         """Position and tangents of the core (Q, 3, 3): the resting surface, set off along its normals.
 
         The offset fades out at the border, where the sheets are held.
@@ -166,7 +164,7 @@ class System:
         return np.ascontiguousarray(rest + offset * self._offset_mode)
 
     @cached_property
-    def _offset_mode(self) -> Array:
+    def _offset_mode(self) -> Floats:
         """Position and tangents per mm of core offset, (Q, 3, 3)."""
         q = self.quadrature
         u, v = np.meshgrid(*q.spline.greville, indexing="ij")
@@ -179,7 +177,7 @@ class System:
         return np.stack([q.at_points(mode, k) for k in range(3)], axis=1)
 
     @cached_property
-    def _seam(self) -> Array:
+    def _seam(self) -> Floats:
         """Stiffness that holds layer 1 down between the chambers under it, kPa/mm, (Q,)."""
         covered = np.zeros(len(self.quadrature.uv))
         for k, chamber in enumerate(self.file.chambers):
@@ -188,7 +186,7 @@ class System:
         return self.values["seam_kpa_per_mm"] * (1.0 - np.clip(covered, 0.0, 1.0))
 
     @cached_property
-    def _inner(self) -> Array:
+    def _inner(self) -> Floats:
         """What takes (C11, C22, C12) as measured to the elastic part's, (Q, L, 3, 3)."""
         stretch = np.array([self.values[f"prestretch_{i + 1}"] for i in range(self.n_layers)])
         e = self.history.eigenstrain
@@ -199,7 +197,7 @@ class System:
         return np.ascontiguousarray(np.moveaxis(np.array(rows), (0, 1), (-2, -1)))
 
     @cached_property
-    def _layers(self) -> Array:
+    def _layers(self) -> Floats:
         rows = []
         for i, layer in enumerate(self.file.layers):
             thickness = self.values[f"thickness_{i + 1}_mm"]
@@ -210,10 +208,10 @@ class System:
         return np.array(rows)
 
     @cached_property
-    def _springs(self) -> Array:
+    def _springs(self) -> Floats:
         return np.array([self.values[f"{name}_kpa_per_mm"] for name in ("seam", "adhesion", "contact")])
 
     @cached_property
-    def _down(self) -> Array:
+    def _down(self) -> Floats:
         direction = np.array(self.file.gravity.direction)
         return direction / np.linalg.norm(direction)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.arrays import Floats
 from labrig.physics._samples import sample_pressures
 from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._simulations import (
@@ -32,8 +33,6 @@ from labrig.physics._simulations import (
 )
 from labrig.physics._warm import LEAST, Predictor, nearest
 
-Array = NDArray[np.float64]
-
 _FIRST_ROUND, _PER_TASK, _LEARN_FROM = 32, 8, 512
 _PARTS, _PLAN = "parts", "plan.npz"
 
@@ -44,7 +43,7 @@ class _Task:
 
     shell: str
     number: NDArray[np.int64]
-    pressure_kpa: Array
+    pressure_kpa: Floats
     predictor: Predictor | None
     jacobians: bool
 
@@ -80,7 +79,7 @@ def simulate(
 
 def _plan(
     shell: Shell, folder: Path, asked: dict[str, Any], resume: bool, executor: Executor
-) -> tuple[Array, list[str]]:
+) -> tuple[Floats, list[str]]:
     """The pressures of a folder: made now, or those that it was begun with."""
     if asked["count"] < 2:
         raise LabrigError(f"--count {asked['count']}: at least 2 simulations are needed")
@@ -114,7 +113,7 @@ def _plan(
 def _run(
     shell: Shell,
     folder: Path,
-    pressure: Array,
+    pressure: Floats,
     jacobians: bool,
     executor: Executor,
     progress: Callable[[int, int], None],
@@ -123,7 +122,7 @@ def _run(
     order = np.random.default_rng(0).permutation(len(pressure))
     content = json.dumps(shell.content())
     parts: dict[int, Path] = {}
-    places: list[Array] = []
+    places: list[Floats] = []
     states: list[NDArray[np.float32]] = []
     done, begin = 0, 0
     for size in _rounds(len(pressure)):
@@ -181,8 +180,8 @@ def solve_task(task: _Task) -> dict[str, Any]:
     if task.jacobians:
         out["jacobian"] = np.full((*shape, task.pressure_kpa.shape[1]), np.nan, np.float32)
     faults = [""] * len(task.number)
-    places: list[Array] = []
-    states: list[Array] = []
+    places: list[Floats] = []
+    states: list[Floats] = []
     for k, pressure in enumerate(task.pressure_kpa):
         begin = time.process_time()
         place = pressure / shell.max_kpa
@@ -203,7 +202,7 @@ def solve_task(task: _Task) -> dict[str, Any]:
     return out
 
 
-def _solved(shell: Shell, pressure: Array, start: Array | None) -> Solution:
+def _solved(shell: Shell, pressure: Floats, start: Floats | None) -> Solution:
     """From the guess, or else from rest."""
     try:
         return shell.solve(pressure, start)
@@ -214,7 +213,7 @@ def _solved(shell: Shell, pressure: Array, start: Array | None) -> Solution:
 
 
 def _gather(
-    shell: Shell, folder: Path, pressure: Array, kind: list[str], jacobians: bool, parts: dict[int, Path]
+    shell: Shell, folder: Path, pressure: Floats, kind: list[str], jacobians: bool, parts: dict[int, Path]
 ) -> Simulations:
     """All parts as one file; the parts are thrown away."""
     count = len(pressure)

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
+from labrig.arrays import Floats
 from labrig.surface import Spline
-
-Array = NDArray[np.float64]
 
 SHELL_FILE, DATA_FILE, FAILURES_FILE = "shell.yaml", "simulations.npz", "failures.json"
 
@@ -27,13 +26,13 @@ class Simulations:
     `shell` the content of its file.
     """
 
-    pressure_kpa: Array
-    control_mm: Array
+    pressure_kpa: Floats
+    control_mm: Floats
     kind: NDArray[np.str_]
-    residual: Array
+    residual: Floats
     converged: NDArray[np.bool_]
     jacobian: NDArray[np.float32] | None
-    cpu_s: Array
+    cpu_s: Floats
     shell: dict[str, Any]
 
     @property

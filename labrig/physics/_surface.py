@@ -15,22 +15,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.physics._geometry import GEOMETRIES, Geometry, profiles, tangents
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class _Points:
     """What is needed to move a set of points: rest (P, 3), normal (P, 3), weight (P, C), gradient (P, C, 3)."""
 
-    rest_mm: Array
-    normal: Array
-    weight: Array
-    gradient_per_mm: Array
+    rest_mm: Floats
+    normal: Floats
+    weight: Floats
+    gradient_per_mm: Floats
 
     @classmethod
-    def at(cls, geometry: Geometry, u: Array, v: Array) -> "_Points":
+    def at(cls, geometry: Geometry, u: Floats, v: Floats) -> "_Points":
         along_u, along_v, normal = tangents(geometry, u, v)
         weight, slope_u, slope_v = profiles(geometry, u, v)
         uu, uv, vv = (
@@ -42,7 +41,7 @@ class _Points:
         gradient = up[..., None] * along_u[:, None] + right[..., None] * along_v[:, None]
         return cls(geometry.rest(u, v), normal, weight, gradient)
 
-    def moved(self, deflection_mm: Array, tangential: float) -> Array:
+    def moved(self, deflection_mm: Floats, tangential: float) -> Floats:
         """Positions, mm, (F, P, 3) for deflections (F, C)."""
         height = deflection_mm @ self.weight.T
         slope = np.tensordot(deflection_mm, self.gradient_per_mm, axes=([1], [1]))
@@ -78,27 +77,27 @@ class Surface:
         return other
 
     @property
-    def rest_mm(self) -> Array:
+    def rest_mm(self) -> Floats:
         """Marker positions with every chamber vented, mm, (M, 3)."""
         return self._markers.rest_mm
 
     @property
-    def normal(self) -> Array:
+    def normal(self) -> Floats:
         """Outward unit normals at the markers at rest, (M, 3)."""
         return self._markers.normal
 
     @property
-    def weight(self) -> Array:
+    def weight(self) -> Floats:
         """Normal displacement of each marker per mm of deflection of each chamber, (M, C)."""
         return self._markers.weight
 
     @property
-    def compliance_mm_per_kpa(self) -> Array:
+    def compliance_mm_per_kpa(self) -> Floats:
         """Deflection per pressure at rest, (C,)."""
         return self._gain
 
     @property
-    def limit_mm(self) -> Array:
+    def limit_mm(self) -> Floats:
         """Deflection at which the cubic stiffness of a chamber equals its linear one, (C,)."""
         return self._limit
 
@@ -107,21 +106,21 @@ class Surface:
         """The second-order tangential coefficient, dimensionless."""
         return self.geometry.tangential
 
-    def deflection_mm(self, pressure_kpa: ArrayLike) -> Array:
+    def deflection_mm(self, pressure_kpa: ArrayLike) -> Floats:
         """Deflection of each chamber at the middle of its patch, mm, same shape as the pressures (..., C)."""
         load = self._gain * np.asarray(pressure_kpa, dtype=float)
         scale = 2.0 * self._limit / np.sqrt(3.0)
         return scale * np.sinh(np.arcsinh(1.5 * np.sqrt(3.0) * load / self._limit) / 3.0)
 
-    def shape_mm(self, deflection_mm: Array) -> Array:
+    def shape_mm(self, deflection_mm: Floats) -> Floats:
         """Marker positions for chamber deflections (F, C): (F, M, 3), mm."""
         return self._markers.moved(np.atleast_2d(deflection_mm), self.tangential)
 
-    def predict(self, pressure_kpa: ArrayLike) -> Array:
+    def predict(self, pressure_kpa: ArrayLike) -> Floats:
         """Marker positions, mm, (F, M, 3), for pressures (F, C), kPa; NaN in, NaN out."""
         return self.shape_mm(self.deflection_mm(self._checked(pressure_kpa)))
 
-    def jacobian(self, pressure_kpa: ArrayLike) -> Array:
+    def jacobian(self, pressure_kpa: ArrayLike) -> Floats:
         """d position / d pressure, mm/kPa, (F, M, 3, C), at pressures (F, C); analytic."""
         deflection = self.deflection_mm(self._checked(pressure_kpa))
         points = self._markers
@@ -133,18 +132,18 @@ class Surface:
         by_pressure = self._gain / (1.0 + 3.0 * (deflection / self._limit) ** 2)
         return by_deflection * by_pressure[:, None, None, :]
 
-    def mesh(self, pressure_kpa: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+    def mesh(self, pressure_kpa: ArrayLike) -> tuple[Floats, NDArray[np.int64]]:
         """The whole surface at one set of pressures (C,): vertices mm (V, 3), triangles (T, 3), wound
         outwards.
         """
         return self.mesh_at(self.deflection_mm(self._checked(pressure_kpa)[0])), self.triangles
 
-    def mesh_at(self, deflection_mm: Array) -> Array:
+    def mesh_at(self, deflection_mm: Floats) -> Floats:
         """Mesh vertices, mm, (V, 3), for chamber deflections (C,)."""
         return self._mesh_points.moved(np.atleast_2d(deflection_mm), self.tangential)[0]
 
     @cached_property
-    def mesh_weight(self) -> Array:
+    def mesh_weight(self) -> Floats:
         """Normal displacement of each mesh vertex per mm of deflection of each chamber, (V, C)."""
         return self._mesh_points.weight
 
@@ -168,11 +167,11 @@ class Surface:
         a, b, c, d = (x.ravel() for x in (corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]))
         return np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int64)
 
-    def _checked(self, pressure_kpa: ArrayLike) -> Array:
+    def _checked(self, pressure_kpa: ArrayLike) -> Floats:
         return as_pressures(pressure_kpa, len(self.chamber_names), f"surface {self.geometry.name}")
 
 
-def as_pressures(pressure_kpa: ArrayLike, chambers: int, whose: str) -> Array:
+def as_pressures(pressure_kpa: ArrayLike, chambers: int, whose: str) -> Floats:
     """Pressures as an array (F, C) of its own; raises `LabrigError` for another number of chambers."""
     pressure = np.atleast_2d(np.array(pressure_kpa, dtype=float))
     if pressure.ndim != 2 or pressure.shape[1] != chambers:

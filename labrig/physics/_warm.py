@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from labrig.arrays import Floats
 
 _MODES = 64
 _SMOOTHING = 1e-3
@@ -20,13 +20,13 @@ class Predictor:
     `places` (N, C) pressures over their maxima; `weight` (N + 1 + C, K); `modes` (K, D) and `mean` (D,) of states.
     """
 
-    places: Array
-    weight: Array
+    places: Floats
+    weight: Floats
     modes: NDArray[np.float32]
     mean: NDArray[np.float32]
 
     @classmethod
-    def fit(cls, places: Array, states: NDArray[np.float32]) -> "Predictor":
+    def fit(cls, places: Floats, states: NDArray[np.float32]) -> "Predictor":
         """From solved states (N, D) at `places` (N, C)."""
         mean = states.mean(axis=0)
         off = (states - mean).astype(float)
@@ -44,19 +44,19 @@ class Predictor:
         weight = np.asarray(np.linalg.solve(matrix, right), dtype=float)
         return cls(places, weight, modes.astype(np.float32), mean)
 
-    def __call__(self, place: Array) -> Array:
+    def __call__(self, place: Floats) -> Floats:
         """The state (D,) that is likely at a place (C,)."""
         near = np.concatenate([_cube(place[None], self.places)[0], [1.0], place])
         return self.mean.astype(float) + (near @ self.weight) @ self.modes
 
 
-def nearest(place: Array, places: list[Array], states: list[Array]) -> Array | None:
+def nearest(place: Floats, places: list[Floats], states: list[Floats]) -> Floats | None:
     """The state at the nearest of the solved places, None if there is none."""
     if not places:
         return None
     return states[int(np.argmin(np.linalg.norm(np.array(places) - place, axis=1)))]
 
 
-def _cube(a: Array, b: Array) -> Array:
+def _cube(a: Floats, b: Floats) -> Floats:
     square = (a * a).sum(1)[:, None] + (b * b).sum(1)[None] - 2.0 * a @ b.T
     return np.maximum(square, 0.0) ** 1.5

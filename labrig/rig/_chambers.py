@@ -4,12 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.rig._rig import Rig
 from labrig_drivers import DeviceError
-
-Floats = NDArray[np.float64]
 
 SHARE = 0.5
 """How far a chamber is filled, as a share of its limit."""

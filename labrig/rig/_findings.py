@@ -1,13 +1,11 @@
 """What fillings say of a rig: tubes that are off or swapped, leaks, and sensors with a wrong zero or scale."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.rig._chambers import Filling, Fillings
 from labrig.rig._config import ChamberConfig, RigConfig
 from labrig_drivers._check import Finding, State
-
-Floats = NDArray[np.float64]
 
 _ZERO_KPA = 1.0
 """How far a sensor may be from the others at ambient: the total error of the boards' sensors, 1.5 % of 100 kPa, is

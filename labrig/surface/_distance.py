@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from labrig.arrays import Floats
 from labrig.surface._mesh import Mesh
 from labrig.surface._nearest import Nearest
-
-Floats = NDArray[np.float64]
 
 _CANDIDATES = 6
 """Nearest vertices whose triangles are tried; the nearest triangle of an even mesh is always among them."""

@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from labrig.arrays import Floats, Ints
 
 NEIGHBOURS = 20
 """Points whose plane gives a cloud its normals."""

@@ -4,10 +4,8 @@ from functools import cache
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from labrig.arrays import Floats, Ints
 
 
 @cache

@@ -1,9 +1,8 @@
 """Rigid motions: small ones as vectors, best ones between points, and where to begin when nothing is known."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from labrig.arrays import Floats
 
 
 def rotation_of(vector: Floats) -> Floats:

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface._distance import distances
 from labrig.surface._mesh import Mesh
 from labrig.surface._nearest import Nearest
 from labrig.surface._pose import angle_deg, cube_rotations, rotation_of, spread_rotations, upright_frames
-
-Floats = NDArray[np.float64]
 
 COARSE = 200
 """Points on which starts are tried, against twice as many of the target."""

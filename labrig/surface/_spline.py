@@ -9,8 +9,7 @@ from scipy.sparse import csc_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import splu
 
 from labrig._errors import LabrigError
-
-Array = NDArray[np.float64]
+from labrig.arrays import Floats
 
 _OUTSIDE = 1e-9
 _STIFFNESS = 1e-9
@@ -45,12 +44,12 @@ class Spline:
         return f"Spline(count={self.count}, degree={self.degree})"
 
     @cached_property
-    def knots(self) -> tuple[Array, Array]:
+    def knots(self) -> tuple[Floats, Floats]:
         """The knots of u and of v, each (n + degree + 1,)."""
         return _knots(self.count[0], self.degree), _knots(self.count[1], self.degree)
 
     @cached_property
-    def greville(self) -> tuple[Array, Array]:
+    def greville(self) -> tuple[Floats, Floats]:
         """Where each control point pulls most, in u (n_u,) and in v (n_v,)."""
         u, v = (
             np.array([knots[i + 1 : i + self.degree + 1].mean() for i in range(n)])
@@ -58,7 +57,7 @@ class Spline:
         )
         return u, v
 
-    def local(self, axis: int, at: ArrayLike, derivative: int = 0) -> tuple[NDArray[np.int64], Array]:
+    def local(self, axis: int, at: ArrayLike, derivative: int = 0) -> tuple[NDArray[np.int64], Floats]:
         """The basis functions of one direction (0 is u) that are not zero at the points `at` (P,).
 
         Returns the index of the first one, (P,), and their values or derivatives, (P, degree + 1).
@@ -83,7 +82,7 @@ class Spline:
         start = np.arange(len(uv) + 1) * entries
         return csr_array((value.ravel(), column.ravel(), start), shape=(len(uv), self.size))
 
-    def evaluate(self, control_mm: ArrayLike, uv: ArrayLike, du: int = 0, dv: int = 0) -> Array:
+    def evaluate(self, control_mm: ArrayLike, uv: ArrayLike, du: int = 0, dv: int = 0) -> Floats:
         """Points (..., P, 3), mm, of surfaces with control points (..., n_u, n_v, 3); or their derivatives."""
         control = np.asarray(control_mm, dtype=float)
         if control.shape[-3:] != (*self.count, 3):
@@ -98,7 +97,7 @@ class Spline:
         moved = (basis @ flat).reshape(points, -1, 3)
         return np.ascontiguousarray(np.moveaxis(moved, 0, 1)).reshape(*lead, points, 3)
 
-    def interpolate(self, points_mm: Callable[[Array, Array], ArrayLike]) -> Array:
+    def interpolate(self, points_mm: Callable[[Floats, Floats], ArrayLike]) -> Floats:
         """Control points (n_u, n_v, 3) of the surface that meets `points_mm(u, v) -> (..., 3)` at the Greville
         points; the function is called once, with arrays (n_u, n_v).
         """
@@ -109,7 +108,7 @@ class Spline:
         control = np.linalg.solve(_dense(self, 1), across).reshape(self.count[1], self.count[0], 3)
         return np.asarray(control.transpose(1, 0, 2), dtype=float)
 
-    def fit(self, points_mm: ArrayLike, uv: ArrayLike) -> Array:
+    def fit(self, points_mm: ArrayLike, uv: ArrayLike) -> Floats:
         """Control points (n_u, n_v, 3) of the surface nearest to points (P, 3) at `uv` (P, 2): least squares.
 
         Where there are no points the control net is as smooth as it can be. Raises `LabrigError` for fewer
@@ -137,7 +136,7 @@ class Spline:
         return csr_array(rough)
 
 
-def grid(n_u: int, n_v: int) -> tuple[Array, NDArray[np.int64]]:
+def grid(n_u: int, n_v: int) -> tuple[Floats, NDArray[np.int64]]:
     """A regular grid of the unit square, `uv` (n_u * n_v, 2) with u fastest, and its triangles (T, 3).
 
     Triangles are wound so that normals point along d/dv x d/du, which is outwards on labrig's surfaces.
@@ -149,18 +148,18 @@ def grid(n_u: int, n_v: int) -> tuple[Array, NDArray[np.int64]]:
     return np.stack([u.ravel(), v.ravel()], axis=1), triangles
 
 
-def _knots(n: int, degree: int) -> Array:
+def _knots(n: int, degree: int) -> Floats:
     return np.concatenate([np.zeros(degree), np.linspace(0.0, 1.0, n - degree + 1), np.ones(degree)])
 
 
-def _in_range(at: ArrayLike) -> Array:
+def _in_range(at: ArrayLike) -> Floats:
     x = np.asarray(at, dtype=float).ravel()
     if not ((x >= -_OUTSIDE) & (x <= 1.0 + _OUTSIDE)).all():
         raise LabrigError("spline: (u, v) must be finite and lie between 0 and 1")
     return np.clip(x, 0.0, 1.0)
 
 
-def _basis(knots: Array, span: NDArray[np.int64], x: Array, degree: int, derivative: int) -> Array:
+def _basis(knots: Floats, span: NDArray[np.int64], x: Floats, degree: int, derivative: int) -> Floats:
     """Values or derivatives (P, degree + 1) of the functions degree `degree` on the knots' spans (P,)."""
     if derivative > degree:
         return np.zeros((len(x), degree + 1))
@@ -182,7 +181,7 @@ def _basis(knots: Array, span: NDArray[np.int64], x: Array, degree: int, derivat
     return out
 
 
-def _dense(spline: Spline, axis: int) -> Array:
+def _dense(spline: Spline, axis: int) -> Floats:
     """Values of the basis functions of one direction at its Greville points, (n, n)."""
     n = spline.count[axis]
     first, value = spline.local(axis, spline.greville[axis])

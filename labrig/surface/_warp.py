@@ -1,14 +1,12 @@
 """A space warp: an affine map plus Gaussian bells around centers, and how it is fitted."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from labrig._errors import LabrigError
-
-Floats = NDArray[Any]
+from labrig.arrays import Floats
 
 SLACK = 1e-10
 """Added to the diagonal of the bells' matrix: wide bells at near centers are all but dependent."""

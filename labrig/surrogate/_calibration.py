@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.surface import grid
 from labrig.surrogate._forward import ForwardModel
-from labrig.surrogate._kernel import Floats
 
 _GRID = 34
 _PARTS = 60

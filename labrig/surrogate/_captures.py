@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface import Mesh, read_mesh
-from labrig.surrogate._kernel import Floats
 
 if TYPE_CHECKING:
     from xarray import Dataset

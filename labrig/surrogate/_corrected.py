@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from labrig.surrogate._kernel import Floats, Kernel
+from labrig.arrays import Floats
+from labrig.surrogate._kernel import Kernel
 
 
 @dataclass(frozen=True)

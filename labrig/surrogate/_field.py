@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.surrogate._field_settings import Grid, Settings, Spatial
-from labrig.surrogate._kernel import Floats
 
 _Map = Callable[[Floats], Floats]
 

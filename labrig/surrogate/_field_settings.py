@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
+from labrig.arrays import Floats
 from labrig.surface._warp import bells
-from labrig.surrogate._kernel import Floats, Kernel
+from labrig.surrogate._kernel import Kernel
 
 _NAMES = ("still", "moving", "noise_mm", "length", "share", "shape_power", "bells", "affine", "c")
 _START = np.log([1.0, 1.5, 0.2, 0.6, 0.4, 0.8, 0.2, 0.1, 6e-5])
@@ -116,7 +117,9 @@ class Grid:
 
     def theta(self, values: Floats) -> Floats:
         """The directions' most probable sizes, given displacements (J, D)."""
-        return np.linalg.solve(self.H, np.tensordot(self.GK, values, axes=([1, 2], [0, 1])))
+        return np.asarray(
+            np.linalg.solve(self.H, np.tensordot(self.GK, values, axes=([1, 2], [0, 1]))), np.float64
+        )
 
     def cost(self, values: Floats) -> float:
         """Minus the log of the marginal likelihood of displacements (J, D), without constants."""

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.surface import grid
 from labrig.surface._warp import identity_coefficients
 from labrig.surrogate._captures import Frames, Shot
@@ -13,7 +14,6 @@ from labrig.surrogate._corrected import CorrectedHead
 from labrig.surrogate._field import Posterior, Seen, infer, left_out
 from labrig.surrogate._field_settings import Places, Settings, Spatial, fit_settings
 from labrig.surrogate._forward import ForwardModel
-from labrig.surrogate._kernel import Floats
 from labrig.surrogate._scans import Matched, confidence_map, match
 from labrig.surrogate._warp_heads import FieldHead
 from labrig.surrogate._warped import WarpedModel

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface import Spline
-from labrig.surrogate._kernel import Floats
 
 LEAST_SD_MM = 1e-6
 _KEPT = 8

@@ -8,7 +8,8 @@ from scipy.linalg import solve_triangular
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 
 from labrig._errors import LabrigError
-from labrig.surrogate._kernel import Floats, Kernel
+from labrig.arrays import Floats
+from labrig.surrogate._kernel import Kernel
 from labrig.surrogate._likelihood import fit_kernel
 
 _LEADING = 24
@@ -85,7 +86,7 @@ class GaussianHead:
     def _factor(self) -> Floats:
         matrix = self.kernel.covariance(self._bent, self._bent)
         matrix[np.diag_indices(len(matrix))] += self.noise + _NUGGET
-        return np.linalg.cholesky(matrix)
+        return np.asarray(np.linalg.cholesky(matrix), np.float64)
 
 
 def fit_gaussian(

@@ -9,13 +9,10 @@ chamber, which is quick at first and stiffens. x is the pressure as a fraction o
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[Any]
-"""Arrays of 64-bit floats; their shapes are in the texts."""
+from labrig.arrays import Floats
 
 
 @dataclass(frozen=True)

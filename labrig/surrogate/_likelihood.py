@@ -4,7 +4,8 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.optimize import minimize
 
-from labrig.surrogate._kernel import Floats, Kernel
+from labrig.arrays import Floats
+from labrig.surrogate._kernel import Kernel
 
 _START = (np.log(0.7), np.log(2.0), np.log(0.5))
 _BOUNDS = ((np.log(0.05), np.log(30.0)), (np.log(1e-2), np.log(300.0)), (np.log(1e-3), np.log(1e3)))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import erf
 
-from labrig.surrogate._kernel import Floats
+from labrig.arrays import Floats
 
 _ROOT_HALF = 0.7071067811865476
 _DENSITY = 0.3989422804014327

@@ -6,12 +6,13 @@ from typing import Any, NoReturn
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface import Spline
 from labrig.surrogate._corrected import CorrectedHead
 from labrig.surrogate._file import Arrays
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._gaussian import GaussianHead
-from labrig.surrogate._kernel import Floats, Kernel
+from labrig.surrogate._kernel import Kernel
 from labrig.surrogate._network import Network, NetworkHead
 from labrig.surrogate._warp_heads import FieldHead, FunctionHead, MarkerHead
 from labrig.surrogate._warped import WarpedModel

@@ -3,10 +3,10 @@
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface._warp import design
 from labrig.surrogate._captures import Frames
 from labrig.surrogate._forward import ForwardModel
-from labrig.surrogate._kernel import Floats
 from labrig.surrogate._network import Network
 from labrig.surrogate._torch_training import Recipe, one_thread, plain, sequential, train_network
 from labrig.surrogate._warp_heads import FunctionHead, MarkerHead

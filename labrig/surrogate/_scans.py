@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface import Mesh, Registration, distances, register
 from labrig.surrogate._captures import Shot
-from labrig.surrogate._kernel import Floats
 
 _FAR_SHARE = 4.0
 """Matches further off than this many times the scan's typical distance are not believed."""

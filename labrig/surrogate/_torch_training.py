@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from labrig._extras import missing
-from labrig.surrogate._kernel import Floats
+from labrig.arrays import Floats
 from labrig.surrogate._network import Network
 
 

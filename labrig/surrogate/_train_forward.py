@@ -7,11 +7,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.surface import grid
 from labrig.surrogate._calibration import NORMAL_95, calibrated
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._gaussian import fit_gaussian
-from labrig.surrogate._kernel import Floats
 from labrig.surrogate._network import Network, NetworkHead
 from labrig.surrogate._provenance import provenance
 from labrig.surrogate._torch_training import Recipe, train_network

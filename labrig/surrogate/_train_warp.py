@@ -7,11 +7,11 @@ from typing import Any, Literal
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface import Mesh, grid
 from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._fix import GAIN_SD, fix
 from labrig.surrogate._forward import ForwardModel
-from labrig.surrogate._kernel import Floats
 from labrig.surrogate._provenance import provenance
 from labrig.surrogate._scans import frame_of
 from labrig.surrogate._warped import WarpedModel

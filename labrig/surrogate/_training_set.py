@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface import Spline
-from labrig.surrogate._kernel import Floats
 
 if TYPE_CHECKING:
     from labrig.physics import Simulations

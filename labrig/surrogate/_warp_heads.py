@@ -6,8 +6,9 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from labrig.arrays import Floats
 from labrig.surface._warp import SLACK, bells, identity_coefficients, interpolation_matrix
-from labrig.surrogate._kernel import Floats, Kernel
+from labrig.surrogate._kernel import Kernel
 from labrig.surrogate._network import Network
 
 _NUGGET = 1e-6
@@ -79,7 +80,7 @@ class MarkerHead:
         right[:N] -= np.einsum("ikc,kd->idc", dq, solved[1:4])
         right[N + 1 :] -= np.einsum("jkc,jd->kdc", dq, solved[4:])
         solved_change = np.linalg.solve(matrix, right.reshape(N + 4, -1)).reshape(N + 4, 3, C)
-        return identity_coefficients(N) + solved, solved_change
+        return identity_coefficients(N) + solved, np.asarray(solved_change, np.float64)
 
     def doubt(self, x: Floats) -> Floats:
         """One (F,): a single network knows nothing of its doubt."""
@@ -122,4 +123,4 @@ class FieldHead:
     def _factor(self) -> Floats:
         matrix = self.kernel.covariance(self._bent, self._bent)
         matrix[np.diag_indices(len(matrix))] += _NUGGET
-        return np.linalg.cholesky(matrix)
+        return np.asarray(np.linalg.cholesky(matrix), np.float64)

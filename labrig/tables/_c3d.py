@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.tables._mapping import Mapping
-from labrig.tables._table import Floats, Table
+from labrig.tables._table import Table
 from labrig.tables._units import factor
 
 

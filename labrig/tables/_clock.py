@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.tables._mapping import UnitColumn
-from labrig.tables._table import DATE, Floats, Table
+from labrig.tables._table import DATE, Table
 from labrig.tables._units import factor
 
 

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.tables._clock import seconds
 from labrig.tables._mapping import Join
 from labrig.tables._read import read_file
@@ -14,8 +14,6 @@ from labrig.tables._table import Table
 
 if TYPE_CHECKING:
     pass
-
-Floats = NDArray[np.float64]
 
 
 def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, str], folder: Path) -> Table:

@@ -1,13 +1,11 @@
 """Whether numbers can be what their unit says: pressures of a rig, set-points within their limits, lengths."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.tables._mapping import Actuation
 from labrig.tables._units import factor, like
-
-Floats = NDArray[np.float64]
 
 _PRESSURE_KPA = (8.0, 1600.0)
 """The highest pressure of a soft or pneumatic rig lies between these: below are numbers in bar, above those in mbar."""

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._names import Name, take_apart
-from labrig.tables._table import DATE, Floats, Table
+from labrig.tables._table import DATE, Table
 
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}")
 _PRESSURES = ("Pa", "psi", "bar", "mmHg")

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from labrig.arrays import Floats, Ints
+
 Kind = Literal["plateau", "ramp", "cycle", "stretch"]
 
 _FLAT = 0.02

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 DATE = "date"
 """The `unit` of a time column that holds dates and times of day."""
 _LONG = 40

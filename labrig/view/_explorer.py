@@ -7,9 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.view._colours import STEPS
 from labrig.view._explorer_script import EXPLORER
-from labrig.view._fields import Cloud, Floats, Skin, filled, kept_captures, rms
+from labrig.view._fields import (
+    Cloud,
+    Skin,
+    filled,
+    kept_captures,
+    rms,
+)
 from labrig.view._figures import STATES
 from labrig.view._outlines import Outline, chamber_outlines
 from labrig.view._page import Page

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
+
 if TYPE_CHECKING:
     import xarray as xr
 
-Floats = NDArray[np.float64]
 
 FLAT = 0.03  # the second extent of a cloud, as a share of its first, below which it has no surface
 

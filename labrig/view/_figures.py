@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Figure = dict[str, Any]
-Floats = NDArray[np.float64]
 
 FONT = {"family": "system-ui, Segoe UI, Roboto, Helvetica, Arial, sans-serif", "size": 13, "color": INK}
 MAX_POINTS = 3000

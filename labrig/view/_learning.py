@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.view._page import Page, table
 from labrig.view._style import AFTER, BEFORE, ERROR_SCALE, GROUPS, INK, MUTED, PAPER
-
-Floats = Any
 
 
 @dataclass

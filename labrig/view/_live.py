@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.campaign import Completed, Observer, Progress, RigInfo, Step
 from labrig.view._colours import STEPS, moved_colours, rgb
-from labrig.view._fields import Floats, rms, skin
+from labrig.view._fields import rms, skin
 from labrig.view._legend import legend_picture
 from labrig.view._scene import CHAMBER_COLOURS, UNSEEN, draw_state, scene_in_front
 from labrig.view._style import BEFORE

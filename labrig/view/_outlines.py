@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.view._fields import Floats, Skin
+from labrig.arrays import Floats
+from labrig.view._fields import Skin
 
 HALF = 0.5
 

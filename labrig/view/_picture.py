@@ -6,8 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.view._colours import STEPS, error_colours, floor_for_colours, rgb
-from labrig.view._fields import Cloud, Floats, cloud, residuals, rms, skin
+from labrig.view._fields import (
+    Cloud,
+    cloud,
+    residuals,
+    rms,
+    skin,
+)
 from labrig.view._naming import added
 from labrig.view._space import view_axes
 from labrig.view._style import AFTER, BEFORE, CEILING, ERROR_SCALE, FLOOR, INK, MUTED

@@ -4,8 +4,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
+from labrig.arrays import Floats
 from labrig.view._colours import floor_for_colours
-from labrig.view._fields import Cloud, Floats, cloud, skin
+from labrig.view._fields import Cloud, cloud, skin
 from labrig.view._figures import FONT, Figure, _layout, fit, over_captures
 from labrig.view._outlines import chamber_outlines
 from labrig.view._signature_figure import signature

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.view._fields import Floats
+from labrig.arrays import Floats
 from labrig.view._live import Predict
 
 

@@ -18,7 +18,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 from rerun.encodings import AbsoluteTimeRange
 
-Floats = NDArray[np.float64]
+from labrig.arrays import Floats
+
 Colour = tuple[int, int, int] | Sequence[int]
 
 BACKGROUND = (22, 26, 33)

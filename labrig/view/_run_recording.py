@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.view._colours import moved_colours, rgb
-from labrig.view._fields import Floats, rms, skin
+from labrig.view._fields import rms, skin
 from labrig.view._legend import legend_picture
 from labrig.view._scene import CHAMBER_COLOURS, scene_in_front
 

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.view._colours import error_colours, rgb
-from labrig.view._fields import Floats, Skin, filled, per_coordinate
+from labrig.view._fields import Skin, filled, per_coordinate
 from labrig.view._space import view_axes
 
 if TYPE_CHECKING:

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.view._figures import FONT, Figure, _layout, _plain
 from labrig.view._space import scene_layout
 from labrig.view._style import AFTER, BEFORE, INK, LINE
-
-Floats = NDArray[np.float64]
 
 # From inside the target through on it to standing out of it; paper in the middle.
 SIGNED_SCALE = (

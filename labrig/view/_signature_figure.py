@@ -4,7 +4,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.view._figures import FONT, Figure, Floats, _curve, _layout, _plain, _points, _thinned
+from labrig.arrays import Floats
+from labrig.view._figures import (
+    FONT,
+    Figure,
+    _curve,
+    _layout,
+    _plain,
+    _points,
+    _thinned,
+)
 from labrig.view._style import FLOOR, GROUPS
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from labrig.view._fields import Floats
+from labrig.arrays import Floats
 from labrig.view._figures import Figure, _layout, _plain
 
 _FITS = 1.7  # largest extent beside the geometric mean of all three that a picture has room for

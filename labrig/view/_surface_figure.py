@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.view._colours import shade
-from labrig.view._fields import Floats, Skin
+from labrig.view._fields import Skin
 from labrig.view._figures import FONT, Figure, _plain
 from labrig.view._outlines import Outline
 from labrig.view._space import camera, front, light, scene_layout

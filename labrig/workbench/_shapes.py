@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig.view import (
     capture_words,
     chamber_outlines,
@@ -20,7 +20,6 @@ from labrig.view import (
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
 
-Floats = NDArray[np.float64]
 
 MOST = 600
 """Captures that a page is given shapes of; of more, evenly many and the worst."""

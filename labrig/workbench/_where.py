@@ -9,6 +9,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.workbench._answers import answering, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key, opened, trial
@@ -17,7 +18,6 @@ from labrig.workbench._run import Pair, pair_of
 if TYPE_CHECKING:
     from labrig.diagnosis import Opened
 
-Floats = NDArray[np.float64]
 
 MOST = 1500
 BINS = 12

@@ -3,8 +3,16 @@
 import numpy as np
 import pytest
 
+from labrig.arrays import Floats
 from labrig.bench import _halves
-from labrig.bench._nature import Array, Half, Law, Observable, Path, Rig, Setting
+from labrig.bench._nature import (
+    Half,
+    Law,
+    Observable,
+    Path,
+    Rig,
+    Setting,
+)
 
 
 class Pads(Rig):
@@ -25,11 +33,11 @@ class Pads(Rig):
         self.rest_mm = random.uniform(0.0, 100.0, (5, 3))
         self.reach = random.normal(size=(3, 15)) * np.tile([1.0, 1.0, 6.0], 5)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         x = kpa / self.high_kpa
         return 1.4 * x / (1.0 + 0.4 * np.abs(x))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         return self.rest_mm.ravel() + deflection @ self.reach
 
@@ -45,7 +53,7 @@ class Cell(Pads):
         self.observables, self.rest_mm, self.marker_names = (Observable("force", "N"),), None, ()
         self.reach = random.uniform(20.0, 40.0, (1, 1))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         return deflection @ self.reach
 
 
@@ -67,7 +75,7 @@ class Flat(Pads):
         )
         self.reach = 4.0 * random.normal(size=(2, 8))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         return 5.0 * self.rest_mm[:, :2].ravel() + deflection @ self.reach
 
@@ -81,7 +89,7 @@ class Slow(Law):
         super().__init__(setting)
         self.tau_s = float(setting.random.uniform(10.0, 40.0))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         state, out = np.zeros(deflection.shape[1]), np.empty_like(deflection)
         for k, step in enumerate(np.diff(path.time_s, prepend=path.time_s[0])):
             state = deflection[k] + (state - deflection[k]) * np.exp(-step / self.tau_s)
@@ -94,7 +102,7 @@ class Gain(Law):
 
     effect = "regulator"
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return kpa * (1.0 + 0.1 * strength)
 
 
@@ -104,7 +112,7 @@ class Wander(Law):
     effect = "drift"
     needs = frozenset({"markers"})
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         along = np.array([o.axis == 0 for o in self.rig.observables])
         return values + strength * np.outer(path.time_s / 600.0, along)
 
@@ -115,7 +123,7 @@ class Weight(Law):
     effect = "gravity"
     needs = frozenset({"tilt", "markers"})
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         along = np.array([o.axis == 1 for o in self.rig.observables])
         return values + strength * np.outer(np.sin(np.radians(path.tilt_deg)), along)
 
@@ -125,7 +133,7 @@ class Tired(Law):
 
     effect = "fatigue"
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         return deflection * (1.0 + 0.1 * strength * (path.event / max(path.event[-1], 1))[:, None])
 
 
@@ -133,7 +141,7 @@ def bent(rig: Rig, random: np.random.Generator):
     """A base whose chambers follow another curve."""
     turn = random.uniform(0.2, 0.4, len(rig.chambers))
 
-    def predict(kpa: Array, how_wrong: float) -> Array:
+    def predict(kpa: Floats, how_wrong: float) -> Floats:
         x = np.clip(kpa / rig.high_kpa, 0.0, 1.0)
         return rig.settled(kpa * (1.0 + 0.2 * how_wrong * turn * (x - 0.5)))
 

@@ -5,7 +5,15 @@ import re
 import numpy as np
 import pytest
 
-from labrig.bench._nature import EFFECTS, Array, Law, Path, Rig, Setting, simulate
+from labrig.arrays import Floats
+from labrig.bench._nature import (
+    EFFECTS,
+    Law,
+    Path,
+    Rig,
+    Setting,
+    simulate,
+)
 from labrig.bench.development import DEVELOPMENT
 from labrig.bench.development.rigs import Finger, Muscle, Plate, Shell
 
@@ -58,7 +66,7 @@ def fits(law: type[Law], rig: Rig) -> bool:
     return not law.needs & (lacks | (set() if len(rig.chambers) > 1 else {"several"}))
 
 
-def change(law: Law, path: Path, strength: float) -> Array:
+def change(law: Law, path: Path, strength: float) -> Floats:
     return simulate(law.rig, [(law, strength)], path) - simulate(law.rig, [], path)
 
 

@@ -6,9 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 
+from labrig.arrays import Floats
 from labrig.bench import CLASSES, draw, half_of, make_rig
 from labrig.bench._hide import has
-from labrig.bench._nature import EFFECTS, Array, Law, Path, Rig, Setting, simulate
+from labrig.bench._nature import (
+    EFFECTS,
+    Law,
+    Path,
+    Rig,
+    Setting,
+    simulate,
+)
 from labrig.bench._path import make_path
 from labrig.bench._programmes import CONFOUNDED_DESIGNS, DESIGNS, make_plan
 from labrig.bench.development import DEVELOPMENT
@@ -33,7 +41,7 @@ def law_on(name: str, kind: str, seed: int = 11) -> tuple[Law, Path]:
     return BY_NAME[name](Setting(rig, path, np.random.default_rng(seed))), path
 
 
-def change(law: Law, path: Path, strength: float = 1.0) -> Array:
+def change(law: Law, path: Path, strength: float = 1.0) -> Floats:
     """What a law changes at the measured moments, (R, K)."""
     return simulate(law.rig, [(law, strength)], path) - simulate(law.rig, [], path)
 

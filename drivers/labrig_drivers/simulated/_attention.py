@@ -10,9 +10,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig_drivers.simulated.hidden import Body
-
-Array = NDArray[np.float64]
 
 _FROM_S, _FADE_S = 0.5, 0.5
 _LEAVE_S, _LEFT_S = 0.1, 1.0
@@ -21,8 +20,8 @@ _LEAVE_S, _LEFT_S = 0.1, 1.0
 class ExactBody(Body, Protocol):
     """A body that knows what its quick shapes lack near a set-point."""
 
-    def prepare(self, pressure_kpa: Array) -> None: ...
-    def correction_mm(self, pressure_kpa: Array, deflection_mm: Array) -> Array: ...
+    def prepare(self, pressure_kpa: Floats) -> None: ...
+    def correction_mm(self, pressure_kpa: Floats, deflection_mm: Floats) -> Floats: ...
 
 
 def is_exact(body: object) -> bool:
@@ -38,16 +37,16 @@ class Attention:
         self._times = [-np.inf]
         self._targets = [np.zeros(len(body.chamber_names))]
 
-    def prepare(self, pressure_kpa: Array) -> None:
+    def prepare(self, pressure_kpa: Floats) -> None:
         """Solve the shape at set-points (C,) before it is needed."""
         self._body.prepare(pressure_kpa)
 
-    def command(self, time_s: float, pressure_kpa: Array) -> None:
+    def command(self, time_s: float, pressure_kpa: Floats) -> None:
         """Set-points (C,), kPa, are held from `time_s` on."""
         self._times.append(time_s)
         self._targets.append(pressure_kpa.copy())
 
-    def correction_mm(self, time_s: Array, deflection_mm: Array) -> Array:
+    def correction_mm(self, time_s: Floats, deflection_mm: Floats) -> Floats:
         """What is added to the quick shapes, (F, M, 3) mm, at times (F,) with deflections (F, C)."""
         out = np.zeros((len(time_s), *self._body.rest_mm.shape))
         hold = np.searchsorted(np.array(self._times), time_s, side="right") - 1
@@ -65,7 +64,7 @@ class Attention:
         return out
 
     def _add(
-        self, out: Array, rows: NDArray[np.int64], share: Array, hold: int, deflection_mm: Array
+        self, out: Floats, rows: NDArray[np.int64], share: Floats, hold: int, deflection_mm: Floats
     ) -> None:
         some = share > 1e-4
         if some.any():
@@ -73,7 +72,7 @@ class Attention:
             out[rows[some]] += share[some][:, None, None] * lacking
 
 
-def _held(since_s: Array) -> Array:
+def _held(since_s: Floats) -> Floats:
     """How closely a hold is looked at: 0 on the way, 1 once it has lasted."""
     x = np.clip((since_s - _FROM_S) / _FADE_S, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)

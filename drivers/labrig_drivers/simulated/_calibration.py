@@ -4,12 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig_drivers.simulated._engine import Engine, positions
 from labrig_drivers.simulated.hidden import Body, Hidden
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -19,15 +17,15 @@ class Programme:
     `command_s` (E,), `command_kpa` (E, C), `row_s` (R,) rising, `tilt_deg` (R,) of the base.
     """
 
-    command_s: Array
-    command_kpa: Array
-    row_s: Array
-    tilt_deg: Array
+    command_s: Floats
+    command_kpa: Floats
+    row_s: Floats
+    tilt_deg: Floats
 
 
 def run_programme(
     body: Body, hidden: list[Hidden], programme: Programme, growth: float = 0.15
-) -> tuple[Array, Array]:
+) -> tuple[Floats, Floats]:
     """True pressures (R, C), kPa, and positions (R, M, 3), mm, at the rows of a programme, without noise."""
     for effect in hidden:
         effect.memory = {}
@@ -38,7 +36,7 @@ def run_programme(
     return pressure, positions(body, hidden, programme.row_s, programme.tilt_deg, deflection)
 
 
-def reference_programme(max_kpa: Array, duration_s: float = 240.0) -> Programme:
+def reference_programme(max_kpa: Floats, duration_s: float = 240.0) -> Programme:
     """Sixty random holds, looked at five times each from their middle on: where amplitudes are defined."""
     random = np.random.default_rng(2024)
     hold_s = duration_s / 60
@@ -53,7 +51,7 @@ def calibrate(
     effect: Hidden,
     rms_mm: float,
     programme: Programme,
-    observed: Callable[[Array], Array] | None = None,
+    observed: Callable[[Floats], Floats] | None = None,
     tolerance: float = 0.01,
 ) -> float:
     """Set `effect.strength` so that it changes the positions by `rms_mm`; returns the rms reached, mm.

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig_drivers._clock import Clock
 from labrig_drivers._protocols import (
     Channel,
@@ -18,8 +19,6 @@ from labrig_drivers._protocols import (
     VentReport,
 )
 from labrig_drivers.simulated._plant import Plant
-
-Array = NDArray[np.float64]
 
 VENTED_KPA = 1.0
 _LIMIT_SLACK_KPA = 1e-6
@@ -62,7 +61,7 @@ class _Ticker:
         self._start_s: float | None = None
         self._count = 0
 
-    def since_last(self, now_s: float) -> tuple[NDArray[np.int64], Array]:
+    def since_last(self, now_s: float) -> tuple[NDArray[np.int64], Floats]:
         """Numbers and times of the ticks up to `now_s` that were not given yet."""
         if self._start_s is None:
             self._start_s = now_s
@@ -94,7 +93,7 @@ class SimulatedPressure(_Linked):
         self._noise_kpa = noise_kpa
         self._random = np.random.default_rng([seed, 6])
 
-    def set(self, pressure_kpa: Array) -> None:
+    def set(self, pressure_kpa: Floats) -> None:
         """Command set-points, kPa, (C,); outside a channel's limits nothing moves and `DeviceError` is
         raised.
         """

@@ -9,17 +9,16 @@ never on who looks when, so that a campaign is the same however often it is poll
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from labrig.arrays import Floats
 from labrig_drivers.simulated.hidden import Body, Hidden
-
-Array = NDArray[np.float64]
 
 VALVE_S = 0.15  # time constant of a chamber filling through its valve
 _KEPT_ROWS = 400_000
 
 
-def _grid(growth: float, longest_step_s: float) -> Array:
+def _grid(growth: float, longest_step_s: float) -> Floats:
     """Times since a command: 10 ms at first, then growing by `growth`, up to `longest_step_s`; one day in
     all.
     """
@@ -67,7 +66,7 @@ class Engine:
         self._target_kpa = target
         self._command_s, self._since_s, self._done = time_s, 0.0, 0
 
-    def state(self, time_s: ArrayLike) -> tuple[Array, Array]:
+    def state(self, time_s: ArrayLike) -> tuple[Floats, Floats]:
         """Chamber pressures, kPa, and deflections, mm, each (F, C), at times (F,)."""
         asked = np.atleast_1d(np.asarray(time_s, dtype=float))
         last = float(asked.max())
@@ -90,7 +89,7 @@ class Engine:
             self._done = end
             self._append(*self._advance(times))
 
-    def _advance(self, times: Array) -> tuple[Array, Array, Array]:
+    def _advance(self, times: Floats) -> tuple[Floats, Floats, Floats]:
         steps = np.diff(times, prepend=self._time_s)
         since = times - self._command_s
         decay = np.exp(-(since - self._since_s) / VALVE_S)[:, None]
@@ -107,7 +106,7 @@ class Engine:
             deflection = effect.deflect(times, steps, deflection)
         return times, pressure, deflection
 
-    def _append(self, times: Array, pressures: Array, deflections: Array) -> None:
+    def _append(self, times: Floats, pressures: Floats, deflections: Floats) -> None:
         if self._rows > _KEPT_ROWS:
             half = self._rows // 2
             for rows in (self._times, self._pressures, self._deflections):
@@ -124,7 +123,7 @@ class Engine:
         self._deflections[self._rows : end] = deflections
         self._rows = end
 
-    def _interpolate(self, asked: Array) -> tuple[Array, Array]:
+    def _interpolate(self, asked: Floats) -> tuple[Floats, Floats]:
         known = self._times[: self._rows]
         right = np.clip(np.searchsorted(known, asked, side="left"), 1, max(self._rows - 1, 1))
         left = right - 1
@@ -150,10 +149,10 @@ class Engine:
 def positions(
     body: Body,
     hidden: Sequence[Hidden],
-    time_s: Array,
-    tilt_deg: Array,
-    deflection_mm: Array,
-) -> Array:
+    time_s: Floats,
+    tilt_deg: Floats,
+    deflection_mm: Floats,
+) -> Floats:
     """What is seen, mm, (F, M, 3), of a body with deflections (F, C) at times (F,) on a base tilted by (F,)
     degrees.
     """
@@ -161,8 +160,8 @@ def positions(
 
 
 def seen_positions(
-    shape_mm: Array, hidden: Sequence[Hidden], time_s: Array, tilt_deg: Array, deflection_mm: Array
-) -> Array:
+    shape_mm: Floats, hidden: Sequence[Hidden], time_s: Floats, tilt_deg: Floats, deflection_mm: Floats
+) -> Floats:
     """What is seen, mm, (F, M, 3), of true shapes (F, M, 3) with deflections (F, C) at times (F,)."""
     seen = shape_mm
     for effect in hidden:

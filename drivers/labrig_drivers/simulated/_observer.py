@@ -12,9 +12,8 @@ Occlusion: at every actuation each marker is out of sight for the whole hold wit
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig.arrays import Floats
 from labrig_drivers._protocols import MarkerStatus
-
-Array = NDArray[np.float64]
 
 
 class Observer:
@@ -56,7 +55,7 @@ class Observer:
             for kept in (self._starts_s, self._offsets, self._hidden):
                 del kept[:10_000]
 
-    def look(self, time_s: Array, position_mm: Array) -> tuple[Array, NDArray[np.int8]]:
+    def look(self, time_s: Floats, position_mm: Floats) -> tuple[Floats, NDArray[np.int8]]:
         """Reported positions (F, M, 3), NaN unless seen, and status (F, M), for frames at times (F,)."""
         hold = np.searchsorted(self._starts_s, time_s, side="right") - 1
         first, which = np.unique(hold, return_inverse=True)

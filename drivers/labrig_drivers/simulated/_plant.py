@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from labrig.arrays import Floats
 from labrig.physics import has_shell, load_body, reduced_surface
 from labrig_drivers._protocols import Channel, DeviceError
 from labrig_drivers.simulated._attention import Attention, is_exact
@@ -15,8 +16,6 @@ from labrig_drivers.simulated._engine import Engine, seen_positions
 from labrig_drivers.simulated._observer import Observer
 from labrig_drivers.simulated._sealed import checked, reveal
 from labrig_drivers.simulated.hidden import EFFECTS, Body, Hidden, Setting
-
-Array = NDArray[np.float64]
 
 FLOOR_FRAMES = 20  # frames whose mean makes the noise floor in which amplitudes may be given
 
@@ -27,33 +26,33 @@ class Plant(Protocol):
     chamber_names: tuple[str, ...]
     channels: tuple[Channel, ...]
     marker_names: tuple[str, ...]
-    rest_mm: Array
+    rest_mm: Floats
 
     def command(self, time_s: float, pressure_kpa: ArrayLike) -> None:
         """Set-points (C,), kPa, from `time_s` on; 0 vents."""
         ...
 
-    def pressure_kpa(self, time_s: float) -> Array:
+    def pressure_kpa(self, time_s: float) -> Floats:
         """True chamber pressures, kPa, (C,)."""
         ...
 
-    def markers_mm(self, time_s: float) -> Array:
+    def markers_mm(self, time_s: float) -> Floats:
         """True marker positions in the measuring frame, mm, (M, 3), without noise."""
         ...
 
-    def observe(self, time_s: float) -> tuple[Array, NDArray[np.int8]]:
+    def observe(self, time_s: float) -> tuple[Floats, NDArray[np.int8]]:
         """One frame: positions, mm, (M, 3), noisy, NaN where occluded; `MarkerStatus` (M,)."""
         ...
 
-    def observe_frames(self, time_s: Array) -> tuple[Array, NDArray[np.int8]]:
+    def observe_frames(self, time_s: Floats) -> tuple[Floats, NDArray[np.int8]]:
         """Many frames at once, at rising times (F,): (F, M, 3) and (F, M)."""
         ...
 
-    def pressures_kpa(self, time_s: Array) -> Array:
+    def pressures_kpa(self, time_s: Floats) -> Floats:
         """True chamber pressures at many times (F,): (F, C)."""
         ...
 
-    def surface(self, time_s: float) -> tuple[Array, NDArray[np.int64]]:
+    def surface(self, time_s: float) -> tuple[Floats, NDArray[np.int64]]:
         """The whole surface: vertices, mm, (V, 3), and triangles (T, 3)."""
         ...
 
@@ -65,7 +64,7 @@ class PlantBody(Body, Protocol):
 
     @property
     def triangles(self) -> NDArray[np.int64]: ...
-    def mesh_at(self, deflection_mm: Array) -> Array: ...
+    def mesh_at(self, deflection_mm: Floats) -> Floats: ...
 
 
 class SimulatedPlant:
@@ -94,7 +93,7 @@ class SimulatedPlant:
         self._attention = Attention(surface) if is_exact(surface) else None  # type: ignore[arg-type]
         self._lock = threading.Lock()  # of the pressures; held for moments
         self._eyes = threading.Lock()  # of what is seen; held while a shape is worked out
-        self._unseen: list[tuple[float, Array]] = []  # commands that those who look have not heard of
+        self._unseen: list[tuple[float, Floats]] = []  # commands that those who look have not heard of
         self._start_s: float | None = None
         self._target = np.zeros(len(channels))
 
@@ -119,38 +118,38 @@ class SimulatedPlant:
         if self._attention is not None:
             self._attention.prepare(np.asarray(pressure_kpa, dtype=float))
 
-    def pressure_kpa(self, time_s: float) -> Array:
+    def pressure_kpa(self, time_s: float) -> Floats:
         """True chamber pressures, kPa, (C,)."""
         return self.pressures_kpa(np.array([time_s]))[0]
 
-    def pressures_kpa(self, time_s: Array) -> Array:
+    def pressures_kpa(self, time_s: Floats) -> Floats:
         """True chamber pressures at many times (F,): (F, C), kPa."""
         with self._lock:
             return self._engine.state(self._since_start(time_s))[0]
 
-    def markers_mm(self, time_s: float) -> Array:
+    def markers_mm(self, time_s: float) -> Floats:
         """True marker positions in the measuring frame, mm, (M, 3), without noise."""
         with self._eyes:
             return self._seen(*self._moments(np.array([time_s])))[0]
 
-    def observe(self, time_s: float) -> tuple[Array, NDArray[np.int8]]:
+    def observe(self, time_s: float) -> tuple[Floats, NDArray[np.int8]]:
         """One frame: positions, mm, (M, 3), NaN where occluded; `MarkerStatus` (M,)."""
         position, status = self.observe_frames(np.array([time_s]))
         return position[0], status[0]
 
-    def observe_frames(self, time_s: Array) -> tuple[Array, NDArray[np.int8]]:
+    def observe_frames(self, time_s: Floats) -> tuple[Floats, NDArray[np.int8]]:
         """Many frames at once, at rising times (F,): (F, M, 3) mm and (F, M)."""
         with self._eyes:
             time_s, deflection = self._moments(time_s)
             return self._observer.look(time_s, self._seen(time_s, deflection))
 
-    def surface(self, time_s: float) -> tuple[Array, NDArray[np.int64]]:
+    def surface(self, time_s: float) -> tuple[Floats, NDArray[np.int64]]:
         """The whole surface at one time: vertices, mm, (V, 3), and triangles (T, 3)."""
         with self._eyes:
             _, deflection = self._moments(np.array([time_s]))
             return self._surface.mesh_at(deflection[0]), self._surface.triangles
 
-    def _moments(self, time_s: Array) -> tuple[Array, Array]:
+    def _moments(self, time_s: Floats) -> tuple[Floats, Floats]:
         """Times since the start (F,) and the deflections (F, C) then; whoever looks hears of new commands first."""
         with self._lock:
             since_s = self._since_start(time_s)
@@ -162,20 +161,20 @@ class SimulatedPlant:
                 self._attention.command(command_s, target)
         return since_s, deflection
 
-    def _seen(self, time_s: Array, deflection: Array) -> Array:
+    def _seen(self, time_s: Floats, deflection: Floats) -> Floats:
         shape = self._surface.shape_mm(deflection)
         if self._attention is not None:
             shape = shape + self._attention.correction_mm(time_s, deflection)
         return seen_positions(shape, self._hidden, time_s, np.zeros(time_s.size), deflection)
 
-    def _since_start(self, time_s: Array) -> Array:
+    def _since_start(self, time_s: Floats) -> Floats:
         time_s = np.asarray(time_s, dtype=float)
         if self._start_s is None:
             self._start_s = float(time_s.max())
         return np.maximum(time_s - self._start_s, 0.0)
 
 
-def make_hidden(hidden: dict[str, Any], surface: Body, max_kpa: Array, floor_mm: float) -> list[Hidden]:
+def make_hidden(hidden: dict[str, Any], surface: Body, max_kpa: Floats, floor_mm: float) -> list[Hidden]:
     """The effects of a `hidden` setting, each brought to its amplitude over the reference campaign."""
     setting = checked(hidden)
     programme = reference_programme(max_kpa, setting["duration_s"])

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Ints, Path, Rig, Setting
+from labrig.arrays import Floats, Ints
+from labrig.bench._nature import Path, Rig, Setting
 
 
 def columns(rig: Rig) -> Ints:
@@ -14,7 +15,7 @@ def columns(rig: Rig) -> Ints:
     return out
 
 
-def positions(rig: Rig, values: Array) -> Array:
+def positions(rig: Rig, values: Floats) -> Floats:
     """The markers (T, M, 3) in mm of observables (T, K): at rest along an axis that is not measured."""
     assert rig.rest_mm is not None
     where = columns(rig)
@@ -23,7 +24,7 @@ def positions(rig: Rig, values: Array) -> Array:
     return out
 
 
-def moved(rig: Rig, values: Array, points_mm: Array) -> Array:
+def moved(rig: Rig, values: Floats, points_mm: Floats) -> Floats:
     """The observables (T, K) with the markers at `points_mm` (T, M, 3)."""
     where = columns(rig)
     out = values.copy()
@@ -31,18 +32,18 @@ def moved(rig: Rig, values: Array, points_mm: Array) -> Array:
     return out
 
 
-def shift(rig: Rig, vector: Array) -> Array:
+def shift(rig: Rig, vector: Floats) -> Floats:
     """A shift of everything by `vector` (..., 3), as a change (..., K); what is no marker's moves by its length."""
     along = np.where(vector[..., :1] < 0, -1.0, 1.0) * np.linalg.norm(vector, axis=-1, keepdims=True)
     return np.concatenate([vector, along], axis=-1)[..., [o.axis for o in rig.observables]]
 
 
-def spread(rig: Rig, field_mm: Array) -> Array:
+def spread(rig: Rig, field_mm: Floats) -> Floats:
     """A field of vectors (M, 3) at the markers as a change (K,) of the observables."""
     return moved(rig, np.zeros((1, len(rig.observables))), field_mm[None])[0]
 
 
-def alone(rig: Rig) -> Array:
+def alone(rig: Rig) -> Floats:
     """What each chamber does alone at full deflection, (C, K)."""
     return rig.shape(np.eye(len(rig.chambers))) - rig.at_rest
 
@@ -52,7 +53,7 @@ def span(rig: Rig) -> float:
     return float(np.sqrt(np.mean(alone(rig) ** 2)))
 
 
-def compliance(rig: Rig) -> Array:
+def compliance(rig: Rig) -> Floats:
     """How easily each marker moves, (M,): 1 for the most mobile one."""
     where = columns(rig)
     each = np.where(where >= 0, alone(rig)[:, where], 0.0)
@@ -60,7 +61,7 @@ def compliance(rig: Rig) -> Array:
     return size / size.max()
 
 
-def overlap(rig: Rig) -> Array:
+def overlap(rig: Rig) -> Floats:
     """How much two chambers move the same observables, (C, C): 1 if all the same, 0 on the diagonal."""
     size = np.abs(alone(rig))
     size /= np.linalg.norm(size, axis=1, keepdims=True)
@@ -69,14 +70,14 @@ def overlap(rig: Rig) -> Array:
     return out
 
 
-def body_mm(rig: Rig) -> tuple[Array, float]:
+def body_mm(rig: Rig) -> tuple[Floats, float]:
     """The centre (3,) of the markers at rest, and the root mean square of their distance from it."""
     assert rig.rest_mm is not None
     centre = rig.rest_mm.mean(axis=0)
     return centre, float(np.sqrt(np.mean(np.sum((rig.rest_mm - centre) ** 2, axis=1))))
 
 
-def smooth_field(setting: Setting) -> Array:
+def smooth_field(setting: Setting) -> Floats:
     """A smooth field of vectors (M, 3) over the markers, drawn by chance: root mean square 1 over its numbers."""
     rig, random = setting.rig, setting.random
     centre, radius = body_mm(rig)
@@ -86,13 +87,13 @@ def smooth_field(setting: Setting) -> Array:
     return field / np.sqrt(np.mean(field**2))
 
 
-def down(tilt_deg: Array) -> Array:
+def down(tilt_deg: Floats) -> Floats:
     """The direction (T, 3) of gravity, seen from a base turned about x."""
     turn = np.deg2rad(tilt_deg)
     return np.stack([np.zeros_like(turn), -np.sin(turn), -np.cos(turn)], axis=1)
 
 
-def long_axis(rig: Rig) -> tuple[Array, Array]:
+def long_axis(rig: Rig) -> tuple[Floats, Floats]:
     """The direction (3,) in which the body is longest, and each marker's place (M,) along it, from 0 to 1."""
     assert rig.rest_mm is not None
     axis = np.linalg.svd(rig.rest_mm - rig.rest_mm.mean(axis=0), full_matrices=False)[2][0]
@@ -100,7 +101,7 @@ def long_axis(rig: Rig) -> tuple[Array, Array]:
     return axis, (along - along.min()) / np.ptp(along)
 
 
-def pattern(rig: Rig) -> Array:
+def pattern(rig: Rig) -> Floats:
     """How the observables (K,) move when all chambers fill at once, as a direction of length 1."""
     every = rig.shape(np.ones((1, len(rig.chambers))))[0] - rig.at_rest
     most = alone(rig)[0]
@@ -108,29 +109,29 @@ def pattern(rig: Rig) -> Array:
     return way / np.linalg.norm(way)
 
 
-def direction(random: np.random.Generator) -> Array:
+def direction(random: np.random.Generator) -> Floats:
     """A direction (3,) drawn by chance."""
     vector = random.normal(size=3)
     return vector / np.linalg.norm(vector)
 
 
-def full(rig: Rig, kpa: Array) -> Array:
+def full(rig: Rig, kpa: Floats) -> Floats:
     """Pressures as shares (T, C) of the upper limits."""
     return kpa / rig.high_kpa
 
 
-def reached(rig: Rig, path: Path) -> Array:
+def reached(rig: Rig, path: Path) -> Floats:
     """The largest deflection (C,) of each chamber on a path, at least a tenth."""
     return np.maximum(rig.deflection(path.kpa).max(axis=0), 0.1)
 
 
-def either_way(setting: Setting, low: float, high: float, share: float = 1.0) -> Array:
+def either_way(setting: Setting, low: float, high: float, share: float = 1.0) -> Floats:
     """Errors (C,) of either sign, their sizes between low and high."""
     count = len(setting.rig.chambers)
     return some(setting.random, count, low, high, share) * setting.random.choice([-1.0, 1.0], count)
 
 
-def some(random: np.random.Generator, count: int, low: float, high: float, share: float = 1.0) -> Array:
+def some(random: np.random.Generator, count: int, low: float, high: float, share: float = 1.0) -> Floats:
     """Sizes (count,) between low and high; of several, each is zero with probability 1 - share, but never all."""
     on = random.random(count) < share
     on[random.integers(count)] = True

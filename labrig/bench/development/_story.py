@@ -6,20 +6,21 @@ A path tells the whole story, pauses between sessions included; before its first
 import numpy as np
 from scipy.optimize import nnls
 
-from labrig.bench._nature import Array, Ints, Path
+from labrig.arrays import Floats, Ints
+from labrig.bench._nature import Path
 
 
-def pauses(path: Path) -> Array:
+def pauses(path: Path) -> Floats:
     """The time (T,) since the moment before, in s."""
     return np.diff(path.time_s, prepend=path.time_s[0])
 
 
-def steps(drive: Array) -> Array:
+def steps(drive: Floats) -> Floats:
     """The change (T, C) of a drive since the moment before."""
     return np.diff(drive, axis=0, prepend=np.zeros((1, drive.shape[1])))
 
 
-def finely(path: Path, drive: Array, largest: float) -> tuple[Array, Array, Ints]:
+def finely(path: Path, drive: Floats, largest: float) -> tuple[Floats, Floats, Ints]:
     """The steps (N, C) and pauses (N,) of a drive cut so that none moves by more, and where the T moments are in N."""
     whole = steps(drive)
     parts = np.maximum(1, np.ceil(np.abs(whole).max(axis=1) / largest)).astype(int)
@@ -27,7 +28,7 @@ def finely(path: Path, drive: Array, largest: float) -> tuple[Array, Array, Ints
     return (whole / parts[:, None])[of], (pauses(path) / parts)[of], np.cumsum(parts) - 1
 
 
-def lagged(path: Path, drive: Array, tau_s: Array) -> Array:
+def lagged(path: Path, drive: Floats, tau_s: Floats) -> Floats:
     """The drive (T, C) as it is after exponential lags: (T, N, C) for `tau_s` (N,), or (N, C) by chamber."""
     tau = np.maximum(tau_s.reshape(len(tau_s), -1), 1e-9)
     share = -np.expm1(-pauses(path)[:, None, None] / tau)
@@ -43,19 +44,19 @@ UNIT_S = 60.0
 """Chains below yield 1 in all after a minute under constant load."""
 
 
-def as_chain(compliance: Array, time_s: Array) -> tuple[Array, Array]:
+def as_chain(compliance: Floats, time_s: Floats) -> tuple[Floats, Floats]:
     """A retarded compliance at times (N,) as a chain: its times in s and how much each yields, 1 in a minute in all."""
     tau_s = np.geomspace(0.3, 3e4, 16)
     yields = nnls(-np.expm1(-time_s[:, None] / tau_s), compliance)[0]
     return in_a_minute(tau_s[yields > 0], yields[yields > 0])
 
 
-def in_a_minute(tau_s: Array, yields: Array) -> tuple[Array, Array]:
+def in_a_minute(tau_s: Floats, yields: Floats) -> tuple[Floats, Floats]:
     """A chain, scaled so that it yields 1 in a minute."""
     return tau_s, yields / np.sum(yields * -np.expm1(-UNIT_S / tau_s))
 
 
-def plays(drive: Array, half_width: Array) -> Array:
+def plays(drive: Floats, half_width: Floats) -> Floats:
     """The drive (T, C) behind plays: (T, N, C) for half widths (N, C)."""
     state = np.zeros_like(half_width)
     out = np.empty((len(drive), *state.shape))

@@ -4,10 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development._places import body_mm, columns, moved, positions
 
-_Base = Callable[[Array, float], Array]
+_Base = Callable[[Floats, float], Floats]
 
 
 def another_wall(rig: Rig, random: np.random.Generator) -> _Base:
@@ -15,7 +16,7 @@ def another_wall(rig: Rig, random: np.random.Generator) -> _Base:
     bend = random.uniform(0.6, 2.0) * random.uniform(0.7, 1.3, len(rig.chambers))
     softens = random.random() < 0.5
 
-    def base(kpa: Array, wrong: float) -> Array:
+    def base(kpa: Floats, wrong: float) -> Floats:
         wall = rig.deflection(kpa)
         size = np.abs(wall)
         other = wall * (1 + bend) / (1 + bend * size) if softens else wall * (1 + bend * size) / (1 + bend)
@@ -29,7 +30,7 @@ def other_places(rig: Rig, random: np.random.Generator) -> _Base:
     lever = random.uniform(-0.5, 0.5, len(rig.chambers)) + 0.5 * random.choice([-1.0, 1.0])
     mixed = _beside(rig, random) if columns(rig).max(initial=-1) >= 0 else None
 
-    def base(kpa: Array, wrong: float) -> Array:
+    def base(kpa: Floats, wrong: float) -> Floats:
         wall = rig.deflection(kpa)
         values = rig.shape(wall)
         if mixed is None:
@@ -42,7 +43,7 @@ def other_places(rig: Rig, random: np.random.Generator) -> _Base:
     return base
 
 
-def _beside(rig: Rig, random: np.random.Generator) -> Array:
+def _beside(rig: Rig, random: np.random.Generator) -> Floats:
     """Weights (M, M): whose motion each marker has in a model whose patches are elsewhere."""
     assert rig.rest_mm is not None
     radius = body_mm(rig)[1]

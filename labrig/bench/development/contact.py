@@ -5,7 +5,8 @@ Limits close in as a law grows stronger: at strength 0 they lie at the farthest 
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import alone, body_mm, moved, positions, reached
 
 
@@ -24,7 +25,7 @@ class HardStop(Law):
         self._top = reached(self.rig, setting.path)[self._which]
         self._nearer = setting.random.uniform(0.2, 0.45, len(self._which))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         out = deflection.copy()
@@ -48,7 +49,7 @@ class FoamStop(Law):
         self._nearer = setting.random.uniform(0.4, 0.8, len(self._which))
         self._soft = setting.random.uniform(0.03, 0.15)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         past = np.maximum(deflection[:, self._which] - self._top * np.exp(-strength * self._nearer), 0.0)
@@ -79,7 +80,7 @@ class Plane(Law):
         self._gap_mm = max(float(met.max()) - self._rest_mm, 0.1 * float(np.linalg.norm(far)))
         self._nearer = setting.random.uniform(0.25, 0.6)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         points = positions(self.rig, values)
@@ -116,7 +117,7 @@ class Post(Law):
         self._top_mm = float((way @ self._ahead - self._curved_mm).max())
         self._nearer = setting.random.uniform(0.35, 0.8)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         points = positions(self.rig, values)

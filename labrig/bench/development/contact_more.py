@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import moved, pattern, positions, reached
 from labrig.bench.development.contact import Plane
 
@@ -23,7 +24,7 @@ class HertzTip(Law):
         self._nearer = random.uniform(0.6, 1.2)
         self._stiff = random.uniform(4.0, 15.0)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         past = np.maximum(deflection[:, self._chamber] - self._top * np.exp(-strength * self._nearer), 0.0)
@@ -49,7 +50,7 @@ class ElasticBed(Plane):
         self._nearer = setting.random.uniform(0.5, 1.0)
         self._sinks = setting.random.uniform(0.15, 0.5)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         rigid = super().seen(path, deflection, values, strength)
         return values + (1 - self._sinks) * (rigid - values)
 
@@ -72,7 +73,7 @@ class Corner(Plane):
         self._other_rest_mm = float((rig.rest_mm @ self._other).max())
         self._other_gap_mm = max(float(met.max()) - self._other_rest_mm, 0.0)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         near = np.exp(-strength * self._nearer)
@@ -95,7 +96,7 @@ class StickingPlane(Plane):
     Applied Mechanics and Engineering 52, 1985.
     """
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         points = positions(self.rig, values)
@@ -133,7 +134,7 @@ class EndStop(Law):
         self._top = float(along.max())
         self._nearer = setting.random.uniform(0.3, 0.7)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         past = (values - self.rig.at_rest) @ self._way - self._top * np.exp(-strength * self._nearer)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, moved, positions, reached
 
 
@@ -28,12 +29,12 @@ class RoundCage(Law):
         self._gap_mm = max(float((met - at_rest).max()), 1e-6)
         self._nearer = random.uniform(0.3, 0.8)
 
-    def _across(self, points: Array) -> Array:
+    def _across(self, points: Floats) -> Floats:
         """From the axis to the points, square to it."""
         off = points - self._centre_mm
         return off - (off @ self._axis)[..., None] * self._axis
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         points = positions(self.rig, values)
@@ -60,7 +61,7 @@ class SpringBeyond(Law):
         self._nearer = random.uniform(0.3, 0.7, len(self._which))
         self._goes_on = random.uniform(0.1, 0.5)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         past = np.maximum(deflection[:, self._which] - self._top * np.exp(-strength * self._nearer), 0.0)
@@ -85,7 +86,7 @@ class Wedge(Law):
         self._low, self._high = own.min(axis=0)[self._which], own.max(axis=0)[self._which]
         self._thick = random.uniform(0.12, 0.3, len(self._which))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         out = deflection.copy()
@@ -111,10 +112,10 @@ class Tether(Law):
         )
         self._nearer = random.uniform(0.2, 0.5)
 
-    def _length(self, deflection: Array) -> Array:
+    def _length(self, deflection: Floats) -> Floats:
         return np.abs(deflection) @ self._takes
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         length = np.maximum(self._length(deflection), 1e-9)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, overlap, some
 
 
@@ -21,7 +22,7 @@ class SupplySag(Law):
         self._takes = some(setting.random, count, 0.5, 1.5) / count
         self._sag = setting.random.uniform(0.1, 0.35)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         taken = np.maximum(full(self.rig, kpa), 0.0) * self._takes
         others = taken.sum(axis=1, keepdims=True) - taken
         return kpa / (1 + strength * self._sag * others)
@@ -42,7 +43,7 @@ class PressingNeighbours(Law):
         touch = near * (near >= 0.5 * near.max())
         self._press = touch / touch.sum(axis=1).max() * setting.random.uniform(0.1, 0.35)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         out = np.maximum(deflection, 0.0)
         change = np.zeros_like(deflection)
         for c, press in enumerate(self._press):
@@ -69,7 +70,7 @@ class TwoFactorInteraction(Law):
         pairs[upper] = sizes * setting.random.choice([-1.0, 1.0], p=[0.7, 0.3])
         self._pairs = (pairs + pairs.T) * 2 / count
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         return deflection * np.exp(np.minimum(strength * deflection @ self._pairs, 1.5))
 
 
@@ -88,6 +89,6 @@ class SharedSkin(Law):
         np.fill_diagonal(near, 0.0)
         self._share = near / near.sum(axis=1).max() * setting.random.uniform(0.3, 1.0)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         taken = deflection**2 @ self._share.T
         return deflection / np.sqrt(1 + strength * taken)

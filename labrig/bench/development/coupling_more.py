@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import alone, full, overlap
 
 _AIR_KPA = 101.3
@@ -26,7 +27,7 @@ class LineInSeries(Law):
         self._shared = shared * setting.random.uniform(0.3, 0.9) / np.maximum(shared.sum(axis=0).max(), 1e-9)
         self._square = bool(setting.random.random() < 0.5)  # turbulent
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         draws = np.maximum(full(self.rig, kpa), 0.0)
         drop = (draws**2 if self._square else draws) @ self._shared
         return kpa * np.exp(-0.4 * strength * drop)
@@ -48,7 +49,7 @@ class CommonHousing(Law):
         stiff = random.uniform(0.15, 0.4) * float(np.mean(self.rig.high_kpa))
         self._share = stiff / (_AIR_KPA + stiff)  # of the space that all bulges would take at strength 1
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         out = np.maximum(self.rig.deflection(kpa), 0.0) * self._takes
         taken = np.minimum(strength * self._share * (out.sum(axis=1, keepdims=True) - out), 0.9)
         back_kpa = _AIR_KPA * taken / (1 - taken)
@@ -70,7 +71,7 @@ class CoveredBulge(Law):
         self._each = alone(self.rig)
         self._hides = setting.random.uniform(0.15, 0.5) / max(1.0, 0.5 * len(self._each) - 1)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         twice = np.zeros_like(values)
         for i in range(len(self._each)):
             mine = deflection[:, i : i + 1] * self._each[i]
@@ -99,7 +100,7 @@ class CoContraction(Law):
         self._stiffer = random.uniform(0.15, 0.5) * random.uniform(0.8, 1.2, count) / (count - 1)
         self._power = random.uniform(0.7, 1.6)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         carries = self._stiffer * np.maximum(full(self.rig, kpa), 0.0) ** self._power
         others = carries.sum(axis=1, keepdims=True) - carries
         return deflection / (1 + strength * others)
@@ -127,7 +128,7 @@ class PairTouches(Law):
         self._yields = np.array([yields, 1 - yields])
         self._press = random.uniform(0.8, 2.0)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         pair = deflection[:, [self._one, self._other]]
         meets = np.maximum(np.maximum(pair, 0.0).sum(axis=1) - self._gap, 0.0)
         meets = meets * np.clip(pair.min(axis=1) / 0.1, 0.0, 1.0)  # one that is in is not touched

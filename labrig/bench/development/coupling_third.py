@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import alone, direction, full, moved, overlap, positions
 
 
@@ -23,7 +24,7 @@ class RunsOut(Law):
         self._sinks = random.uniform(0.5, 1.1)
         self._round = random.uniform(0.02, 0.06)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         asked = full(self.rig, kpa)
         size = np.abs(asked)
         others = (size @ self._takes)[:, None] - size * self._takes
@@ -46,6 +47,7 @@ class TurnedAlong(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
+        assert self.rig.rest_mm is not None
         self._each = positions(self.rig, alone(self.rig) + self.rig.at_rest) - self.rig.rest_mm
         self._turns_rad = np.deg2rad(random.uniform(4, 14)) * np.stack(
             [direction(random) for _ in range(count)]
@@ -54,7 +56,7 @@ class TurnedAlong(Law):
         on[int(random.integers(count - 1)), count - 1] = True
         self._on = np.triu(on, 1)[np.ix_(order := random.permutation(count), order)]
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         for c, each in enumerate(self._each):
             turn = deflection @ (self._on[:, c, None] * self._turns_rad)  # (T, 3)
@@ -79,7 +81,7 @@ class BowedSeptum(Law):
         touch = 0.5 * (touch + touch.T)
         self._bows = touch / max(touch.sum(axis=1).max(), 1e-9) * random.uniform(0.1, 0.35)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         load = np.maximum(full(self.rig, kpa), 0.0)
         change = np.zeros_like(deflection)
         for c, bows in enumerate(self._bows):
@@ -102,7 +104,7 @@ class BeamColumn(Law):
         random, count = setting.random, len(self.rig.chambers)
         self._thrust = random.uniform(0.5, 1.5, count) / count * random.uniform(0.15, 0.4)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         thrust = np.maximum(full(self.rig, kpa), 0.0) * self._thrust
         near = strength * (thrust.sum(axis=1, keepdims=True) - thrust)
         near = 0.75 * np.tanh(near / 0.75)  # it never quite buckles

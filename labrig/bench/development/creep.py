@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, some
 from labrig.bench.development._story import as_chain, lagged
 
@@ -24,7 +25,7 @@ class KelvinVoigtChain(Law):
         self._yields = setting.random.dirichlet(np.full(links, 2.0))
         self._size = some(setting.random, len(self.rig.chambers), 0.08, 0.2)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         late = np.einsum("tnc,n->tc", lagged(path, deflection, self._tau_s), self._yields)
         return deflection + strength * self._size * late
 
@@ -43,7 +44,7 @@ class LogarithmicCreep(Law):
         self._tau_s, self._yields = as_chain(np.log1p(_TIMES_S / begins_s), _TIMES_S)
         self._size = some(setting.random, len(self.rig.chambers), 0.06, 0.15)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         late = np.einsum("tnc,n->tc", lagged(path, kpa, self._tau_s), self._yields)
         return kpa + strength * self._size * late
 
@@ -62,7 +63,7 @@ class FindleyPowerLaw(Law):
         self._steep = setting.random.uniform(0.2, 1.2)
         self._size = some(setting.random, len(self.rig.chambers), 0.06, 0.16)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = np.sinh(self._steep * full(self.rig, kpa)) / np.sinh(self._steep)
         late = np.einsum("tnc,n->tc", lagged(path, load, self._tau_s), self._yields)
         return kpa + strength * self._size * self.rig.high_kpa * late
@@ -83,6 +84,6 @@ class StretchedExponential(Law):
         self._tau_s, self._yields = as_chain(-np.expm1(-((_TIMES_S / tau_s) ** stretch)), _TIMES_S)
         self._size = some(setting.random, len(self.rig.chambers), 0.06, 0.16)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         late = np.einsum("tnc,n->tc", lagged(path, deflection, self._tau_s), self._yields)
         return deflection + strength * self._size * late

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, some
 from labrig.bench.development._story import in_a_minute, lagged, pauses
 
@@ -24,7 +25,7 @@ class FractionalZener(Law):
         self._tau_s, self._yields = in_a_minute(tau_s, share)
         self._size = some(setting.random, len(self.rig.chambers), 0.06, 0.16, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         late = np.einsum("tnc,n->tc", lagged(path, deflection, self._tau_s), self._yields)
         return deflection + strength * self._size * late
 
@@ -47,7 +48,7 @@ class SchaperyCreep(Law):
         self._power = random.uniform(1.0, 1.8)
         self._size = some(random, len(self.rig.chambers), 0.1, 0.25)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         load = np.maximum(deflection, 0.0)
         runs = pauses(path)[:, None] * np.exp(self._hurries * np.minimum(load, 1.5))
         share = -np.expm1(-runs[:, None] / self._tau_s[:, None])
@@ -75,7 +76,7 @@ class BurgersFlow(Law):
         self._flows = random.uniform(0.3, 0.9) / max(float(flown.max()), 1.0)
         self._size = some(random, len(self.rig.chambers), 0.08, 0.2, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         late = lagged(path, deflection, self._tau_s)[:, 0] + self._flows * _flow(path, deflection)
         return deflection + strength * self._size * late
 
@@ -95,7 +96,7 @@ class EyringDashpot(Law):
         self._tau_s = np.exp(random.uniform(np.log(80), np.log(600))) * random.uniform(0.7, 1.4, count)
         self._size = some(random, count, 0.1, 0.3)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         stays, width = np.exp(-pauses(path)[:, None] / self._tau_s), 2 * self._activation
         state, late = np.zeros(deflection.shape[1]), np.empty_like(deflection)
         for t in range(len(late)):
@@ -121,7 +122,7 @@ class NortonDashpot(Law):
         self._size = np.zeros(count)
         self._size[random.permutation(count)[: int(random.integers(1, 3))]] = random.uniform(0.1, 0.3)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load, further = full(self.rig, kpa), self._power - 1
         runs = further * pauses(path) / self._tau_s
         state, late = np.zeros(load.shape[1]), np.empty_like(load)
@@ -149,7 +150,7 @@ class ZenerRelaxation(Law):
         self._tau_s = np.exp(random.uniform(np.log(10), np.log(120), 1))
         self._size = random.uniform(0.1, 0.3) * (-1.0 if relaxes else 1.0)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         own = deflection[:, self._chamber : self._chamber + 1]
         late = lagged(path, own, self._tau_s)[:, 0, 0]
         out = deflection.copy()
@@ -158,6 +159,6 @@ class ZenerRelaxation(Law):
         return out
 
 
-def _flow(path: Path, deflection: Array) -> Array:
+def _flow(path: Path, deflection: Floats) -> Floats:
     """The time integral (T, C) of what is carried, in s."""
     return np.cumsum(pauses(path)[:, None] * deflection, axis=0)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import some
 from labrig.bench.development._story import as_chain, in_a_minute, lagged, pauses
 
@@ -26,11 +27,11 @@ class HardeningFlow(Law):
         self._fades_s = np.exp(random.uniform(np.log(40), np.log(300)))
         self._size = some(random, len(self.rig.chambers), 0.08, 0.2, 0.85)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         up, down = (self._flown(path, np.maximum(each, 0.0)) for each in (deflection, -deflection))
         return deflection + strength * self._size * (up - down)
 
-    def _flown(self, path: Path, load: Array) -> Array:
+    def _flown(self, path: Path, load: Floats) -> Floats:
         n, pause_s = self._hardens + 1, pauses(path)
         flows = (self._minute**n / 60.0) * np.minimum(load, 2.0) ** self._power * pause_s[:, None]
         stays = np.exp(-pause_s / self._fades_s)
@@ -57,7 +58,7 @@ class BinghamBody(Law):
         self._tau_s = np.exp(random.uniform(np.log(10), np.log(90)))
         self._size = some(random, count, 0.1, 0.25)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         share = -np.expm1(-pauses(path) / self._tau_s)
         state, late = np.zeros(deflection.shape[1]), np.empty_like(deflection)
         for t, now in enumerate(deflection):
@@ -84,7 +85,7 @@ class QuasiLinear(Law):
         self._steep = random.uniform(0.3, 1.5)
         self._size = some(random, len(self.rig.chambers), 0.06, 0.16, 0.9)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         size = np.minimum(np.abs(deflection), 3.0)
         pull = np.sign(deflection) * np.expm1(self._steep * size) / np.expm1(self._steep)
         late = np.einsum("tnc,n->tc", lagged(path, pull, self._tau_s), self._yields)
@@ -108,7 +109,7 @@ class SinkingBacking(Law):
         soft = np.exp(random.normal(0, random.uniform(0.1, 0.5), len(self.rig.observables)))
         self._size = random.uniform(0.05, 0.14) * soft
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         late = np.zeros_like(values)
         for tau_s, share in zip(self._tau_s, self._yields, strict=True):  # one by one, of many markers
             late += share * lagged(path, values - self.rig.at_rest, np.array([tau_s]))[:, 0]

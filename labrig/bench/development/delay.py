@@ -5,7 +5,8 @@ The stronger the law, the longer it takes. What is slower than two seconds is st
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import some
 from labrig.bench.development._story import lagged
 
@@ -22,7 +23,7 @@ class FirstOrderLag(Law):
         super().__init__(setting)
         self._tau_s = some(setting.random, len(self.rig.chambers), 0.6, 2.5, setting.random.uniform(0.3, 1.0))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return lagged(path, kpa, strength * self._tau_s[None])[:, 0] if strength > 0 else kpa
 
 
@@ -42,7 +43,7 @@ class DeadTime(Law):
         )
         self._parts = 1 + setting.random.uniform(0.15, 0.4) * np.linspace(-1, 1, 9)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         out = np.zeros_like(kpa)
@@ -65,7 +66,7 @@ class CriticallyDamped(Law):
         super().__init__(setting)
         self._tau_s = setting.random.uniform(0.4, 1.2)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         tau_s = np.array([strength * self._tau_s])
@@ -88,7 +89,7 @@ class DiffusiveLine(Law):
         share = (-1.0) ** np.arange(5) / odd
         self._share = share / share.sum()
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         return np.einsum("tnc,n->tc", lagged(path, kpa, strength * self._tau_s), self._share)
@@ -106,7 +107,7 @@ class SlowSensor(Law):
         super().__init__(setting)
         self._tau_s = setting.random.uniform(0.5, 1.6)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         rest = self.rig.at_rest

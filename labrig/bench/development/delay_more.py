@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import some
 from labrig.bench.development._story import lagged, pauses
 
@@ -21,7 +22,7 @@ class Overshoot(Law):
         self._rests_s = setting.random.uniform(0.6, 1.5)  # time constant of the swing's envelope
         self._turns = np.sqrt(1 - damped**2) / damped  # angle, in the time in which it decays to 1 / e
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         pole = (-1 + 1j * self._turns) / (strength * self._rests_s)
@@ -50,7 +51,7 @@ class LineAndVolume(Law):
         self._late_s = random.uniform(0.3, 1.2) * long
         self._tau_s = random.uniform(0.3, 1.2) * long
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         out = kpa.copy()
@@ -73,7 +74,7 @@ class LimitedRate(Law):
         count = len(self.rig.chambers)
         self._whole_s = some(setting.random, count, 2.5, 7.0, setting.random.uniform(0.4, 1.0))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         rate = self.rig.high_kpa / np.maximum(strength * self._whole_s, 1e-6)
@@ -100,7 +101,7 @@ class SlowVenting(Law):
         vents = setting.random.random() < 0.75
         self._in_s, self._out_s = (fast_s, slow_s) if vents else (slow_s, fast_s)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         since = -pauses(path)[:, None]
@@ -126,7 +127,7 @@ class MovingAverage(Law):
         super().__init__(setting)
         self._window_s = setting.random.uniform(2.0, 3.2)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
         window_s, time_s = strength * self._window_s, path.time_s

@@ -5,7 +5,8 @@ The stronger the law, the longer it takes.
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import some
 from labrig.bench.development._story import lagged, pauses
 
@@ -24,7 +25,7 @@ class TanksInSeries(Law):
         self._tanks = int(random.integers(3, 6))
         self._whole_s = some(random, count, 1.2, 3.0, random.uniform(0.5, 1.0))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         out = kpa
@@ -46,7 +47,7 @@ class OrificeFilling(Law):
         random, count = setting.random, len(self.rig.chambers)
         self._whole_s = some(random, count, 3.0, 8.0, random.uniform(0.5, 1.0))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         gains = (
@@ -77,7 +78,7 @@ class TakingTurns(Law):
         self._each_s = random.uniform(2.5, 4.5) / count
         self._opens = np.linspace(-0.5, 0.5, 7)  # moments of a turn over which a chamber fills
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         out = np.zeros_like(kpa)
@@ -102,7 +103,7 @@ class LeadAndLag(Law):
         self._late = random.uniform(0.4, 0.8) * random.uniform(0.8, 1.2, count)
         self._tau_s = random.uniform(0.8, 2.0)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         behind = lagged(path, deflection, np.array([strength * self._tau_s]))[:, 0]

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import direction, shift, some, span
 
 
@@ -24,7 +25,7 @@ class SteadyDrift(Law):
         size = span(self.rig) * setting.random.uniform(0.05, 0.15)
         self._per_s = shift(self.rig, size * direction(setting.random)) / _session_length_s(setting.path)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * path.session_s[:, None] * self._per_s
 
 
@@ -44,7 +45,7 @@ class CameraWarmUp(Law):
         )
         self._tau_s = _session_length_s(setting.path) * setting.random.uniform(0.12, 0.5)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values - strength * np.expm1(-path.session_s / self._tau_s)[:, None] * self._way
 
 
@@ -65,7 +66,7 @@ class Wander(Law):
         each = setting.random.normal(size=(sessions, 4, 3)) / waves[:, None]
         self._waves, self._each = np.pi * waves, size * shift(self.rig, each)  # (S, 4, K)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         wave = np.sin(path.session_s[:, None] / self._length_s * self._waves)  # (T, 4)
         change = np.zeros_like(values)
         for session in np.unique(path.session):
@@ -92,7 +93,7 @@ class WarmingRubber(Law):
         )
         self._tau_s = _session_length_s(setting.path) * setting.random.uniform(0.3, 1.5)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         warmed = -np.expm1(-path.session_s / self._tau_s)[:, None] / -np.expm1(-1.0)
         return deflection * np.exp(strength * self._gain * warmed)
 
@@ -111,6 +112,6 @@ class SensorZeroDrift(Law):
         self._zero = some(setting.random, count, 0.03, 0.1, 0.8) * setting.random.choice([-1.0, 1.0])
         self._tau_s = _session_length_s(setting.path) * setting.random.uniform(0.2, 1.5)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         warmed = -np.expm1(-path.session_s / self._tau_s)[:, None]
         return kpa + strength * self.rig.high_kpa * self._zero * warmed

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, moved, positions, shift, some, span
 
 
@@ -27,7 +28,7 @@ class TwoTimes(Law):
         sizes = span(self.rig) * random.uniform(0.06, 0.18, (2, 1))
         self._ways = shift(self.rig, sizes * ways)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values - strength * np.expm1(-path.session_s[:, None] / self._tau_s) @ self._ways
 
 
@@ -44,7 +45,7 @@ class RootOfTime(Law):
         size = span(self.rig) * setting.random.uniform(0.06, 0.18)
         self._way = shift(self.rig, size * direction(setting.random)) / np.sqrt(_length_s(setting.path))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * np.sqrt(path.session_s)[:, None] * self._way
 
 
@@ -63,7 +64,7 @@ class RoomCycle(Law):
         self._phase = random.uniform(0, 2 * np.pi)
         self._way = shift(self.rig, span(self.rig) * random.uniform(0.05, 0.15) * direction(random))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         angle = 2 * np.pi * path.time_s / self._period_s + self._phase
         return values + strength * (np.sin(angle) - np.sin(self._phase))[:, None] * self._way
 
@@ -85,7 +86,7 @@ class GrowingMount(Law):
         self._grows = span(self.rig) / radius * random.uniform(0.03, 0.1)
         self._tau_s = _length_s(setting.path) * random.uniform(0.2, 0.8)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         grown = -strength * self._grows * np.expm1(-path.session_s / self._tau_s)
         points = positions(self.rig, values)
         return moved(self.rig, values, points + grown[:, None, None] * (points - self._foot_mm))
@@ -106,7 +107,7 @@ class WanderingGain(Law):
         self._waves, self._phase = waves, random.uniform(0, 2 * np.pi, 5)
         self._each = random.normal(size=(5, count)) * some(random, count, 0.03, 0.1, 0.7) / np.sqrt(2)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         now = np.sin(path.time_s[:, None] * self._waves + self._phase) - np.sin(self._phase)
         return kpa * np.exp(np.clip(strength * now @ self._each, -2.0, 1.0))
 
@@ -126,6 +127,6 @@ class AgeingWalls(Law):
         whole = np.log1p(end_s / self._begins_s)
         self._stiffer = random.uniform(0.08, 0.2) * random.uniform(0.9, 1.1, len(self.rig.chambers)) / whole
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         aged = np.log1p(path.time_s / self._begins_s)[:, None]
         return deflection * np.exp(-strength * self._stiffer * aged)

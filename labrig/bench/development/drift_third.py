@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, moved, positions, shift, span
 
 
@@ -22,7 +23,7 @@ class LogarithmOfTime(Law):
         self._way = shift(self.rig, span(self.rig) * random.uniform(0.08, 0.2) * direction(random))
         self._way = self._way / np.log1p(end_s / self._begins_s)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * np.log1p(path.time_s / self._begins_s)[:, None] * self._way
 
 
@@ -43,7 +44,7 @@ class Flicker(Law):
         size = span(self.rig) * random.uniform(0.05, 0.12)
         self._ways = size * shift(self.rig, np.stack([direction(random) for _ in octave]))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         wave = np.sin(path.time_s[:, None] * self._waves_per_s + self._phase) - np.sin(self._phase)
         return values + strength * wave @ self._ways
 
@@ -65,7 +66,7 @@ class WeatherFront(Law):
         sign = random.choice([-1.0, 1.0])
         self._jump_kpa = sign * random.uniform(0.03, 0.09) * float(np.mean(self.rig.high_kpa))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         passed = 0.5 + 0.5 * np.tanh((path.time_s - self._at_s) / self._takes_s)
         return kpa + strength * self._jump_kpa * passed[:, None]
 
@@ -88,7 +89,7 @@ class SwellingFrame(Law):
         self._swells = span(self.rig) / radius * random.uniform(0.04, 0.12) * across
         self._whole_s = float(setting.path.time_s[-1]) * random.uniform(0.5, 3.0)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         odd = 2 * np.arange(12) + 1
         left = np.exp(-((np.pi * odd) ** 2) * path.time_s[:, None] / (4 * self._whole_s))
         wet = 1 - left @ (8 / (np.pi * odd) ** 2)

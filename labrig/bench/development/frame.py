@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, moved, positions, shift, span
 
 
@@ -22,7 +23,7 @@ class Shifted(Law):
         size_mm = span(self.rig) * setting.random.uniform(0.1, 0.3)
         self._shift_mm = shift(self.rig, size_mm * direction(setting.random))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * self._shift_mm
 
 
@@ -42,7 +43,7 @@ class Turned(Law):
         self._centre_mm = centre + radius * setting.random.uniform(0, 0.5) * direction(setting.random)
         self._turn_rad = np.deg2rad(setting.random.uniform(0.8, 3.0)) * direction(setting.random)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         turn = Rotation.from_rotvec(strength * self._turn_rad).as_matrix() - np.eye(3)
         points = positions(self.rig, values)
         return moved(self.rig, values, points + (points - self._centre_mm) @ turn.T)
@@ -64,7 +65,7 @@ class Scaled(Law):
         self._origin_mm = centre + radius * setting.random.uniform(0, 1.5) * direction(setting.random)
         self._scale = setting.random.uniform(0.01, 0.04) * float(setting.random.choice([-1.0, 1.0]))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         return moved(self.rig, values, points + strength * self._scale * (points - self._origin_mm))
 
@@ -86,7 +87,7 @@ class MovedBetweenSessions(Law):
         self._shift_mm = span(self.rig) * setting.random.uniform(0.05, 0.25) * direction(setting.random)
         self._turn_rad = np.deg2rad(setting.random.uniform(0.5, 2.0)) * direction(setting.random)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         since = (path.session >= self._since)[:, None, None]
         turn = Rotation.from_rotvec(strength * self._turn_rad).as_matrix() - np.eye(3)
         points = positions(self.rig, values)

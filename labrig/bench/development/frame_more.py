@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, long_axis, moved, positions, shift, span
 
 
@@ -23,7 +24,7 @@ class SkewAxes(Law):
         self._stretch = np.diag(random.normal(0, 0.025, 3)) + np.triu(random.normal(0, 0.015, (3, 3)), 1)
         self._shift_mm = span(self.rig) * random.uniform(0.0, 0.1) * direction(random)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         change = (points - self._centre_mm) @ self._stretch.T + self._shift_mm
         return moved(self.rig, values, points + strength * change)
@@ -48,7 +49,7 @@ class LooseHinge(Law):
         square = np.cross(axis, random.normal(size=3))
         self._turn_rad = np.deg2rad(random.uniform(0.5, 2.5)) * square / np.linalg.norm(square)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         turn = Rotation.from_rotvec(strength * self._turn_rad).as_matrix() - np.eye(3)
         points = positions(self.rig, values)
         return moved(self.rig, values, points + (points - self._pin_mm) @ turn.T)
@@ -71,7 +72,7 @@ class MovedCamera(Law):
         self._shift_mm = span(self.rig) * random.uniform(0.1, 0.3) * direction(random)
         self._bends = span(self.rig) * random.uniform(0.01, 0.03) * float(random.choice([-1.0, 1.0]))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         off = points - self._at_mm
         off = (off - (off @ self._looks)[..., None] * self._looks) / self._radius_mm
@@ -96,7 +97,7 @@ class SaggingTripod(Law):
         level = np.append(random.normal(size=2), 0.0)
         self._turn_rad = np.deg2rad(random.uniform(0.3, 1.2)) * level / np.linalg.norm(level)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         sunk = strength * np.sqrt(1.0 + path.session)[:, None, None]
         points = positions(self.rig, values)
         change = self._sinks_mm + np.cross(self._turn_rad, points - self._centre_mm)
@@ -121,7 +122,7 @@ class WrongDepth(Law):
         self._scale = random.uniform(0.02, 0.06) * float(random.choice([-1.0, 1.0]))
         self._aside_mm = shift(self.rig, span(self.rig) * random.uniform(0.0, 0.08) * direction(random))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         depth = (points - self._from_mm) @ self._sight
         out = moved(self.rig, values, points + strength * self._scale * depth[..., None] * self._sight)

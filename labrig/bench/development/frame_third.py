@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, moved, positions, span
 
 
@@ -25,7 +26,7 @@ class Screw(Law):
         self._turn_rad = np.deg2rad(random.uniform(0.5, 2.0)) * random.choice([-1.0, 1.0])
         self._pitch_mm = radius * random.uniform(0.3, 2.0) * random.choice([-1.0, 1.0])  # for each rad
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         angle = strength * self._turn_rad
         turn = Rotation.from_rotvec(angle * self._axis).as_matrix()
         points = positions(self.rig, values)
@@ -52,7 +53,7 @@ class DecentredLens(Law):
         self._bends_mm = span(self.rig) * random.uniform(0.01, 0.04)
         self._shift_mm = span(self.rig) * random.uniform(0.08, 0.25) * direction(random)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         flat = (points - self._at_mm) @ self._square / self._radius_mm
         bent = np.sum(flat**2, axis=2, keepdims=True) * self._to + 2 * (flat @ self._to)[..., None] * flat
@@ -78,7 +79,7 @@ class Keystone(Law):
         self._far_mm = radius * random.uniform(5, 12)  # of the camera from the body
         self._sight = sight
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         turn = Rotation.from_rotvec(strength * self._turn_rad).as_matrix()
         off = (points - self._at_mm) @ turn.T
@@ -104,7 +105,7 @@ class NewWandEachTime(Law):
         self._shifts_mm = span(self.rig) * random.uniform(0.08, 0.2) * random.normal(size=(16, 3))
         self._turns_rad = np.deg2rad(random.uniform(0.2, 1.0)) * random.normal(size=(16, 3))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points, of = positions(self.rig, values), path.session % 16
         turn = self._turns_rad[of][:, None]
         change = self._shifts_mm[of][:, None] + np.cross(turn, points - self._centre_mm)

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, some
 from labrig.bench.development._story import pauses, plays, steps
 
 
-def sliding(drive: Array, give: Array) -> Array:
+def sliding(drive: Floats, give: Floats) -> Floats:
     """Which way each part slides, (T, C) from -1 to 1, turning within 2 `give` (C,) of the drive."""
     return (drive - plays(drive, give[None])[:, 0]) / give
 
@@ -26,7 +27,7 @@ class Coulomb(Law):
         self._give = setting.random.uniform(0.004, 0.012, count)
         self._held = some(setting.random, count, 0.02, 0.06)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         way = sliding(full(self.rig, kpa), self._give)
         return kpa - strength * self._held * self.rig.high_kpa * way
 
@@ -45,7 +46,7 @@ class Dahl(Law):
         self._give = setting.random.uniform(0.01, 0.04, count)
         self._held = some(setting.random, count, 0.02, 0.06)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         move = steps(deflection)
         stays, way = np.exp(-np.abs(move) / self._give), np.sign(move)
         state = np.zeros(deflection.shape[1])
@@ -73,7 +74,7 @@ class LuGre(Law):
         self._sticks = setting.random.uniform(1.2, 1.8, count)
         self._held = some(setting.random, count, 0.02, 0.05)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         move = steps(full(self.rig, kpa))
         speed = np.abs(move) / np.maximum(pauses(path), 1e-3)[:, None]
         bears = 1 + (self._sticks - 1) * np.exp(-((speed / self._slow_per_s) ** 2))
@@ -102,7 +103,7 @@ class LoadedCoulomb(Law):
         self._held = some(setting.random, count, 0.005, 0.02)
         self._loaded = some(setting.random, count, 0.04, 0.12)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         drive = full(self.rig, kpa)
         held = self._held + self._loaded * np.maximum(drive, 0.0)
         return kpa - strength * self.rig.high_kpa * held * sliding(drive, self._give)

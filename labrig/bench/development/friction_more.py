@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, pattern, reached, some, span
 from labrig.bench.development._story import finely, pauses, plays, steps
 from labrig.bench.development.friction import sliding
@@ -23,7 +24,7 @@ class StickAndBreak(Law):
         self._sticks = some(random, count, 0.03, 0.08, 0.85)
         self._slides = random.uniform(0.4, 0.8)  # as a share of the breakaway force
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         drive, sticks = full(self.rig, kpa), strength * self._sticks
         state, out = np.zeros(drive.shape[1]), np.empty_like(drive)
         for t, now in enumerate(drive):
@@ -50,7 +51,7 @@ class ElastoPlastic(Law):
         self._elastic = random.uniform(0.4, 0.8)
         self._held = some(random, count, 0.02, 0.06)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         bends = np.cumsum(np.clip(steps(deflection) / self._give, -4.0, 4.0), axis=0)
         moves, _, keep = finely(path, bends, 0.2)
         state, out = np.zeros(deflection.shape[1]), np.empty_like(moves)
@@ -81,7 +82,7 @@ class GeneralisedMaxwellSlip(Law):
         self._fast_per_s = random.uniform(0.05, 0.3)
         self._held = some(random, count, 0.02, 0.06)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         bent = (deflection[:, None] - plays(deflection, self._give)) / self._give
         speed = np.abs(steps(deflection)) / np.maximum(pauses(path), 1e-3)[:, None]
         slow = 1 - self._less * -np.expm1(-speed / self._fast_per_s)
@@ -104,7 +105,7 @@ class Capstan(Law):
         self._rubs = some(random, count, 0.03, 0.12, 0.85)
         self._wraps = random.uniform(0.0, 1.5)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         drive = full(self.rig, kpa)
         angle = self._rubs * (1 + self._wraps * np.clip(drive, 0.0, 1.5))
         return kpa * np.exp(-strength * angle * sliding(drive, self._give))
@@ -127,7 +128,7 @@ class BearingFriction(Law):
         top = float(reached(self.rig, setting.path).max())
         self._held = setting.random.uniform(0.02, 0.07) * min(top, 1.0)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         along = (values - self.rig.at_rest) @ self._way / self._full
         way = sliding(along[:, None], self._give)
         return values - strength * self._held * self._full * way * self._way

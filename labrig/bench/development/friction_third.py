@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, moved, positions, some, span
 from labrig.bench.development._story import pauses, plays, steps
 from labrig.bench.development.friction import sliding
@@ -25,7 +26,7 @@ class AgeingContacts(Law):
         self._young_s = random.uniform(1.0, 4.0)
         self._held = some(random, count, 0.02, 0.05)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         drive = full(self.rig, kpa)
         moving, pause_s = np.abs(steps(drive)) > 0.1 * self._give, pauses(path)
         rested_s, age, held = np.zeros(drive.shape[1]), np.zeros(drive.shape[1]), np.empty_like(drive)
@@ -54,7 +55,7 @@ class LyingHairs(Law):
         self._rising = np.where(rises, against, along) * random.uniform(0.8, 1.2, count)
         self._falling = np.where(rises, along, against) * random.uniform(0.8, 1.2, count)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         way = sliding(deflection, self._give)
         held = np.where(way > 0, self._rising, self._falling) * way
         return deflection - strength * held
@@ -75,7 +76,7 @@ class BowdenSheath(Law):
         self._slack = random.uniform(0.03, 0.1)  # tension, of full, below which the factor counts no more
         self._rubs = some(random, count, 0.04, 0.12, 0.9)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         tension = np.arcsinh(full(self.rig, kpa) / self._slack)
         far = plays(tension, strength * self._rubs[None])[:, 0]
         return self.rig.high_kpa * self._slack * np.sinh(far)
@@ -97,7 +98,7 @@ class ConeUnderMarkers(Law):
         rough = random.uniform(0.6, 1.4, len(self.rig.marker_names))
         self._behind_mm = span(self.rig) * random.uniform(0.03, 0.08) * rough
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         most_mm = strength * self._behind_mm[:, None]
         state, out = positions(self.rig, self.rig.at_rest[None])[0], points.copy()

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, compliance, down, moved, positions, span
 
 
@@ -20,7 +21,7 @@ class OwnWeight(Law):
         power = setting.random.uniform(0.7, 1.5)
         self._sag_mm = span(self.rig) * setting.random.uniform(0.05, 0.2) * compliance(self.rig) ** power
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         sag = self._sag_mm[:, None] * down(path.tilt_deg)[:, None]
         return moved(self.rig, values, positions(self.rig, values) + strength * sag)
 
@@ -39,7 +40,7 @@ class InflatedDroop(Law):
         self._sag_mm = span(self.rig) * setting.random.uniform(0.08, 0.25) * compliance(self.rig)
         self._stiffer = setting.random.uniform(0.5, 2.5)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         gives = 1 / (1 + self._stiffer * np.maximum(deflection, 0.0).mean(axis=1))
         sag = self._sag_mm[:, None] * (gives[:, None] * down(path.tilt_deg))[:, None]
         return moved(self.rig, values, positions(self.rig, values) + strength * sag)
@@ -63,7 +64,7 @@ class LiftedPayload(Law):
         most_kg = max(float(setting.path.payload_kg.max()), 0.01)
         self._kpa_per_kg = share * len(self.rig.chambers) * self.rig.high_kpa / most_kg
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return kpa - strength * path.payload_kg[:, None] * self._kpa_per_kg
 
 
@@ -89,7 +90,7 @@ class PayloadAtAPoint(Law):
             span(rig) * setting.random.uniform(0.1, 0.3) / most_kg * near * np.sqrt(soft * soft[at])
         )
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         pull = path.payload_kg[:, None] * down(path.tilt_deg)
         points = positions(self.rig, values) + strength * self._mm_per_kg[:, None] * pull[:, None]
         return moved(self.rig, values, points)

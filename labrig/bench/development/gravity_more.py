@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import (
     alone,
     body_mm,
@@ -35,7 +36,7 @@ class Cantilever(Law):
         self._sag_mm = span(self.rig) * random.uniform(0.15, 0.5)
         self._softens = random.uniform(0.0, 0.8)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         pull = down(path.tilt_deg)
         across = pull - (pull @ self._axis)[:, None] * self._axis
         soft = 1 + self._softens * np.maximum(deflection, 0.0).mean(axis=1)
@@ -64,7 +65,7 @@ class HangingHoses(Law):
         self._lever = lever / np.linalg.norm(lever)
         self._turn = span(self.rig) / radius * random.uniform(0.1, 0.3)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         turn = self._turn * np.cross(self._lever, down(path.tilt_deg))
         points = positions(self.rig, values)
         return moved(self.rig, values, points + strength * np.cross(turn[:, None], self._arm_mm))
@@ -86,7 +87,7 @@ class MarkerWeights(Law):
         heavy = np.exp(random.normal(0, random.uniform(0.3, 0.8), len(self.rig.marker_names)))
         self._sag_mm = span(self.rig) * random.uniform(0.05, 0.15) * heavy * (0.2 + compliance(self.rig))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         sag = self._sag_mm[:, None] * down(path.tilt_deg)[:, None]
         return moved(self.rig, values, positions(self.rig, values) + strength * sag)
 
@@ -110,7 +111,7 @@ class HydrostaticHead(Law):
         self._place = place + random.normal(0, 0.15, place.shape)
         self._head_kpa = random.uniform(0.03, 0.1) * float(np.mean(self.rig.high_kpa))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return kpa + strength * self._head_kpa * (down(path.tilt_deg) @ self._place.T)
 
 
@@ -132,6 +133,6 @@ class PayloadAgainstStiffness(Law):
         self._per_kg = -random.uniform(0.15, 0.4) * way / most_kg
         self._stiffer = random.uniform(0.5, 3.0)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         gives = path.payload_kg / (1 + self._stiffer * np.maximum(deflection, 0.0).mean(axis=1))
         return values + strength * gives[:, None] * self._per_kg

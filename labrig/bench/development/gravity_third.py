@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, down, long_axis, moved, pattern, positions, shift, span
 
 
@@ -29,13 +30,15 @@ class MovedMass(Law):
         self._mass /= self._mass.sum()
         self._leans = span(self.rig) / self._radius_mm * random.uniform(0.15, 0.4)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         centre = np.einsum("tmx,m->tx", points, self._mass)
         lean = (
             strength * self._leans * np.cross((centre - self._foot_mm) / self._radius_mm, down(path.tilt_deg))
         )
-        return moved(self.rig, values, points + np.cross(lean[:, None], points - self._foot_mm))
+        return moved(
+            self.rig, values, points + np.asarray(np.cross(lean[:, None], points - self._foot_mm), float)
+        )
 
 
 class SpringMount(Law):
@@ -54,7 +57,7 @@ class SpringMount(Law):
         soft = span(self.rig) * random.uniform(0.05, 0.3, 3)
         self._soft = (axes * soft) @ axes.T  # mm for a weight along each direction
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * shift(self.rig, down(path.tilt_deg) @ self._soft)
 
 
@@ -77,7 +80,7 @@ class WeightAtTip(Law):
         self._mm_per_kg = span(self.rig) * random.uniform(0.15, 0.45) / most_kg
         self._stiffer = random.uniform(0.0, 1.0)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         pull = path.payload_kg[:, None] * down(path.tilt_deg)
         across = pull - 0.8 * (pull @ self._axis)[:, None] * self._axis
         soft = 1 / (1 + self._stiffer * np.abs(deflection).mean(axis=1))
@@ -106,7 +109,7 @@ class WeightOnLever(Law):
         most_kg = max(float(setting.path.payload_kg.max()), 0.01)
         self._per_kg = random.uniform(0.12, 0.35) * self._full / most_kg
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         along = (values - self.rig.at_rest) @ self._way / self._full
         lever = np.cos(self._level_rad + self._turns_rad * np.clip(along, -1.5, 1.5))
         back = path.payload_kg * lever * np.cos(np.deg2rad(path.tilt_deg))

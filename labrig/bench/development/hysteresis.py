@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, some
 from labrig.bench.development._story import finely, plays
 
@@ -24,7 +25,7 @@ class PrandtlIshlinskii(Law):
         self._weight = np.exp(-widths / fades_at) / np.exp(-widths / fades_at).sum()
         self._share = some(setting.random, count, 0.2, 0.5)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         behind = np.einsum("tnc,n->tc", plays(deflection, self._half_width), self._weight)
         return deflection + strength * self._share * (behind - deflection)
 
@@ -46,7 +47,7 @@ class Preisach(Law):
         self._down, self._up = centre - half, centre + half
         self._share = some(random, len(self.rig.chambers), 0.25, 0.6)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         on = np.zeros(self._up.shape, dtype=bool)
         crowd, seen, now = np.empty_like(deflection), np.full(deflection.shape[1], np.inf), None
         for t, drive in enumerate(deflection):
@@ -73,7 +74,7 @@ class BoucWen(Law):
         self._turn = setting.random.uniform(0.5, 0.85)
         self._held = some(setting.random, count, 0.04, 0.1)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         moves, _, keep = finely(path, full(self.rig, kpa) / self._width, 0.3)
         state = np.zeros(kpa.shape[1])
         out = np.empty_like(moves)
@@ -101,7 +102,7 @@ class MaxwellSlip(Law):
         stiff = setting.random.uniform(0.5, 1.5, (blocks, count)) / blocks
         self._stiff = stiff * some(setting.random, count, 0.2, 0.45)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         drive = full(self.rig, kpa)
         pulls = drive[:, None] - plays(drive, self._slips_at)
         return kpa - strength * self.rig.high_kpa * np.sum(self._stiff * pulls, axis=1)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, some, span
 from labrig.bench.development._story import finely, plays, steps
 
@@ -22,7 +23,7 @@ class GeneralisedPlay(Law):
         self._falling = random.uniform(0.03, 0.08, count), random.uniform(0.05, 0.3, count)
         self._share = some(random, count, 0.3, 0.7, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         size = np.abs(deflection)
         low = deflection - self._rising[0] - self._rising[1] * size
         high = deflection + self._falling[0] + self._falling[1] * size
@@ -52,13 +53,13 @@ class ModifiedPrandtlIshlinskii(Law):
         self._bends = random.uniform(-0.25, 1.2, 3)
         self._share = some(random, count, 0.15, 0.4, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = full(self.rig, kpa)
         behind = np.einsum("tnc,n->tc", plays(load, self._half_width), self._weight)
         change = self._bent(behind) - self._bent(load)
         return kpa + strength * self._share * self.rig.high_kpa * change
 
-    def _bent(self, load: Array) -> Array:
+    def _bent(self, load: Floats) -> Floats:
         return load + np.maximum(load[..., None] - self._from, 0.0) @ self._bends
 
 
@@ -78,7 +79,7 @@ class ColemanHodgdon(Law):
         self._more = random.uniform(0.5, 3.0)
         self._fed = some(random, count, 0.15, 0.35)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         move = steps(deflection)
         stays = np.exp(-self._fades * np.abs(move))
         middle = np.abs(deflection - 0.5 * move)
@@ -105,7 +106,7 @@ class JilesAtherton(Law):
         self._pinned = random.uniform(0.08, 0.3, count)
         self._share = some(random, count, 0.2, 0.45)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = full(self.rig, kpa)
         moves, _, keep = finely(path, load, 0.05)
         free = _langevin(np.cumsum(moves, axis=0) / self._knee) / _langevin(1 / self._knee)
@@ -136,7 +137,7 @@ class DuhemLoop(Law):
         self._down = self._up * random.uniform(0.4, 1.0)
         self._held = some(random, count, 0.06, 0.14)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         move = steps(deflection)
         way = np.sign(move)
         stays = np.exp(-np.abs(move) / np.where(move > 0, self._up, self._down))
@@ -166,13 +167,13 @@ class FoamBacking(Law):
         self._weight = random.dirichlet(np.full(4, 2.0))
         self._share = random.uniform(0.15, 0.4)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         envelope = np.tanh((values - self.rig.at_rest) / self._full)
         behind = np.einsum("tnk,n->tk", plays(envelope, self._half_width), self._weight)
         return values + strength * self._share * self._full * (behind - envelope)
 
 
-def _langevin(x: Array) -> Array:
+def _langevin(x: Floats) -> Floats:
     """coth x - 1 / x, as a series near zero."""
     near = np.abs(x) < 1e-2
     safe = np.where(near, 1.0, x)

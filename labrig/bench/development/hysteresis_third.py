@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, pattern, reached, some, span
 from labrig.bench.development._story import steps
 
@@ -26,7 +27,7 @@ class KrasnoselskiiPokrovskii(Law):
         self._up, self._down = centre + half, centre - half
         self._share = some(random, count, 0.3, 0.7, 0.9)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         drive = np.abs(deflection)[:, None]
         rising, falling = self._line(drive - self._up), self._line(drive - self._down)
         without = self._line(drive - 0.5 * (self._up + self._down)).mean(axis=1)
@@ -36,7 +37,7 @@ class KrasnoselskiiPokrovskii(Law):
             crowd[t] = state.mean(axis=0)
         return deflection + strength * self._share * np.sign(deflection) * (crowd - without)
 
-    def _line(self, x: Array) -> Array:
+    def _line(self, x: Floats) -> Floats:
         return np.clip(0.5 + x / self._ramp, 0.0, 1.0)
 
 
@@ -62,12 +63,12 @@ class MasingBranches(Law):
         """The first curve: as steep as 1 at the start, and then like a power of the way."""
         return float(np.sign(way) * ((1 + abs(way)) ** self._power - 1) / self._power)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         along = (values - self.rig.at_rest) @ self._way / (self._full * self._knee)
         held = self._branches(along)
         return values - strength * self._held * self._full * held[:, None] * self._way
 
-    def _branches(self, drive: Array) -> Array:
+    def _branches(self, drive: Floats) -> Floats:
         turns: list[tuple[float, float]] = [(0.0, 0.0)]  # where branches began, oldest first; all nested
         now, force, way, out = 0.0, 0.0, 0.0, np.empty(len(drive))
         for t, then in enumerate(drive.tolist()):
@@ -106,7 +107,7 @@ class Endochronic(Law):
         self._hardens = random.uniform(0.0, 0.8)
         self._held = some(random, count, 0.06, 0.15, 0.9)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         move = steps(full(self.rig, kpa))
         gone = np.cumsum(np.abs(move), axis=0)
         slower = 1 + self._hardens * gone / self._whole

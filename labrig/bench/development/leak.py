@@ -4,13 +4,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import some
 
 _AIR_KPA = 101.3
 
 
-def bled(kpa: Array, age_s: Array, rate_kpa_per_s: Callable[[Array], Array]) -> Array:
+def bled(kpa: Floats, age_s: Floats, rate_kpa_per_s: Callable[[Floats], Floats]) -> Floats:
     """The pressure (T,) that is left of `kpa` (T,) after `age_s` (T,), if it falls by a rate that it alone sets."""
     level = np.geomspace(1e-3, max(float(kpa.max()), 1.0) * 1.01, 600)
     slow = 1 / rate_kpa_per_s(level)
@@ -31,7 +32,7 @@ class ExponentialLeak(Law):
         super().__init__(setting)
         self._per_s = some(setting.random, len(self.rig.chambers), 1 / 500, 1 / 100, 0.7)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return kpa * np.exp(-strength * self._per_s * path.hold_s[:, None])
 
 
@@ -48,7 +49,7 @@ class OrificeLeak(Law):
         self._critical = setting.random.uniform(0.2, 0.5)
         self._per_s = some(setting.random, len(self.rig.chambers), 1 / 600, 1 / 120, 0.6)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         out = kpa.copy()
         for c in np.flatnonzero(strength * self._per_s):
             high = float(self.rig.high_kpa[c])
@@ -56,7 +57,7 @@ class OrificeLeak(Law):
             out[:, c] = bled(kpa[:, c], path.hold_s, lambda p, scale=scale: scale * self._flow(p))
         return out
 
-    def _flow(self, kpa: Array) -> Array:
+    def _flow(self, kpa: Floats) -> Floats:
         inside = kpa + _AIR_KPA
         past = np.maximum(_AIR_KPA / inside - self._critical, 0.0) / (1 - self._critical)
         return inside * np.sqrt(1 - past**2)
@@ -74,7 +75,7 @@ class PorousWall(Law):
         super().__init__(setting)
         self._per_s = some(setting.random, len(self.rig.chambers), 1 / 500, 1 / 120)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         twice = 2 * _AIR_KPA
         start = np.maximum(kpa, 0.0)
         lost = -np.expm1(-strength * self._per_s * twice / (self.rig.high_kpa + twice) * path.hold_s[:, None])
@@ -96,7 +97,7 @@ class LiftingSeal(Law):
         self._opens_kpa = setting.random.uniform(0.05, 0.3) * high[self._chamber]
         self._per_s = setting.random.uniform(1 / 80, 1 / 12)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         out = kpa.copy()
         above = np.maximum(kpa[:, self._chamber] - self._opens_kpa, 0.0)
         out[:, self._chamber] += above * np.expm1(-strength * self._per_s * path.hold_s)

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.special import erfcx
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import overlap, some
 from labrig.bench.development.leak import bled
 
@@ -20,7 +21,7 @@ class Permeation(Law):
         super().__init__(setting)
         self._per_s = some(setting.random, len(self.rig.chambers), 1 / 6000, 1 / 1500, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return kpa * erfcx(strength * np.sqrt(self._per_s * path.hold_s[:, None]))
 
 
@@ -41,7 +42,7 @@ class IntoNeighbour(Law):
         self._per_s = setting.random.uniform(1 / 120, 1 / 25)
         self._volume = setting.random.uniform(0.35, 0.65)  # the one's share of both
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         gone = -np.expm1(-strength * self._per_s * path.hold_s) * (kpa[:, self._one] - kpa[:, self._other])
         out = kpa.copy()
         out[:, self._one] -= (1 - self._volume) * gone
@@ -62,7 +63,7 @@ class JetThroughHole(Law):
         self._per_s = np.zeros(len(self.rig.chambers))
         self._per_s[setting.random.integers(len(self._per_s))] = setting.random.uniform(1 / 200, 1 / 40)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         root = np.sqrt(np.maximum(kpa, 0.0))
         lost = 0.5 * strength * self._per_s * np.sqrt(self.rig.high_kpa) * path.hold_s[:, None]
         return np.where(kpa > 0, np.maximum(root - lost, 0.0) ** 2, kpa)
@@ -82,7 +83,7 @@ class SelfActingLip(Law):
         self._closes = setting.random.uniform(0.25, 0.6) * self.rig.high_kpa
         self._per_s = some(setting.random, count, 1 / 150, 1 / 40, 0.6)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         out = kpa.copy()
         for c in np.flatnonzero(strength * self._per_s):
             rate, closes = strength * self._per_s[c], self._closes[c]
@@ -106,6 +107,6 @@ class GrowingTear(Law):
         self._begins = setting.random.uniform(0.2, 0.6)
         self._events = int(setting.path.event.max()) + 1
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         long = self._begins + (1 - self._begins) * np.minimum(path.event / self._events, 2.0)
         return kpa * np.exp(-strength * self._per_s * (long * path.hold_s)[:, None])

@@ -4,12 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import some
 from labrig.bench.development.leak import bled
 
 
-def _left(kpa: Array, age_s: Array, rate: Callable[[Array], Array]) -> Array:
+def _left(kpa: Floats, age_s: Floats, rate: Callable[[Floats], Floats]) -> Floats:
     """What is left (T,) of a pressure or of a vacuum after `age_s` (T,), with a rate in kPa/s that its size sets."""
     return np.sign(kpa) * bled(np.abs(kpa), age_s, rate)
 
@@ -27,13 +28,13 @@ class Crack(Law):
         self._turbulent = setting.random.uniform(1.0, 12.0)  # at full pressure, against the viscous loss
         self._per_s = some(setting.random, len(self.rig.chambers), 1 / 400, 1 / 80, 0.7)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         out = kpa.copy()
         for c in np.flatnonzero(strength * self._per_s):
             high, full_rate = float(self.rig.high_kpa[c]), strength * self._per_s[c]
             most = np.sqrt(1 + 4 * self._turbulent) - 1
 
-            def rate(p: Array, high: float = high, most: float = full_rate * high / most) -> Array:
+            def rate(p: Floats, high: float = high, most: float = full_rate * high / most) -> Floats:
                 return most * (np.sqrt(1 + 4 * self._turbulent * p / high) - 1)
 
             out[:, c] = _left(kpa[:, c], path.hold_s, rate)
@@ -54,7 +55,7 @@ class HiddenPocket(Law):
         self._takes = some(random, count, 0.1, 0.4, 0.7)  # volume of the pocket, against the chamber's
         self._tau_s = np.exp(random.uniform(np.log(8), np.log(60))) * random.uniform(0.7, 1.4, count)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         takes = strength * self._takes
         out, inside = kpa.copy(), np.zeros(kpa.shape[1])
         begins = np.flatnonzero(np.diff(path.event, prepend=-1))
@@ -86,12 +87,12 @@ class StretchedPinhole(Law):
         which = random.permutation(count)[: int(random.integers(1, min(count, 3) + 1))]
         self._per_s[which] = random.uniform(1 / 400, 1 / 80, len(which))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         out = kpa.copy()
         for c in np.flatnonzero(strength * self._per_s):
             high, slow = float(self.rig.high_kpa[c]), strength * self._per_s[c]
 
-            def rate(p: Array, high: float = high, slow: float = slow) -> Array:
+            def rate(p: Floats, high: float = high, slow: float = slow) -> Floats:
                 return slow * p * (1 + self._widens * p / high) ** 4
 
             out[:, c] = _left(kpa[:, c], path.hold_s, rate)
@@ -112,6 +113,6 @@ class DirtySeat(Law):
         self._per_s = some(random, count, 1 / 300, 1 / 80, 0.8)
         self._dirt = np.exp(random.normal(0, random.uniform(0.3, 0.7), (997, count)))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         open_ = self._per_s * self._dirt[path.event % len(self._dirt)]
         return kpa * np.exp(-strength * open_ * path.hold_s[:, None])

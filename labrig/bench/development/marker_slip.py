@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import direction, shift, span
 
 
@@ -22,7 +23,7 @@ class Slip(Law):
         self._at_s = self._begin_s + self._length_s * self._random.uniform(0.2, 0.8)
         self._way_mm = self._way()
 
-    def _way(self) -> Array:
+    def _way(self) -> Floats:
         """Where the marker goes to, (K,) in mm."""
         length_mm = span(self.rig) * self._random.uniform(0.3, 1.0)
         return self._own * shift(self.rig, length_mm * direction(self._random))
@@ -34,7 +35,7 @@ class Jump(Slip):
     R. S. Tsay, Outliers, level shifts, and variance changes in time series, J. Forecasting 7, 1988.
     """
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * (path.time_s >= self._at_s)[:, None] * self._way_mm
 
 
@@ -48,7 +49,7 @@ class SlidingGlue(Slip):
         super().__init__(setting)
         self._tau_s = self._length_s * setting.random.uniform(0.03, 0.2)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         gone = -np.expm1(-np.maximum(path.time_s - self._at_s, 0.0) / self._tau_s)
         return values + strength * gone[:, None] * self._way_mm
 
@@ -65,6 +66,6 @@ class StickSlip(Slip):
         self._again_s = self._at_s + self._length_s * setting.random.uniform(0.2, 0.45)
         self._further_mm = self._way()
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         first = (path.time_s >= self._at_s)[:, None] * self._way_mm
         return values + strength * (first + (path.time_s >= self._again_s)[:, None] * self._further_mm)

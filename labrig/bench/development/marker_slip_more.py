@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Path, Setting
 from labrig.bench.development._places import columns, direction, shift, span
 from labrig.bench.development._story import steps
 from labrig.bench.development.marker_slip import Slip
@@ -21,7 +22,7 @@ class FasterPeel(Slip):
         self._takes_s = self._length_s * random.uniform(0.3, 0.55)
         self._speeds_up = random.uniform(1.5, 4.0)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         gone = np.clip((path.time_s - self._at_s) / self._takes_s, 0.0, 1.0)
         peeled = np.expm1(self._speeds_up * gone) / np.expm1(self._speeds_up)
         return values + strength * peeled[:, None] * self._way_mm
@@ -44,12 +45,12 @@ class ShearedGlue(Slip):
         self._before = self._begins * float(travel[-1])
         self._whole = max(float(travel[-1]) - self._before, 1e-6)
 
-    def _travel(self, values: Array) -> Array:
+    def _travel(self, values: Floats) -> Floats:
         """How far the marker has been moved up to each moment, (T,) in mm."""
         way = values[:, self._columns] - self.rig.at_rest[self._columns]
         return np.cumsum(np.linalg.norm(steps(way), axis=1))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         slid = np.clip((self._travel(values) - self._before) / self._whole, 0.0, 1.5)
         return values + strength * slid[:, None] * self._way_mm
 
@@ -69,7 +70,7 @@ class GluedAgain(Slip):
             since = int(setting.random.choice(sessions[1:]))
             self._at_s = float(path.time_s[path.session == since].min())
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * (path.time_s >= self._at_s)[:, None] * self._way_mm
 
 
@@ -93,7 +94,7 @@ class PatchComesOff(Slip):
             self._ways_mm.append((of == marker) * shift(rig, own))
             self._times_s.append(self._at_s + order * random.uniform(0.0, 0.06) * self._length_s)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         out = values.copy()
         for way_mm, at_s in zip(self._ways_mm, self._times_s, strict=True):
             out += strength * (path.time_s >= at_s)[:, None] * way_mm

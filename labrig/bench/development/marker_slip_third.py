@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Path, Setting
 from labrig.bench.development._places import columns, direction, shift, span, spread
 from labrig.bench.development._story import steps
 from labrig.bench.development.marker_slip import Slip
@@ -20,7 +21,7 @@ class SaggingTape(Slip):
         self._power = setting.random.uniform(0.35, 0.8)
         self._whole_s = max(self._begin_s + self._length_s - self._at_s, 1.0)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         gone = (np.maximum(path.time_s - self._at_s, 0.0) / self._whole_s) ** self._power
         return values + strength * gone[:, None] * self._way_mm
 
@@ -41,14 +42,14 @@ class SlipsAtLargeMotions(Slip):
         self._carries = float(np.quantile(moves, random.uniform(0.9, 0.975))) if moves.size else 1.0
         self._whole = max(float(self._over(quick)[-1]), 1e-9)
 
-    def _quick(self, values: Array) -> Array:
+    def _quick(self, values: Floats) -> Floats:
         """How far the marker moves from moment to moment, (T,) in mm."""
         return np.linalg.norm(steps(values[:, self._columns] - self.rig.at_rest[self._columns]), axis=1)
 
-    def _over(self, quick: Array) -> Array:
+    def _over(self, quick: Floats) -> Floats:
         return np.cumsum(np.maximum(quick - self._carries, 0.0))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         slid = np.minimum(self._over(self._quick(values)) / self._whole, 1.5)
         return values + strength * slid[:, None] * self._way_mm
 
@@ -72,7 +73,7 @@ class TurnedPlate(Slip):
         way_mm[near] += span(self.rig) * random.uniform(0.0, 0.15) * direction(random)
         self._way_mm = spread(self.rig, way_mm)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * (path.time_s >= self._at_s)[:, None] * self._way_mm
 
 
@@ -93,6 +94,6 @@ class PushedAside(Slip):
             self.rig, 0.1 * span(self.rig) * direction(random)
         )
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         pushed = ((path.time_s >= self._at_s) & (path.time_s < self._until_s))[:, None] * self._way_mm
         return values + strength * (pushed + (path.time_s >= self._until_s)[:, None] * self._stays_mm)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import columns, full, smooth_field, some, span, spread
 from labrig.bench.development._story import pauses, steps
 
@@ -22,7 +23,7 @@ class CyclicSoftening(Law):
         self._power = setting.random.uniform(0.4, 0.9)
         self._softer = some(setting.random, len(self.rig.chambers), 0.08, 0.25, 0.6)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         cycles = np.cumsum(0.5 * np.abs(steps(full(self.rig, kpa))), axis=0)
         return deflection * np.exp(strength * self._softer * (cycles / self._cycles) ** self._power)
 
@@ -48,7 +49,7 @@ class SnapThrough(Law):
             spread(self.rig, smooth_field(setting)) if marked else random.choice([-1.0, 1.0])
         )
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         load = full(self.rig, path.kpa).mean(axis=1)
         switched = np.where(load >= self._over, 1, np.where(load <= self._back, 0, -1))
         last = np.maximum.accumulate(np.where(switched >= 0, np.arange(len(load)), -1))
@@ -71,7 +72,7 @@ class OrderMemory(Law):
         self._gain = setting.random.uniform(0.05, 0.2) * setting.random.uniform(0.5, 1.5, count)
         self._fades = setting.random.uniform(0.2, 0.7)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         size = np.abs(steps(full(self.rig, path.commanded_kpa)))
         when = np.arange(len(size))[:, None] + 0.5 * size / (
             1 + size.max()
@@ -98,7 +99,7 @@ class CompressorCycle(Law):
         self._filling = random.uniform(0.1, 0.4)
         self._passed = random.uniform(0.03, 0.1) * random.uniform(0.7, 1.3, len(self.rig.chambers))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         phase = (path.time_s / self._period_s + self._phase) % 1.0
         tank = np.interp(phase, [0.0, self._filling, 1.0], [-1.0, 1.0, -1.0])[:, None]
         return kpa * np.exp(strength * self._passed * tank)
@@ -118,7 +119,7 @@ class HealingMullins(Law):
         self._heals_s = np.exp(setting.random.uniform(np.log(60), np.log(900)))
         self._softer = some(setting.random, len(self.rig.chambers), 0.15, 0.5, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         stays = np.exp(-pauses(path) / self._heals_s)
         farthest = np.zeros(deflection.shape[1])
         below = np.empty_like(deflection)

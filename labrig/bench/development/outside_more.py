@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import alone, columns, full, smooth_field, some, span, spread
 from labrig.bench.development._story import pauses, steps
 
@@ -21,7 +22,7 @@ class SetByHighestLoad(Law):
         self._power = setting.random.uniform(1.5, 3.0)
         self._set = some(setting.random, len(self.rig.chambers), 0.05, 0.15, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         highest = np.maximum.accumulate(np.maximum(deflection, 0.0), axis=0)
         return deflection + strength * self._set * highest**self._power
 
@@ -41,11 +42,11 @@ class AddedDamage(Law):
         self._life = max(float(self._damage(full(self.rig, setting.path.kpa))[-1]), 1e-6)
         self._softer = setting.random.uniform(0.15, 0.5)
 
-    def _damage(self, load: Array) -> Array:
+    def _damage(self, load: Floats) -> Floats:
         own = np.maximum(load[:, self._chamber : self._chamber + 1], 0.0)
         return np.cumsum(np.abs(steps(own**self._power)))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         spent = np.minimum(self._damage(full(self.rig, kpa)) / self._life, 1.5)
         out = deflection.copy()
         out[:, self._chamber] *= np.exp(np.minimum(strength * self._softer * spent**2, 2.0))
@@ -67,7 +68,7 @@ class AliasedPulsation(Law):
         self._second = random.uniform(0.0, 0.5)
         self._passed = random.uniform(0.03, 0.1) * random.uniform(0.7, 1.3, len(self.rig.chambers))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         angle = 2 * np.pi * path.time_s / self._period_s + self._phase
         stroke = np.sin(angle) + self._second * np.sin(2 * angle)
         return kpa * np.exp(strength * self._passed * stroke[:, None])
@@ -93,7 +94,7 @@ class Blister(Law):
         field = spread(self.rig, smooth_field(setting)) if marked else np.sign(alone(self.rig)[self._chamber])
         self._bulge = span(self.rig) * random.uniform(0.2, 0.6) * field
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         load = full(self.rig, path.kpa)[:, self._chamber]
         since = np.maximum.accumulate(load) > self._opens
         bulges = since * np.maximum(deflection[:, self._chamber], 0.0) ** 2
@@ -116,7 +117,7 @@ class PixelLocking(Law):
         self._pixel_mm = span(self.rig) * random.uniform(0.4, 1.0)
         self._drawn_mm = span(self.rig) * random.uniform(0.03, 0.1)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values - strength * self._drawn_mm * np.sin(2 * np.pi * values / self._pixel_mm)
 
 
@@ -135,7 +136,7 @@ class HeatBuildUp(Law):
         self._softer = some(random, len(self.rig.chambers), 0.03, 0.1, 0.9)
         self._usual = max(float(np.mean(self._heat(setting.path, full(self.rig, setting.path.kpa)))), 1e-6)
 
-    def _heat(self, path: Path, load: Array) -> Array:
+    def _heat(self, path: Path, load: Floats) -> Floats:
         stays, work = np.exp(-pauses(path) / self._cools_s), np.abs(steps(load * np.abs(load)))
         state, out = np.zeros(load.shape[1]), np.empty_like(load)
         for t in range(len(out)):
@@ -143,7 +144,7 @@ class HeatBuildUp(Law):
             out[t] = state
         return out
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         warm = self._heat(path, full(self.rig, kpa)) / self._usual
         return deflection * np.exp(np.minimum(strength * self._softer * warm, 2.0))
 
@@ -162,7 +163,7 @@ class ValveInterference(Law):
         self._picks_up = span(rig) * random.normal(0, 0.1, len(rig.observables))
         self._loud = some(random, len(rig.chambers), 0.5, 1.5, 0.8)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         duty = np.clip(full(self.rig, path.commanded_kpa), 0.0, 1.0)
         loud = np.sqrt((4 * duty * (1 - duty)) ** 2 @ self._loud)
         return values + strength * loud[:, None] * self._picks_up

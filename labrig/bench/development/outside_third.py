@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import columns, full, moved, positions, smooth_field, some, span, spread
 from labrig.bench.development._story import pauses, steps
 
@@ -30,10 +31,10 @@ class BucklesEitherWay(Law):
             field = random.choice([-1.0, 1.0], len(self.rig.observables))
         self._aside = span(self.rig) * random.uniform(0.15, 0.4) * field
 
-    def _load(self, kpa: Array) -> Array:
+    def _load(self, kpa: Floats) -> Floats:
         return np.abs(full(self.rig, kpa)) @ self._bears
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         past = np.maximum(self._load(path.kpa) - self._over, 0.0) / self._most
         began = np.cumsum(np.diff((past > 0).astype(int), prepend=0) > 0)  # how often it has buckled
         aside = np.sqrt(past) * self._side[began % len(self._side)]
@@ -55,7 +56,7 @@ class LostCommands(Law):
         self._lost = random.random((997, count)) < bad
         self._share = random.uniform(0.3, 0.7)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         stays = -np.expm1(-strength * self._share)  # of a lost step; in part where packets repeat
         out, before = kpa.copy(), np.zeros(kpa.shape[1])
         begins = np.flatnonzero(np.diff(path.event, prepend=-1))
@@ -81,7 +82,7 @@ class StickingWalls(Law):
         self._tau_s = np.exp(random.uniform(np.log(3), np.log(40)))
         self._sticks = some(random, count, 0.3, 0.8, 0.85)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         lies, pause_s = np.abs(deflection) < self._lies, pauses(path)
         lay_s, glued = np.zeros(deflection.shape[1]), np.zeros(deflection.shape[1])
         held, event = np.empty_like(deflection), -1
@@ -109,7 +110,7 @@ class Thixotropy(Law):
         self._breaks = random.uniform(0.5, 2.0)  # for each full stroke
         self._softer = some(random, len(self.rig.chambers), 0.15, 0.45, 0.9)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         stroke = np.abs(steps(full(self.rig, kpa)))
         breaks, heals = np.exp(-self._breaks * stroke), -np.expm1(-pauses(path) / self._heals_s)
         whole, broken = np.ones(deflection.shape[1]), np.empty_like(deflection)
@@ -144,7 +145,7 @@ class MergedBlobs(Law):
         self._wide_mm = np.quantile(apart[:, self._pairs[:, 0], self._pairs[:, 1]], 0.3, axis=0) * 0.7
         self._drawn = span(rig) * random.uniform(0.2, 0.5)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         out = points.copy()
         for (one, other), wide_mm in zip(self._pairs, self._wide_mm, strict=True):

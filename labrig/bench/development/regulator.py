@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import either_way, full, some
 
 
@@ -18,7 +19,7 @@ class WrongGain(Law):
         super().__init__(setting)
         self._gain = either_way(setting, 0.04, 0.15, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return kpa * np.maximum(1 + strength * self._gain, 0.0)
 
 
@@ -35,7 +36,7 @@ class ZeroOffset(Law):
         self._offset = either_way(setting, 0.02, 0.08, 0.8)
         self._only_open = bool(setting.random.random() < 0.5)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = full(self.rig, kpa)
         acts = np.clip(load / 0.02, 0.0, 1.0) if self._only_open else 1.0
         return kpa + strength * self.rig.high_kpa * self._offset * acts
@@ -54,7 +55,7 @@ class DeadBand(Law):
         self._band = some(setting.random, len(self.rig.chambers), 0.04, 0.12, 0.8)
         self._fades = bool(setting.random.random() < 0.5)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         band = np.minimum(strength * self._band, 0.95)
         load = full(self.rig, kpa)
         lost = np.clip(load, 0.0, band)
@@ -75,6 +76,6 @@ class BentCharacteristic(Law):
         super().__init__(setting)
         self._bow = either_way(setting, 0.02, 0.07, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = np.clip(full(self.rig, kpa), 0.0, 1.0)
         return kpa + strength * self.rig.high_kpa * self._bow * 4 * load * (1 - load)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import either_way, full, some
 
 
@@ -21,7 +22,7 @@ class QuantisedSetPoint(Law):
         )
         self._rounds = float(setting.random.choice([0.5, 0.0]))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         step = strength * self._step * self.rig.high_kpa
@@ -42,7 +43,7 @@ class DroopUnderFlow(Law):
         self._droop = some(setting.random, len(self.rig.chambers), 0.04, 0.14, 0.8)
         self._bleed = setting.random.uniform(0.005, 0.05)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = np.maximum(full(self.rig, kpa), 0.0)
         flow = np.sqrt(load + self._bleed) - np.sqrt(self._bleed)
         return kpa - self.rig.high_kpa * load * -np.expm1(-strength * self._droop * flow / (load + 1e-9))
@@ -64,7 +65,7 @@ class WrongReference(Law):
             random.uniform(0.01, 0.05) * random.choice([-1.0, 1.0]) * np.mean(self.rig.high_kpa)
         )
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return kpa * np.exp(strength * self._gain) + strength * self._offset_kpa
 
 
@@ -80,7 +81,7 @@ class SineBow(Law):
         super().__init__(setting)
         self._bow = either_way(setting, 0.02, 0.06, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = np.clip(full(self.rig, kpa), 0.0, 1.0)
         return kpa + strength * self.rig.high_kpa * self._bow * np.sin(2 * np.pi * load)
 
@@ -100,7 +101,7 @@ class TwoRanges(Law):
         self._jump = either_way(setting, 0.03, 0.1, 0.7)
         self._gain = np.where(self._jump != 0, setting.random.uniform(-0.1, 0.1, count), 0.0)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = full(self.rig, kpa)
         past = np.maximum(load - self._from, 0.0)
         error = np.where(load > self._from, self._jump, 0.0) + self._gain * past

@@ -2,17 +2,18 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import either_way, some
 
 
-def _share(law: Law, kpa: Array) -> Array:
+def _share(law: Law, kpa: Floats) -> Floats:
     """Pressures as shares (T, C) of the way from the lower limits to the upper ones."""
     low = law.rig.low_kpa
     return np.clip((kpa - low) / (law.rig.high_kpa - low), 0.0, 1.0)
 
 
-def _range(law: Law) -> Array:
+def _range(law: Law) -> Floats:
     """The ranges (C,) in kPa."""
     return law.rig.high_kpa - law.rig.low_kpa
 
@@ -29,7 +30,7 @@ class EqualPercentage(Law):
         super().__init__(setting)
         self._decades = either_way(setting, 0.3, 1.0, 0.9)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         share = _share(self, kpa)
         steep = np.clip(strength * self._decades, -8.0, 8.0)
         bent = np.where(np.abs(steep) < 1e-6, 1.0, steep)
@@ -50,7 +51,7 @@ class IndependentLinearity(Law):
         self._second = either_way(setting, 0.01, 0.04, 0.7)
         self._third = either_way(setting, 0.01, 0.04, 0.7)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         x = 2 * _share(self, kpa) - 1
         error = self._second * (2 * x**2 - 1) + self._third * (4 * x**3 - 3 * x)
         return kpa + strength * _range(self) * error
@@ -71,7 +72,7 @@ class WrongTable(Law):
         self._points = np.linspace(0.0, 1.0, points)
         self._off = random.normal(0, 1, (points, count)) * some(random, count, 0.02, 0.06, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         share, out = _share(self, kpa), kpa.copy()
         for c, high in enumerate(_range(self)):
             out[:, c] += strength * high * np.interp(share[:, c], self._points, self._off[:, c])
@@ -93,7 +94,7 @@ class PulsedValve(Law):
         self._dead = some(setting.random, count, 0.03, 0.09, 0.85)
         self._like = setting.random.uniform(0.4, 1.0)  # the pause's, against the pulse's
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = kpa / self.rig.high_kpa
         size = np.clip(np.abs(load), 0.0, 1.0)
         dead = 0.45 * np.tanh(strength * self._dead / 0.45)

@@ -4,7 +4,8 @@ from abc import abstractmethod
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, smooth_field, span, spread
 
 
@@ -21,10 +22,10 @@ class Offset(Law):
         )
 
     @abstractmethod
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         """Where each marker goes, (M, 3), in natural units."""
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         return values + strength * self._offset_mm
 
 
@@ -34,7 +35,7 @@ class ScatteredMarkers(Offset):
     C. Goodall, Procrustes methods in the statistical analysis of shape, J. Royal Statistical Society B 53, 1991.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         return setting.random.normal(size=(len(self.rig.marker_names), 3))
 
 
@@ -45,7 +46,7 @@ class SmoothWarp(Offset):
     Analysis and Machine Intelligence 11, 1989.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         return smooth_field(setting)
 
 
@@ -55,7 +56,7 @@ class CurledSide(Offset):
     S. Timoshenko, Analysis of bi-metal thermostats, J. Optical Society of America 11, 1925.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         rig = self.rig
         assert rig.rest_mm is not None
         centre, radius = body_mm(rig)

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Setting
 from labrig.bench.development._places import body_mm, direction, long_axis
 from labrig.bench.development.rest_shape import Offset
 
 
-def _normal(places: Array) -> Array:
+def _normal(places: Floats) -> Floats:
     """The direction (3,) in which a body is thinnest."""
     return np.linalg.svd(places, full_matrices=False)[2][2]
 
@@ -18,7 +19,7 @@ class BuckledSeam(Offset):
     S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, 2nd ed., McGraw-Hill, 1961.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (centre, radius) = setting.random, body_mm(self.rig)
         assert self.rig.rest_mm is not None
         place = (self.rig.rest_mm - centre) / radius
@@ -37,7 +38,7 @@ class SetFromLying(Offset):
     A. N. Gent (ed.), Engineering with Rubber, 3rd ed., Hanser, 2012.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (centre, radius) = setting.random, body_mm(self.rig)
         assert self.rig.rest_mm is not None
         place = (self.rig.rest_mm - centre) / radius
@@ -53,7 +54,7 @@ class UnevenWall(Offset):
     D. V. Rosato, D. V. Rosato, M. G. Rosato, Injection Molding Handbook, 3rd ed., Kluwer, 2000.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (centre, radius) = setting.random, body_mm(self.rig)
         assert self.rig.rest_mm is not None
         place = (self.rig.rest_mm - centre) / radius
@@ -70,7 +71,7 @@ class Twisted(Offset):
     A. J. C. Barré de Saint-Venant, Mémoire sur la torsion des prismes, Mémoires des savants étrangers 14, Paris, 1856.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (centre, radius) = setting.random, body_mm(self.rig)
         assert self.rig.rest_mm is not None
         axis, along = long_axis(self.rig)
@@ -86,7 +87,7 @@ class Dent(Offset):
     S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, 2nd ed., McGraw-Hill, 1959.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (centre, radius) = setting.random, body_mm(self.rig)
         assert self.rig.rest_mm is not None
         at = self.rig.rest_mm[int(random.integers(len(self.rig.rest_mm)))]

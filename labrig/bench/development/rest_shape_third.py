@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Setting
 from labrig.bench.development._places import body_mm, direction, long_axis
 from labrig.bench.development.rest_shape import Offset
 
@@ -13,7 +14,7 @@ class Saddle(Offset):
     M. W. Hyer, Some observations on the cured shape of thin unsymmetric laminates, J. Composite Materials 15, 1981.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (u, v, normal) = setting.random, _flat(self, setting)
         bend = np.array([1.0, random.uniform(-1.2, 0.3), random.normal(0, 0.3)])
         height = bend[0] * u**2 + bend[1] * v**2 + bend[2] * u * v
@@ -26,7 +27,7 @@ class TaperedCast(Offset):
     R. A. Malloy, Plastic Part Design for Injection Molding, Hanser, 1994.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (centre, radius) = setting.random, body_mm(self.rig)
         assert self.rig.rest_mm is not None
         axis, along = long_axis(self.rig)
@@ -44,7 +45,7 @@ class KinkedSeam(Offset):
     G. Boothroyd, P. Dewhurst, W. A. Knight, Product Design for Manufacture and Assembly, 3rd ed., CRC Press, 2011.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (u, _, normal) = setting.random, _flat(self, setting)
         at = np.quantile(u, random.uniform(0.25, 0.6))
         beyond = np.maximum(u - at, 0.0)
@@ -59,7 +60,7 @@ class ZernikeFigure(Offset):
     1, 1934.
     """
 
-    def _field(self, setting: Setting) -> Array:
+    def _field(self, setting: Setting) -> Floats:
         random, (u, v, normal) = setting.random, _flat(self, setting)
         far = max(float(np.hypot(u, v).max()), 1e-9)
         r, angle = np.hypot(u, v) / far, np.arctan2(v, u)
@@ -72,7 +73,7 @@ class ZernikeFigure(Offset):
         return 1.2 * height[:, None] * normal
 
 
-def _flat(law: Offset, setting: Setting) -> tuple[Array, Array, Array]:
+def _flat(law: Offset, setting: Setting) -> tuple[Floats, Floats, Floats]:
     """Places (M,), (M,) along two directions of the body, drawn by chance in its plane, in radii; and its normal (3,).
 
     A body seen by one camera has its second direction across the picture, where all is at zero.

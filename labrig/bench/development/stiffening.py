@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, some
 
 
@@ -18,7 +19,7 @@ class CubicSpring(Law):
         super().__init__(setting)
         self._cubic = some(setting.random, len(self.rig.chambers), 0.15, 0.6, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         cubic = np.maximum(strength * self._cubic, 1e-12)
         scale = 2 / np.sqrt(3 * cubic)  # of x + cubic x^3 = load
         left = scale * np.sinh(np.arcsinh(3 * full(self.rig, kpa) / scale) / 3)
@@ -37,7 +38,7 @@ class Fung(Law):
         super().__init__(setting)
         self._steep = some(setting.random, len(self.rig.chambers), 0.25, 0.9, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         steep = np.maximum(strength * self._steep, 1e-9)
@@ -57,7 +58,7 @@ class GentLimit(Law):
         super().__init__(setting)
         self._limit = setting.random.uniform(1.2, 2.2, len(self.rig.chambers))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         tight = strength / self._limit**2
         return 2 * deflection / (1 + np.sqrt(1 + 4 * tight * deflection**2))  # of d = x / (1 - tight x^2)
 
@@ -77,7 +78,7 @@ class SofteningBalloon(Law):
         load = stretch**-1 - stretch**-7  # rises up to a stretch of 7^(1/6)
         self._load, self._way = load / load[-1], 6 * (stretch - 1) / load[-1]
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         heavy = np.maximum(strength * self._near, 1e-6)

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import full, some
 
 _STRETCH = 1 + np.concatenate([[0.0], np.geomspace(1e-4, 7.0, 1500)])
@@ -28,10 +29,10 @@ class _Stretched(Law):
         self._of = np.cumsum(rise) / slope
 
     @abstractmethod
-    def _load(self, random: np.random.Generator) -> Array:
+    def _load(self, random: np.random.Generator) -> Floats:
         """The load at each of the stretches `_STRETCH`."""
 
-    def _way(self, load: Array, strength: float) -> Array:
+    def _way(self, load: Floats, strength: float) -> Floats:
         """How far loads (T, C) move the walls; in proportion at first."""
         along = np.maximum(strength * self._along, 1e-6)
         way = np.interp(along * np.abs(load), self._of, _STRETCH - 1) / along
@@ -46,11 +47,11 @@ class MooneyRivlin(_Stretched):
 
     _range = (0.03, 0.1)
 
-    def _load(self, random: np.random.Generator) -> Array:
+    def _load(self, random: np.random.Generator) -> Floats:
         second = random.uniform(0.2, 0.5)
         return (1 / _STRETCH - _STRETCH**-7) * (1 + second * _STRETCH**2)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         return self._way(deflection, strength)
 
 
@@ -69,7 +70,7 @@ class Yeoh(Law):
         self._stiffens = random.uniform(4.0, 6.0) * self._softens**2
         self._shear = np.linspace(0.0, 6.0, 3000)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         out = deflection.copy()
         square = self._shear**2
         for c, (softens, stiffens) in enumerate(zip(self._softens, self._stiffens, strict=True)):
@@ -88,11 +89,11 @@ class Ogden(_Stretched):
 
     _range = (0.06, 0.2)
 
-    def _load(self, random: np.random.Generator) -> Array:
+    def _load(self, random: np.random.Generator) -> Floats:
         power = random.uniform(7.0, 12.0)
         return _STRETCH ** (power - 1) - _STRETCH ** (-0.5 * power - 1)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         return self.rig.high_kpa * self._way(full(self.rig, kpa), strength)
 
 
@@ -109,7 +110,7 @@ class ArrudaBoyce(Law):
         super().__init__(setting)
         self._straight = setting.random.uniform(0.25, 0.7)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
             return kpa
         pull = np.maximum(3 * strength * self._straight * np.abs(full(self.rig, kpa)), 1e-2)
@@ -132,11 +133,11 @@ class StrainLimitingLayer(Law):
         self._spread = random.uniform(0.1, 0.25)
         self._stiffer = random.uniform(0.3, 1.2, count)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         beyond = self._rounded(deflection) - self._rounded(np.zeros(1))
         stiff = strength * self._stiffer
         return deflection - stiff / (1 + stiff) * beyond
 
-    def _rounded(self, deflection: Array) -> Array:
+    def _rounded(self, deflection: Floats) -> Floats:
         """How far each wall is beyond the stretch at which its fibres get taut."""
         return self._spread * np.logaddexp(0.0, (deflection - self._taut_at) / self._spread)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import either_way, full, some
 
 
@@ -19,7 +20,7 @@ class RambergOsgood(Law):
         self._power = setting.random.uniform(3.0, 7.0)
         self._softens = some(setting.random, len(self.rig.chambers), 0.08, 0.3, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         size = np.minimum(np.abs(deflection), 1.6)
         return deflection + strength * self._softens * np.sign(deflection) * size**self._power
 
@@ -38,7 +39,7 @@ class HollomonPower(Law):
             setting.random, len(self.rig.chambers), 0.08, 0.3, 0.85
         )
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         load = full(self.rig, kpa)
         size = np.maximum(np.abs(load), 1e-9)
         return kpa * size ** np.expm1(np.clip(strength * self._power, -1.5, 1.5))
@@ -60,7 +61,7 @@ class RichardAbbott(Law):
         self._beyond = random.uniform(0.0, 0.3)  # the slope that stays
         self._level = some(random, count, 0.3, 1.2, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         size = np.abs(deflection)
         bent = size / (1 + strength * self._level * size**self._sharp) ** (1 / self._sharp)
         return deflection + np.sign(deflection) * (1 - self._beyond) * (bent - size)
@@ -79,7 +80,7 @@ class ChangingArea(Law):
         self._area = either_way(setting, 0.15, 0.4, 0.85)
         self._turns = setting.random.uniform(0.0, 0.8)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         size = np.minimum(np.abs(deflection), 1.5)
         more = strength * self._area * size * (1 - self._turns * size)
         return deflection * np.exp(np.clip(more, -3.0, 1.2))

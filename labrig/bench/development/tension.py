@@ -4,7 +4,8 @@ from abc import abstractmethod
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 
 
 class HeldBack(Law):
@@ -14,10 +15,10 @@ class HeldBack(Law):
     needs = frozenset({"curved"})
 
     @abstractmethod
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         """The share (T, C) of the upper limits that the tension takes at a deflection, at strength 1."""
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         free = self.rig.deflection(kpa)
@@ -43,7 +44,7 @@ class LaplaceTension(HeldBack):
             0.8, 1.2, len(self.rig.chambers)
         )
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         return self._tight * deflection
 
 
@@ -59,7 +60,7 @@ class StringTension(HeldBack):
         self._pull = setting.random.uniform(0.05, 0.15) * setting.random.uniform(0.8, 1.2, count)
         self._reach = setting.random.uniform(0.2, 0.6)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         return self._pull * deflection / np.hypot(deflection, self._reach)
 
 
@@ -78,5 +79,5 @@ class OrthotropicTension(HeldBack):
         self._tight = (warp * across + weft / across) / aspect
         self._fades_at = random.uniform(0.4, 1.0)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         return self._tight * deflection / (1 + (deflection / self._fades_at) ** 2)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Setting
 from labrig.bench.development._places import some
 from labrig.bench.development.tension import HeldBack
 
@@ -21,7 +22,7 @@ class StretchedBeforehand(HeldBack):
         self._height = random.uniform(0.3, 0.7, count)  # of a full bulge, against its radius
         self._stiff = random.uniform(0.3, 0.6) * random.uniform(0.85, 1.15, count)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         height = self._height * deflection
         stretch = np.sqrt(1 + height**2)
         more = _stress(self._before * stretch) - _stress(stretch)
@@ -40,7 +41,7 @@ class ClampedRim(HeldBack):
         self._tight = some(random, count, 0.12, 0.4, random.uniform(0.4, 0.9))
         self._steep = random.uniform(0.5, 1.3)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         return self._tight * deflection / (1 + (self._steep * deflection) ** 2) ** 1.5
 
 
@@ -56,7 +57,7 @@ class GoingSlack(HeldBack):
         self._tight = random.uniform(0.2, 0.5) * random.uniform(0.8, 1.2, count)
         self._slack_at = random.uniform(0.3, 0.8)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         return self._tight * deflection * np.exp(-np.abs(deflection) / self._slack_at)
 
 
@@ -73,10 +74,10 @@ class SkewedNet(HeldBack):
         self._density = random.uniform(0.08, 0.2) * np.exp(random.normal(0, 0.5, count))
         self._straight_at = random.uniform(0.5, 1.2)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         return self._density * self._straight_at * np.arctan(deflection / self._straight_at)
 
 
-def _stress(stretch: Array) -> Array:
+def _stress(stretch: Floats) -> Floats:
     """The stress of a neo-Hookean sheet, stretched the same in both directions."""
     return stretch**2 - stretch**-4

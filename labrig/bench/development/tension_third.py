@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Setting
 from labrig.bench.development._places import some
 from labrig.bench.development.tension import HeldBack
 
@@ -20,7 +21,7 @@ class PrestretchedCord(HeldBack):
         self._steep = random.uniform(0.5, 1.4, count)
         self._stiff = some(random, count, 0.25, 0.6, random.uniform(0.6, 1.0))
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         slope = self._steep * deflection
         stretch = np.sqrt(1 + slope**2)
         more = _pull(self._before * stretch) - _pull(stretch)
@@ -39,7 +40,7 @@ class SaggingGuy(HeldBack):
         self._straight_at = random.uniform(0.08, 0.35, count)
         self._tight = random.uniform(0.04, 0.12) * random.uniform(0.75, 1.25, count)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         return self._tight * np.arcsinh(deflection / self._straight_at)
 
 
@@ -56,11 +57,11 @@ class SlackBundle(HeldBack):
         self._slack_at = random.uniform(0.4, 0.9) * random.uniform(0.85, 1.15, count)
         self._tight = some(random, count, 0.12, 0.35, 0.85)
 
-    def _held(self, deflection: Array) -> Array:
+    def _held(self, deflection: Floats) -> Floats:
         share = np.exp(-((np.abs(deflection) / self._slack_at) ** self._shape))
         return self._tight * deflection * share
 
 
-def _pull(stretch: Array) -> Array:
+def _pull(stretch: Floats) -> Floats:
     """The stress of a neo-Hookean cord."""
     return stretch - stretch**-2

@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 
 
 class Arm(Rig):
@@ -37,16 +38,16 @@ class Arm(Rig):
         )
         self._rest_mm = self.rest_mm = self._points(np.zeros((1, 6)))[0]
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         """How far each bellows grows, of its full growth: a parabola, rising, that goes on below zero."""
         load = np.maximum(np.asarray(kpa, dtype=float) / self.high_kpa, -0.5)
         return load * (1 + self._curve * load) / (1 + self._curve)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         """How far each marker is from its rest, x, y, z, in mm."""
         return (self._points(deflection) - self._rest_mm).reshape(len(deflection), -1)
 
-    def _points(self, deflection: Array) -> Array:
+    def _points(self, deflection: Floats) -> Floats:
         """Where the ten markers are, (T, 10, 3)."""
         strain = deflection.reshape(-1, 2, 3) * self._stretch
         base = self._bent(
@@ -56,7 +57,7 @@ class Arm(Rig):
         top = self._turned(strain[:, 0], 0, tip)
         return np.concatenate([base[:, :-1], base[:, -1:] + top], axis=1)
 
-    def _bow(self, strain: Array, segment: int) -> tuple[Array, Array]:
+    def _bow(self, strain: Floats, segment: int) -> tuple[Floats, Floats]:
         """The angle (T, 1) by which a segment bends and the direction (T, 1, 2) towards which."""
         angle = self._seat_rad[segment]
         push = strain @ np.column_stack([np.cos(angle), np.sin(angle)])
@@ -64,7 +65,7 @@ class Arm(Rig):
         size = np.hypot(bow[:, 0], bow[:, 1])[:, None]
         return size, bow[:, None, :] / np.maximum(size, 1e-12)[:, :, None]
 
-    def _turned(self, strain: Array, segment: int, points: Array, share: Array | float = 1.0) -> Array:
+    def _turned(self, strain: Floats, segment: int, points: Floats, share: Floats | float = 1.0) -> Floats:
         """Points (T, n, 3) turned as the segment's cross-section is, at a share of its length."""
         size, towards = self._bow(strain, segment)
         sine, less = np.sin(size * share), 1 - np.cos(size * share)
@@ -73,7 +74,7 @@ class Arm(Rig):
         rise = -along * sine - points[..., 2] * less
         return points + np.concatenate([flat, rise[..., None]], axis=-1)
 
-    def _bent(self, strain: Array, segment: int, share: Array, offset_mm: Array) -> Array:
+    def _bent(self, strain: Floats, segment: int, share: Floats, offset_mm: Floats) -> Floats:
         """Points at shares of the length, each off the middle line, (T, n, 3)."""
         size, towards = self._bow(strain, segment)
         arc_mm = self._length_mm[segment] * (1 + strain.mean(axis=1))[:, None] * share

@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import Body, chosen
 
 
@@ -24,7 +25,7 @@ class HertzBarrier(Law):
         self._touched = chosen(random, len(rig.chambers), random.uniform(0.3, 0.8))
         self._stiffness = random.uniform(4, 20)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls at the balance of the barrier's force and their own."""
         if strength == 0:
             return deflection
@@ -61,7 +62,7 @@ class CylinderWall(Law):
         spread = np.exp(-((away / setting.random.uniform(0.2, 0.5)) ** 2))
         self._spread = spread / spread.sum(axis=1, keepdims=True)
 
-    def _out(self, moved: Array) -> tuple[Array, Array]:
+    def _out(self, moved: Floats) -> tuple[Floats, Floats]:
         """How far each marker is outside the rest shape, (T, M), and the way out, (T, M, 3)."""
         flat = np.eye(3) - np.outer(self._along, self._along)
         rest = (self._body.rest - self._seat) @ flat
@@ -69,7 +70,7 @@ class CylinderWall(Law):
         far = np.linalg.norm(arm, axis=-1)
         return far - np.linalg.norm(rest, axis=-1), arm / np.maximum(far, 1e-9)[..., None]
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The markers, pushed back by the wall together with what is near them."""
         if strength == 0:
             return values
@@ -97,7 +98,7 @@ class TwoChamberStop(Law):
         self._depth = random.uniform(0.4, 0.9)
         self._share = random.uniform(0.35, 0.65, len(self._pairs))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls of each pair, both pushed back by what is too much for the gap."""
         if strength == 0:
             return deflection

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import seats
 
 
@@ -29,7 +30,7 @@ class ManifoldCrosstalk(Law):
             network[[first, second], [second, first]] -= conductance
         self._value, self._mode = np.linalg.eigh(network)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressures behind the network."""
         value = strength * np.maximum(self._value, 0.0)
         return kpa - ((kpa @ self._mode) * (value / (1 + value))) @ self._mode.T
@@ -55,6 +56,6 @@ class SaturatingCrosstalk(Law):
         self._gain = random.choice([-1.0, 1.0]) * random.uniform(0.06, 0.15) * gain / gain.sum(axis=0).max()
         self._full = random.uniform(0.2, 0.5)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """Each wall is moved by what its neighbours' swelling comes to."""
         return deflection + strength * np.tanh(deflection / self._full) @ self._gain

@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import history, lagged, lagged_each
 
 
@@ -28,7 +29,7 @@ class Springpot(Law):
             0.85, 1.2, len(setting.rig.chambers)
         )
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """Each share of the deflection follows its own lag."""
         past = history(path, deflection)
         change = np.zeros_like(past.load)
@@ -55,7 +56,7 @@ class Schapery(Law):
         self._power = random.uniform(1.3, 2.2)
         self._amount = random.uniform(0.06, 0.14)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """Lags of a power of the deflection, in the time that each wall's load makes it feel."""
         past = history(path, deflection)
         size = np.abs(past.load)
@@ -88,7 +89,7 @@ class BroadProny(Law):
             0.8, 1.25, len(setting.rig.chambers)
         )
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """Each share of the deflection follows its own lag."""
         past = history(path, deflection)
         change = np.zeros_like(past.load)

@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import history, lagged
 
 
@@ -22,7 +23,7 @@ class ViscousValve(Law):
         self._tau_s = random.uniform(0.6, 1.3) * random.uniform(0.8, 1.25, len(setting.rig.chambers))
         self._more = random.choice([-1.0, 1.0]) * random.uniform(0.4, 0.8)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressures that pass the throttle."""
         if strength == 0:
             return kpa
@@ -53,7 +54,7 @@ class TransportLine(Law):
         share = setting.random.uniform(0.7, 1.3, int(setting.random.integers(5, 8)))
         self._lump_s = setting.random.uniform(1.1, 2.0) * share / share.sum()
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressures at the far end."""
         if strength == 0:
             return kpa
@@ -76,7 +77,7 @@ class MovingAverageSensor(Law):
         super().__init__(setting)
         self._window_s = setting.random.uniform(2.2, 3.8)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The mean of the values over the window, in the same session."""
         if strength == 0:
             return values
@@ -87,7 +88,7 @@ class MovingAverageSensor(Law):
         return after
 
     @staticmethod
-    def _mean(time_s: Array, values: Array, window_s: float) -> Array:
+    def _mean(time_s: Floats, values: Floats, window_s: float) -> Floats:
         """The running mean of values that run straight between moments, with the first ones held before."""
         time_s = np.concatenate([[time_s[0] - window_s], time_s])
         values = np.concatenate([values[:1], values])

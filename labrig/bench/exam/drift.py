@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import pattern, scale
 
 
@@ -24,14 +25,14 @@ class RoomTemperature(Law):
         self._gain = random.uniform(0.01, 0.04)
         self._offset = random.uniform(0.01, 0.04) * scale(setting) * pattern(setting)
 
-    def _warm(self, path: Path) -> Array:
+    def _warm(self, path: Path) -> Floats:
         return np.sin(2 * np.pi * path.time_s / self._period_s + self._phase)[:, None]
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls give way less while it is warm."""
         return deflection * (1 - strength * self._gain * self._warm(path))
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The mount moves all."""
         return values + strength * self._offset * self._warm(path)
 
@@ -51,7 +52,7 @@ class LogSettling(Law):
         self._later = random.uniform(0.4, 0.9)
         self._offset = random.uniform(0.02, 0.05) * scale(setting) * pattern(setting)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """All sinks along with the mount."""
         number = path.session - path.session.min()
         sunk = self._later**number * np.log1p(np.maximum(path.session_s, 0.0) / self._first_s)
@@ -74,7 +75,7 @@ class RandomWalk(Law):
         self._walk = walks * random.uniform(0.04, 0.1) * scale(setting)
         self._pattern = np.stack([pattern(setting), 0.5 * pattern(setting)])
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """Two patterns, each as far off as its walk has come."""
         walk = np.column_stack([np.interp(path.time_s, self._time_s, one) for one in self._walk.T])
         return values + strength * walk @ self._pattern

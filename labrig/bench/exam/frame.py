@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import Body, turn, unit
 
 
@@ -25,7 +26,7 @@ class AffineSkew(Law):
         if not self._body.rest[:, 2].any():
             self._skew[0, 1] += setting.random.choice([-0.02, 0.02])
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The markers in the skewed frame."""
         arm = self._body.points(values) - self._body.centre
         return self._body.shifted(values, strength * arm @ self._skew.T)
@@ -57,7 +58,7 @@ class FarRotation(Law):
         )
         self._from_s = float(path.time_s[np.argmax(start)])
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The markers in the turned frame, from its moment on."""
         arm = self._body.points(values) - self._far
         moved = arm @ (turn(strength * self._angle) - np.eye(3)).T
@@ -81,7 +82,7 @@ class Reregistered(Law):
         self._angle = setting.random.normal(0, setting.random.uniform(0.005, 0.015), (count, 3))
         self._shift = setting.random.normal(0, setting.random.uniform(0.005, 0.015), (count, 3)) * body.size
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The markers in the frame of their session."""
         arm = self._body.points(values) - self._body.centre
         moved = np.zeros_like(arm)

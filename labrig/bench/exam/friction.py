@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import history, stopped
 
 
@@ -25,7 +26,7 @@ class IwanPresliding(Law):
         self._share = share / (share * self._width).sum()
         self._amount = random.uniform(0.02, 0.05) * random.uniform(0.8, 1.25, len(setting.rig.chambers))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The sliders' forces hold the walls back."""
         past = history(path, deflection)
         force = np.einsum("njc,j->nc", stopped(past.load, self._width), self._share)
@@ -48,7 +49,7 @@ class Capstan(Law):
         self._more_rad = random.uniform(0.3, 0.9)
         self._slip = random.uniform(0.02, 0.08)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """What arrives of each wall's load, less while it rises and more while it falls."""
         past = history(path, deflection)
         way = past.back(stopped(past.load, np.array([self._slip]))[:, 0]) / self._slip

@@ -4,17 +4,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import Body
 
 
-def _down(path: Path) -> Array:
+def _down(path: Path) -> Floats:
     """The direction of gravity in the frame of a base turned about x, (T, 3)."""
     tilt = np.radians(path.tilt_deg)
     return np.column_stack([np.zeros_like(tilt), -np.sin(tilt), -np.cos(tilt)])
 
 
-def _turned(arm: Array, moment: Array, share: Array) -> Array:
+def _turned(arm: Floats, moment: Floats, share: Floats) -> Floats:
     """How far points (T, M, 3), from the clamp, go by turns (T, 3) in radians of which each takes a share (M,)."""
     angle = moment[:, None, :] * share[:, None]
     first = np.cross(angle, arm)
@@ -38,7 +39,7 @@ class LargeSag(Law):
         self._share = body.lever ** setting.random.uniform(1.0, 1.8)
         self._reach = float(np.linalg.norm(body.rest - body.clamp, axis=1).max()) or 1.0
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The markers, each turned about the clamp by its share of the sag, and lowered by it."""
         body, down = self._body, _down(path)
         arm = body.points(values) - body.clamp
@@ -75,7 +76,7 @@ class TipLoad(Law):
         self._tip = int(np.argmax(body.lever))
         self._reach = float(np.linalg.norm(body.rest - body.clamp, axis=1).max()) or 1.0
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The markers, moved by the payload's moment about the clamp and by its pull."""
         body, down = self._body, _down(path)
         weight = strength * (path.payload_kg / self._most_kg)[:, None]

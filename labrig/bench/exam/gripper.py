@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 
 
 class Gripper(Rig):
@@ -42,17 +43,17 @@ class Gripper(Rig):
         rest = self._points(np.zeros((1, 2)))[0]
         self.rest_mm = np.column_stack([rest, np.zeros(len(rest))])
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         """How far each finger curls, of its full curl: an exponential, also below zero."""
         load = np.clip(np.asarray(kpa, dtype=float) / self.high_kpa, -1.0, 3.0)
         return np.expm1(self._rise * load) / np.expm1(self._rise)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         """How far each point is from its rest in the image, x, y, in pixels."""
         rest = self._points(np.zeros((1, 2)))
         return (self._points(deflection) - rest).reshape(len(deflection), -1)
 
-    def _points(self, deflection: Array) -> Array:
+    def _points(self, deflection: Floats) -> Floats:
         """Where the six points are in the image, (T, 6, 2)."""
         palm = self._palm_rad * deflection.sum(axis=1, keepdims=True) / 2
         fingers = []

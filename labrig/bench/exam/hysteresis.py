@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import confined, history, recursion
 
 
@@ -22,7 +23,7 @@ class ColemanHodgdon(Law):
         self._forget = setting.random.uniform(2.5, 7.0) * setting.random.uniform(0.8, 1.25, count)
         self._width = setting.random.uniform(0.02, 0.045) * setting.random.uniform(0.7, 1.4, count)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls lag behind the load's direction by a width."""
         past = history(path, kpa / self.rig.high_kpa)
         move = np.diff(past.load, axis=0)
@@ -49,7 +50,7 @@ class KrasnoselskiiPokrovskii(Law):
         self._weight = random.dirichlet(np.full(kernels, 2.0))
         self._amount = random.uniform(0.06, 0.14) * random.uniform(0.7, 1.4, len(setting.rig.chambers))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls are where the kernels leave them, about the middle of each kernel's two ramps."""
         past = history(path, kpa / self.rig.high_kpa)
         load = past.load[:, None, :]

@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 
 
 class NeighbourLeak(Law):
@@ -27,7 +28,7 @@ class NeighbourLeak(Law):
             network[[first, first + 1], [first + 1, first]] -= rate
         self._rate_per_s, self._mode = np.linalg.eigh(network)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressures, evened out since the last actuation."""
         lost = np.expm1(-strength * np.maximum(self._rate_per_s, 0.0) * path.hold_s[:, None])
         return kpa + ((kpa @ self._mode) * lost) @ self._mode.T
@@ -48,7 +49,7 @@ class LipSeal(Law):
         self._opens_kpa = setting.rig.high_kpa * random.uniform(0.3, 0.6, count)
         self._rate_per_s = random.uniform(0.015, 0.04) * random.uniform(0.4, 1.6, count)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressures, with what is above the threshold on its way out since the last actuation."""
         above_kpa = np.maximum(kpa - self._opens_kpa, 0.0)
         return kpa + above_kpa * np.expm1(-strength * self._rate_per_s * path.hold_s[:, None])

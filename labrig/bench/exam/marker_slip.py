@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import Body, unit
 
 
@@ -32,7 +33,7 @@ class SwappedLabels(Law):
         self._second = int(np.argmin(away))
         self._from_s = _moment_s(setting)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The two markers, each drawn towards the other by the strength."""
         points = self._body.points(values)
         shift = np.zeros_like(points)
@@ -65,7 +66,7 @@ class LooseningUnderLoad(Law):
         self._power = random.uniform(1.0, 2.0)
         self._from_s = _moment_s(setting)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The one marker, moved along its way by the load and by the loads since its moment."""
         late = path.time_s >= self._from_s
         load = np.abs(deflection).mean(axis=1) ** self._power

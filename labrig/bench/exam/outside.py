@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import history, lagged, pattern, scale, seats
 
 
@@ -27,14 +28,14 @@ class HotSpot(Law):
         warmth = self._warmth(setting.path, setting.rig.deflection(setting.path.kpa))
         self._most = float(warmth.max()) or 1.0
 
-    def _warmth(self, path: Path, deflection: Array) -> Array:
+    def _warmth(self, path: Path, deflection: Floats) -> Floats:
         """The heat (T, 1) that the strokes of the busy chamber have left."""
         past = history(path, deflection[:, [self._busy]])
         stroke = np.abs(np.diff(past.load, axis=0, prepend=0.0))
         total = np.cumsum(stroke, axis=0)
         return past.back(total - lagged(past.step_s, total, self._cools_s).real)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls near the busy chamber, softer or stiffer by its heat."""
         warm = self._warmth(path, deflection) / self._most
         return deflection * np.exp(strength * self._amount * warm * self._near)
@@ -58,7 +59,7 @@ class SnapThrough(Law):
         )
         self._offset = random.uniform(0.08, 0.2) * scale(setting) * pattern(setting)
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The second shape's difference while the shell is in it."""
         load = (path.kpa / self.rig.high_kpa).mean(axis=1)
         past = history(path, load[:, None])
@@ -85,7 +86,7 @@ class CompressorCycle(Law):
         self._power = random.uniform(1.0, 2.0)
         self._amount = random.uniform(0.04, 0.1) * random.uniform(0.8, 1.2, len(setting.rig.chambers))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressures with their part of the supply's swing."""
         phase = (path.time_s / self._period_s + self._phase) % 1.0
         saw = np.where(phase < self._rise, phase / self._rise, (1 - phase) / (1 - self._rise)) - 0.5
@@ -111,7 +112,7 @@ class OrderMemory(Law):
         self._gain = gain / gain.sum(axis=0).max() * random.uniform(0.1, 0.25)
         self._felt = random.uniform(0.03, 0.1)
 
-    def _filled(self, path: Path) -> Array:
+    def _filled(self, path: Path) -> Floats:
         """The number of the actuation (T, C) at which each chamber was last filled, -1 if never in the session."""
         told = path.commanded_kpa / self.rig.high_kpa
         session = np.diff(path.session, prepend=path.session[0] - 1) != 0
@@ -121,7 +122,7 @@ class OrderMemory(Law):
         last = np.maximum.accumulate(index, axis=0)
         return np.where(last >= start, last, -1).astype(float)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """Each wall, helped by the neighbours that it lies upon and held by those that lie upon it."""
         filled = self._filled(path)
         order = np.sign(filled[:, :, None] - filled[:, None, :])

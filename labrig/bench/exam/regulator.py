@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 
 
 class SupplySaturation(Law):
@@ -21,7 +22,7 @@ class SupplySaturation(Law):
         self._depth = setting.random.uniform(0.15, 0.35)
         self._droop = setting.random.uniform(0.0, 0.15)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressure up to the limit, and a little of what is above."""
         if strength == 0:
             return kpa
@@ -43,7 +44,7 @@ class QuantisedSetPoint(Law):
         self._step_kpa = np.full(len(high_kpa), high_kpa.mean() / setting.random.uniform(7, 13))
         self._offset = setting.random.uniform(-0.3, 0.3, len(high_kpa))
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressure with the rounding error of its set-point."""
         if strength == 0:
             return kpa
@@ -72,7 +73,7 @@ class SensorSShape(Law):
         )
         self._middle = random.uniform(0.4, 0.6)
 
-    def pressure(self, path: Path, kpa: Array, strength: float) -> Array:
+    def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         """The pressure with the sensor's error at it."""
         load = np.clip(kpa / self.rig.high_kpa, -0.2, 1.2)
         error = load * (1 - load) * (self._middle - load)

@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.exam.tools import Body, chosen, unit
 
 
@@ -28,7 +29,7 @@ class SwellingPattern(Law):
         warp = random.uniform(-1.0, 1.0, 3) * body.size * (place**2).sum(axis=1, keepdims=True)
         self._offset = self._swollen * (body.rest - body.clamp) + 0.3 * random.uniform(0.01, 0.03) * warp
 
-    def seen(self, path: Path, deflection: Array, values: Array, strength: float) -> Array:
+    def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         """The markers, off by the swelling of the body between the clamp and them."""
         moved = self._body.moved(values)
         return self._body.shifted(values, strength * (self._offset + self._swollen * moved))
@@ -48,6 +49,6 @@ class PermanentSet(Law):
         self._set = random.uniform(0.02, 0.08, count) * chosen(random, count, random.uniform(0.5, 1.0))
         self._left = random.uniform(0.0, 0.5)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls, already given way a little before any load."""
         return deflection + strength * self._set * (1 - self._left * deflection)

@@ -4,7 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 
 
 class Skin(Rig):
@@ -45,16 +46,16 @@ class Skin(Rig):
             for axis in range(3)
         )
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         """How far each wall gives way: nothing below zero, ever less above."""
         load = np.maximum(np.asarray(kpa, dtype=float) / self.high_kpa, 0.0)
 
-        def share(load: Array | float) -> Array:
+        def share(load: Floats | float) -> Floats:
             return 2 * load / (self._limit + np.sqrt(self._limit**2 + 4 * np.square(load)))
 
         return share(load) / share(1.0)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         """How far each marker is from its rest, x, y, z, in mm."""
         height_mm = deflection @ self._height_mm
         slope = np.einsum("tc,cma->tma", deflection, self._slope, optimize=True)

@@ -4,10 +4,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import Law, Path, Setting
 
 
-def _invariant(stretch: Array) -> Array:
+def _invariant(stretch: Floats) -> Floats:
     """The first invariant less 3 of a rubber pulled along one axis."""
     return stretch**2 + 2 / stretch - 3
 
@@ -15,7 +16,7 @@ def _invariant(stretch: Array) -> Array:
 _GRID = np.linspace(-0.9, 4.0, 4001)
 
 
-def _balanced(deflection: Array, extra: Array, amount: Array) -> Array:
+def _balanced(deflection: Floats, extra: Floats, amount: Floats) -> Floats:
     """Where walls come to rest whose modulus is 1 + amount (C,) x extra, at the loads that a modulus of 1 would need.
 
     `extra` is on the grid of deflections; a load never falls as a wall gives way further, so no wall jumps.
@@ -46,7 +47,7 @@ class Yeoh(Law):
         self._third = random.uniform(0.3, 0.9)
         self._share = random.uniform(0.7, 1.3, len(setting.rig.chambers))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls where the new modulus balances the load that the old one did."""
         far = _invariant(1 + self._strain * _GRID)
         return _balanced(deflection, self._second * far + self._third * far**2, strength * self._share)
@@ -66,7 +67,7 @@ class ArrudaBoyce(Law):
         self._links = setting.random.uniform(1.8, 3.0)
         self._share = setting.random.uniform(0.7, 1.3, len(setting.rig.chambers))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls where the chains' modulus balances the load that a constant one did."""
         chain = np.minimum((_invariant(1 + self._strain * _GRID) / 3 + 1) / self._links, 0.95)
         start = 1 / self._links
@@ -88,7 +89,7 @@ class BilinearWall(Law):
         self._knee = setting.random.uniform(0.25, 0.6) * setting.random.uniform(0.9, 1.1, count)
         self._taut = setting.random.uniform(0.2, 0.6)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls, held back by the fibres above the knee."""
         held = strength * self._taut
         return deflection - np.maximum(deflection - self._knee, 0.0) * held / (1 + held)

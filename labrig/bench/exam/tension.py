@@ -4,11 +4,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from labrig.bench._nature import Array, Law, Path, Rig, Setting
+from labrig.arrays import Floats
+from labrig.bench._nature import (
+    Law,
+    Path,
+    Rig,
+    Setting,
+)
 from labrig.bench.exam.tools import seats
 
 
-def _left_over(rig: Rig, kpa: Array, taken_kpa: Array, bend: float, steps: int = 7) -> Array:
+def _left_over(rig: Rig, kpa: Floats, taken_kpa: Floats, bend: float, steps: int = 7) -> Floats:
     """The deflections that pressures make when the tension takes its part, taken d / sqrt(1 + (d / bend)^2) kPa.
 
     Solved for the pressure q that is left for the wall itself, q + taken(d(q)) = p, by Newton's method.
@@ -39,7 +45,7 @@ class FopplPretension(Law):
         random, rig = setting.random, setting.rig
         self._taken_kpa = random.uniform(0.1, 0.25) * rig.high_kpa.mean() * np.ones(len(rig.chambers))
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls, less by what the tension takes."""
         with_tension = _left_over(self.rig, kpa, strength * self._taken_kpa, 1e6)
         return deflection + (with_tension - self.rig.deflection(kpa)) if strength else deflection
@@ -65,7 +71,7 @@ class PreStretchGradient(Law):
         )
         self._bend = random.uniform(0.4, 1.0)
 
-    def wall(self, path: Path, kpa: Array, deflection: Array, strength: float) -> Array:
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         """The walls, each less by what its own tension takes."""
         with_tension = _left_over(self.rig, kpa, strength * self._taken_kpa, self._bend)
         return deflection + (with_tension - self.rig.deflection(kpa)) if strength else deflection

@@ -6,28 +6,29 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
-from labrig.bench._nature import Array, Ints, Path, Rig, Setting
+from labrig.arrays import Floats, Ints
+from labrig.bench._nature import Path, Rig, Setting
 
 
 @dataclass(frozen=True)
 class History:
     """The past of a load at N moments: the path's own, and two vented ones before each session's first."""
 
-    time_s: Array
-    load: Array
+    time_s: Floats
+    load: Floats
     keep: Ints
 
     @property
-    def step_s(self) -> Array:
+    def step_s(self) -> Floats:
         """The time (N - 1,) between the moments, never negative."""
         return np.maximum(np.diff(self.time_s), 0.0)
 
-    def back(self, states: Array) -> Array:
+    def back(self, states: Floats) -> Floats:
         """States (N, ...) at the path's own moments, (T, ...)."""
         return states[self.keep]
 
 
-def history(path: Path, load: Array) -> History:
+def history(path: Path, load: Floats) -> History:
     """The past of a load (T, C), with the rig vented between the sessions and before the first."""
     starts = np.flatnonzero(np.diff(path.session, prepend=path.session[0] - 1))
     before = np.where(starts > 0, path.time_s[starts - 1], path.time_s[0] - 3.0)
@@ -55,20 +56,20 @@ def _lag_terms(ratio: NDArray[np.inexact]) -> tuple[NDArray[np.inexact], NDArray
     return decay, np.where(np.abs(ratio) > 1e-9, (1 - decay) / safe, 1.0)
 
 
-def lagged(step_s: Array, load: Array, tau_s: complex) -> NDArray[np.inexact]:
+def lagged(step_s: Floats, load: Floats, tau_s: complex) -> NDArray[np.inexact]:
     """The lag x' = (load - x) / tau of loads (N, C) that run straight between the moments, from load[0] on."""
     decay, mean = _lag_terms(step_s / tau_s)
     push = (mean - decay)[:, None] * load[:-1] + (1 - mean)[:, None] * load[1:]
     return recursion(decay, np.concatenate([load[:1].astype(push.dtype), push]))
 
 
-def lagged_each(step_s: Array, load: Array, tau_s: float) -> Array:
+def lagged_each(step_s: Floats, load: Floats, tau_s: float) -> Floats:
     """As `lagged`, with a clock of its own for each chamber: step_s (N - 1, C)."""
     columns = [lagged(step_s[:, c], load[:, c : c + 1], tau_s)[:, 0].real for c in range(load.shape[1])]
     return np.column_stack(columns)
 
 
-def confined(lower: Array, upper: Array) -> Array:
+def confined(lower: Floats, upper: Floats) -> Floats:
     """States (N, ...) that move only when a bound pushes them: the least motion between lower and upper."""
     states = np.empty_like(lower)
     state = np.clip(0.0, lower[0], upper[0])
@@ -78,13 +79,13 @@ def confined(lower: Array, upper: Array) -> Array:
     return states
 
 
-def stopped(load: Array, width: Array) -> Array:
+def stopped(load: Floats, width: Floats) -> Floats:
     """The stop operators (N, J, C) of a load (N, C), each between -width and width (J,), from zero on."""
     centre, half = load[:, None, :], width[None, :, None]
     return centre - confined(centre - half, centre + half)
 
 
-def chosen(random: np.random.Generator, count: int, share: float) -> Array:
+def chosen(random: np.random.Generator, count: int, share: float) -> Floats:
     """A mask (count,) of ones and zeros: about this share of the chambers, one at least."""
     many = max(1, round(share * count))
     mask = np.zeros(count)
@@ -106,17 +107,17 @@ class Body:
         self.size = float(np.sqrt(((self.rest - self.centre) ** 2).sum(axis=1).mean())) or 1.0
         _, self.spread, self.principal = np.linalg.svd(self.rest - self.centre, full_matrices=True)
 
-    def moved(self, values: Array) -> Array:
+    def moved(self, values: Floats) -> Floats:
         """How far each marker is from where it rests, (T, M, 3)."""
         away = np.zeros((len(values), len(self.rest), 3))
         away[:, self.marker, self.axis] = values[:, self.column] - self.zero[self.column]
         return away
 
-    def points(self, values: Array) -> Array:
+    def points(self, values: Floats) -> Floats:
         """Where the markers are, (T, M, 3)."""
         return self.rest + self.moved(values)
 
-    def shifted(self, values: Array, shift: Array) -> Array:
+    def shifted(self, values: Floats, shift: Floats) -> Floats:
         """The observables after each marker moved by `shift`, (T, M, 3) or what broadcasts to it."""
         shift = np.broadcast_to(shift, (len(values), len(self.rest), 3))
         after = values.copy()
@@ -124,7 +125,7 @@ class Body:
         return after
 
     @property
-    def clamp(self) -> Array:
+    def clamp(self) -> Floats:
         """Where the body is held, (3,): the end nearest the origin if it is long, otherwise its middle."""
         if len(self.spread) > 1 and self.spread[0] < 1.8 * self.spread[1]:
             return self.centre
@@ -133,13 +134,13 @@ class Body:
         return min(ends, key=lambda end: float(np.linalg.norm(end)))
 
     @property
-    def lever(self) -> Array:
+    def lever(self) -> Floats:
         """How far each marker is from the clamp, (M,), the farthest 1."""
         away = np.linalg.norm(self.rest - self.clamp, axis=1)
         return away / (away.max() or 1.0)
 
 
-def turn(vector: Array) -> Array:
+def turn(vector: Floats) -> Floats:
     """The rotation matrix (3, 3) of a rotation vector (3,) in radians."""
     angle = float(np.linalg.norm(vector))
     x, y, z = vector
@@ -148,7 +149,7 @@ def turn(vector: Array) -> Array:
     return np.eye(3) + np.sinc(angle / np.pi) * cross + half * cross @ cross
 
 
-def unit(random: np.random.Generator) -> Array:
+def unit(random: np.random.Generator) -> Floats:
     """A direction (3,) by chance."""
     direction = random.standard_normal(3)
     return direction / np.linalg.norm(direction)
@@ -161,7 +162,7 @@ def scale(setting: Setting) -> float:
     return float(np.sqrt((away**2).mean())) or rig.noise
 
 
-def pattern(setting: Setting) -> Array:
+def pattern(setting: Setting) -> Floats:
     """A smooth change of all observables by chance, (K,), root mean square 1: a shift, a gradient, a little chance."""
     rig, random = setting.rig, setting.random
     rough = 0.3 * random.standard_normal(len(rig.observables))
@@ -175,7 +176,7 @@ def pattern(setting: Setting) -> Array:
     return rough / np.sqrt((rough**2).mean())
 
 
-def seats(rig: Rig) -> Array:
+def seats(rig: Rig) -> Floats:
     """Where each chamber acts, (C, 3) in sizes of the body: the middle of what it moves, or its number."""
     count = len(rig.chambers)
     line = np.zeros((count, 3))

@@ -4,17 +4,18 @@ from collections.abc import Callable
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.exam.tools import seats
 
-Base = Callable[[Array, float], Array]
+Base = Callable[[Floats, float], Floats]
 
 
 def without_cross_curvature(rig: Rig, random: np.random.Generator) -> Base:
     """A base that adds up what each chamber does alone, and knows no other joint effect."""
     loss = random.uniform(0.8, 1.2)
 
-    def base(kpa: Array, how_wrong: float) -> Array:
+    def base(kpa: Floats, how_wrong: float) -> Floats:
         exact = rig.settled(kpa)
         if how_wrong == 0:
             return exact
@@ -34,7 +35,7 @@ def wrong_lever_arm(rig: Rig, random: np.random.Generator) -> Base:
     mix = np.exp(-away / (away.mean() + 1e-6)) * random.uniform(-0.12, 0.12, (count, count))
     bend = random.uniform(0.1, 0.3, count)
 
-    def base(kpa: Array, how_wrong: float) -> Array:
+    def base(kpa: Floats, how_wrong: float) -> Floats:
         wall = rig.deflection(np.asarray(kpa, dtype=float))
         return rig.shape(wall + how_wrong * (wall * (1 + bend * wall)) @ mix)
 
@@ -46,7 +47,7 @@ def saturating_wall(rig: Rig, random: np.random.Generator) -> Base:
     curve = random.uniform(0.8, 2.5, len(rig.chambers))
     high = rig.deflection(rig.high_kpa[None])[0]
 
-    def base(kpa: Array, how_wrong: float) -> Array:
+    def base(kpa: Floats, how_wrong: float) -> Floats:
         wall = rig.deflection(np.asarray(kpa, dtype=float))
         load = np.maximum(np.asarray(kpa, dtype=float) / rig.high_kpa, 0.0)
         other = high * load * (1 + curve) / (1 + curve * load)

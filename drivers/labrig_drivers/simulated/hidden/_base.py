@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from labrig.arrays import Floats
 
 
 class Body(Protocol):
@@ -21,18 +20,18 @@ class Body(Protocol):
     chamber_names: tuple[str, ...]
 
     @property
-    def rest_mm(self) -> Array: ...
+    def rest_mm(self) -> Floats: ...
     @property
-    def normal(self) -> Array: ...
+    def normal(self) -> Floats: ...
     @property
-    def weight(self) -> Array: ...
+    def weight(self) -> Floats: ...
     @property
-    def compliance_mm_per_kpa(self) -> Array: ...
+    def compliance_mm_per_kpa(self) -> Floats: ...
     @property
-    def limit_mm(self) -> Array: ...
+    def limit_mm(self) -> Floats: ...
 
-    def deflection_mm(self, pressure_kpa: Array) -> Array: ...
-    def shape_mm(self, deflection_mm: Array) -> Array: ...
+    def deflection_mm(self, pressure_kpa: Floats) -> Floats: ...
+    def shape_mm(self, deflection_mm: Floats) -> Floats: ...
 
 
 @dataclass
@@ -42,7 +41,7 @@ class Setting:
     """
 
     body: Body
-    max_kpa: Array
+    max_kpa: Floats
     duration_s: float
     random: np.random.Generator = field(repr=False)
 
@@ -51,11 +50,11 @@ class Setting:
         return len(self.max_kpa)
 
     @property
-    def largest_mm(self) -> Array:
+    def largest_mm(self) -> Floats:
         """Deflection of each chamber at its highest pressure, (C,)."""
         return self.body.deflection_mm(self.max_kpa)
 
-    def varied(self, spread: float) -> Array:
+    def varied(self, spread: float) -> Floats:
         """One factor per chamber around one, (C,): no two chambers are made alike."""
         return np.exp(spread * self.random.normal(size=self.chambers))
 
@@ -75,34 +74,34 @@ class Hidden:
     def prepare(self) -> None:
         """Draw what chance decides."""
 
-    def set_point(self, target_kpa: Array) -> Array:
+    def set_point(self, target_kpa: Floats) -> Floats:
         """The pressure (C,) that the regulator goes to when `target_kpa` is commanded."""
         return target_kpa
 
-    def line(self, since_s: Array, step_s: Array, pressure_kpa: Array) -> Array:
+    def line(self, since_s: Floats, step_s: Floats, pressure_kpa: Floats) -> Floats:
         """Chamber pressures (T, C) for regulated ones; `since_s`, `step_s` (T,): since the command, since
         the row before.
         """
         del since_s, step_s
         return pressure_kpa
 
-    def load(self, step_s: Array, pressure_kpa: Array) -> Array:
+    def load(self, step_s: Floats, pressure_kpa: Floats) -> Floats:
         """The pressures (T, C) that the membranes feel."""
         del step_s
         return pressure_kpa
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Deflections (T, C), for those without this effect."""
         del time_s, step_s
         return deflection_mm
 
-    def see(self, time_s: Array, tilt_deg: Array, deflection_mm: Array, position_mm: Array) -> Array:
+    def see(self, time_s: Floats, tilt_deg: Floats, deflection_mm: Floats, position_mm: Floats) -> Floats:
         """Positions (F, M, 3) as they are seen, for those without this effect."""
         del time_s, tilt_deg, deflection_mm
         return position_mm
 
 
-def resisted(body: Body, deflection_mm: Array, resistance) -> Array:
+def resisted(body: Body, deflection_mm: Floats, resistance) -> Floats:
     """Deflections at the same pressures when the membrane also pushes back with `resistance`.
 
     `resistance(d)` gives (pressure kPa, slope kPa/mm) for d >= 0, convex and rising, so that Newton's method

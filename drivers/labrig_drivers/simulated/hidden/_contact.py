@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden, resisted
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden, resisted
 
 
 class Contact(Hidden):
@@ -20,14 +21,14 @@ class Contact(Hidden):
         self.touches = np.isin(np.arange(count), touched).astype(float)
         self.hardness = random.uniform(2.0, 6.0)  # at 10 mm beyond the gap, in stiffnesses of the membrane
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Deflections against the strut."""
         del time_s, step_s
         body = self.setting.body
         gap_mm = np.maximum(self.setting.largest_mm - self.strength, 0.0)
         scale = self.hardness * self.touches / (body.compliance_mm_per_kpa * np.sqrt(10.0))
 
-        def resistance(d: Array) -> tuple[Array, Array]:
+        def resistance(d: Floats) -> tuple[Floats, Floats]:
             deep = np.maximum(d - gap_mm, 0.0)
             return scale * deep**1.5, 1.5 * scale * np.sqrt(deep)
 

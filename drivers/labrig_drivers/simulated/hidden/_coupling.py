@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
-def neighbours(weight: Array) -> Array:
+def neighbours(weight: Floats) -> Floats:
     """How much chambers share of the surface, (C, C), zero diagonal, largest entry one; `weight` (M, C)."""
     norm = np.linalg.norm(weight, axis=0)
     shared = weight.T @ weight / np.outer(norm, norm)
@@ -28,7 +29,7 @@ class Coupling(Hidden):
         self.pairs = neighbours(self.setting.body.weight) * chance
         self.scale_mm = random.uniform(0.35, 0.7) * self.setting.largest_mm
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Deflections beside inflated neighbours."""
         del time_s, step_s
         pressed = np.tanh(deflection_mm / self.scale_mm) @ self.pairs.T

@@ -3,12 +3,13 @@
 import numpy as np
 from scipy.optimize import nnls
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 _LAGS_S = np.geomspace(0.4, 4e4, 16)
 
 
-def _chain(law) -> Array:
+def _chain(law) -> Floats:
     """Weights (16,) of a spectrum of lags that follows `law(t)` from 0.3 s to 1e4 s."""
     t = np.geomspace(0.3, 1e4, 200)
     wanted = law(t)
@@ -36,7 +37,7 @@ class Creep(Hidden):
             self.weight = _chain(lambda t: 1.0 - np.exp(-((t / lag) ** beta)))
         self.share = self.setting.varied(0.2)
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Elastic deflection plus what each lag of the spectrum has followed of it."""
         del time_s
         lagging = self.memory.get("lagging", np.zeros((_LAGS_S.size, self.setting.chambers)))

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Delay(Hidden):
@@ -17,7 +18,7 @@ class Delay(Hidden):
     def prepare(self) -> None:
         self.share = self.setting.varied(0.15)
 
-    def line(self, since_s: Array, step_s: Array, pressure_kpa: Array) -> Array:
+    def line(self, since_s: Floats, step_s: Floats, pressure_kpa: Floats) -> Floats:
         """Two lags in series."""
         del since_s
         first, second = self.memory.get("volumes", np.zeros((2, self.setting.chambers)))

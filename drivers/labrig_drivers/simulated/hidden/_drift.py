@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Drift(Hidden):
@@ -23,19 +24,19 @@ class Drift(Hidden):
         direction = random.normal(size=3)
         self.direction = direction / np.linalg.norm(direction)
 
-    def warmth(self, time_s: Array) -> Array:
+    def warmth(self, time_s: Floats) -> Floats:
         """Temperature above the start, in parts of the warm-up, (T,)."""
         wave = np.sin(2.0 * np.pi * time_s / self.wave_s + self.phase) - np.sin(self.phase)
         return 1.0 - np.exp(-time_s / self.lag_s) + 0.15 * wave
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Deflections of the warmer membrane."""
         del step_s
         if not self.softens:
             return deflection_mm
         return deflection_mm * (1.0 + 0.01 * self.strength * self.warmth(time_s)[:, None])
 
-    def see(self, time_s: Array, tilt_deg: Array, deflection_mm: Array, position_mm: Array) -> Array:
+    def see(self, time_s: Floats, tilt_deg: Floats, deflection_mm: Floats, position_mm: Floats) -> Floats:
         """Positions seen by cameras that have moved, and turned with it by a hair."""
         del tilt_deg, deflection_mm
         if self.softens:

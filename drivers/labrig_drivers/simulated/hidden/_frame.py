@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Frame(Hidden):
@@ -22,7 +23,7 @@ class Frame(Hidden):
         self.scale = 1e-3 * random.normal()
         self.pivot_mm = self.setting.body.rest_mm.mean(axis=0) + random.normal(size=3) * 40.0
 
-    def see(self, time_s: Array, tilt_deg: Array, deflection_mm: Array, position_mm: Array) -> Array:
+    def see(self, time_s: Floats, tilt_deg: Floats, deflection_mm: Floats, position_mm: Floats) -> Floats:
         """Positions in the frame as it is (Rodrigues' rotation)."""
         del time_s, tilt_deg, deflection_mm
         angle = np.deg2rad(self.strength)

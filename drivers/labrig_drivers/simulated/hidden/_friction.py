@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Friction(Hidden):
@@ -22,7 +23,7 @@ class Friction(Hidden):
         self.unloaded = random.uniform(0.1, 0.3)
         self.stribeck, self.speed = random.uniform(0.2, 0.4), random.uniform(0.05, 0.2)
 
-    def load(self, step_s: Array, pressure_kpa: Array) -> Array:
+    def load(self, step_s: Floats, pressure_kpa: Floats) -> Floats:
         """The membrane's pressure less friction against its last motion."""
         x = pressure_kpa / self.setting.max_kpa
         z = self.memory.get("z", np.zeros(self.setting.chambers))

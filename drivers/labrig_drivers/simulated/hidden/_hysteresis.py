@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Hysteresis(Hidden):
@@ -39,14 +40,14 @@ class Hysteresis(Hidden):
         self.branch = rising + falling - 1.0
         self.loop = float(np.max(falling - rising))
 
-    def load(self, step_s: Array, pressure_kpa: Array) -> Array:
+    def load(self, step_s: Floats, pressure_kpa: Floats) -> Floats:
         """The membrane's pressure less the restoring force that hangs behind it."""
         del step_s
         x = pressure_kpa / self.setting.max_kpa
         behind = self._preisach(x) if self.preisach else self._bouc_wen(x)
         return pressure_kpa - self.strength * self.share * self.setting.max_kpa * behind
 
-    def _bouc_wen(self, x: Array) -> Array:
+    def _bouc_wen(self, x: Floats) -> Floats:
         z = self.memory.get("z", np.zeros(self.setting.chambers))
         last = self.memory.get("x", np.zeros(self.setting.chambers))
         out = np.empty_like(x)
@@ -64,7 +65,7 @@ class Hysteresis(Hidden):
         self.memory["z"], self.memory["x"] = z, last
         return out
 
-    def _preisach(self, x: Array) -> Array:
+    def _preisach(self, x: Floats) -> Floats:
         on = self.memory.get("on")
         if on is None:  # demagnetised: relays that lie symmetrically about zero load start half up, half down
             on = np.repeat((self.high + self.low < 0.0)[:, None], self.setting.chambers, axis=1)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Kink(Hidden):
@@ -21,7 +22,7 @@ class Kink(Hidden):
         self.share = random.uniform(0.4, 1.0, count)
         self.share[self.squeezing] = 0.0
 
-    def set_point(self, target_kpa: Array) -> Array:
+    def set_point(self, target_kpa: Floats) -> Floats:
         """Pressures that arrive through squeezed hoses; a vent of everything opens them all."""
         last = self.memory.get("pressure", np.zeros_like(target_kpa))
         full = target_kpa[self.squeezing] / self.setting.max_kpa[self.squeezing]

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Leak(Hidden):
@@ -19,7 +20,7 @@ class Leak(Hidden):
         self.share = self.setting.varied(0.4)
         self.shut_after_s = 0.8
 
-    def line(self, since_s: Array, step_s: Array, pressure_kpa: Array) -> Array:
+    def line(self, since_s: Floats, step_s: Floats, pressure_kpa: Floats) -> Floats:
         """What is left in the chambers."""
         del step_s
         shut_s = np.maximum(since_s - self.shut_after_s, 0.0)[:, None]

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Lens(Hidden):
@@ -18,12 +19,12 @@ class Lens(Hidden):
     def prepare(self) -> None:
         self.axis_mm = self.setting.body.rest_mm.mean(axis=0) + self.setting.random.normal(size=3) * 40.0
 
-    def _distorted(self, position_mm: Array) -> Array:
+    def _distorted(self, position_mm: Floats) -> Floats:
         arm = position_mm - self.axis_mm
         distance = np.linalg.norm(arm[..., [0, 2]], axis=-1, keepdims=True)
         return arm * ((distance / 150.0) ** 2 + 0.3 * arm[..., 1:2] / 150.0) / 150.0
 
-    def see(self, time_s: Array, tilt_deg: Array, deflection_mm: Array, position_mm: Array) -> Array:
+    def see(self, time_s: Floats, tilt_deg: Floats, deflection_mm: Floats, position_mm: Floats) -> Floats:
         """Positions through the lens."""
         del time_s, tilt_deg, deflection_mm
         return position_mm + self.strength * (

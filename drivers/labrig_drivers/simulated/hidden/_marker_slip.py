@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class MarkerSlip(Hidden):
@@ -23,7 +24,7 @@ class MarkerSlip(Hidden):
         way -= (way @ normal) * normal
         self.way = way / np.linalg.norm(way)
 
-    def see(self, time_s: Array, tilt_deg: Array, deflection_mm: Array, position_mm: Array) -> Array:
+    def see(self, time_s: Floats, tilt_deg: Floats, deflection_mm: Floats, position_mm: Floats) -> Floats:
         """Positions with one marker slipped."""
         del tilt_deg, deflection_mm
         slipped = 0.5 * (1.0 + np.tanh(2.0 * (time_s - self.moment_s)))

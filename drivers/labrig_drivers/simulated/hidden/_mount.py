@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Mount(Hidden):
@@ -23,7 +24,7 @@ class Mount(Hidden):
         self.lever = lever / lever.sum()
         self.shift_mm = random.normal(size=3)
 
-    def see(self, time_s: Array, tilt_deg: Array, deflection_mm: Array, position_mm: Array) -> Array:
+    def see(self, time_s: Floats, tilt_deg: Floats, deflection_mm: Floats, position_mm: Floats) -> Floats:
         """Positions on the stand that has given way; a spring that hardens a little."""
         del time_s, tilt_deg
         load = (deflection_mm / self.setting.largest_mm) @ self.lever

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Regulator(Hidden):
@@ -20,7 +21,7 @@ class Regulator(Hidden):
         self.bend = 0.25 * random.normal(size=count)
         self.zero = 0.08 * random.normal(size=count)
 
-    def set_point(self, target_kpa: Array) -> Array:
+    def set_point(self, target_kpa: Floats) -> Floats:
         """Pressure at which the faulty sensor reads the target; a vented line is open to the room."""
         x = target_kpa / self.setting.max_kpa
         error = self.span * x + self.bend * np.sin(2.0 * np.pi * x) / np.pi + self.zero

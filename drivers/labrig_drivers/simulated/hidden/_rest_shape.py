@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class RestShape(Hidden):
@@ -22,7 +23,7 @@ class RestShape(Hidden):
         bend = (terms - terms.mean(axis=0)) @ random.normal(size=terms.shape[1])
         self.bend = (bend / np.sqrt(np.mean(bend**2)))[:, None] * body.normal
 
-    def see(self, time_s: Array, tilt_deg: Array, deflection_mm: Array, position_mm: Array) -> Array:
+    def see(self, time_s: Floats, tilt_deg: Floats, deflection_mm: Floats, position_mm: Floats) -> Floats:
         """Positions on the shell as it is."""
         del time_s, tilt_deg, deflection_mm
         return position_mm + self.strength * self.bend

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden
 
 
 class Softening(Hidden):
@@ -17,7 +18,7 @@ class Softening(Hidden):
     def prepare(self) -> None:
         self.healing_s = self.setting.random.uniform(15.0, 60.0)
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Deflections of the damaged rubber."""
         del time_s
         largest = self.memory.get("largest", np.zeros(self.setting.chambers))

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden, resisted
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden, resisted
 
 
 class Stiffening(Hidden):
@@ -19,13 +20,13 @@ class Stiffening(Hidden):
         self.share = self.setting.varied(0.15)
         self.exponent = self.setting.random.uniform(1.5, 3.0)
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Deflections of the stiffer membrane."""
         del time_s, step_s
         body, a = self.setting.body, self.exponent
         limit, gain = body.limit_mm, body.compliance_mm_per_kpa
 
-        def resistance(d: Array) -> tuple[Array, Array]:
+        def resistance(d: Floats) -> tuple[Floats, Floats]:
             y = (d / limit) ** 2
             scale = self.strength * self.share / gain
             return scale * d * np.expm1(a * y), scale * (np.expm1(a * y) + 2.0 * a * y * np.exp(a * y))

@@ -1,6 +1,7 @@
 """Tension: the top membrane is stretched more than assumed."""
 
-from labrig_drivers.simulated.hidden._base import Array, Hidden, resisted
+from labrig.arrays import Floats
+from labrig_drivers.simulated.hidden._base import Hidden, resisted
 
 
 class Tension(Hidden):
@@ -13,7 +14,7 @@ class Tension(Hidden):
     name = "tension"
     natural = 0.08
 
-    def deflect(self, time_s: Array, step_s: Array, deflection_mm: Array) -> Array:
+    def deflect(self, time_s: Floats, step_s: Floats, deflection_mm: Floats) -> Floats:
         """Deflections under more tension."""
         del time_s, step_s
         stiffness = self.strength / self.setting.body.compliance_mm_per_kpa

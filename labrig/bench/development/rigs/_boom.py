@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 
@@ -40,11 +41,11 @@ class Boom(Rig):
         self._power = random.uniform(0.7, 1.5, count)
         self.rest_mm = self.shape(np.zeros((1, count))).reshape(-1, 3)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = kpa / self.high_kpa
         return load * ((0.05 + np.abs(load)) / 1.05) ** (self._power - 1)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         turn = self._start_rad + deflection * self._turn_rad
         yaw = turn[:, 0]
         lift = np.cumsum(turn[:, 1:], axis=1)

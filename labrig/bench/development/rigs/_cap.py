@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 
@@ -26,12 +27,12 @@ class Cap(Rig):
         self._sinks_mm = random.uniform(2, 6) * (1 - place**2) ** 2
         self._flattens_mm = self._sinks_mm * random.uniform(-0.25, 0.25, count) * (0.2 + place)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = self._near * kpa / self.high_kpa
         last = 0.9  # beyond it the tangent goes on
         root = np.sqrt(1 - np.minimum(load, last))
         way = 1 - root + np.maximum(load - last, 0.0) / (2 * np.sqrt(1 - last))
         return way / (1 - np.sqrt(1 - self._near))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         return -(deflection * self._sinks_mm + deflection * np.abs(deflection) * self._flattens_mm)

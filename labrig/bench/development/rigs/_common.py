@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable
 
 
 def chambers(count: int) -> tuple[str, ...]:
@@ -20,7 +21,7 @@ def markers(count: int) -> tuple[tuple[str, ...], tuple[Observable, ...]]:
     )
 
 
-def cubic_membrane(load: Array, cubic: Array) -> Array:
+def cubic_membrane(load: Floats, cubic: Floats) -> Floats:
     """The deflection d with (1 - cubic) d + cubic d^3 = load: 1 at load 1, and as much the other way below zero."""
     linear = 1.0 - cubic
     scale = 2.0 * np.sqrt(linear / (3.0 * cubic))

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, cubic_membrane, markers
 
 
@@ -35,10 +36,10 @@ class Dome(Rig):
         self._place = flat
         self._cubic = random.uniform(0.5, 0.93, count)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         return cubic_membrane(kpa / self.high_kpa, self._cubic)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         height = deflection @ self._lift_mm  # (T, M)
         outward = (height**2)[..., None] * self._outward
@@ -48,7 +49,7 @@ class Dome(Rig):
         return (self.rest_mm + moved).reshape(len(deflection), -1)
 
 
-def _grid(count: int, random: np.random.Generator) -> Array:
+def _grid(count: int, random: np.random.Generator) -> Floats:
     """About `count` places (M, 2) of a square grid inside the unit circle, each a little off."""
     side = np.linspace(-1, 1, int(np.ceil(np.sqrt(count / 0.62))))
     places = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2) * 0.97
@@ -57,13 +58,13 @@ def _grid(count: int, random: np.random.Generator) -> Array:
     return places / np.maximum(np.linalg.norm(places, axis=1) / 0.95, 1.0)[:, None]
 
 
-def _ring(far: Array, random: np.random.Generator) -> Array:
+def _ring(far: Floats, random: np.random.Generator) -> Floats:
     """How far a ring around the middle lifts the places at a share `far` of the radius."""
     out = np.exp(-0.5 * ((far - random.uniform(0.5, 0.65)) / 0.22) ** 2) * (1 - far**4)
     return out / out.max()
 
 
-def _half(flat: Array, random: np.random.Generator) -> Array:
+def _half(flat: Floats, random: np.random.Generator) -> Floats:
     """How far a chamber under one half lifts the places."""
     angle = random.uniform(0, 2 * np.pi)
     along = flat @ np.array([np.cos(angle), np.sin(angle)])

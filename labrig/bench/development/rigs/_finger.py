@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 _COUNT = 8
@@ -30,10 +31,10 @@ class Finger(Rig):
         self._skin_mm = self._radius_mm * np.stack([np.cos(side), np.sin(side)], axis=1)
         self.rest_mm = self.shape(np.zeros((1, 3))).reshape(_COUNT, 3)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         return np.arcsinh(self._curve * kpa / self.high_kpa) / np.arcsinh(self._curve)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         bend = deflection @ self._bend
         angle = np.hypot(bend[:, 0], bend[:, 1])
         toward = bend / np.maximum(angle, 1e-12)[:, None]  # the side to which the tip goes

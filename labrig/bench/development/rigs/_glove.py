@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 
@@ -28,12 +29,12 @@ class Glove(Rig):
         self._gap = random.uniform(0.0, 0.35, count)
         self._rounded = random.uniform(0.03, 0.12, count)
 
-    def deflection(self, kpa: Array) -> Array:
-        def press(load: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
+        def press(load: Floats) -> Floats:
             return self._rounded * np.logaddexp(0.0, (load - self._gap) / self._rounded)
 
         none = press(np.zeros(len(self._gap)))
         return (press(kpa / self.high_kpa) - none) / (press(np.ones(len(self._gap))) - none)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         return (deflection * self._force_n) @ self._mix

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 _STEPS = 16
@@ -38,11 +39,11 @@ class Gripper(Rig):
         self._shears = random.uniform(0.15, 0.4, count)
         self._early = random.uniform(0.2, 1.5, count)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = np.clip(kpa / self.high_kpa, -3.0, 20.0)
         return np.expm1(-self._early * load) / np.expm1(-self._early)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         reach = deflection * self._stroke_mm - self._gap_mm
         moved = np.zeros((len(deflection), 2))
         for _ in range(_STEPS):  # Newton on a convex energy

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 
@@ -26,11 +27,11 @@ class Joint(Rig):
         self._zero_deg = random.uniform(-3, 3)
         self._fills_at = random.uniform(0.02, 0.3, 2)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load, slack = kpa / self.high_kpa, self._fills_at
         return load * np.abs(load) * (1 + slack) / (np.abs(load) + slack)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         firm = np.hypot(deflection, 0.05) - 0.05
         stiff = 1 + firm @ self._firm / self._spring
         most = 1 + self._firm.mean() / self._spring

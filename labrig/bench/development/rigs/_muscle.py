@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 
@@ -23,13 +24,13 @@ class Muscle(Rig):
         self._sleeve = random.uniform(0.3, 0.7, count) if curved else random.uniform(0.0, 0.05, count)
         self._fills_at = random.uniform(0.15, 0.3, count)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = kpa / self.high_kpa
         taken = self._sleeve * self._fills_at
         held_back = taken * np.tanh(load / self._fills_at)
         return (load - held_back) / (1 - taken * np.tanh(1 / self._fills_at))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         force_n = deflection @ self._pull_n
         if len(self.chambers) == 2:
             force_n = force_n + self._together * abs(self._pull_n[1]) * deflection.prod(axis=1)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 _AIR_KPA = 101.3
@@ -37,10 +38,10 @@ class Network(Rig):
         balance = np.diag(joins.sum(axis=1) + feeds.sum(axis=1) + bleeds) - joins
         self._square = (np.linalg.solve(balance, feeds) * self.high_kpa * (self.high_kpa + 2 * _AIR_KPA)).T
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         twice = 2 * _AIR_KPA
         return kpa * (np.abs(kpa) + twice) / (self.high_kpa * (self.high_kpa + twice))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         above = deflection @ self._square
         return np.sign(above) * (np.sqrt(_AIR_KPA**2 + np.abs(above)) - _AIR_KPA)

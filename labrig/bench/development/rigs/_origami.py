@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 
@@ -42,10 +43,10 @@ class Origami(Rig):
         self.rest_mm = np.zeros((spots, 3))
         self.rest_mm[:, [0, 2]] = self.shape(np.zeros((1, count))).reshape(spots, 2)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         return np.arctan(self._soft * kpa / self.high_kpa) / np.arctan(self._soft)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         crease = self._folded_rad + deflection * self._opens_rad
         start = np.full((len(deflection), 1), self._first_rad)
         angle = np.hstack([start, self._first_rad + np.cumsum(crease, axis=1)])  # of each panel

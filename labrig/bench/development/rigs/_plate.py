@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 
@@ -41,11 +42,11 @@ class Plate(Rig):
         self._foreshorten = random.uniform(0.3, 0.7)
         self._bend = random.uniform(0.6, 4.0, count)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = np.maximum(kpa / self.high_kpa, 0.0)
         return np.log1p(self._bend * load) / np.log1p(self._bend)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         height = deflection @ self._bump.T
         slope = np.tensordot(deflection, self._slope, axes=(1, 1))  # (T, M, 2)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 
@@ -35,11 +36,11 @@ class Platform(Rig):
         self._up_mm = random.uniform(40, 60)
         self.rest_mm = self.shape(np.zeros((1, count))).reshape(spots, 3)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = np.clip(kpa / self.high_kpa, -20.0, 20.0)
         return np.sinh(self._soft * load) / np.sinh(self._soft)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         stroke = deflection * self._stroke_mm
         height, slope_x, slope_y = (stroke @ self._plane.T).T
         steep = np.hypot(slope_x, slope_y)
@@ -50,11 +51,11 @@ class Platform(Rig):
         return points.reshape(len(deflection), -1)
 
 
-def _circle(angle: Array) -> Array:
+def _circle(angle: Floats) -> Floats:
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _tilt(normal: Array) -> Array:
+def _tilt(normal: Floats) -> Floats:
     """The smallest rotations (T, 3, 3) that turn the z-axis into normals (T, 3) that point upwards."""
     x, y, z = normal.T
     share = 1 / (1 + z)

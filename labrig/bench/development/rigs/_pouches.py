@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 
@@ -41,10 +42,10 @@ class Pouches(Rig):
         self._inward = flat / (0.5 * np.linalg.norm(size))
         self._early = random.uniform(1.0, 2.2, count)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         return np.tanh(self._early * kpa / self.high_kpa) / np.tanh(self._early)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         height = deflection @ self._lift_mm
         slope = (deflection @ self._slope).reshape(len(deflection), -1, 2)
@@ -56,7 +57,7 @@ class Pouches(Rig):
         return (self.rest_mm + moved).reshape(len(deflection), -1)
 
 
-def _spread(count: int, size: Array, random: np.random.Generator) -> Array:
+def _spread(count: int, size: Floats, random: np.random.Generator) -> Floats:
     """Places (M, 2), evenly spread over a rectangle around zero, each a little off."""
     turn = (np.arange(count) * (np.sqrt(5) - 1) / 2) % 1.0
     places = np.column_stack([(np.arange(count) + 0.5) / count, turn]) - 0.5

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 _ROOTS = np.array([1.8751, 4.6941, 7.8548])  # of cos x cosh x = -1
@@ -42,26 +43,26 @@ class Sheet(Rig):
         self._saturates = random.uniform(0.3, 2.5, count)
 
     @property
-    def low_kpa(self) -> Array:
+    def low_kpa(self) -> Floats:
         return self._low_kpa
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = kpa / self.high_kpa
         return load * np.sqrt((1 + self._saturates) / (1 + self._saturates * load**2))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         up, slope = deflection @ self._lift_mm, deflection @ self._steep
         moved = np.stack([-self._near_mm * slope**2, 0.0 * up, up], axis=2)
         return (self.rest_mm + moved).reshape(len(deflection), -1)
 
 
-def _modes(u: Array) -> tuple[Array, Array]:
+def _modes(u: Floats) -> tuple[Floats, Floats]:
     """The first three bending modes of a cantilever, 1 at the tip, and their slopes, (3, M) at places `u` (M,)."""
     root = _ROOTS[:, None]
     share = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
 
-    def mode(x: Array) -> Array:
+    def mode(x: Floats) -> Floats:
         return np.cosh(x) - np.cos(x) - share * (np.sinh(x) - np.sin(x))
 
     x, tip = root * u, mode(root)

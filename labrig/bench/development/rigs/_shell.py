@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, cubic_membrane, markers
 
 _COUNT = 34
@@ -35,7 +36,7 @@ class Shell(Rig):
         self._foreshorten = random.uniform(0.3, 0.8)
         self._cubic = random.uniform(0.2, 0.65, 9)
 
-    def _on_shell(self, flat: Array) -> tuple[Array, Array]:
+    def _on_shell(self, flat: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) and normals on the ellipsoid above places (N, 2) of its shadow."""
         up = np.sqrt(np.maximum(1.0 - np.sum(flat**2, axis=1), 0.05))
         unit = np.column_stack([flat[:, 0], flat[:, 1], up])
@@ -43,15 +44,15 @@ class Shell(Rig):
         normal = unit / axes
         return unit * axes, normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
-    def _tangent(self, vectors: Array) -> Array:
+    def _tangent(self, vectors: Floats) -> Floats:
         """Vectors (M, C, 3) at the markers without their part along the normal."""
         along = np.einsum("mcx,mx->mc", vectors, self._normal)
         return vectors - along[..., None] * self._normal[:, None]
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         return cubic_membrane(kpa / self.high_kpa, self._cubic)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         height = (deflection @ self._height_mm)[..., None]
         slope, aside_mm = (
@@ -61,6 +62,6 @@ class Shell(Rig):
         return (self.rest_mm + moved).reshape(len(deflection), -1)
 
 
-def _flat(vectors: Array) -> Array:
+def _flat(vectors: Floats) -> Floats:
     """Vectors (M, 9, 3) as rows (9, 3 M), by which deflections (T, 9) can be multiplied."""
     return vectors.swapaxes(0, 1).reshape(vectors.shape[1], -1)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 _PIECES = 20
@@ -39,11 +40,11 @@ class Trunk(Rig):
         self._skin_mm = radius_mm[:, None] * np.stack([np.cos(side), np.sin(side), 0 * side], axis=1)
         self.rest_mm = self.shape(np.zeros((1, 6))).reshape(count, 3)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = kpa / self.high_kpa
         return (1 + self._late) * load / (1 + self._late * np.abs(load))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         near, far = deflection[:, :3], deflection[:, 3:]
         bends = [segment @ rows for segment, rows in ((near, self._bend[:3]), (far, self._bend[3:]))]
         firm = [1 + self._firm * (np.sqrt(1 + s**2) - 1).sum(axis=1, keepdims=True) for s in (near, far)]
@@ -61,7 +62,7 @@ class Trunk(Rig):
         return np.stack(points, axis=1).reshape(len(deflection), -1)
 
 
-def _turn(bend: Array) -> Array:
+def _turn(bend: Floats) -> Floats:
     """Rotations (T, 3, 3) that lean the z-axis towards (x, y) = `bend` (T, 2), by its length in rad."""
     angle = np.hypot(bend[:, 0], bend[:, 1])
     s, c = np.sinc(angle / np.pi), 0.5 * np.sinc(angle / (2 * np.pi)) ** 2

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 
@@ -40,13 +41,13 @@ class Tube(Rig):
         self._steep = random.uniform(0.8, 2.6, count)
         self._turns_at = random.uniform(0.3, 0.5, count)
 
-    def deflection(self, kpa: Array) -> Array:
-        def bulge(load: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
+        def bulge(load: Floats) -> Floats:
             return np.tanh(self._steep * (load - self._turns_at)) + np.tanh(self._steep * self._turns_at)
 
         return bulge(kpa / self.high_kpa) / bulge(np.ones(len(self._steep)))
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         assert self.rest_mm is not None
         radial = (deflection @ self._bulge_mm)[..., None] * self._out
         swung = np.einsum("tc,cm,cx->tmx", deflection, self._beyond, self._uneven)

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.special import erf
 
-from labrig.bench._nature import Array, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Rig
 from labrig.bench.development.rigs._common import chambers, markers
 
 
@@ -38,10 +39,10 @@ class Wing(Rig):
         self._off_mm = 0.5 * thick_mm * np.where(np.arange(spots) // 2 % 2, -1.0, 1.0)
         self.rest_mm = self.shape(np.zeros((1, count))).reshape(spots, 3)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         return erf(self._early * kpa / self.high_kpa) / erf(self._early)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         cells = deflection.reshape(len(deflection), 2, -1)
         firm = 1 + self._stiff * (np.sqrt(0.01 + cells**2) - 0.1).sum(axis=1)
         bend = np.sum(cells * self._turn_rad, axis=1) / firm * (1 + 0.5 * self._stiff)  # (T, stations)

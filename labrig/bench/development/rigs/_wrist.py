@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labrig.bench._nature import Array, Observable, Rig
+from labrig.arrays import Floats
+from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
 
 _STEPS = 10
@@ -35,12 +36,12 @@ class Wrist(Rig):
         self._sticks = random.uniform(0.2, 0.7, count)  # share that comes once the bladder fills the braid
         self._fills = random.uniform(0.01, 0.08, count)
 
-    def deflection(self, kpa: Array) -> Array:
+    def deflection(self, kpa: Floats) -> Floats:
         load = kpa / self.high_kpa
         fills = load**2 * (1 + self._fills) / (load**2 + self._fills)
         return load * (1 - self._sticks + self._sticks * fills)
 
-    def shape(self, deflection: Array) -> Array:
+    def shape(self, deflection: Floats) -> Floats:
         pull, level = np.maximum(deflection * self._pull, 0.0), (1 - self._before) ** 2
         pushes = np.minimum(deflection * self._pull, 0.0) * (self._angle * level - 1)
         tilt = np.zeros((len(deflection), 2))
