@@ -17,7 +17,6 @@ SLOW = "slow noise"
 DECLARED = "declared"
 _MOST_COLUMNS = 64
 _MOST_DIRECTIONS = 24
-_LEAST_INFORMATION = 3.0
 _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
 _LEAST_SHARE = 2e-5
@@ -28,12 +27,11 @@ _ROWS_COMPARED = 50
 
 @dataclass(frozen=True)
 class Block:
-    """The columns of one space: `at` says which; `rms` (q, q) is the mean square that coefficients make, in floors."""
+    """The columns of one space: `at` says which."""
 
     owner: str
     space: Space
     at: slice
-    rms: Floats
     share: float = 1.0
     """Prior probability of this space among those of its owner."""
 
@@ -94,28 +92,27 @@ def design_of(
             continue
         columns = layout.columns(space, spectra)
         if columns is not None:
-            made.append((owner, space, *columns))
+            made.append((owner, space, columns))
             count[owner] = count.get(owner, 0) + 1
-    slow = layout.slow()
-    made.append((SLOW, Space(SLOW, SLOW, ()), *slow))
+    made.append((SLOW, Space(SLOW, SLOW, ()), layout.slow()))
     count[SLOW] = 1
     if calibrated is not None and calibrated.shape[2]:
-        made.append((DECLARED, Space(DECLARED, DECLARED, ()), *layout.fields(calibrated)))
+        made.append((DECLARED, Space(DECLARED, DECLARED, ()), layout.fields(calibrated)))
         count[DECLARED] = 1
     if declared is not None:
         G = observations.whiten @ declared
         keep = np.abs(G).max(axis=0) > 0
         free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
     blocks, start = [], 0
-    for owner, space, W, rms in made:
+    for owner, space, W in made:
         stop = start + W.shape[1]
-        blocks.append(Block(owner, space, slice(start, stop), rms, _share(owner, space, count, context)))
+        blocks.append(Block(owner, space, slice(start, stop), _share(owner, space, count, context)))
         start = stop
     return Design(
         observations,
         V,
         spread,
-        np.concatenate([W for _, _, W, _ in made], axis=1),
+        np.concatenate([W for _, _, W in made], axis=1),
         tuple(blocks),
         tuple(free),
     )
@@ -219,8 +216,8 @@ class _Layout:
         self.JV = np.einsum("nkc,kr->nrc", J[first].astype(np.float32), V)[observations.index]
         self.T = observations.whiten.astype(np.float32)
 
-    def columns(self, space: Space, spectra: dict | None) -> tuple[Floats, Floats] | None:
-        """Whitened columns (S r, q), of one floor in all, rotated to principal axes; and their mean squares (q, q)."""
+    def columns(self, space: Space, spectra: dict | None) -> Floats | None:
+        """Whitened columns (S r, q), of one floor in all, rotated to principal axes."""
         raw = self.raw(space, spectra)
         if raw is None:
             return None
@@ -230,17 +227,18 @@ class _Layout:
         total = float(np.einsum("ij,ij->", flat, flat, dtype=np.float64)) / (F * K)
         if total <= 0:
             return None
-        flat = flat / np.sqrt(total).astype(np.float32)
-        W = self.lift(flat.reshape(F, r, -1))
-        power, U = np.linalg.eigh((W.T @ W).astype(np.float64))
-        seen = _LEAST_INFORMATION / max(1.0, self.observations.to_explain) ** 2
-        keep = power > max(seen, _LEAST_SHARE * power.sum())
+        W = self.lift(raw)
+        power, U = np.linalg.eigh(gram(W) / total)
+        keep = power > max(self._said(), _LEAST_SHARE * power.sum())
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         if not keep.any():
             return None
-        U = U[:, keep][:, ::-1]
-        gram = (flat.T @ flat).astype(np.float64) / (F * K)
-        return W @ U.astype(np.float32), U.T @ gram @ U
+        U = U[:, keep][:, ::-1] / np.sqrt(total)
+        return W @ U.astype(np.float32)
+
+    def _said(self) -> float:
+        """The power of a direction of which the data say as much as its prior, at the size of all to explain."""
+        return 1.0 / (self.observations.worth * max(1.0, self.observations.to_explain) ** 2)
 
     def wide(self, space: Space) -> int:
         """How many columns a space may keep: a free pattern takes one for each direction."""
@@ -291,19 +289,20 @@ class _Layout:
         f = f / np.sqrt((f**2).sum() / len(f))
         G = self.observations.whiten @ f
         power, U = np.linalg.eigh(G.T @ G)
-        keep = power > max(0.1 / max(1.0, self.observations.to_explain) ** 2, 1e-7 * power[-1])
+        keep = power > max(
+            0.1 / (self.observations.worth * max(1.0, self.observations.to_explain) ** 2), 1e-7 * power[-1]
+        )
         return (G @ U[:, keep])[:, ::-1]
 
-    def fields(self, values: Floats) -> tuple[Floats, Floats]:
+    def fields(self, values: Floats) -> Floats:
         """Columns of fields (F, K, q) in the observables' units, each of one floor."""
         raw = np.einsum("fkq,kr->frq", values / self.observations.unit[None, :, None], self.V).astype(
             np.float32
         )
         raw = raw / np.maximum(np.sqrt((raw**2).sum(axis=1).mean(axis=0) / len(self.V)), 1e-12)
-        flat = raw.reshape(-1, raw.shape[2])
-        return self.lift(raw), (flat.T @ flat).astype(np.float64) / (len(raw) * len(self.V))
+        return self.lift(raw)
 
-    def slow(self) -> tuple[Floats, Floats]:
+    def slow(self) -> Floats:
         """Slow noise along each axis (of unmarked observables: of all together), one floor."""
         rows = self.observations.context.rows
         series = slow_noise(self.observations.context, self.observations.index).astype(np.float32)
@@ -311,5 +310,9 @@ class _Layout:
         raw = np.concatenate(
             [series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2
         )
-        flat = raw.reshape(-1, raw.shape[2])
-        return self.lift(raw), (flat.T @ flat).astype(np.float64) / (len(raw) * len(self.V))
+        return self.lift(raw)
+
+
+def gram(W: Floats) -> Floats:
+    """W' W of columns in single precision, in double."""
+    return (W.T @ W).astype(np.float64)
