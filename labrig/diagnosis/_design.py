@@ -23,6 +23,8 @@ _LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _EVEN = 0.2
 _ROWS_COMPARED = 50
+_SINGLE = 30_000
+"""Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
 
 
 @dataclass(frozen=True)
@@ -202,7 +204,8 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
         V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
     along, turn = np.linalg.eigh(V.T @ power @ V)
     along = (1 - _EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + _EVEN / len(along)
-    return (V @ turn).astype(np.float32), along * K  # type: ignore[return-value]
+    many = len(observations.values) * V.shape[1] > _SINGLE
+    return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
 
 
 class _Layout:
@@ -211,10 +214,11 @@ class _Layout:
     def __init__(self, observations: Observations, V: Floats) -> None:
         self.observations, self.V = observations, V
         context = observations.context
+        self.dtype = V.dtype
         J = context.jacobian * context.span / observations.unit[None, :, None]
         first = observations.first
-        self.JV = np.einsum("nkc,kr->nrc", J[first].astype(np.float32), V)[observations.index]
-        self.T = observations.whiten.astype(np.float32)
+        self.JV = np.einsum("nkc,kr->nrc", J[first].astype(self.dtype), V)[observations.index]
+        self.T = observations.whiten.astype(self.dtype)
 
     def columns(self, space: Space, spectra: dict | None) -> Floats | None:
         """Whitened columns (S r, q), of one floor in all, rotated to principal axes."""
@@ -234,7 +238,7 @@ class _Layout:
         if not keep.any():
             return None
         U = U[:, keep][:, ::-1] / np.sqrt(total)
-        return W @ U.astype(np.float32)
+        return W @ U.astype(self.dtype)
 
     def _said(self) -> float:
         """The power of a direction of which the data say as much as its prior, at the size of all to explain."""
@@ -254,23 +258,23 @@ class _Layout:
         out = []
         shared = []
         if pressures:
-            P = np.stack(pressures, axis=2).astype(np.float32)  # (F, C, a)
+            P = np.stack(pressures, axis=2).astype(self.dtype)  # (F, C, a)
             shared.append(np.einsum("nrc,nca->nra", self.JV, P, optimize=True))
-            own = factor(prior.own).astype(np.float32)
+            own = factor(prior.own).astype(self.dtype)
             if own.shape[1] and P.shape[1] > 1:
                 each = P @ own
                 out.append((self.JV[:, :, :, None] * each[:, None]).reshape(len(P), V.shape[1], -1))
         if fields:
-            shared.append(np.stack([(f / unit).astype(np.float32) @ V for f in fields], axis=2))
+            shared.append(np.stack([(f / unit).astype(self.dtype) @ V for f in fields], axis=2))
         if shared:
-            out.append(np.concatenate(shared, axis=2) @ factor(prior.shared).astype(np.float32))
+            out.append(np.concatenate(shared, axis=2) @ factor(prior.shared).astype(self.dtype))
         if patterns:
             r = V.shape[1]
             L = factor(prior.pattern)
             L = L[:, np.argsort(-(L**2).sum(axis=0))][:, : max(1, _FREE_COLUMNS // r)]
             size = float(np.sqrt(np.mean((motion_scale(self.observations.context) / unit) ** 2)))
-            Q = (size * np.stack(patterns, axis=1) @ L).astype(np.float32)
-            wide = np.zeros((len(Q), r, Q.shape[1], r), dtype=np.float32)
+            Q = (size * np.stack(patterns, axis=1) @ L).astype(self.dtype)
+            wide = np.zeros((len(Q), r, Q.shape[1], r), dtype=self.dtype)
             wide[:, np.arange(r), :, np.arange(r)] = Q[None]
             out.append(wide.reshape(len(Q), r, -1))
         return np.concatenate(out, axis=2) if out else None
@@ -297,7 +301,7 @@ class _Layout:
     def fields(self, values: Floats) -> Floats:
         """Columns of fields (F, K, q) in the observables' units, each of one floor."""
         raw = np.einsum("fkq,kr->frq", values / self.observations.unit[None, :, None], self.V).astype(
-            np.float32
+            self.dtype
         )
         raw = raw / np.maximum(np.sqrt((raw**2).sum(axis=1).mean(axis=0) / len(self.V)), 1e-12)
         return self.lift(raw)
@@ -305,7 +309,7 @@ class _Layout:
     def slow(self) -> Floats:
         """Slow noise along each axis (of unmarked observables: of all together), one floor."""
         rows = self.observations.context.rows
-        series = slow_noise(self.observations.context, self.observations.index).astype(np.float32)
+        series = slow_noise(self.observations.context, self.observations.index).astype(self.dtype)
         axes = [rows.axis == a for a in (-1, 0, 1, 2) if (rows.axis == a).any()]
         raw = np.concatenate(
             [series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2
@@ -314,5 +318,5 @@ class _Layout:
 
 
 def gram(W: Floats) -> Floats:
-    """W' W of columns in single precision, in double."""
+    """W' W of columns, in double precision."""
     return (W.T @ W).astype(np.float64)

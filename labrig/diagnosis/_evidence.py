@@ -47,14 +47,14 @@ class Sums:
         if keep is not None:
             Y, G, W3 = Y[keep], G[keep], W3[keep]
         flat = W3.reshape(-1, W.shape[1])
-        YV = (Y @ V).astype(np.float32)
+        YV = (Y @ V).astype(W.dtype)
         return cls(
-            A=worth * gram(flat.astype(np.float32, copy=False)),
+            A=worth * gram(flat),
             b=worth * (flat.T @ YV.reshape(-1)).astype(np.float64),
             GG=worth * (G.T @ G),
             GY=worth * (G.T @ YV),
             GW=worth
-            * np.asarray(G.T.astype(np.float32) @ W3.reshape(len(Y), -1)).reshape(G.shape[1], r, W.shape[1]),
+            * np.asarray(G.T.astype(W.dtype) @ W3.reshape(len(Y), -1)).reshape(G.shape[1], r, W.shape[1]),
             square=worth * float((YV.astype(np.float64) ** 2).sum()),
             worth=worth,
             r=r,
@@ -63,12 +63,16 @@ class Sums:
 
 @dataclass(frozen=True)
 class Beside:
-    """The same sums once free patterns are marginalised: A (P, P), b (P,), square, log determinant."""
+    """The same sums once free patterns are marginalised: A (P, P), b (P,), square, log determinant.
+
+    `grain` (P,) is what the diagonal of A may be off by, as the columns are rounded.
+    """
 
     A: Floats
     b: Floats
     square: float
     logdet: float
+    grain: Floats
 
 
 def beside_free(sums: Sums, variance: Floats) -> Beside:
@@ -80,7 +84,7 @@ def beside_free(sums: Sums, variance: Floats) -> Beside:
     most = variance.max(axis=1, initial=0.0)
     even = (most > 0) & (np.ptp(variance, axis=1) <= 1e-9 * most)
     other = (most > 0) & ~even
-    out = Beside(sums.A, sums.b, sums.square, 0.0)
+    out = Beside(sums.A, sums.b, sums.square, 0.0, 10 * np.finfo(sums.GW.dtype).eps * np.diag(sums.A))
     if even.any():
         out, sums = _without_even(out, sums, variance[even, 0], even, other)
     elif other.any():
@@ -123,14 +127,15 @@ def _marginalised(out: Beside, sums: Sums, variance: Floats) -> Beside:
     keep = power[:, None] * spread > _NEGLIGIBLE
     some = keep.any(axis=1)
     TW = np.tensordot(T[some].astype(sums.GW.dtype), sums.GW, axes=1)[keep[some]]
-    half = np.concatenate([TY[keep][:, None], TW], axis=1, dtype=np.float32)
-    half *= np.sqrt(gain[keep])[:, None].astype(np.float32)
+    half = np.concatenate([TY[keep][:, None], TW], axis=1, dtype=sums.GW.dtype)
+    half *= np.sqrt(gain[keep])[:, None].astype(half.dtype)
     said = gram(half)
-    return Beside(
-        out.A - said[1:, 1:],
-        out.b - said[1:, 0],
-        out.square - float((gain * TY**2).sum()),
-        out.logdet + float(np.log1p(power[:, None] * spread).sum()),
+    return replace(
+        out,
+        A=out.A - said[1:, 1:],
+        b=out.b - said[1:, 0],
+        square=out.square - float((gain * TY**2).sum()),
+        logdet=out.logdet + float(np.log1p(power[:, None] * spread).sum()),
     )
 
 
@@ -143,7 +148,7 @@ class State:
 
     @cached_property
     def _inverse(self) -> tuple[Floats, Floats, float]:
-        precision = self.sums.A + np.diag(self.sd**-2.0)
+        precision = self.sums.A + np.diag(self.sd**-2.0 + self.sums.grain)
         L = np.linalg.cholesky(precision)
         half = _POTRI(L, lower=1)[0]
         cov = np.tril(half) + np.tril(half, -1).T
@@ -200,7 +205,7 @@ def unexplained(sums: Beside, slices: Sequence[slice], sds: Sequence[float]) -> 
         return sums.square
     index = np.concatenate([np.arange(s.start, s.stop) for s in slices])
     sd = np.concatenate([np.full(s.stop - s.start, v) for s, v in zip(slices, sds, strict=True)])
-    M = np.eye(len(index)) + sd[:, None] * sums.A[np.ix_(index, index)] * sd
+    M = np.eye(len(index)) + sd[:, None] * (sums.A[np.ix_(index, index)] + np.diag(sums.grain[index])) * sd
     z = solve_triangular(np.linalg.cholesky(M), sd * sums.b[index], lower=True)
     return sums.square - float(z @ z)
 
