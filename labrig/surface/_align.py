@@ -3,6 +3,7 @@
 Open3D (https://www.open3d.org) never raises: what it returns is checked here.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +25,12 @@ _CELLS = 40
 _FEATURE_CELLS, _FEATURE_POINTS = 5.0, 100
 _ALIKE, _NEAR_CELLS, _DRAWN = 0.9, 1.5, 3
 _DRAWS, _SURE = 100_000, 0.999
-_DENSE = 20_000
+_DENSE = 10_000
 """A coarse target is subdivided up to about so many vertices, so that feet lie on its triangles."""
-_REACH, _ROUNDS, _STEPS, _STILL_MM = 0.1, 20, 5, 1e-4
+_REACH, _ROUNDS, _STEPS, _STILL_MM = 0.1, 20, 10, 1e-4
 _TUKEY = 4.685
+_FITS, _FAR = 0.005, 0.05
+"""Misfit, as a share of the target's size, at which no other start is tried; distance that is simply far."""
 _AGREE = 0.4
 """Cosine between normals, either way round, below which two points are no pair."""
 
@@ -59,15 +62,18 @@ def place(source: "Mesh", target: "Mesh", start: Floats | None) -> Placed:
     goal, border = _dense(target)
     size_mm = float(np.linalg.norm(np.ptp(target.vertices_mm, axis=0)))
     spacing_mm = target.spacing_mm * np.sqrt(len(target.vertices_mm) / len(border))
-    starts = [start] if start is not None else _from_anywhere(source, target, size_mm)
-    found: list[Placed] = []
+    starts = iter([start]) if start is not None else _from_anywhere(source, target, size_mm)
+    best, least = None, np.inf
     for motion in starts:
         placed = _fine(points, goal, border, motion, size_mm, spacing_mm)
-        if placed is not None:
-            found.append(placed)
-    if not found:
+        misfit = _misfit(points, goal, placed.motion, size_mm) if placed is not None else np.inf
+        if misfit < least:
+            best, least = placed, misfit
+        if least < _FITS:
+            break
+    if best is None:
         raise LabrigError(_NO_FIT)
-    return max(found, key=lambda one: one.weight.sum())
+    return best
 
 
 def _cloud(points: Floats, normals: Floats) -> Any:
@@ -109,19 +115,14 @@ def _dense(mesh: "Mesh") -> tuple[Any, Bools]:
     ] > 0.99
 
 
-def _from_anywhere(source: "Mesh", target: "Mesh", size_mm: float) -> list[Floats]:
+def _from_anywhere(source: "Mesh", target: "Mesh", size_mm: float) -> Iterator[Floats]:
     """Motions (4, 4) that RANSAC finds between features, with the source's normals as they are and turned."""
     cell_mm = size_mm / _CELLS
     goal, goal_features = _features(_cloud(target.vertices_mm, target.normals), cell_mm)
-    motions = []
     for side in (1.0, -1.0):
         cloud, features = _features(_cloud(source.vertices_mm, side * source.normals), cell_mm)
-        if min(len(cloud.points), len(goal.points)) <= _DRAWN:
-            continue
-        motions += _drawn(cloud, goal, features, goal_features, cell_mm)
-    if not motions:
-        raise LabrigError(_NO_FIT)
-    return motions
+        if min(len(cloud.points), len(goal.points)) > _DRAWN:
+            yield from _drawn(cloud, goal, features, goal_features, cell_mm)
 
 
 def _features(cloud: Any, cell_mm: float) -> tuple[Any, Any]:
@@ -152,6 +153,15 @@ def _drawn(cloud: Any, goal: Any, features: Any, goal_features: Any, cell_mm: fl
     return [motion.copy()] if found.fitness > 0.0 and rigid else []
 
 
+def _misfit(points: Any, goal: Any, motion: Floats, size_mm: float) -> float:
+    """Mean distance of the points from the goal as a share of its size; far is far, and counts `_FAR`."""
+    import open3d as o3d
+
+    far_mm = _FAR * size_mm
+    found = o3d.pipelines.registration.evaluate_registration(points, goal, far_mm, motion)
+    return float(found.fitness * found.inlier_rmse / size_mm + (1.0 - found.fitness) * _FAR)
+
+
 def _fine(
     points: Any, goal: Any, border: Bools, motion: Floats, size_mm: float, spacing_mm: float
 ) -> Placed | None:
@@ -159,7 +169,7 @@ def _fine(
     import open3d as o3d
 
     registration = o3d.pipelines.registration
-    steps = registration.ICPConvergenceCriteria(0.0, 0.0, _STEPS)
+    steps = registration.ICPConvergenceCriteria(1e-7, 1e-7, _STEPS)
     reach_mm, done = _REACH * size_mm, 0
     corners = np.asarray(points.get_axis_aligned_bounding_box().get_box_points())
     for done in range(1, _ROUNDS + 1):
@@ -177,7 +187,7 @@ def _fine(
         ).copy()  # fmt: skip
         step_mm = np.abs(corners @ (motion - before)[:3, :3].T + (motion - before)[:3, 3]).max()
         reach_mm = max(3.0 * float(np.quantile(distance_mm, 0.8)), 2.0 * spacing_mm, 0.5 * reach_mm)
-        if step_mm < _STILL_MM and done > 5:
+        if step_mm < _STILL_MM and done > 2:
             break
     pairs = _pairs(points, goal, border, motion, reach_mm)
     return None if pairs is None else _placed(points, goal, motion, pairs[0], pairs[1], pairs[3], done)

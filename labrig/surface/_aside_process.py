@@ -37,6 +37,11 @@ def _answered(task: str, given: tuple[Any, ...]) -> tuple[bool, Any]:
         return True, TASKS[task](*given)
     except LabrigError as error:
         return False, str(error)
+    except ImportError as error:
+        return False, (
+            f"Open3D is installed and cannot be loaded: {error}; on Debian type: "
+            "apt-get install libegl1 libgl1 libx11-6 libudev1 libusb-1.0-0"
+        )
     except Exception as error:  # whatever Open3D makes of it
         why = " ".join(str(error).split())[:200]
         return False, f"Open3D could not do it ({task.replace('_', ' ')}): {type(error).__name__}: {why}"

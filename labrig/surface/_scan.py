@@ -12,19 +12,18 @@ from labrig.surface._mesh import Mesh
 
 _SIZES_MM = (30.0, 5000.0)
 """Sizes that a person's surface can have: what a file's unit is guessed from where no model is there to compare."""
-_FACTOR = 3.0
-"""The unit that brings a file within this factor of the model's size is taken for its own."""
+_FACTOR = 20.0
+"""The unit that brings a file within this factor of the model's size is taken for its own; it may be a part of it."""
 _LEAST_POINTS, _LEAST_TRIANGLES = 20, 8
 
 
 def read_mesh(path: str | Path, unit: str | None = None, like_mm: float | None = None) -> Mesh:
     """Read an OBJ, PLY, STL or XYZ file as Artec Studio and others export it, and clean it.
 
-    `unit` (mm, cm, m, inch) is that of the file; left out, it is what a PLY says of itself (`comment unit mm`), or the
-    one of mm, cm and m that comes near to the model's size, `like_mm` (diagonal of its box); without a model, mm or m,
-    whichever makes a size that a person's surface can have. The mesh's notes say what was guessed and cleaned. Raises
-    `LabrigError`, in one line, for a file that is missing, damaged, of another kind, or of no clear size, and without
-    the extra `scan`.
+    `unit` (mm, cm, m, inch) is that of the file; left out, it is what a PLY says of itself (`comment unit mm`), or
+    mm or m, whichever comes near to the model's size, `like_mm` (diagonal of its box), or without a model to a
+    person's. The mesh's notes say what was guessed and cleaned. Raises `LabrigError`, in one line, for a file that is
+    missing, damaged, of another kind, or of no clear size, and without the extra `scan`.
     """
     from labrig_drivers._artec_files import MM_PER_UNIT, ScanFileError, parse, read_set, scan_set
 
@@ -38,10 +37,12 @@ def read_mesh(path: str | Path, unit: str | None = None, like_mm: float | None =
         raise LabrigError(f"{path.parent / str(error)}") from None
     except OSError as error:
         raise LabrigError(f"cannot read {path}: {error.strerror or error}") from None
-    known = unit or _declared_unit(data)
+    known, note = unit or _declared_unit(data), ()
     if known is None:
-        known = _likely_unit(float(np.linalg.norm(np.ptp(geometry.vertices, axis=0))), like_mm, path)
-    note = () if unit or known == "mm" else (f"{path.name}: its unit is taken for {known}",)
+        size = float(np.linalg.norm(np.ptp(geometry.vertices, axis=0)))
+        known = _likely_unit(size, like_mm, path)
+        if known != "mm":
+            note = (f"{path.name} is {size:.3g} across and does not say its unit: taken for {known}",)
     mesh = clean(geometry.vertices * MM_PER_UNIT[known], geometry.triangles, str(path), like_mm)
     return Mesh(mesh.vertices_mm, mesh.triangles, note + mesh.notes)
 
@@ -52,24 +53,13 @@ def _declared_unit(data: bytes) -> str | None:
 
 
 def _likely_unit(size: float, like_mm: float | None, path: Path) -> str:
-    from labrig_drivers._artec_files import MM_PER_UNIT
-
-    if like_mm is None:
-        low, high = _SIZES_MM
-        for unit in ("mm", "m"):
-            if low <= size * MM_PER_UNIT[unit] <= high:
-                return unit
-        raise LabrigError(
-            f"{path} is {size:.3g} across, in mm or in m no size for a surface: say its unit (--unit)"
-        )
-    off = {unit: abs(np.log(max(size, 1e-300) * MM_PER_UNIT[unit] / like_mm)) for unit in ("mm", "cm", "m")}
-    best = min(off, key=off.__getitem__)
-    if off[best] > np.log(_FACTOR):
-        raise LabrigError(
-            f"{path} is {size:.3g} across, in mm, cm or m not near to the model's {like_mm:.3g} mm: "
-            "say its unit (--unit)"
-        )
-    return best
+    """mm or m, whichever makes a size near to the model's, or to a person's where there is no model."""
+    low, high = _SIZES_MM if like_mm is None else (like_mm / _FACTOR, like_mm * _FACTOR)
+    for unit, in_mm in (("mm", size), ("m", 1000.0 * size)):
+        if low <= in_mm <= high:
+            return unit
+    what = "no size for a surface" if like_mm is None else f"not near to the model's {like_mm:.3g} mm"
+    raise LabrigError(f"{path} is {size:.3g} across, in mm or in m {what}: say its unit (--unit)")
 
 
 def clean(
