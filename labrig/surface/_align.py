@@ -131,7 +131,8 @@ def _features(cloud: Any, cell_mm: float) -> tuple[Any, Any]:
     cells = cloud.voxel_down_sample(cell_mm)
     cells.normalize_normals()
     around = o3d.geometry.KDTreeSearchParamHybrid(_FEATURE_CELLS * cell_mm, _FEATURE_POINTS)
-    return cells, o3d.pipelines.registration.compute_fpfh_feature(cells, around)
+    registration: Any = o3d.pipelines.registration  # its stubs ask for an argument that has a default
+    return cells, registration.compute_fpfh_feature(cells, around)
 
 
 def _drawn(cloud: Any, goal: Any, features: Any, goal_features: Any, cell_mm: float) -> list[Floats]:

@@ -81,8 +81,8 @@ def cloud_frame(points: Floats) -> tuple[Floats, NDArray[np.bool_], float]:
     cloud.orient_normals_towards_camera_location(_middle(points))
     spacing = float(np.median(np.asarray(cloud.compute_nearest_neighbor_distance())))
     normals = -np.asarray(cloud.normals)
-    exact = o3d.t.geometry.PointCloud(o3d.core.Tensor(points))
-    exact.point.normals = o3d.core.Tensor(normals)
+    exact = o3d.t.geometry.PointCloud(o3d.core.Tensor.from_numpy(np.ascontiguousarray(points)))
+    exact.point.normals = o3d.core.Tensor.from_numpy(normals)
     _, border = exact.compute_boundary_points(3.0 * spacing, 30, 90.0)
     return normals, border.numpy().astype(bool).reshape(-1), spacing
 
@@ -140,7 +140,10 @@ def _without_holes(vertices: Floats, triangles: Ints) -> Ints:
     import open3d as o3d
 
     size = float(np.linalg.norm(np.ptp(vertices[np.unique(triangles)], axis=0)))
-    mesh = o3d.t.geometry.TriangleMesh(o3d.core.Tensor(vertices), o3d.core.Tensor(triangles))
+    mesh = o3d.t.geometry.TriangleMesh(
+        o3d.core.Tensor.from_numpy(np.ascontiguousarray(vertices)),
+        o3d.core.Tensor.from_numpy(np.ascontiguousarray(triangles)),
+    )
     try:
         filled = mesh.fill_holes(HOLE * size)
     except RuntimeError:  # edges of three triangles and the like: nothing is closed
