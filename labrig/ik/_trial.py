@@ -14,7 +14,7 @@ from labrig.ik._descent import Pose
 from labrig.ik._memory import Approach, Displaced
 from labrig.ik._refine import Refinement
 from labrig.ik._solve import Solver
-from labrig.surface import Mesh, Registration, Target, distances, grid, register
+from labrig.surface import Mesh, Registration, Target, distances, grid, read_mesh, register
 
 SETTLE_S = 3.0
 _FOREIGN = 0.1
@@ -81,6 +81,10 @@ class Trial:
         """How far a surface stands out of the target at each of the target's vertices, mm, (V,); NaN: not opposite."""
         found = distances(self.target.mesh.vertices_mm, surface)
         return np.where(found.beyond | self.target.mesh.border, np.nan, -found.signed_mm)
+
+    def read_scan(self, path: str | Path) -> Mesh:
+        """A scan of the realised surface, mm, cleaned, and cut off what it stands on."""
+        return read_mesh(path, "mm", Target(self.predicted).size_mm)
 
     def placed(self, scan: Mesh) -> tuple[Mesh, Registration]:
         """A scan in the target's frame, and its registration.
