@@ -52,10 +52,8 @@ class Aside:
                 raise LabrigError(
                     f"Open3D {how}: its process was ended; try again, or a smaller scan"
                 ) from None
-            except (
-                BaseException
-            ):  # Ctrl-C between question and answer: the next question needs a worker of its own
-                self._end()
+            except BaseException:
+                self._end()  # Ctrl-C before the answer: it must not be taken for that of the next question
                 raise
         worked, result = answer
         if not worked:
@@ -63,9 +61,8 @@ class Aside:
         return result
 
     def close(self) -> None:
-        """End the worker, if there is one."""
-        with self._lock:
-            self._end()
+        """End the worker, if there is one; a call that waits for it fails."""
+        self._end()
 
     def _start(self) -> "subprocess.Popen[bytes]":
         self._end()
