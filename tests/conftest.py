@@ -95,7 +95,7 @@ class Lab:
     rows_s: tuple[float, ...] = (3.0, 3.5, 4.0)
     long_s: tuple[float, ...] = ()
     sessions: int = 1
-    between: str = "released"
+    between: str = "vented"
     force: bool = False
     bent: float = 0.8
     reach_mm: float = 20.0
