@@ -180,7 +180,7 @@ def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: fl
 
 
 def learn_all(seeds: Iterable[int], third: Iterable[int] = ()) -> dict[str, dict]:
-    """The spectra of all effects, from campaigns of one effect each, of the development half and the `third` portion."""
+    """The spectra of all effects, from single effects drawn from the development half and the `third` portion."""
     examples: dict[str, list[Example]] = {}
     for half, own in (("development", seeds), ("third", third)):
         for seed in own:
