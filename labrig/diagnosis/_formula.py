@@ -15,6 +15,8 @@ from labrig.effects import Context, Effect
 
 _ROUNDS = 2
 _KEPT = 6
+_GOOD_ENOUGH = 0.05
+"""A plainer form is good enough if its held-out error is larger by no more than this share."""
 
 
 def fit_named(
@@ -56,7 +58,9 @@ def fit_named(
 
 
 def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candidate]:
-    """The forms of one effect, best first: those within their physical bounds before the others."""
+    """The forms of one effect, best first: the plainest that is good enough, then by what they explain of left-out
+    blocks; those within their physical bounds before the others.
+    """
     found = []
     for variant in effect.variants(context):
         columns = columns_of(streams, variant)
@@ -65,7 +69,15 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
             candidate = Candidate(effect, variant, columns, scored)
             found.append((plausible(effect, variant, columns, scored), candidate))
     found.sort(key=lambda f: (not f[0], -f[1].score.gain))
-    return [candidate for _, candidate in found]
+    if not found:
+        return []
+    total, (bounded, best) = float(streams.base_squares.sum()), found[0]
+    least = total - (1 + _GOOD_ENOUGH) ** 2 * (total - best.score.gain)
+    plain = min(
+        (i for i, (ok, c) in enumerate(found) if ok == bounded and c.score.gain >= least),
+        key=lambda i: (found[i][1].columns.width, i),
+    )
+    return [c for _, c in (found[plain], *found[:plain], *found[plain + 1 :])]
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:
