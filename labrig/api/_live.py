@@ -1,0 +1,75 @@
+"""A diagnosis beside a campaign: its process, which draws as well, for as long as the campaign takes.
+
+python -m labrig.api._live RUN MODEL is that process.
+"""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from labrig.campaign import Procedure
+    from labrig.live import LiveDiagnosis, Settings
+    from labrig.rig import RigConfig
+    from labrig_drivers import Clock
+
+_UNKNOWN = 10**9
+
+
+@contextmanager
+def followed(
+    settings: "Settings | None",
+    procedure: "Procedure",
+    config: "RigConfig",
+    folder: Path,
+    seed: int,
+    clock: "Clock",
+) -> Iterator["LiveDiagnosis | None"]:
+    """The adviser of a run with a live diagnosis, None without; its process ends with the context.
+
+    Raises `LabrigError` for a model that cannot be read, before anything moves.
+    """
+    if settings is None:
+        yield None
+        return
+    from labrig.campaign import dry_run
+    from labrig.live import LiveDiagnosis, Looker
+    from labrig.model import Model
+    from labrig_drivers import RealClock
+
+    Model.load(settings.model)
+    planned = _UNKNOWN if procedure.closed_loop else dry_run(procedure, config, seed).captures
+    waits = not isinstance(clock, RealClock)
+    looker = Looker([sys.executable, "-m", "labrig.api._live", str(folder.resolve()), settings.model])
+    adviser = LiveDiagnosis(settings, planned, looker, waits=waits)
+    try:
+        yield adviser
+    finally:
+        looker.close(adviser.ended)
+
+
+def main() -> None:
+    """Answer on standard output, which nothing else may write to."""
+    from labrig.live import lower_priority, serve
+
+    lower_priority()
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+
+    def say(line: str) -> None:
+        answers.write(line + "\n")
+        answers.flush()
+
+    from labrig.view import write_course
+
+    try:
+        serve(Path(sys.argv[1]), Path(sys.argv[2]), sys.stdin, say, write_course)
+    except (BrokenPipeError, KeyboardInterrupt):  # the run has gone
+        return
+
+
+if __name__ == "__main__":
+    main()

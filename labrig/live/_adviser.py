@@ -1,0 +1,91 @@
+"""Follows a campaign with a diagnosis: what it looked at, what it decided, and the set-points that follow from it."""
+
+from typing import Any
+
+from labrig.campaign import Actuate, Ask, Note, Record, RigInfo, Step, Steps, Vent
+from labrig.live._look import Look
+from labrig.live._looker import Looker
+from labrig.live._settings import Settings
+from labrig.live._words import look_line
+
+FIRST = 8
+"""Captures before the first look: with fewer nothing can be said."""
+
+
+class LiveDiagnosis:
+    """The adviser of a campaign (`labrig.campaign.Adviser`).
+
+    Before it moves on to the next set-point the campaign asks; the answer is what the process of `looker` has found by
+    then. On a real clock nobody waits for it. On a simulated one, where captures take no time, the campaign waits for
+    every look that is due (`waits`), so that it is the same again and again.
+    """
+
+    def __init__(self, settings: Settings, planned: int, looker: Looker | None, *, waits: bool) -> None:
+        self.settings, self.rule, self.planned = settings, settings.rule(), planned
+        self.looks: list[Look] = []
+        self.ended: str | None = None
+        self._looker, self._waits = looker, waits
+        self._asked_at = 0
+
+    def follow(self, plan: Steps, rig: RigInfo) -> Steps:
+        """The plan, with a question before each set-point, up to where the answer is to end."""
+        self.looks, self.ended, self._asked_at = [], None, 0
+        captures, asked = 0, 0
+        step: Step | None = next(plan, None)
+        while step is not None:
+            if isinstance(step, Actuate | Vent) and captures > max(asked, FIRST - 1):
+                asked = captures
+                answered = yield Ask(captures)
+                self._learn(answered.content)
+                if self.ended is not None:
+                    plan.close()
+                    yield Note(f"diagnosis: the campaign ends here, vented: {self.ended}")
+                    return
+            result = yield step
+            captures += isinstance(step, Record) and not result.missed
+            try:
+                step = plan.send(result)
+            except StopIteration:
+                step = None
+        if captures > max(asked, FIRST - 1):
+            answered = yield Ask(captures)
+            self._learn(answered.content)
+
+    def _learn(self, content: dict[str, Any]) -> None:
+        """Take in an answer, a new one or one that was logged: nothing else counts for what follows."""
+        if found := content.get("look"):
+            self.looks.append(Look.from_dict(found))
+        self._asked_at = max(self._asked_at, int(content.get("asked") or 0))
+        self.ended = content.get("stop")
+
+    def advise(self, ask: Ask, spent_s: float) -> dict[str, Any]:
+        """What is known by now: `look` if there is a new one, `stop` if it is enough, the look as words to `say`."""
+        content: dict[str, Any] = {}
+        self._take(None if self._looker is None else self._looker.found(), content)
+        why = self._why(content, ask, spent_s)
+        if why is None and self._looker is not None and self._looker.idle and self._due(ask):
+            self._looker.ask({"captures": ask.captures})
+            content["asked"] = ask.captures
+            if self._waits:
+                self._take(self._looker.wait(), content)
+                why = self._why(content, ask, spent_s)
+        return content if why is None else {**content, "stop": why}
+
+    def _due(self, ask: Ask) -> bool:
+        new = ask.captures - self._asked_at
+        return not self._asked_at or new >= self.settings.every or ask.captures >= self.planned
+
+    def _why(self, content: dict[str, Any], ask: Ask, spent_s: float) -> str | None:
+        looks = [*self.looks, *([Look.from_dict(content["look"])] if "look" in content else [])]
+        return self.rule.stop(looks, self.planned - ask.captures, spent_s, ask.captures)
+
+    @staticmethod
+    def _take(found: dict[str, Any] | None, content: dict[str, Any]) -> None:
+        """Add to an answer what the process has found."""
+        if found is None:
+            return
+        if "look" in found:
+            look = Look.from_dict(found["look"])
+            content |= {"look": look.to_dict(), "say": look_line(look)}
+        if "trouble" in found:
+            content["trouble"] = found["trouble"]
