@@ -89,10 +89,13 @@ def run(
     request = Request(rig, out, seed, realtime, live, serve, model, unattended, attended)
     follow = _follow_options(diagnose, every, until, budget)
     if resume is not None:
-        if procedure or context.args or dry_run or out is not None or follow is not None:
+        if procedure or context.args or dry_run or out is not None:
             raise LabrigError(
-                "--resume goes on with what the run was; it takes no procedure, parameters, --out, --dry-run or "
-                "--diagnose"
+                "--resume goes on with what the run was; it takes no procedure, parameters, --out or --dry-run"
+            )
+        if follow is not None:
+            raise LabrigError(
+                "--resume goes on with what the run was, its diagnosis too; leave --diagnose out"
             )
         do_resume(resume, request)
         return

@@ -111,9 +111,10 @@ class Rule:
             return None
         names = " and ".join(word(name) for name in self._open(looks[-1])) or "the rest"
         need = needs[0]
-        more = "no end is in sight" if need is None or math.isinf(need) else f"some {need:.0f} captures more"
+        known = need is not None and math.isfinite(need)
+        more = f"may take {need:.0f} captures more" if known else "no longer moves"
         return (
-            f"not worth the minutes: {names} would take {more}, the plan has {captures_left}; "
+            f"not worth the minutes: {names} {more}, the plan has {captures_left}; "
             "labrig next proposes other set-points"
         )
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig.view._style import AFTER, CEILING, FLOOR, GROUPS, INK, LINE, MUTED
-from labrig.view._text import number, word
+from labrig.view._text import word
 
 if TYPE_CHECKING:
     from labrig.live import Look
@@ -85,7 +85,7 @@ def _errors(axis: Any, looks: "Sequence[Look]") -> None:
     axis.plot(captures, floor, color=FLOOR, label="noise floor")
     axis.fill_between(captures, lowest, np.maximum(error, lowest), color=CEILING, alpha=0.3, linewidth=0)
     axis.plot(
-        [], [], color=CEILING, alpha=0.4, linewidth=6, label=f"left to gain: {number(looks[-1].left)} {units}"
+        [], [], color=CEILING, alpha=0.4, linewidth=6, label=f"left to gain: {looks[-1].left:.2g} {units}"
     )
     axis.set_ylim(bottom=0)
     axis.set_ylabel(f"held-out error, rms, {units}", color=MUTED)
