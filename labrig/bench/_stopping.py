@@ -10,8 +10,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from labrig._executor import Executor
-from labrig.bench._draw import draw
+from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._run import key_of
 
@@ -51,6 +53,15 @@ def first_captures(dataset: "xr.Dataset", captures: int) -> "xr.Dataset":
     return cut.isel(event=slice(0, int(cut["event_of"].max()) + 1))
 
 
+def acted(campaign: Campaign, captures: int) -> dict[str, float]:
+    """How large each hidden effect was in the first captures, root mean square, in floors."""
+    counts = np.isfinite(campaign.dataset["hold_s"].values[:captures]).sum()
+    return {
+        name: float(np.sqrt(np.mean(part[:counts] ** 2))) / campaign.truth["floor"]
+        for name, part in campaign.parts.items()
+    }
+
+
 def watch(half: str, name: str, seed: int, captures: int = CAPTURES) -> dict[str, Any]:
     """Draw a campaign and diagnose it as it grows; the record is plain JSON."""
     from labrig.diagnosis import diagnose, plain
@@ -66,7 +77,8 @@ def watch(half: str, name: str, seed: int, captures: int = CAPTURES) -> dict[str
             part = first_captures(whole, n)
             minutes = float(part["time_s"].max()) / 60
             summary = diagnose(part, model, without=campaign.truth["without"]).summary
-            looks.append(Look.of(summary, n, minutes).to_dict() | {"rivals": summary["rivals"]})
+            look = Look.of(summary, n, minutes).to_dict()
+            looks.append(look | {"rivals": summary["rivals"], "acted": acted(campaign, n)})
     truth = {key: campaign.truth[key] for key in _OF_TRUTH}
     return plain({"key": key_of(half, name, seed), "truth": truth, "looks": looks})
 

@@ -8,7 +8,7 @@ from labrig.live._looker import Looker
 from labrig.live._settings import Settings
 from labrig.live._words import look_line
 
-FIRST = 8
+FIRST = 12
 """Captures before the first look: with fewer nothing can be said."""
 
 
@@ -69,15 +69,21 @@ class LiveDiagnosis:
             if self._waits:
                 self._take(self._looker.wait(), content)
                 why = self._why(content, ask, spent_s)
-        return content if why is None else {**content, "stop": why}
+        if why is not None:
+            content["stop"] = why
+            if looks := self._looks(content):
+                content["probability"] = self.rule.at_a_stop(looks[-1])
+        return content
 
     def _due(self, ask: Ask) -> bool:
         new = ask.captures - self._asked_at
         return not self._asked_at or new >= self.settings.every or ask.captures >= self.planned
 
     def _why(self, content: dict[str, Any], ask: Ask, spent_s: float) -> str | None:
-        looks = [*self.looks, *([Look.from_dict(content["look"])] if "look" in content else [])]
-        return self.rule.stop(looks, self.planned - ask.captures, spent_s, ask.captures)
+        return self.rule.stop(self._looks(content), self.planned - ask.captures, spent_s, ask.captures)
+
+    def _looks(self, content: dict[str, Any]) -> list[Look]:
+        return [*self.looks, *([Look.from_dict(content["look"])] if "look" in content else [])]
 
     @staticmethod
     def _take(found: dict[str, Any] | None, content: dict[str, Any]) -> None:

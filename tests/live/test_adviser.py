@@ -15,7 +15,7 @@ from labrig_procedures import Capture
 
 from .conftest import Told, said
 
-PLAN = Capture(captures=20, repeated=0, settle_s=0.5, record_s=0.2)
+PLAN = Capture(captures=36, repeated=0, settle_s=0.5, record_s=0.2)
 ASKED = Settings("model.yaml", until="settled")
 
 
@@ -41,46 +41,48 @@ def lines(folder: Path) -> list[str]:
 
 
 def test_a_settled_campaign_ends_vented_and_says_why(config: RigConfig, tmp_path: Path) -> None:
-    """Settled in two looks, it ends before its plan does, completed and vented, and the log has looks and reason."""
-    looker = Told(lambda captures: said(captures, 0.95 if captures >= 12 else 0.5))
+    """Settled it ends before its plan does, completed and vented, and the log has the looks and the reason."""
+    looker = Told(lambda captures: said(captures, 0.95 if captures >= 16 else 0.5))
     follow(config, tmp_path / "run", looker)
     summary = summarise(tmp_path / "run")
-    assert looker.asked == [8, 12, 16]
-    assert (summary.captures, summary.state) == (16, "completed")
+    assert looker.asked == [12, 16, 20, 24, 28, 32]
+    assert (summary.captures, summary.state) == (32, "completed")
     said_so = [line for line in lines(tmp_path / "run") if line.startswith("diagnosis")]
     assert said_so[0] == (
-        "diagnosis of 8 captures: creep 0.50; error 0.3 mm, floor 0.1 mm, left to gain 0.2 mm"
+        "diagnosis of 12 captures: creep 0.50; error 0.3 mm, floor 0.1 mm, left to gain 0.2 mm"
     )
     assert said_so[-1] == (
-        "diagnosis: the campaign ends here, vented: settled: sure of creep 0.95; all other effects are out"
+        "diagnosis: the campaign ends here, vented: settled: sure of creep 0.95; all other effects are out "
+        "(each of them 2% for what was not seen yet)"
     )
     answers = [done.result.content for done in read_completed(tmp_path / "run") if isinstance(done.step, Ask)]
-    assert [answer["look"]["captures"] for answer in answers if "look" in answer] == [8, 12, 16]
+    assert [answer["look"]["captures"] for answer in answers if "look" in answer] == looker.asked
     assert answers[-1]["stop"].startswith("settled")
+    assert answers[-1]["probability"] == {"creep": 0.95}
 
 
 def test_without_until_it_is_the_plan(config: RigConfig, tmp_path: Path) -> None:
     """Where nothing is to end it, the whole plan is done, however sure the looks are."""
     looker = Told(lambda captures: said(captures, 0.99))
     follow(config, tmp_path / "run", looker, settings=Settings("model.yaml", every=6))
-    assert open_run(tmp_path / "run").sizes["capture"] == 20
-    assert looker.asked == [8, 14, 20]
+    assert open_run(tmp_path / "run").sizes["capture"] == 36
+    assert looker.asked == [12, 18, 24, 30, 36]
 
 
 def test_nobody_waits_for_a_look_on_a_real_clock(config: RigConfig, tmp_path: Path) -> None:
     """A diagnosis that hangs is asked once, and the whole plan is done without it."""
     looker = Told(lambda captures: None)
     follow(config, tmp_path / "run", looker, waits=False)
-    assert looker.asked == [8]
-    assert open_run(tmp_path / "run").sizes["capture"] == 20
+    assert looker.asked == [12]
+    assert open_run(tmp_path / "run").sizes["capture"] == 36
 
 
 def test_a_look_that_comes_late_counts_when_it_comes(config: RigConfig, tmp_path: Path) -> None:
     """On a real clock a look is taken in at the next question, and the next one is begun after `every` captures."""
     looker = Told(lambda captures: said(captures, 0.95))
     follow(config, tmp_path / "run", looker, waits=False)
-    assert looker.asked == [8, 12]
-    assert open_run(tmp_path / "run").sizes["capture"] == 13
+    assert looker.asked == [12, 16, 20, 24]
+    assert open_run(tmp_path / "run").sizes["capture"] == 25
 
 
 @pytest.mark.parametrize("how", ["says so", "raises"])
@@ -95,19 +97,19 @@ def test_a_diagnosis_that_fails_changes_nothing_but_a_warning(
         return {"trouble": "the diagnosis failed: no floor"}
 
     follow(config, tmp_path / "run", Told(fails))
-    assert open_run(tmp_path / "run").sizes["capture"] == 20
+    assert open_run(tmp_path / "run").sizes["capture"] == 36
     assert any("no floor" in line for line in lines(tmp_path / "run"))
 
 
 def test_a_budget_ends_the_campaign_in_time(config: RigConfig, tmp_path: Path) -> None:
     """No capture begins that would end after the budget, with no look at all."""
-    follow(config, tmp_path / "run", None, settings=Settings("model.yaml", budget="12s"))
+    follow(config, tmp_path / "run", None, settings=Settings("model.yaml", budget="20s"))
     run_ = open_run(tmp_path / "run")
     took_s = float(run_["time_s"].max())
-    assert 8 <= run_.sizes["capture"] < 20
-    assert took_s <= 12.5
+    assert 12 <= run_.sizes["capture"] < 36
+    assert took_s <= 20.5
     assert any(
-        "out of time: the next capture would end after 0.2 min" in line for line in lines(tmp_path / "run")
+        "out of time: the next capture would end after 0.333 min" in line for line in lines(tmp_path / "run")
     )
 
 
@@ -135,14 +137,14 @@ def test_a_resumed_run_decides_the_same(config: RigConfig, tmp_path: Path) -> No
         follow(config, folder, Told(interrupted), control=control, observers=[_EndsAfter(control, 1)])
     done = [step for step in read_completed(folder) if isinstance(step.step, Ask)]
     assert done
-    assert done[0].result.content["look"]["captures"] == 8
+    assert done[0].result.content["look"]["captures"] == 12
     looker = Told(lambda captures: said(captures, 0.95))
     adviser = LiveDiagnosis(ASKED, PLAN.captures, looker, waits=True)
     with connect(config, SimulatedClock()) as rig:
         resume(PLAN, rig, folder, watching=Watching(adviser=adviser))
-    assert 8 not in looker.asked
-    assert summarise(folder).captures == 12
-    assert [look.captures for look in adviser.looks] == [8, 12]
+    assert looker.asked == [16, 20, 24]
+    assert summarise(folder).captures == 24
+    assert [look.captures for look in adviser.looks] == [12, 16, 20, 24]
 
 
 def test_a_resumed_run_wants_its_diagnosis_back(config: RigConfig, tmp_path: Path) -> None:

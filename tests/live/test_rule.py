@@ -24,25 +24,28 @@ def stops(rule: Rule, *looks: Look, left: int = LEFT) -> str | None:
     return rule.stop(looks, left, SPENT_S, looks[-1].captures if looks else 4)
 
 
-def test_the_same_settled_verdict_twice_ends_it() -> None:
-    """Every effect sure or out, twice in a row with the same names, is enough, and the reason names what is sure."""
-    why = stops(
-        SETTLED,
-        look(8, creep=0.5, leak=0.4),
-        look(12, creep=0.95, leak=0.02),
-        look(16, creep=0.97, leak=0.01),
+def test_a_settled_verdict_that_stands_while_the_campaign_doubles_ends_it() -> None:
+    """Every effect sure or out, the same from half of the captures on, is enough; the reason says what is sure."""
+    looks = [look(8, creep=0.5), *(look(n, creep=0.9 + n / 1000, leak=0.01) for n in (12, 16, 20, 24))]
+    assert stops(SETTLED, *looks[:-1]) is None
+    assert stops(SETTLED, *looks) == (
+        "settled: sure of creep 0.92; all other effects are out (each of them 2% for what was not seen yet)"
     )
-    assert why == "settled: sure of creep 0.97; all other effects are out"
+
+
+def test_at_a_stop_no_effect_is_less_probable_than_what_stopping_misses() -> None:
+    """What is stated at a stop is what was found, and for what is out the share that was there all the same."""
+    assert SETTLED.at_a_stop(look(24, creep=0.95, leak=0.0)) == {"creep": 0.95, "leak": 0.02}
 
 
 @pytest.mark.parametrize(
     "looks",
     [
-        [look(8, creep=0.95)],
-        [look(8, creep=0.95), look(12, creep=0.85)],
-        [look(8, creep=0.95, leak=0.0), look(12, creep=0.05, leak=0.95)],
-        [look(8, creep=0.02), look(12, creep=0.95)],
-        [Look(8, 1, "underpowered", (), {"creep": 0.0}), Look(12, 1, "underpowered", (), {"creep": 0.0})],
+        [look(24, creep=0.95)],
+        [look(12, creep=0.95), look(18, creep=0.95), look(24, creep=0.85)],
+        [look(12, creep=0.95, leak=0.0), look(24, creep=0.05, leak=0.95)],
+        [look(12, creep=0.02), look(18, creep=0.95), look(24, creep=0.95)],
+        [Look(n, 1, "underpowered", (), {"creep": 0.0}) for n in (12, 24)],
     ],
     ids=["one look", "still open", "another name", "nothing, then something", "too few to say"],
 )
@@ -53,7 +56,7 @@ def test_less_than_that_does_not_end_it(looks: list[Look]) -> None:
 
 def test_at_the_end_of_the_plan_there_is_nothing_left_to_decide() -> None:
     """Where the plan has no captures left it ends by itself."""
-    assert stops(SETTLED, look(8, creep=0.95), look(12, creep=0.96), left=0) is None
+    assert stops(SETTLED, look(8, creep=0.95), look(16, creep=0.96), left=0) is None
 
 
 def test_what_is_left_to_learn_may_not_be_worth_the_minutes() -> None:

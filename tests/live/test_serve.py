@@ -107,10 +107,10 @@ def test_run_with_diagnose_ends_when_it_is_near_enough(
         "error=50mm",
     )
     assert code == 0, err
-    assert out == "live: 9 captures in 11 s, vented\n"
+    assert out == "live: 13 captures in 15 s, vented\n"
     assert "near enough: the held-out error is" in " ".join(err.split())
     kept = json.loads((measured / "live" / RECORD).read_text())
-    assert [look["captures"] for look in kept["looks"]] == [8, 9]
+    assert [look["captures"] for look in kept["looks"]] == [12, 13]
     assert kept["ended"].startswith("near enough")
     assert (measured / "live" / "diagnosis-live.png").exists()
     code, _, err = labrig("run", "--resume", "live")
