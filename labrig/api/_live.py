@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labrig._errors import LabrigError
+
 if TYPE_CHECKING:
     from labrig.campaign import Procedure
     from labrig.live import LiveDiagnosis, Settings
@@ -35,16 +37,20 @@ def followed(
     if settings is None:
         yield None
         return
-    from labrig.campaign import dry_run
-    from labrig.live import LiveDiagnosis, Looker
+    from labrig.campaign import dry_run, rig_info
+    from labrig.live import LiveDiagnosis, Looker, Range
     from labrig.model import Model
     from labrig_drivers import RealClock
 
     Model.load(settings.model)
-    planned = _UNKNOWN if procedure.closed_loop else dry_run(procedure, config, seed).captures
+    if settings.adapt and procedure.closed_loop:
+        raise LabrigError(f"--adapt: {procedure.procedure_name()} chooses its own set-points")
+    plan = dry_run(procedure, config, seed)
+    planned = _UNKNOWN if procedure.closed_loop else plan.captures
+    within = Range.of(plan, rig_info(config, seed)) if settings.adapt else None
     waits = not isinstance(clock, RealClock)
     looker = Looker([sys.executable, "-m", "labrig.api._live", str(folder.resolve()), settings.model])
-    adviser = LiveDiagnosis(settings, planned, looker, waits=waits)
+    adviser = LiveDiagnosis(settings, planned, looker, waits=waits, range_kpa=within)
     try:
         yield adviser
     finally:

@@ -66,6 +66,9 @@ def run(
         str, typer.Option(help="End, vented, when it is settled, or at an error: settled, error=0.2mm.")
     ] = "",
     budget: Annotated[str, typer.Option(help="End, vented, before the rig took longer: 45min, 2h.")] = "",
+    adapt: Annotated[
+        bool, typer.Option("--adapt", help="Set-points that tell apart what is open, in place of the plan's.")
+    ] = False,
     help: Annotated[bool, typer.Option("--help", help="Show this, or a procedure's parameters.")] = False,
 ) -> None:
     """Run a procedure on a rig: capture, hold, idle, pairs, programme, repeatability, sweep, or one of your own.
@@ -87,7 +90,7 @@ def run(
     if attended and unattended:
         raise LabrigError("--attended or --unattended, not both")
     request = Request(rig, out, seed, realtime, live, serve, model, unattended, attended)
-    follow = _follow_options(diagnose, every, until, budget)
+    follow = _follow_options(diagnose, every, until, budget, adapt)
     if resume is not None:
         if procedure or context.args or dry_run or out is not None:
             raise LabrigError(
@@ -109,15 +112,17 @@ def run(
         do_run(procedure, context.args, replace(request, follow=follow))
 
 
-def _follow_options(diagnose: Path | None, every: int | None, until: str, budget: str) -> "Settings | None":
+def _follow_options(
+    diagnose: Path | None, every: int | None, until: str, budget: str, adapt: bool
+) -> "Settings | None":
     """What is asked of a live diagnosis; None where none is."""
     if diagnose is None:
-        if every is not None or until or budget:
-            raise LabrigError("--every, --until and --budget are for --diagnose MODEL")
+        if every is not None or until or budget or adapt:
+            raise LabrigError("--every, --until, --budget and --adapt are for --diagnose MODEL")
         return None
     from labrig.live import EVERY, Settings
 
-    return Settings(str(diagnose.resolve()), every or EVERY, until, budget)
+    return Settings(str(diagnose.resolve()), every or EVERY, until, budget, adapt)
 
 
 @app.command()

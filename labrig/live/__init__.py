@@ -1,5 +1,6 @@
 """A diagnosis that runs beside the campaign, and what it decides."""
 
+from labrig.live._adapt import MINUTES, Range
 from labrig.live._adviser import LiveDiagnosis
 from labrig.live._look import Look
 from labrig.live._looker import Looker
@@ -10,12 +11,14 @@ from labrig.live._words import look_line
 
 __all__ = [
     "EVERY",
+    "MINUTES",
     "MISSED",
     "RECORD",
     "STEADY",
     "LiveDiagnosis",
     "Look",
     "Looker",
+    "Range",
     "Rule",
     "Settings",
     "look_line",

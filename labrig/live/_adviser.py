@@ -1,8 +1,10 @@
 """Follows a campaign with a diagnosis: what it looked at, what it decided, and the set-points that follow from it."""
 
+from dataclasses import asdict
 from typing import Any
 
 from labrig.campaign import Actuate, Ask, Note, Record, RigInfo, Step, Steps, Vent
+from labrig.live._adapt import Range, first_probe, steps_of
 from labrig.live._look import Look
 from labrig.live._looker import Looker
 from labrig.live._settings import Settings
@@ -17,44 +19,84 @@ class LiveDiagnosis:
 
     Before it moves on to the next set-point the campaign asks; the answer is what the process of `looker` has found by
     then. On a real clock nobody waits for it. On a simulated one, where captures take no time, the campaign waits for
-    every look that is due (`waits`), so that it is the same again and again.
+    every look that is due (`waits`), so that it is the same again and again. `planned` captures are made at most;
+    within `range_kpa`, if it is given, probes that tell apart what is open take the place of the plan's set-points.
     """
 
-    def __init__(self, settings: Settings, planned: int, looker: Looker | None, *, waits: bool) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        planned: int,
+        looker: Looker | None,
+        *,
+        waits: bool,
+        range_kpa: Range | None = None,
+    ) -> None:
         self.settings, self.rule, self.planned = settings, settings.rule(), planned
         self.looks: list[Look] = []
         self.ended: str | None = None
-        self._looker, self._waits = looker, waits
-        self._asked_at = 0
+        self._looker, self._waits, self._range = looker, waits, range_kpa
+        self._begin()
+
+    def _begin(self) -> None:
+        self.looks, self.ended = [], None
+        self._asked_at = self._captures = 0
+        self._points: list[dict[str, Any]] = []
 
     def follow(self, plan: Steps, rig: RigInfo) -> Steps:
-        """The plan, with a question before each set-point, up to where the answer is to end."""
-        self.looks, self.ended, self._asked_at = [], None, 0
-        captures, asked = 0, 0
+        """The plan, or what is proposed in its place, with a question before each set-point, to where it is to end."""
+        self._begin()
+        asked, adapted = FIRST - 1, False
         step: Step | None = next(plan, None)
-        while step is not None:
-            if isinstance(step, Actuate | Vent) and captures > max(asked, FIRST - 1):
-                asked = captures
-                answered = yield Ask(captures)
-                self._learn(answered.content)
+        while step is not None and not (adapted and self._captures >= self.planned):
+            if isinstance(step, Actuate | Vent) and self._captures > asked:
+                asked = self._captures
+                yield from self._ask()
                 if self.ended is not None:
                     plan.close()
                     yield Note(f"diagnosis: the campaign ends here, vented: {self.ended}")
                     return
+                if self._points:
+                    adapted = True
+                    yield from self._probe(rig)
+                    continue
             result = yield step
-            captures += isinstance(step, Record) and not result.missed
+            self._count(step, result)
             try:
                 step = plan.send(result)
             except StopIteration:
                 step = None
-        if captures > max(asked, FIRST - 1):
-            answered = yield Ask(captures)
-            self._learn(answered.content)
+        plan.close()
+        if self._captures > asked:
+            yield from self._ask()
+
+    def _ask(self) -> Steps:
+        answered = yield Ask(self._captures)
+        self._learn(answered.content)
+
+    def _probe(self, rig: RigInfo) -> Steps:
+        """The next probe, whole, as far as there are captures left for it."""
+        count = first_probe(self._points, self.planned - self._captures)
+        probe, self._points = self._points[:count], self._points[count:]
+        steps = steps_of(probe, rig)
+        step = next(steps, None)
+        while step is not None:
+            result = yield step
+            self._count(step, result)
+            try:
+                step = steps.send(result)
+            except StopIteration:
+                return
+
+    def _count(self, step: Step, result: Any) -> None:
+        self._captures += isinstance(step, Record) and not result.missed
 
     def _learn(self, content: dict[str, Any]) -> None:
         """Take in an answer, a new one or one that was logged: nothing else counts for what follows."""
         if found := content.get("look"):
             self.looks.append(Look.from_dict(found))
+        if "points" in content:
+            self._points = list(content["points"])
         self._asked_at = max(self._asked_at, int(content.get("asked") or 0))
         self.ended = content.get("stop")
 
@@ -64,7 +106,7 @@ class LiveDiagnosis:
         self._take(None if self._looker is None else self._looker.found(), content)
         why = self._why(content, ask, spent_s)
         if why is None and self._looker is not None and self._looker.idle and self._due(ask):
-            self._looker.ask({"captures": ask.captures})
+            self._looker.ask({"captures": ask.captures, **self._wish()})
             content["asked"] = ask.captures
             if self._waits:
                 self._take(self._looker.wait(), content)
@@ -74,6 +116,10 @@ class LiveDiagnosis:
             if looks := self._looks(content):
                 content["probability"] = self.rule.at_a_stop(looks[-1])
         return content
+
+    def _wish(self) -> dict[str, Any]:
+        """What is asked beside the look: the next set-points, within the plan's range."""
+        return {} if self._range is None else {"adapt": asdict(self._range)}
 
     def _due(self, ask: Ask) -> bool:
         new = ask.captures - self._asked_at
@@ -93,5 +139,7 @@ class LiveDiagnosis:
         if "look" in found:
             look = Look.from_dict(found["look"])
             content |= {"look": look.to_dict(), "say": look_line(look)}
+        if "points" in found:
+            content["points"] = found["points"]
         if "trouble" in found:
             content["trouble"] = found["trouble"]

@@ -34,7 +34,7 @@ def serve(
             return
         try:
             model = model or Model.load(model_file)
-            look, found = _look(folder, model)
+            look, found = _look(folder, model, question.get("adapt"))
         except Exception as error:  # whatever it is, the campaign has its plan
             say(json.dumps({"trouble": f"the diagnosis failed: {type(error).__name__}: {error}"}))
             continue
@@ -43,15 +43,17 @@ def serve(
         _keep(folder, looks, None, draw)
 
 
-def _look(folder: Path, model: "Model") -> tuple[Look, dict[str, Any]]:
-    """Diagnose all that is whole in the log."""
-    from labrig.diagnosis import diagnose
+def _look(folder: Path, model: "Model", adapt: dict[str, Any] | None) -> tuple[Look, dict[str, Any]]:
+    """Diagnose all that is whole in the log; with the range of a plan to `adapt`, propose what comes next, too."""
+    from labrig.diagnosis import diagnose, plain
+    from labrig.live._adapt import propose
     from labrig.log import open_run
 
     run = open_run(folder)
     summary = diagnose(run, model).summary
     minutes = float(run["time_s"].max()) / 60
-    return Look.of(summary, run.sizes["capture"], minutes), {}
+    look = Look.of(summary, run.sizes["capture"], minutes)
+    return look, {} if adapt is None else {"points": plain(propose(run, model, summary, **adapt))}
 
 
 def _earlier(folder: Path) -> list[Look]:

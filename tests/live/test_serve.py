@@ -121,7 +121,7 @@ def test_run_with_diagnose_ends_when_it_is_near_enough(
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["--until", "settled"], "--every, --until and --budget are for --diagnose MODEL"),
+        (["--until", "settled"], "--every, --until, --budget and --adapt are for --diagnose MODEL"),
         (["--diagnose", "model.yaml", "--until", "soon"], "--until soon: write settled, or an error"),
         (["--diagnose", "no.yaml"], "no.yaml"),
     ],
