@@ -31,7 +31,7 @@ HOPELESS = 3.0
 _TREND = 4
 """Looks from which it is read how fast the verdict moves."""
 _CLIP = 1e-3
-_STILL = f"each of them {MISSED:.0%} for what was not seen yet"
+_STILL = f"each of them {100 * MISSED:g} % for what was not seen yet"
 _AMOUNT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-zµμ]*)\s*")
 
 

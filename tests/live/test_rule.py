@@ -29,7 +29,7 @@ def test_a_settled_verdict_that_stands_while_the_campaign_doubles_ends_it() -> N
     looks = [look(8, creep=0.5), *(look(n, creep=0.9 + n / 1000, leak=0.01) for n in (12, 16, 20, 24))]
     assert stops(SETTLED, *looks[:-1]) is None
     assert stops(SETTLED, *looks) == (
-        "settled: sure of creep 0.92; all other effects are out (each of them 2% for what was not seen yet)"
+        "settled: sure of creep 0.92; all other effects are out (each of them 2 % for what was not seen yet)"
     )
 
 
