@@ -53,8 +53,10 @@ def followed(
     adviser = LiveDiagnosis(settings, planned, looker, waits=waits, range_kpa=within)
     try:
         yield adviser
-    finally:
-        looker.close(adviser.ended)
+    except BaseException:
+        looker.close(None, 0.0)  # what went wrong is said at once
+        raise
+    looker.close(adviser.ended)
 
 
 def main() -> None:

@@ -108,19 +108,24 @@ def _holds(
     from labrig.experiment import propose_experiment
     from labrig.live import MINUTES
 
-    high = campaign.dataset["chamber_max"].values
+    minutes = MINUTES if strategy == "adapted" else 2 * MINUTES
     if strategy in ("adapted", "chosen"):
-        minutes = MINUTES if strategy == "adapted" else 2 * MINUTES
         try:
             experiment = propose_experiment(runs, model, summary=summary, minutes=minutes)
-        except LabrigError:
-            return []  # it is sure, of something wrong, or sees nothing that would tell
+        except LabrigError:  # it is sure, of something wrong, or sees nothing that would tell
+            return _spread("even", campaign, seed, taken)[:BATCH] if strategy == "adapted" else []
         holds = [(experiment.limits.actuation(p.share), p.hold_s) for p in experiment.points]
         if strategy == "chosen":
             return holds
         # as a live campaign does: one probe, and then it is looked again
         first = itertools.takewhile(lambda label: label == experiment.labels[0], experiment.labels)
         return holds[: len(list(first))]
+    return _spread(strategy, campaign, seed, taken)
+
+
+def _spread(strategy: Strategy, campaign: Campaign, seed: int, taken: int) -> list[tuple[Floats, float]]:
+    """Set-points at random, or Halton points, in holds of very different length."""
+    high = campaign.dataset["chamber_max"].values
     random = np.random.default_rng([seed, taken, len(strategy)])
     if strategy == "random":
         unit = random.random((MOST, len(high) + 1))
@@ -220,7 +225,8 @@ def write_settle(records: list[dict[str, Any]], path: Path, how: str, most: int 
         "Captures and minutes after which the verdict on a campaign of class `confounded` (one that did not give it "
         f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most. Medians "
         "are over all campaigns (not settled: never), means over those that all settled. Adapted: one "
-        "probe at a time of what `labrig next` proposes, proposed anew after each. Chosen: its whole programme. Random "
-        "and even: set-points at random, and Halton points, in holds of 3.5 to 60 s."
+        "probe at a time of what `labrig next` proposes, proposed anew after each, and even set-points where it proposes "
+        "nothing. Chosen: its whole programme. Random and even: set-points at random, and Halton points, in holds of 3.5 "
+        "to 60 s."
     )
     write_section(path, _HEADING, [how, "", about, "", *markdown(head, rows)])

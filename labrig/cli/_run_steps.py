@@ -13,7 +13,7 @@ from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 from labrig.api._procedures import find_procedure, read_procedure, source_of
 from labrig.api._run import new_folder
-from labrig.campaign import Control, Interrupted, Observer, Procedure, Reachable, Watching
+from labrig.campaign import Adviser, Control, Interrupted, Observer, Procedure, Reachable, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
@@ -21,7 +21,7 @@ from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
 from labrig.rig import RigConfig, check_unattended, clock_of, connect, load_rig
-from labrig_drivers import DeviceError
+from labrig_drivers import Clock, DeviceError
 
 if TYPE_CHECKING:
     from labrig.campaign import Plan
@@ -161,16 +161,27 @@ def _go(
     request: Request,
     context: dict[str, object] | None,
 ) -> None:
-    """Connect, run (or resume, if there is no context), and report."""
-    clock = clock_of(config, request.realtime)
-    control = Control(attended=request.attended or (not request.unattended and sys.stdin.isatty()))
+    """Connect, run (or resume, if there is no context), and report; then a live diagnosis draws its last picture."""
     from labrig.api._live import followed
 
-    with (
-        followed(request.follow, procedure, config, folder, request.seed, clock) as adviser,
-        Screen(control) as screen,
-        Reachable(procedure, config, folder, clock, control) as reachable,
-    ):
+    clock = clock_of(config, request.realtime)
+    with followed(request.follow, procedure, config, folder, request.seed, clock) as adviser:
+        _run_it(procedure, config, folder, request, context, clock, adviser)
+        summary = summarise(folder)
+        typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
+
+
+def _run_it(
+    procedure: Procedure,
+    config: RigConfig,
+    folder: Path,
+    request: Request,
+    context: dict[str, object] | None,
+    clock: Clock,
+    adviser: Adviser | None,
+) -> None:
+    control = Control(attended=request.attended or (not request.unattended and sys.stdin.isatty()))
+    with Screen(control) as screen, Reachable(procedure, config, folder, clock, control) as reachable:
         observers: list[Observer] = [screen, reachable, *_viewers(request, config)]
         watching = Watching(observers, control, dict(context or {}), adviser)
         guard_log = folder / "guard.log"
@@ -189,8 +200,6 @@ def _go(
             raise typer.Exit(130) from None
         except (LabrigError, DeviceError) as error:
             raise type(error)(f"{error}{_go_on(folder)}") from error
-    summary = summarise(folder)
-    typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
 
 
 def _go_on(folder: Path) -> str:

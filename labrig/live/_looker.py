@@ -14,7 +14,7 @@ from typing import Any
 LONGEST_S = 300.0
 """A look that takes longer hangs."""
 _ATTEMPTS = 3
-_ENDS_S = 20.0
+ENDS_S = 20.0
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -112,8 +112,8 @@ class Looker:
         self._process = None
         return {"trouble": f"{what}, {_ATTEMPTS} times; the campaign goes on without"}
 
-    def close(self, why: str | None) -> None:
-        """Let it draw its last picture, which says `why` the campaign ended, and end it; for some seconds at most."""
+    def close(self, why: str | None, wait_s: float = ENDS_S) -> None:
+        """Let it draw its last picture, which says `why` the campaign ended, and end it after `wait_s` at most."""
         process, self._process = self._process, None
         if process is None:
             return
@@ -123,7 +123,7 @@ class Looker:
                 process.stdin.close()
         self._number += 1
         try:
-            process.wait(_ENDS_S)
+            process.wait(wait_s)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
