@@ -224,9 +224,9 @@ def write_settle(records: list[dict[str, Any]], path: Path, how: str, most: int 
     about = (
         "Captures and minutes after which the verdict on a campaign of class `confounded` (one that did not give it "
         f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most. Medians "
-        "are over all campaigns (not settled: never), means over those that all settled. Adapted: one "
-        "probe at a time of what `labrig next` proposes, proposed anew after each, and even set-points where it proposes "
-        "nothing. Chosen: its whole programme. Random and even: set-points at random, and Halton points, in holds of 3.5 "
+        "are over all campaigns (not settled: never), means over those that all settled. Adapted: one probe at a time "
+        "of what `labrig next` proposes, proposed anew after each, and even set-points where it proposes nothing. "
+        "Chosen: its whole programme. Random and even: set-points at random, and Halton points, in holds of 3.5 "
         "to 60 s."
     )
     write_section(path, _HEADING, [how, "", about, "", *markdown(head, rows)])

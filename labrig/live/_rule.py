@@ -26,8 +26,6 @@ MISSED = 0.02
 of what was measured knows of that."""
 IN_A_ROW = 2
 """Looks in a row that must say the same for any other stop."""
-HOPELESS = 3.0
-"""By how often the captures that are left must fall short of those that it would take, for going on to be given up."""
 _TREND = 4
 """Looks from which it is read how fast the verdict moves."""
 _CLIP = 1e-3
@@ -127,9 +125,9 @@ class Rule:
         return f"all effects are out ({_STILL})"
 
     def _hopeless(self, looks: Sequence[Look], captures_left: int) -> str | None:
-        """Even at the fastest pace seen lately, the slowest open effect would take far longer than the plan does."""
+        """Even at the fastest pace seen lately, the slowest open effect would take longer than the plan does."""
         needs = [self._needs(looks[: len(looks) - back]) for back in range(IN_A_ROW)]
-        if any(need is None or need < HOPELESS * captures_left for need in needs):
+        if any(need is None or need < captures_left for need in needs):
             return None
         names = " and ".join(word(name) for name in self._open(looks[-1])) or "the rest"
         need = needs[0]
