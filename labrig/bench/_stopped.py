@@ -131,6 +131,19 @@ def _share(count: int, of: int) -> str:
     return f"{count} of {of} ({100 * low:.{digits}f} to {100 * high:.{digits}f} %)"
 
 
+def surer_by(records: Sequence[Record]) -> tuple[float, float, float]:
+    """By how much the calibration error of effects is larger where campaigns are stopped, and its 95 % interval."""
+    both = []
+    for record in records:
+        whole, settled, _ = (ends_at(record, stops) for _, stops in _ways())
+        both.append((probabilities(record, whole, floor=True), probabilities(record, settled, floor=True)))
+
+    def more(drawn: list[Any]) -> float:
+        return _error([stopped for _, stopped in drawn]) - _error([whole for whole, _ in drawn])
+
+    return more(both), *bootstrap(both, more)
+
+
 def write_stopping(records: Sequence[Record], path: Path, how: str) -> None:
     """Put the table into a Markdown file under "Stopping"; the rest of the file stays as it is."""
     from labrig.live import MISSED, STEADY
@@ -143,4 +156,10 @@ def write_stopping(records: Sequence[Record], path: Path, how: str) -> None:
         f"them. The calibration error is of the probabilities as they are stated: at a stop none is below {MISSED:g}. "
         "In brackets: 95 % intervals, the last by drawing campaigns again."
     )
-    write_section(path, _HEADING, [how, "", about, "", *markdown(HEAD, stopped_rows(records))])
+    more, low, high = surer_by(records)
+    verdict = (
+        f"Calibration error until settled, less that to the end, the same campaigns: {more:+.3f} "
+        f"({low:+.3f} to {high:+.3f})."
+    )
+    table = markdown(HEAD, stopped_rows(records))
+    write_section(path, _HEADING, [how, "", about, "", *table, "", verdict])

@@ -41,8 +41,9 @@ class Looker:
 
     def _start(self) -> None:
         self._number += 1
-        windows = sys.platform == "win32"
-        flags = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.IDLE_PRIORITY_CLASS if windows else 0
+        flags = 0
+        if sys.platform == "win32":
+            flags = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.IDLE_PRIORITY_CLASS
         try:
             self._process = subprocess.Popen(
                 self._words,
@@ -53,7 +54,7 @@ class Looker:
                 encoding="utf-8",
                 env={**os.environ, **dict.fromkeys(_ONE_THREAD, "1")},
                 creationflags=flags,  # elsewhere it lowers its priority itself
-                start_new_session=not windows,  # Ctrl-C is for the run
+                start_new_session=sys.platform != "win32",  # Ctrl-C is for the run
             )
         except OSError:
             self._process = None

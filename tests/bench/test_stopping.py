@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from labrig.bench import draw, run_stopping, stopped_rows, stopping_plan, stopping_records, write_stopping
-from labrig.bench._stopped import ends_at, probabilities
+from labrig.bench._stopped import ends_at, probabilities, surer_by
 from labrig.bench._stopping import acted, first_captures, looks_at, watch
 
 CLASSES = ["single", "single", "null", "null", "pair", "pair"]
@@ -69,6 +69,14 @@ def test_what_is_stated_at_a_stop_is_never_nothing() -> None:
     looked = record(0.0, 0.0)
     assert probabilities(looked, 0, floor=True) == [(0.02, True)]
     assert probabilities(looked, 1, floor=True) == [(0.0, True)]
+
+
+def test_stopping_that_misses_what_comes_later_is_called_surer() -> None:
+    """Campaigns that are stopped before their effect acts have the larger calibration error; others have the same."""
+    more, low, high = surer_by([record(0.0, 0.0, 0.95) for _ in range(5)])
+    assert low == more == high
+    assert more == pytest.approx(0.98 - 0.05)
+    assert surer_by([record(0.5, 0.5, 0.95) for _ in range(5)])[0] == 0.0
 
 
 def test_the_table_counts_what_was_missed(tmp_path: Path) -> None:
