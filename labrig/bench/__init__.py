@@ -12,11 +12,14 @@ from labrig.bench._report import lines, tables, write_report, write_results, wro
 from labrig.bench._run import plan, read_records, run_blind, run_one
 from labrig.bench._settle import run_settle, settle, settle_records, settle_rows, write_settle
 from labrig.bench._speed import speed_table, time_diagnosis, write_speed
+from labrig.bench._stopped import HEAD, stopped_rows, write_stopping
+from labrig.bench._stopping import run_stopping, stopping_plan, stopping_records
 from labrig.bench._summary import summarise
 
 __all__ = [
     "CLASSES",
     "HALVES",
+    "HEAD",
     "Campaign",
     "brier",
     "calibration_error",
@@ -34,10 +37,14 @@ __all__ = [
     "run_blind",
     "run_one",
     "run_settle",
+    "run_stopping",
     "settle",
     "settle_records",
     "settle_rows",
     "speed_table",
+    "stopped_rows",
+    "stopping_plan",
+    "stopping_records",
     "summarise",
     "tables",
     "time_diagnosis",
@@ -49,5 +56,6 @@ __all__ = [
     "write_settle",
     "write_spectra",
     "write_speed",
+    "write_stopping",
     "wrong_lines",
 ]

@@ -1,5 +1,6 @@
 """How many captures it takes to settle a confounded pair: chosen, at random, and spread out evenly."""
 
+import itertools
 import json
 import tempfile
 from collections.abc import Iterator
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
     from labrig.model import Model
 
-Strategy = Literal["chosen", "random", "even"]
-STRATEGIES: tuple[Strategy, ...] = ("chosen", "random", "even")
+Strategy = Literal["adapted", "chosen", "random", "even"]
+STRATEGIES: tuple[Strategy, ...] = ("adapted", "chosen", "random", "even")
 
 MOST = 60
 BATCH = 4
@@ -105,14 +106,26 @@ def _holds(
     """The next set-points, kPa, and how long each is held, s."""
     from labrig import LabrigError
     from labrig.experiment import propose_experiment
+    from labrig.live import MINUTES
 
-    high = campaign.dataset["chamber_max"].values
-    if strategy == "chosen":
+    minutes = MINUTES if strategy == "adapted" else 2 * MINUTES
+    if strategy in ("adapted", "chosen"):
         try:
-            experiment = propose_experiment(runs, model, summary=summary)
-        except LabrigError:
-            return []  # it is sure, of something wrong, or sees nothing that would tell
-        return [(experiment.limits.actuation(p.share), p.hold_s) for p in experiment.points]
+            experiment = propose_experiment(runs, model, summary=summary, minutes=minutes)
+        except LabrigError:  # it is sure, of something wrong, or sees nothing that would tell
+            return _spread("even", campaign, seed, taken)[:BATCH] if strategy == "adapted" else []
+        holds = [(experiment.limits.actuation(p.share), p.hold_s) for p in experiment.points]
+        if strategy == "chosen":
+            return holds
+        # as a live campaign does: one probe, and then it is looked again
+        first = itertools.takewhile(lambda label: label == experiment.labels[0], experiment.labels)
+        return holds[: len(list(first))]
+    return _spread(strategy, campaign, seed, taken)
+
+
+def _spread(strategy: Strategy, campaign: Campaign, seed: int, taken: int) -> list[tuple[Floats, float]]:
+    """Set-points at random, or Halton points, in holds of very different length."""
+    high = campaign.dataset["chamber_max"].values
     random = np.random.default_rng([seed, taken, len(strategy)])
     if strategy == "random":
         unit = random.random((MOST, len(high) + 1))
@@ -211,7 +224,9 @@ def write_settle(records: list[dict[str, Any]], path: Path, how: str, most: int 
     about = (
         "Captures and minutes after which the verdict on a campaign of class `confounded` (one that did not give it "
         f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most. Medians "
-        "are over all campaigns (not settled: never), means over those that all settled. Chosen: what `labrig next` "
-        "proposes. Random and even: set-points at random, and Halton points, in holds of 3.5 to 60 s."
+        "are over all campaigns (not settled: never), means over those that all settled. Adapted: one probe at a time "
+        "of what `labrig next` proposes, proposed anew after each, and even set-points where it proposes nothing. "
+        "Chosen: its whole programme. Random and even: set-points at random, and Halton points, in holds of 3.5 "
+        "to 60 s."
     )
     write_section(path, _HEADING, [how, "", about, "", *markdown(head, rows)])

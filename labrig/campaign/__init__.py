@@ -1,5 +1,6 @@
 """Campaigns: procedures yield steps, the runner carries them out, logs them, and leaves the rig vented."""
 
+from labrig.campaign._advice import Adviser
 from labrig.campaign._observe import Observer, Progress
 from labrig.campaign._plan import Plan, dry_run, rig_info
 from labrig.campaign._procedure import Procedure, RigInfo, Steps
@@ -11,6 +12,8 @@ from labrig.campaign._signals import Interrupted
 from labrig.campaign._steps import (
     Actuate,
     Actuated,
+    Answered,
+    Ask,
     Completed,
     Note,
     Record,
@@ -29,6 +32,9 @@ from labrig.campaign._walk import ProcedureError
 __all__ = [
     "Actuate",
     "Actuated",
+    "Adviser",
+    "Answered",
+    "Ask",
     "Completed",
     "Control",
     "Interrupted",

@@ -1,5 +1,6 @@
 """Carries out one step on a session."""
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
@@ -15,6 +16,8 @@ from labrig.campaign._session import Session
 from labrig.campaign._steps import (
     Actuate,
     Actuated,
+    Answered,
+    Ask,
     Note,
     Record,
     Recording,
@@ -228,6 +231,18 @@ def vent(session: Session, reason: str = "vent") -> Vented:
     return Vented(tuple(float(value) for value in report.pressure_kpa), report.took_s)
 
 
+def _ask(session: Session, step: Ask, _reason: str) -> tuple[Result, dict[str, Any]]:
+    """Advice that fails is none: the run goes on as it was planned."""
+    try:
+        content = json.loads(json.dumps(session.advise(step)))  # the same as a resumed run reads
+    except Exception as error:
+        content = {"trouble": f"no advice: {type(error).__name__}: {error}"}
+    for what, level in (("say", "INFO"), ("trouble", "WARNING")):
+        if text := content.get(what):
+            session.event(str(text), level)
+    return Answered(content), {"content": content}
+
+
 _ACTIONS: dict[type[Step], Callable[[Session, Any, str], tuple[Result, dict[str, Any]]]] = {
     Actuate: _actuate,
     Settle: _settle,
@@ -235,4 +250,5 @@ _ACTIONS: dict[type[Step], Callable[[Session, Any, str], tuple[Result, dict[str,
     Scan: _scan,
     Note: _note,
     Vent: _vent,
+    Ask: _ask,
 }

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.campaign._advice import Adviser
 from labrig.campaign._execute import execute, limit_errors
 from labrig.campaign._observe import Observation
 from labrig.campaign._procedure import Procedure, RigInfo
@@ -58,8 +59,11 @@ def rig_info(config: RigConfig, seed: int = 0) -> RigInfo:
     return RigInfo(config.name, config.channels, config.markers, config.scanner is not None, seed)
 
 
-def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0) -> Plan:
-    """Follow a procedure on a simulated clock and an ideal rig; nothing moves, broken limits are collected."""
+def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adviser | None = None) -> Plan:
+    """Follow a procedure on a simulated clock and an ideal rig; nothing moves, broken limits are collected.
+
+    An `adviser` is not asked: what it could add is checked when it does.
+    """
     clock = SimulatedClock(0.0)
     mocap = _IdealMocap(config, clock) if config.mocap is not None else None
     rig = Rig(config, clock, _IdealPressure(config, clock), mocap, _IdealScanner(clock))
@@ -78,7 +82,7 @@ def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0) -> Plan:
         session.begin_step(step, index)
         return execute(session, step)[0]
 
-    walk = Walk(procedure, rig_info(config, seed))
+    walk = Walk(procedure, rig_info(config, seed), adviser)
     try:
         walk.run(carry_out, lambda: None)
     except ProcedureError as error:

@@ -17,7 +17,7 @@ from labrig.campaign._kept import Kept, listed
 from labrig.campaign._observe import Observer, Progress
 from labrig.campaign._procedure import Procedure, RigInfo
 from labrig.campaign._session import Control
-from labrig.campaign._steps import Completed, Step
+from labrig.campaign._steps import Answered, Completed, Step
 from labrig.rig import RigConfig, link_of
 from labrig_drivers import Clock, MarkerFrame, PressureSample, RealClock
 
@@ -94,10 +94,12 @@ class Reachable(Observer):
             self._state["step"] = {"index": index, **step.to_dict()}
 
     def step_done(self, completed: Completed) -> None:
-        """Keep how many are done, and what a capture measured."""
+        """Keep how many are done, what a capture measured, and what a live diagnosis said."""
         with self._lock:
             self._state["steps_done"] = completed.index + 1
             self._kept.done(completed)
+            if isinstance(completed.result, Answered) and (look := completed.result.content.get("look")):
+                self._state["looks"] = [*self._state.get("looks", ()), look]
 
     def commanded(self, time_s: float, pressure_kpa: Sequence[float]) -> None:
         """Keep the set-points."""

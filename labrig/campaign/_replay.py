@@ -11,6 +11,8 @@ from labrig._errors import LabrigError
 from labrig.campaign._steps import (
     Actuate,
     Actuated,
+    Answered,
+    Ask,
     Completed,
     Record,
     Recording,
@@ -77,6 +79,8 @@ def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int, f
         }
         missed = tuple(values.get("missed", ()))
         return Scanned(**{**fields, "files": tuple(values["files"]), "missed": missed, "folder": folder})
+    if isinstance(step, Ask):
+        return Answered(values["content"])
     if isinstance(step, Vent):
         return Vented(tuple(values["pressure_kpa"]), values["took_s"])
     return None

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.campaign._advice import Adviser
 from labrig.campaign._attempt import attempt
 from labrig.campaign._execute import execute, limit_errors, vent
 from labrig.campaign._observe import Observation, Observer, Progress
@@ -20,7 +21,7 @@ from labrig.campaign._runfile import check_resumable, run_facts, write_run_yaml
 from labrig.campaign._scans import keep_sealed
 from labrig.campaign._session import Control, LogGoneError, Session
 from labrig.campaign._signals import Interrupted, SignalGuard
-from labrig.campaign._steps import Actuate, Completed, Record, Result, Settle, Step
+from labrig.campaign._steps import Actuate, Ask, Completed, Record, Result, Settle, Step
 from labrig.campaign._walk import Walk
 from labrig.log import Layout, LogWriter, last_logged_s, read_run_yaml, segment_path, segment_paths
 from labrig.rig import Rig
@@ -32,11 +33,12 @@ _RETRY_S = 0.5
 
 @dataclass
 class Watching:
-    """Who watches a run and who may pause it; all of it optional."""
+    """Who watches a run, who may pause it, and who may change its course; all of it optional."""
 
     observers: Sequence[Observer] = ()
     control: Control = field(default_factory=Control)
     context: dict[str, Any] = field(default_factory=dict)
+    adviser: Adviser | None = None
 
 
 def run(
@@ -59,7 +61,7 @@ def run(
     """
     folder, watching = Path(folder), watching or Watching()
     rig = rig if clock is None else replace(rig, clock=clock)
-    plan = _checked_plan(procedure, rig, seed)
+    plan = _checked_plan(procedure, rig, seed, watching.adviser)
     folder.mkdir(parents=True, exist_ok=True)
     if segment_paths(folder):
         raise LabrigError(f"{folder} holds a run already; choose another folder, or resume it")
@@ -89,17 +91,18 @@ def resume(
     if not old:
         raise LabrigError(f"cannot resume {folder}: it has no run.yaml that can be read")
     seed = int(old.get("seed", 0))
-    plan = _checked_plan(procedure, rig, seed)
+    plan = _checked_plan(procedure, rig, seed, watching.adviser)
     check_resumable(folder, old, run_facts(procedure, rig, seed, plan, {}))
     rig.clock.advance_to(last_logged_s(folder))
     completed = read_completed(folder)
-    if not procedure.closed_loop and len(completed) >= len(plan.steps):
+    open_end = procedure.closed_loop or watching.adviser is not None
+    if not open_end and len(completed) >= len(plan.steps):
         raise LabrigError(f"{folder} is complete: all {len(completed)} steps are done")
     return _Run(procedure, rig, folder, old, plan, completed, watching, progress).go()
 
 
-def _checked_plan(procedure: Procedure, rig: Rig, seed: int) -> Plan:
-    plan = dry_run(procedure, rig.config, seed)
+def _checked_plan(procedure: Procedure, rig: Rig, seed: int, adviser: Adviser | None) -> Plan:
+    plan = dry_run(procedure, rig.config, seed, adviser)
     if plan.broken and not procedure.closed_loop:
         more = f" (and {len(plan.broken) - 1} more)" if len(plan.broken) > 1 else ""
         raise LabrigError(f"nothing was moved: {plan.broken[0]}{more}")
@@ -127,7 +130,9 @@ class _Run:
         observers = [*watching.observers, *([_Callback(progress)] if progress else [])]
         self.observation = Observation(observers)
         self.signals = SignalGuard(self.control.toggle)
-        self.walk = Walk(procedure, rig_info(rig.config, self.seed))
+        self.adviser = watching.adviser
+        self.walk = Walk(procedure, rig_info(rig.config, self.seed), self.adviser)
+        self.spent_s = 0.0
         self.started_s = self.step_started_s = rig.clock.now_s()
         self.session: Session | None = None
         self.next_segment = max((number for number, _ in segment_paths(folder)), default=-1) + 1
@@ -166,6 +171,7 @@ class _Run:
             self.rig, self._open_log, self.observation, self.signals, self.control
         )
         session.on_tick = self._tick
+        session.advise = self._advise
         self.observation.tell("started", rig_info(self.rig.config, self.seed), self.rig.rest_mm)
         session.forget_silence()
         vent(session, "start")
@@ -205,6 +211,7 @@ class _Run:
         taken = attempt(session, index, step, self._again, self._pause_for_fault)
         session.step_message(taken.done, "DONE", taken.logged)
         self.history.append(Completed(index, step))
+        self.spent_s += taken.done.ended_s - taken.done.started_s
         self.captures_done += isinstance(step, Record) and taken.counts
         self.observation.tell("step_done", taken.done)
         self._report(step, index + 1)
@@ -223,7 +230,11 @@ class _Run:
                 f"for {step.to_dict()}; start a new run"
             )
         self.captures_done += isinstance(step, Record) and not getattr(done.result, "missed", ())
+        self.spent_s += done.ended_s - done.started_s
         return done.result
+
+    def _advise(self, ask: Ask) -> dict[str, Any]:
+        return {} if self.adviser is None else self.adviser.advise(ask, self.spent_s)
 
     def _restore(self, next_step: Step) -> None:
         """Bring a vented rig back to where the run was: the same set-points, held as long as they were."""

@@ -13,7 +13,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.campaign._observe import Observation
 from labrig.campaign._signals import SignalGuard
-from labrig.campaign._steps import Completed, Step
+from labrig.campaign._steps import Ask, Completed, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import Rig
 from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
@@ -100,6 +100,7 @@ class Session:
         now_s = self.clock.now_s()
         self._last_sample_s = self._last_frame_s = self._log_seen_s = now_s
         self.on_tick: Callable[[], None] = _nothing
+        self.advise: Callable[[Ask], dict[str, Any]] = _no_advice
 
     def now_s(self) -> float:
         """The time now on the run's clock."""
@@ -258,6 +259,10 @@ class Session:
 
 def _nothing() -> None:
     return
+
+
+def _no_advice(_ask: Ask) -> dict[str, Any]:
+    return {}
 
 
 def _is_alive(frame: MarkerFrame) -> bool:

@@ -84,7 +84,20 @@ class Vent(Step):
     kind: ClassVar[str] = "vent"
 
 
-STEP_KINDS: dict[str, type[Step]] = {kind.kind: kind for kind in (Actuate, Settle, Record, Scan, Note, Vent)}
+@dataclass(frozen=True)
+class Ask(Step):
+    """Ask who follows the run (`Watching.adviser`) how to go on, after so many captures; answered by `Answered`.
+
+    The answer is in the log, so that a run which is resumed gets the same one.
+    """
+
+    kind: ClassVar[str] = "ask"
+    captures: int = 0
+
+
+STEP_KINDS: dict[str, type[Step]] = {
+    kind.kind: kind for kind in (Actuate, Settle, Record, Scan, Note, Vent, Ask)
+}
 
 
 def step_from_dict(fields: dict[str, Any]) -> Step:
@@ -182,7 +195,14 @@ class Vented:
     took_s: float
 
 
-Result = Actuated | Settled | Recording | Scanned | Vented | None
+@dataclass(frozen=True)
+class Answered:
+    """What the adviser said, as plain values; empty where nobody advises, or there is nothing new."""
+
+    content: dict[str, Any] = field(default_factory=dict)
+
+
+Result = Actuated | Settled | Recording | Scanned | Vented | Answered | None
 
 
 @dataclass(frozen=True)

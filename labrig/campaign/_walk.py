@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from labrig._errors import LabrigError
+from labrig.campaign._advice import Adviser
 from labrig.campaign._procedure import Procedure, RigInfo, Steps
 from labrig.campaign._steps import Result, Step
 
@@ -16,11 +17,13 @@ class ProcedureError(LabrigError):
 class Walk:
     """A procedure under way. It is closed by its owner, after the chambers are vented."""
 
-    def __init__(self, procedure: Procedure, info: RigInfo) -> None:
+    def __init__(self, procedure: Procedure, info: RigInfo, adviser: Adviser | None = None) -> None:
         self._name = procedure.procedure_name()
         self._generator: Steps = procedure.steps(info)
         if not hasattr(self._generator, "send"):
             raise ProcedureError(f"procedure {self._name}: `steps` should `yield` its steps, not return them")
+        if adviser is not None:
+            self._generator = adviser.follow(self._generator, info)
         self.index = 0
 
     def run(self, carry_out: Callable[[int, Step], Result], thinking: Callable[[], None]) -> None:

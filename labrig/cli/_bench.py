@@ -160,6 +160,51 @@ def settle(
         write_settle(records, results, f"`labrig bench settle --n {count} --seed {seed} --most {most}`", most)
 
 
+@bench.command("stopping")
+def stopping(
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
+    count: Annotated[int, typer.Option("--n", min=1, help="Campaigns.")] = 200,
+    half: Annotated[
+        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, or third.")
+    ] = "both",
+    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    results: Annotated[
+        Path | None, typer.Option(help="Markdown file whose section 'Stopping' is to be written.")
+    ] = None,
+) -> None:
+    """Diagnose campaigns as they grow, and compare the verdicts where they would be stopped with those at their end."""
+    from rich.console import Console
+    from rich.progress import track
+    from rich.table import Table
+
+    from labrig.bench import (
+        HALVES,
+        HEAD,
+        run_stopping,
+        stopped_rows,
+        stopping_plan,
+        stopping_records,
+        write_stopping,
+    )
+
+    check_folder(out)
+    _check_results(results)
+    halves = list(HALVES) if half == "both" else [half]
+    console = Console(highlight=False)
+    todo = stopping_plan(count, seed, halves)
+    for _ in track(run_stopping(todo, out, jobs), "campaigns", len(todo), console=console, transient=True):
+        pass
+    records = stopping_records(out)
+    rows = stopped_rows(records)
+    table = Table(HEAD[0], *(row[0] for row in rows))
+    for k, name in enumerate(HEAD[1:], 1):
+        table.add_row(name, *(row[k] for row in rows))
+    console.print(table)
+    if results is not None:
+        write_stopping(records, results, f"`labrig bench stopping --n {count} --half {half} --seed {seed}`")
+
+
 @bench.command("speed")
 def speed(
     captures: Annotated[str, typer.Option(help="Sizes of campaigns, with commas.")] = "100,300,1000",

@@ -1,13 +1,17 @@
 """Commands: run, runs, tag, note, show, recover, reveal."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labrig._errors import LabrigError
 from labrig.cli._app import app
 from labrig.cli._places import check_folder
+
+if TYPE_CHECKING:
+    from labrig.live import Settings
 
 _RUN_SETTINGS = {"allow_extra_args": True, "ignore_unknown_options": True}
 _RUN_NAME = typer.Argument(metavar="RUN", help="A run folder.")
@@ -52,6 +56,19 @@ def run(
     model: Annotated[
         Path | None, typer.Option(help="While watching, show what the simulator of this model predicts.")
     ] = None,
+    diagnose: Annotated[
+        Path | None, typer.Option(metavar="MODEL", help="Diagnose this model beside the campaign.")
+    ] = None,
+    every: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="A diagnosis every N captures; by default 4.")
+    ] = None,
+    until: Annotated[
+        str, typer.Option(help="End, vented, when it is settled, or at an error: settled, error=0.2mm.")
+    ] = "",
+    budget: Annotated[str, typer.Option(help="End, vented, before the rig took longer: 45min, 2h.")] = "",
+    adapt: Annotated[
+        bool, typer.Option("--adapt", help="Set-points that tell apart what is open, in place of the plan's.")
+    ] = False,
     help: Annotated[bool, typer.Option("--help", help="Show this, or a procedure's parameters.")] = False,
 ) -> None:
     """Run a procedure on a rig: capture, hold, idle, pairs, programme, repeatability, sweep, or one of your own.
@@ -73,10 +90,15 @@ def run(
     if attended and unattended:
         raise LabrigError("--attended or --unattended, not both")
     request = Request(rig, out, seed, realtime, live, serve, model, unattended, attended)
+    follow = _follow_options(diagnose, every, until, budget, adapt)
     if resume is not None:
         if procedure or context.args or dry_run or out is not None:
             raise LabrigError(
                 "--resume goes on with what the run was; it takes no procedure, parameters, --out or --dry-run"
+            )
+        if follow is not None:
+            raise LabrigError(
+                "--resume goes on with what the run was, its diagnosis too; leave --diagnose out"
             )
         do_resume(resume, request)
         return
@@ -87,7 +109,20 @@ def run(
     if dry_run:
         do_dry_run(procedure, context.args, request)
     else:
-        do_run(procedure, context.args, request)
+        do_run(procedure, context.args, replace(request, follow=follow))
+
+
+def _follow_options(
+    diagnose: Path | None, every: int | None, until: str, budget: str, adapt: bool
+) -> "Settings | None":
+    """What is asked of a live diagnosis; None where none is."""
+    if diagnose is None:
+        if every is not None or until or budget or adapt:
+            raise LabrigError("--every, --until, --budget and --adapt are for --diagnose MODEL")
+        return None
+    from labrig.live import EVERY, Settings
+
+    return Settings(str(diagnose.resolve()), every or EVERY, until, budget, adapt)
 
 
 @app.command()

@@ -10,6 +10,7 @@ from labrig.campaign import Control, Observer, Progress
 
 _KEYS_S = 0.2
 _LINE_S = 60.0
+_TOLD = ("paused", "going on", "resumed", "diagnosis")
 
 
 class Screen(Observer):
@@ -65,7 +66,7 @@ class Screen(Observer):
 
     def event(self, time_s: float, text: str, level: str) -> None:
         """Warnings and errors stay on the screen."""
-        if level in ("WARNING", "FATAL") or text.startswith(("paused", "going on", "resumed")):
+        if level in ("WARNING", "FATAL") or text.startswith(_TOLD):
             self.console.print(f"labrig: {text}", markup=False)
 
 

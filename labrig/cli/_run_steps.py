@@ -2,7 +2,7 @@
 
 import math
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 from labrig.api._procedures import find_procedure, read_procedure, source_of
 from labrig.api._run import new_folder
-from labrig.campaign import Control, Interrupted, Observer, Procedure, Reachable, Watching
+from labrig.campaign import Adviser, Control, Interrupted, Observer, Procedure, Reachable, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
@@ -21,12 +21,15 @@ from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
 from labrig.rig import RigConfig, check_unattended, clock_of, connect, load_rig
-from labrig_drivers import DeviceError
+from labrig_drivers import Clock, DeviceError
 
 if TYPE_CHECKING:
     from labrig.campaign import Plan
+    from labrig.live import Settings
 
 _SHOWN_STEPS = 12
+DIAGNOSED = "live_diagnosis"
+"""What run.yaml calls the settings of a live diagnosis."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,7 @@ class Request:
     model: Path | None = None
     unattended: bool = False
     attended: bool = False
+    follow: "Settings | None" = None
 
 
 def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
@@ -94,11 +98,13 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     config = load_rig(rig_file)
     folder = request.out or new_folder(procedure)
     _check_new(folder)
-    context = {
+    context: dict[str, object] = {
         "source": source_of(type(procedure)),
         "rig_file": str(rig_file.resolve()),
         "realtime": request.realtime,
     }
+    if request.follow is not None:
+        context[DIAGNOSED] = request.follow.to_dict()
     _go(procedure, config, folder, request, context)
 
 
@@ -116,7 +122,8 @@ def _check_new(folder: Path) -> None:
 def _refuse_finished(folder: Path, known: RunSummary) -> None:
     """Raise `LabrigError` for a run of which no step is left, with what can be done with it."""
     facts = known.run
-    done = not facts.get("closed_loop") and known.steps_done >= facts.get("steps", math.inf)
+    open_end = facts.get("closed_loop") or DIAGNOSED in facts
+    done = not open_end and known.steps_done >= facts.get("steps", math.inf)
     if done or known.state == "completed":
         raise LabrigError(
             f"{folder} is finished: all its {known.captures} captures are there; compare a model with them "
@@ -137,17 +144,13 @@ def do_resume(folder: Path, request: Request) -> None:
     parameters = {} if facts.get("parameters") is None else facts["parameters"]
     procedure = check_fields(find_procedure(str(facts["source"])), parameters, f"{written}: parameters")
     config = load_rig(request.rig or Path(str(facts["rig_file"])))
-    request = Request(
-        request.rig,
-        folder,
-        request.seed,
-        bool(facts.get("realtime")),
-        request.live,
-        request.serve,
-        request.model,
-        request.unattended,
-        request.attended,
+    request = replace(
+        request, out=folder, seed=int(facts.get("seed", 0)), realtime=bool(facts.get("realtime"))
     )
+    if DIAGNOSED in facts:
+        from labrig.live import Settings
+
+        request = replace(request, follow=Settings.from_dict(dict(facts[DIAGNOSED]), str(folder)))
     _go(procedure, config, folder, request, None)
 
 
@@ -158,12 +161,29 @@ def _go(
     request: Request,
     context: dict[str, object] | None,
 ) -> None:
-    """Connect, run (or resume, if there is no context), and report."""
+    """Connect, run (or resume, if there is no context), and report; then a live diagnosis draws its last picture."""
+    from labrig.api._live import followed
+
     clock = clock_of(config, request.realtime)
+    with followed(request.follow, procedure, config, folder, request.seed, clock) as adviser:
+        _run_it(procedure, config, folder, request, context, clock, adviser)
+        summary = summarise(folder)
+        typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
+
+
+def _run_it(
+    procedure: Procedure,
+    config: RigConfig,
+    folder: Path,
+    request: Request,
+    context: dict[str, object] | None,
+    clock: Clock,
+    adviser: Adviser | None,
+) -> None:
     control = Control(attended=request.attended or (not request.unattended and sys.stdin.isatty()))
     with Screen(control) as screen, Reachable(procedure, config, folder, clock, control) as reachable:
         observers: list[Observer] = [screen, reachable, *_viewers(request, config)]
-        watching = Watching(observers, control, dict(context or {}))
+        watching = Watching(observers, control, dict(context or {}), adviser)
         guard_log = folder / "guard.log"
         try:
             with connect(config, clock, guard_log=guard_log) as rig:
@@ -180,8 +200,6 @@ def _go(
             raise typer.Exit(130) from None
         except (LabrigError, DeviceError) as error:
             raise type(error)(f"{error}{_go_on(folder)}") from error
-    summary = summarise(folder)
-    typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
 
 
 def _go_on(folder: Path) -> str:

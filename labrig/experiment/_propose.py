@@ -116,7 +116,9 @@ def propose_experiment(
             "fresh programme (labrig run capture, with another seed)"
         )
     problem = Problem(streams, context, model.predictor(rows), rivals, limits)
-    seeds = canonical(context, limits.rest)
+    # what was measured decides where the scattered points fall: proposed again, they fall elsewhere, for a set-point
+    # that is visited again and again says no more (see PER_CONDITION of the diagnosis)
+    seeds = canonical(context, limits.rest, seed=len(np.unique(rows.capture)))
     slow = bool(context.inside)  # a simulator that solves for each set-point
     if slow:
         seeds = on_few_levels(seeds, limits.rest)

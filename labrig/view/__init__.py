@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from labrig.view._colours import STEPS
+    from labrig.view._course import write_course
     from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
@@ -46,6 +47,7 @@ _LAZY = {
     "chamber_outlines": "_outlines",
     "colour_legend": "_explorer",
     "legend_picture": "_legend",
+    "write_course": "_course",
     "surface_explorer": "_explorer",
     "proud": "_surface_figure",
     "surface_figure": "_surface_figure",
@@ -132,6 +134,7 @@ __all__ = [
     "values_words",
     "versus_headline",
     "versus_pictures",
+    "write_course",
     "write_experiment",
     "write_forward_report",
     "write_ik_report",

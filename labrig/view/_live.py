@@ -31,7 +31,7 @@ FLOOR_MM = 0.2  # noise floor that the colours of the error count in: while a ru
 ARROWS = 10.0
 STEP_COLOURS = {
     "actuate": "#e58b55", "settle": "#e3c15b", "record": "#9cc069", "scan": "#6fb3c8",
-    "note": "#a9b2bd", "vent": "#d67fa8", "paused": "#dd5e66", "ended": "#5a6472",
+    "note": "#a9b2bd", "ask": "#a9b2bd", "vent": "#d67fa8", "paused": "#dd5e66", "ended": "#5a6472",
 }  # fmt: skip
 STATE_COLOURS = {"well": "#9cc069", "WARNING": "#e3c15b", "ERROR": "#dd5e66", "FATAL": "#dd5e66"}
 

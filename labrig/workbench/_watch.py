@@ -147,11 +147,19 @@ def _start(desk: Desk, request: Request) -> Any:
     if out == desk.folder or out.exists():
         raise LabrigError(f"{asked.get('out') or 'a name'}: choose the name of a new run")
     words = ["run", name, *arguments, *_seed(seed), "--rig", str(desk.rig_file), "--out", desk.name(out)]
-    words += ["--attended"]
+    words += ["--attended", *_followed(desk, asked)]
     if config.pressure.kind == "simulated" and asked.get("realtime", True):
         words.append("--realtime")
     job = desk.jobs.start(words, f"run {Path(name).stem}", desk.name(out))
     return says({"job": job.id, "run": desk.name(out), "command": job.command}, 202)
+
+
+def _followed(desk: Desk, asked: dict[str, Any]) -> list[str]:
+    """The words for a live diagnosis of the model that a page names, if it does, and for what ends the run."""
+    if not asked.get("diagnose"):
+        return []
+    words = ["--diagnose", desk.name(desk.existing(str(asked["diagnose"])))]
+    return [*words, "--until", "settled"] if asked.get("settled") else words
 
 
 def _resume(desk: Desk, request: Request) -> Any:

@@ -64,7 +64,8 @@ def test_what_is_proposed_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     proposals, measured = [], []
 
-    def proposed(runs: list[Any], model: Any, summary: dict[str, Any]) -> Any:
+    def proposed(runs: list[Any], model: Any, summary: dict[str, Any], minutes: float) -> Any:
+        assert minutes == 10.0
         proposals.append(propose_experiment(runs, model, summary=summary, minutes=2))
         return proposals[-1]
 
@@ -95,13 +96,14 @@ def test_the_table(tmp_path: Path) -> None:
         }  # fmt: skip
 
     records = [
-        *(record(1, s, n) for s, n in (("chosen", 10), ("random", 20), ("even", 30))),
-        *(record(2, s, n) for s, n in (("chosen", 20), ("random", None), ("even", 30))),
-        *(record(3, s, n) for s, n in (("chosen", 40), ("random", None), ("even", 20))),
+        *(record(1, s, n) for s, n in (("adapted", 5), ("chosen", 10), ("random", 20), ("even", 30))),
+        *(record(2, s, n) for s, n in (("adapted", 10), ("chosen", 20), ("random", None), ("even", 30))),
+        *(record(3, s, n) for s, n in (("adapted", 20), ("chosen", 40), ("random", None), ("even", 20))),
         record(4, "chosen", 4),
     ]
     _, rows = settle_rows(records)
     assert rows == [
+        ["adapted", "3", "3", "0", "10", "5.0", "1.0", "0.5"],
         ["chosen", "3", "3", "0", "20", "10.0", "2.0", "1.0"],
         ["random", "3", "1", "0", "never", "20.0", "never", "2.0"],
         ["even", "3", "3", "0", "30", "30.0", "3.0", "3.0"],

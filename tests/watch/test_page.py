@@ -57,7 +57,7 @@ def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -
     assert rig.highest_kpa < 1.0
     run = _begin(page)
     page.wait_for_selector(".surface canvas", timeout=40_000)
-    assert page.locator("canvas.curve").count() == 2
+    assert page.locator("canvas.curve:visible").count() == 2
     page.reload()
     page.wait_for_selector(".live-run")
     rig.wait_above(10.0)

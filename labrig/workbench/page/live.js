@@ -68,6 +68,8 @@ function layout(name, model) {
     chambers: h("div"),
     errors: h("canvas", { class: "curve", "aria-label": "error of each capture" }),
     rms: h("p", { class: "muted small", id: "live-error" }, model ? "the error appears with the first capture" : "open a run with a model to see its error here"),
+    verdict: h("canvas", { class: "curve", "aria-label": "probability of each effect" }),
+    effects: h("div"),
     events: h("ol", { class: "events", "aria-label": "events" }),
   };
   parts.root = h(
@@ -85,6 +87,7 @@ function layout(name, model) {
         h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", { class: "muted" }, model || "")), parts.errors, parts.rms),
       ),
     ),
+    (parts.diagnosis = h("section", { class: "card", id: "live-verdict", hidden: true }, h("h2", {}, "What the diagnosis says ", h("small", { class: "muted" }, "probability of each effect; grey: noise floor as a share of the error")), parts.verdict, parts.effects)),
     h("section", { class: "card" }, h("h2", {}, "Events"), parts.events),
   );
   return parts;
@@ -121,6 +124,7 @@ function show(parts, kept, state, surface, model) {
   parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : "finishes the capture, then vents and waits";
   pressures(parts, kept, state);
   errors(parts, state, model);
+  verdict(parts, state);
   surface.show(state);
   parts.about.textContent = surface.words;
   const last = kept.events[0]?.[0];
@@ -140,6 +144,21 @@ function pressures(parts, kept, state) {
   draw(parts.pressures, series, { low: 0, span_s: SPAN_S, label: (first, last) => (last - first > SPAN_S - 2 ? `the last ${SPAN_S / 60} min` : `the last ${Math.round(last - first)} s`), now: "now" });
   const names = state.chambers.map((name, c) => [`${name} ${number(state.measured_kpa?.[c])}`, state.colours[c % state.colours.length]]);
   fill(parts.chambers, legend(names));
+}
+
+function verdict(parts, state) {
+  const looks = state.looks || [];
+  if (!looks.length) return;
+  parts.diagnosis.hidden = false;
+  const last = looks[looks.length - 1];
+  const most = (name) => Math.max(...looks.map((look) => look.probability[name] ?? 0));
+  const names = Object.keys(last.probability).filter((name) => most(name) >= 0.1).sort((a, b) => last.probability[b] - last.probability[a]);
+  const time = looks.map((look) => look.captures);
+  const series = names.map((name, k) => ({ name, colour: state.colours[k % state.colours.length], time, value: looks.map((look) => look.probability[name] ?? null), dots: true }));
+  const grey = getComputedStyle(document.documentElement).getPropertyValue("--muted").trim();
+  series.push({ name: "floor", colour: grey, time, value: looks.map((look) => (look.error ? Math.min(1, look.floor / look.error) : null)), dashed: true });
+  draw(parts.verdict, series, { low: 0, label: () => `capture ${time[0]}`, now: `capture ${last.captures}` });
+  fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${number(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small" }, `error ${number(last.error)} ${last.units}, floor ${number(last.floor)} ${last.units}`));
 }
 
 function errors(parts, state, model) {

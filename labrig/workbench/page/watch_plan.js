@@ -49,11 +49,15 @@ function drawn(place, found, asked, context, facts) {
   const canvas = h("canvas", { class: "curve", "aria-label": "set-points of the plan" });
   const name = h("input", { type: "text", id: "out", "aria-label": "name of the run", value: proposed(asked().procedure) });
   const fast = h("input", { type: "checkbox", id: "fast" });
+  const model = context.info?.model;
+  const diagnose = h("input", { type: "checkbox", id: "diagnose" });
+  const settled = h("input", { type: "checkbox", id: "settled", disabled: true });
+  diagnose.addEventListener("change", () => (settled.disabled = !diagnose.checked));
   const start = h("button", { type: "button", class: "main", id: "start", disabled: !mayMoveRig() || found.broken.length > 0 }, "Start");
   start.addEventListener("click", async () => {
     start.disabled = true;
     try {
-      const begun = await post("/api/watch/start", { ...asked(), out: name.value.trim(), realtime: !fast.checked });
+      const begun = await post("/api/watch/start", { ...asked(), out: name.value.trim(), realtime: !fast.checked, diagnose: diagnose.checked ? model : "", settled: settled.checked });
       if (!fast.checked) await answers(begun.run);
       context.go("watch", fast.checked ? {} : { live: begun.run }, context.run);
     } catch (error) {
@@ -72,7 +76,7 @@ function drawn(place, found, asked, context, facts) {
     legend(found.limits.map(([chamber], c) => [chamber, COLOURS[c % COLOURS.length]])),
     h("details", {}, h("summary", {}, "steps"), h("table", {}, h("thead", {}, h("tr", {}, ["step", "at", "", ""].map((text) => h("th", {}, text)))), steps)),
     command(found.command),
-    h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, start, mayMoveRig() ? null : h("span", { class: "muted" }, "only the page that `labrig workbench --rig` opened moves the rig")),
+    h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, model ? h("label", { title: "in a process of its own; its probabilities appear while the run goes on" }, diagnose, ` diagnose ${model} meanwhile`) : null, model ? h("label", { title: "every effect sure or out, or not worth the minutes" }, settled, " end when settled") : null, start, mayMoveRig() ? null : h("span", { class: "muted" }, "only the page that `labrig workbench --rig` opened moves the rig")),
   );
   const acts = found.steps.filter((step) => step.kind === "actuate" || step.kind === "vent");
   const series = found.limits.map(([chamber], c) => ({

@@ -1,0 +1,76 @@
+"""The next set-points of a campaign that adapts: the probes that tell apart what the last look left open."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from labrig.campaign import Plan, RigInfo, Steps
+    from labrig.model import Model
+
+MINUTES = 5.0
+"""The longest programme that is proposed at a time: the next look proposes another."""
+_NARROW = 0.05
+
+
+@dataclass(frozen=True)
+class Range:
+    """The pressures that a plan uses, (C,) kPa: what is proposed in its place keeps to them."""
+
+    low_kpa: tuple[float, ...]
+    high_kpa: tuple[float, ...]
+
+    @classmethod
+    def of(cls, plan: "Plan", info: "RigInfo") -> "Range":
+        """From vented to the plan's highest; a chamber that it hardly uses may have a twentieth of its range."""
+        from labrig.campaign import Actuate
+
+        used = np.array([step.pressure_kpa for step in plan.steps if isinstance(step, Actuate)], float)
+        span = _NARROW * (info.max_kpa - info.min_kpa)
+        rest = np.clip(0.0, info.min_kpa, info.max_kpa)
+        low = np.maximum(np.minimum(used.min(axis=0, initial=np.inf), rest), info.min_kpa)
+        high = np.minimum(np.maximum(used.max(axis=0, initial=-np.inf), low + span), info.max_kpa)
+        return cls(tuple(low.tolist()), tuple(high.tolist()))
+
+
+def propose(
+    run: "Dataset",
+    model: "Model",
+    summary: dict[str, Any],
+    low_kpa: Sequence[float],
+    high_kpa: Sequence[float],
+) -> list[dict[str, Any]]:
+    """The points, as the `programme` procedure takes them, that settle best what a diagnosis leaves open.
+
+    Empty where nothing is open, or no programme would tell.
+    """
+    from labrig.experiment import Limits, propose_experiment
+    from labrig.experiment._plan import SLEW_PER_S
+
+    low, high = np.asarray(low_kpa, float), np.asarray(high_kpa, float)
+    limits = Limits(low, high, np.full(len(low), SLEW_PER_S))
+    try:
+        found = propose_experiment(run, model, summary=summary, limits=limits, minutes=MINUTES)
+    except LabrigError:
+        return []
+    return [point for point in found.programme() if not point.get("by_hand")]
+
+
+def first_probe(points: Sequence[dict[str, Any]], most: int) -> int:
+    """How many points belong to the first probe, `most` at most: a probe is not cut by the next proposal."""
+    label = points[0].get("label")
+    alike = next((k for k, point in enumerate(points) if point.get("label") != label), len(points))
+    return min(alike, most)
+
+
+def steps_of(points: Sequence[dict[str, Any]], rig: "RigInfo") -> "Steps":
+    """Actuate, settle, record, for each point."""
+    from labrig_procedures import Programme
+
+    yield from Programme.model_validate({"points": list(points)}).steps(rig)

@@ -1,0 +1,78 @@
+"""One look of the diagnosis at a campaign that goes on: what it said after so many captures."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Look:
+    """What the diagnosis said of the first `captures` captures, `minutes` after the campaign began.
+
+    `probability` is that of each effect which was considered; `error` the held-out root mean square error with what
+    was found, `base` that without, `floor` the noise, `ceiling` what a smooth function of everything that was logged
+    could reach, all four in `units`.
+    """
+
+    captures: int
+    minutes: float
+    verdict: str
+    effects: tuple[str, ...] = ()
+    probability: dict[str, float] = field(default_factory=dict)
+    base: float = math.nan
+    error: float = math.nan
+    floor: float = math.nan
+    ceiling: float = math.nan
+    units: str = ""
+
+    @property
+    def left(self) -> float:
+        """What is left to gain: by how much the error could still fall, to the floor or the ceiling."""
+        return max(self.error - max(self.floor, self.ceiling), 0.0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as JSON has them: what is not known is None."""
+        plain = asdict(self)
+        numbers = {name: plain[name] for name in ("base", "error", "floor", "ceiling")}
+        plain |= {name: value if math.isfinite(value) else None for name, value in numbers.items()}
+        return plain | {"effects": list(self.effects)}
+
+    @classmethod
+    def from_dict(cls, plain: Mapping[str, Any]) -> "Look":
+        """The inverse of `to_dict`; other keys are left out."""
+        numbers = {
+            name: math.nan if plain.get(name) is None else float(plain[name])
+            for name in ("base", "error", "floor", "ceiling")
+        }
+        return cls(
+            captures=int(plain["captures"]),
+            minutes=float(plain["minutes"]),
+            verdict=str(plain["verdict"]),
+            effects=tuple(plain.get("effects") or ()),
+            probability={str(name): float(p) for name, p in (plain.get("probability") or {}).items()},
+            units=str(plain.get("units") or ""),
+            **numbers,
+        )
+
+    @classmethod
+    def of(cls, summary: Mapping[str, Any], captures: int, minutes: float) -> "Look":
+        """The look of a diagnosis' summary (the content of diagnosis.json)."""
+        error = summary.get("error") or {}
+        return cls.from_dict(
+            {
+                "captures": captures,
+                "minutes": minutes,
+                "verdict": summary["verdict"],
+                "effects": summary["effects"],
+                "probability": {
+                    entry["effect"]: round(float(entry["probability"]), 4)
+                    for entry in summary.get("effects_considered") or ()
+                },
+                "base": error.get("base"),
+                "error": error.get("model"),
+                "floor": error.get("floor"),
+                "ceiling": error.get("ceiling"),
+                "units": summary.get("units"),
+            }
+        )

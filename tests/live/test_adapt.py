@@ -1,0 +1,102 @@
+"""Campaigns whose set-points follow the verdict."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig import LabrigError, open_run
+from labrig.campaign import Control, Interrupted, Watching, dry_run, resume, rig_info, run
+from labrig.live import LiveDiagnosis, Range, Settings
+from labrig.rig import RigConfig, connect
+from labrig_drivers import SimulatedClock
+from labrig_procedures import Capture
+
+from .conftest import Told, said
+from .test_adviser import _EndsAfter
+
+PLAN = Capture(captures=24, repeated=0, settle_s=0.5, record_s=0.2, highest=0.5)
+ASKED = Settings("model.yaml", adapt=True)
+
+
+def probe(label: str, *c1_kpa: float) -> list[dict[str, Any]]:
+    """Points that bring chamber c1 to pressures, one after the other."""
+    return [{"pressure_kpa": {"c1": kpa}, "hold_s": 0.6, "label": label} for kpa in c1_kpa]
+
+
+PROPOSED = {
+    12: [*probe("up and down", 11.0, 22.0, 11.0), *probe("again", 13.0)],
+    16: probe("step", 17.0, 0.0),
+}
+
+
+def answer(captures: int) -> dict[str, Any]:
+    """Creep stays open, and these points would tell."""
+    return {**said(captures, 0.5), "points": PROPOSED.get(captures, [])}
+
+
+def adviser(config: RigConfig, looker: Any) -> LiveDiagnosis:
+    """One that adapts within the plan's range."""
+    within = Range.of(dry_run(PLAN, config), rig_info(config))
+    return LiveDiagnosis(ASKED, PLAN.captures, looker, waits=True, range_kpa=within)
+
+
+def test_what_is_proposed_takes_the_place_of_the_plan(config: RigConfig, tmp_path: Path) -> None:
+    """Probes are done whole; a newer proposal replaces what is left of an older; without one it is the plan again."""
+    looker = Told(answer)
+    with connect(config, SimulatedClock()) as rig:
+        run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, looker)))
+    made = open_run(tmp_path / "run")["commanded"].values
+    planned = np.array([step.pressure_kpa for step in dry_run(PLAN, config).steps if step.kind == "actuate"])
+    assert len(made) == 24
+    np.testing.assert_allclose(made[:12], planned[:12])
+    assert made[12:18, 0].tolist() == [11.0, 22.0, 11.0, 13.0, 17.0, 0.0]
+    np.testing.assert_allclose(made[18:], planned[12:18])
+    assert looker.asked == [12, 16, 20, 24]
+
+
+def test_the_range_is_that_of_the_plan(config: RigConfig, tmp_path: Path) -> None:
+    """What is asked for stays between vented and the plan's highest, whatever the rig would allow."""
+    questions: list[dict[str, Any]] = []
+
+    class Kept(Told):
+        def ask(self, question: dict[str, Any]) -> None:
+            questions.append(question)
+            super().ask(question)
+
+    with connect(config, SimulatedClock()) as rig:
+        run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, Kept(answer))))
+    highest = open_run(tmp_path / "run")["commanded"].values[:12].max(axis=0)
+    assert questions[0]["adapt"]["low_kpa"] == (0.0,) * 4
+    assert (np.array(questions[0]["adapt"]["high_kpa"]) >= highest).all()
+    assert max(questions[0]["adapt"]["high_kpa"]) <= 30.0
+
+
+def test_a_resumed_campaign_takes_the_logged_set_points(config: RigConfig, tmp_path: Path) -> None:
+    """Set-points that were proposed before the interruption are part of the log: the rest of a probe is done."""
+    folder, control = tmp_path / "run", Control()
+    watching = Watching([_EndsAfter(control, 1)], control, adviser=adviser(config, Told(answer)))
+    with connect(config, SimulatedClock()) as rig, pytest.raises(Interrupted):
+        run(PLAN, rig, folder, watching=watching)
+    looker = Told(answer)
+    with connect(config, SimulatedClock()) as rig:
+        resume(PLAN, rig, folder, watching=Watching(adviser=adviser(config, looker)))
+    made = open_run(folder)["commanded"].values
+    assert made[12:18, 0].tolist() == [11.0, 22.0, 11.0, 13.0, 17.0, 0.0]
+    assert 12 not in looker.asked
+    assert len(made) == 24
+
+
+def test_a_set_point_beyond_a_limit_ends_the_run_before_it_moves(config: RigConfig, tmp_path: Path) -> None:
+    """Limits hold for what is proposed as for what is planned: checked before anything moves, and vented."""
+    looker = Told(lambda captures: {**said(captures, 0.5), "points": probe("too far", 61.0)})
+    with (
+        connect(config, SimulatedClock()) as rig,
+        pytest.raises(LabrigError, match="c1 61 kPa is above its limit of 60 kPa; nothing was moved"),
+    ):
+        run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, looker)))
+    measured = open_run(tmp_path / "run")
+    assert measured.sizes["capture"] == 12
+    assert measured["event_commanded"].values.max() <= 30.0
+    assert measured["event_commanded"].values[-1].tolist() == [0.0] * 4
