@@ -17,6 +17,7 @@ from labrig.campaign import Control, Interrupted, Observer, Procedure, Reachable
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
+from labrig.cli._history_steps import say_if_changed
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
@@ -99,6 +100,8 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
         "rig_file": str(rig_file.resolve()),
         "realtime": request.realtime,
     }
+    if request.model is not None:
+        say_if_changed(config.name, request.model, folder.parent)
     _go(procedure, config, folder, request, context)
 
 
@@ -200,8 +203,6 @@ def _known(folder: Path) -> RunSummary | None:
 
 def _viewers(request: Request, config: RigConfig) -> list[Observer]:
     if not (request.live or request.serve):
-        if request.model is not None:
-            raise LabrigError("--model is for watching: add --live or --serve")
         return []
     from labrig.view import live_observers, live_predict
 

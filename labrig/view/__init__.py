@@ -8,6 +8,8 @@ if TYPE_CHECKING:
     from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
+    from labrig.view._history_figures import history_pictures
+    from labrig.view._history_report import history_headline, history_notes, write_history
     from labrig.view._ik_report import write_ik_report
     from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
@@ -63,6 +65,8 @@ _LAZY = {
     "write_forward_report": "_training_report",
     "write_sim2real_report": "_training_report",
     "Viewer": "_viewer",
+    "history_pictures": "_history_figures",
+    **dict.fromkeys(("history_headline", "history_notes", "write_history"), "_history_report"),
     "investigation_pictures": "_investigation_figures",
     "live_observers": "_live",
     "live_predict": "_predict",
@@ -107,6 +111,9 @@ __all__ = [
     "filled",
     "fitted",
     "forward_table",
+    "history_headline",
+    "history_notes",
+    "history_pictures",
     "interval_words",
     "investigation_pictures",
     "legend_picture",
@@ -134,6 +141,7 @@ __all__ = [
     "versus_pictures",
     "write_experiment",
     "write_forward_report",
+    "write_history",
     "write_ik_report",
     "write_investigation",
     "write_picture",
