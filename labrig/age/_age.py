@@ -27,7 +27,7 @@ Progress = Callable[[int, int], None]
 
 
 def rows_of_rig(folder: Path, rig: str, where: str | None = None) -> "list[Row]":
-    """The runs of a rig below a folder that have captures, in order of time; raises `LabrigError` where there are none."""
+    """The runs of a rig below a folder that have captures, in order of time; raises `LabrigError` if there are none."""
     from labrig.catalogue import list_runs
 
     listed = list_runs(folder, where)

@@ -1,12 +1,14 @@
 """Whether a quantity has changed, asked again after every run: a Bayes factor that bounds false alarms at any moment.
 
-Null: a level for each kind of run, and normal scatter of unknown size. Against it: from some run on another level
-(a step), or a growth at a constant rate (a slope). The step or slope has a normal prior in units of the scatter; levels
+Null: a level for each kind of run, and normal scatter of unknown size. Against it: from some run on another level (a
+step), or a growth at a constant rate (a slope). The step or slope has a normal prior in units of the scatter; levels
 and scatter have their invariant priors. So the weighted mean of the Bayes factors over the moments of change is a
 martingale under the null, and by Ville's inequality (1939) it ever exceeds 1/alpha with a probability of alpha at most,
 however often one looks. (T. L. Lai, Ann. Statist. 4, 1976, 265-280; H. Wang, A. Ramdas, Sequential Analysis, 2025,
-arXiv:2310.03722. The prior of the moment is that of A. N. Shiryaev, Theory Probab. Appl. 8, 1963, 22-46.) One run's variance, as it says it
-itself, is added to both sums of squares: that makes every factor smaller, and nothing of readings that never differ.
+arXiv:2310.03722. The prior of the moment is that of A. N. Shiryaev, Theory Probab. Appl. 8, 1963, 22-46.)
+
+One run's variance, as it says it itself, is added to both sums of squares: that makes every factor smaller, and nothing
+of readings that hardly ever differ.
 """
 
 from dataclasses import dataclass
@@ -42,7 +44,7 @@ class Series:
 
     @property
     def least(self) -> float:
-        """The usual standard deviation of a run by itself, or 0: a scatter smaller than that is luck, or coarse steps."""
+        """The usual standard deviation of a run by itself, or 0: less scatter than that is luck or coarse steps."""
         known = self.sd[np.isfinite(self.sd) & (self.sd > 0)]
         return float(np.median(known)) if known.size else 0.0
 

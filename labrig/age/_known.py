@@ -1,5 +1,6 @@
 """A model made ready for the runs of one rig: a base that is fitted to runs is fitted once, so that runs compare."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,7 +19,7 @@ class Beside:
     """A run beside a model: its `context` with the model as it stands, and what that leaves.
 
     `residual` (F, K), NaN where not seen or mistaken; `changes`: what each of the model's effects does there, (F, K);
-    `observations`: the same residual as independent numbers of unit noise.
+    `observations`: the same residual as independent numbers of unit noise, for the model as it stands.
     """
 
     context: Context
@@ -26,6 +27,12 @@ class Beside:
     changes: dict[str, Floats]
     floor: Floor
     observations: Observations
+
+    def refitted(self, scales: Mapping[str, float]) -> "Beside":
+        """The same with effects that are so many times as large as the model has them."""
+        left = self.residual - sum((scale - 1.0) * self.changes[name] for name, scale in scales.items())
+        floor = noise_floor(self.context, left)
+        return replace(self, residual=left, floor=floor)
 
 
 @dataclass

@@ -148,17 +148,23 @@ def readings_of(run: "Dataset", known: Known) -> Iterator[Reading | None]:
     """Every reading of a run; raises `LabrigError` where the run and the model do not fit together."""
     beside = known.beside(rows_of(run))
     unit = beside.context.rows.unit[0]
-    for name, (value, sd) in scales(beside).items():
+    found = scales(beside)
+    for name, (value, sd) in found.items():
         yield reading("effect", name, value, sd, "× model")
     yield _error(beside, unit)
-    floor = beside.floor
-    sd = 1.0 / np.sqrt(2.0 * floor.freedom) if floor.freedom else np.nan
-    own = np.array([each == unit for each in beside.context.rows.unit])
-    size = float(np.sqrt((floor.mean[own] ** 2).mean()))
-    yield reading("floor", "floor", size, size * sd, unit)
+    fitted = beside.refitted({name: value for name, (value, _) in found.items()})
+    yield _floor(fitted, unit)
     yield from sensor_readings(run)
     yield from lost_readings(run)
-    yield from place_readings(beside)
+    yield from place_readings(fitted)
+
+
+def _floor(beside: Beside, unit: str) -> Reading | None:
+    """What repeats differ by that no effect of the model explains."""
+    own = np.array([each == unit for each in beside.context.rows.unit])
+    size = float(np.sqrt((beside.floor.mean[own] ** 2).mean()))
+    freedom = beside.floor.freedom
+    return reading("floor", "floor", size, size / np.sqrt(2.0 * freedom) if freedom else np.nan, unit)
 
 
 def _error(beside: Beside, unit: str) -> Reading | None:

@@ -1,0 +1,52 @@
+"""Several estimates of the same thing that differ by more than their errors: a common mean, and how they scatter."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labrig.arrays import Floats
+
+_FEWEST = 3
+"""Estimates from which on their own scatter is believed; of fewer the scatter that is stated counts, if larger."""
+
+
+@dataclass(frozen=True)
+class Pool:
+    """A mean (Q,), its standard deviation, and the standard deviation `between` one place and another.
+
+    `predicted_sd` is that of what one more place is expected to show.
+    """
+
+    mean: Floats
+    sd: Floats
+    between: Floats
+
+    @property
+    def predicted_sd(self) -> Floats:
+        """How far the next place may be from the mean, (Q,): the mean's own error, and the scatter between places."""
+        return np.hypot(self.sd, self.between)
+
+
+def pooled(value: Floats, sd: Floats, spread: float = 0.0) -> Pool:
+    """The random-effects mean of m estimates (m, Q) with standard deviations (m, Q); infinite where one says nothing.
+
+    R. DerSimonian, N. Laird, Meta-analysis in clinical trials, Controlled Clinical Trials 7 (1986) 177-188: the scatter
+    between places is (Q - (m - 1)) / (sum w - sum w^2 / sum w), w = 1 / sd^2, Q = sum w (x - mean)^2, not below zero.
+    From fewer than three estimates it says little: there it is at least `spread`, a share of the mean.
+    """
+    value, sd = np.atleast_2d(value), np.atleast_2d(sd)
+    w = np.where(np.isfinite(sd) & (sd > 0), 1.0 / np.maximum(sd, 1e-300) ** 2, 0.0)
+    known = np.where(w > 0, value, 0.0)
+    m = (w > 0).sum(axis=0)
+    total = np.where(m > 0, w.sum(axis=0), 1.0)
+    mean = (w * known).sum(axis=0) / total
+    excess = (w * (known - mean) ** 2).sum(axis=0) - (m - 1)
+    room = total - (w**2).sum(axis=0) / total
+    between = np.sqrt(np.maximum(excess, 0.0) / np.where(room > 0, room, np.inf))
+    least = np.where(m < _FEWEST, spread * np.abs(mean), 0.0)
+    between = np.maximum(between, least)
+    w = np.where(w > 0, 1.0 / (1.0 / np.where(w > 0, w, 1.0) + between**2), 0.0)
+    total = w.sum(axis=0)
+    some = total > 0
+    mean = np.where(some, (w * known).sum(axis=0) / np.where(some, total, 1.0), 0.0)
+    return Pool(mean, np.where(some, 1.0 / np.sqrt(np.where(some, total, 1.0)), np.inf), between)
