@@ -115,10 +115,7 @@ def summary_of(
         "model": None if model.path is None else model.path.as_posix(),
         "fitted_until": None if fitted is None else fitted.isoformat(sep=" ", timespec="minutes")[:16],
         "alpha": alpha,
-        "runs": [
-            {"run": r.run, "date": r.date, "time_s": r.time_s, "procedure": r.procedure, "kind": r.kind}
-            for r in runs
-        ],
+        "runs": [{"run": r.run, "date": r.date, "procedure": r.procedure, "kind": r.kind} for r in runs],
         "quantities": quantities,
         "changes": found,
         "unconfirmed": unconfirmed,

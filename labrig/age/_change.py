@@ -7,11 +7,11 @@ martingale under the null, and by Ville's inequality (1939) it ever exceeds 1/al
 however often one looks. (T. L. Lai, Ann. Statist. 4, 1976, 265-280; H. Wang, A. Ramdas, Sequential Analysis, 2025,
 arXiv:2310.03722. The prior of the moment is that of A. N. Shiryaev, Theory Probab. Appl. 8, 1963, 22-46.)
 
-One run's variance, as it says it itself, is added to both sums of squares: that makes every factor smaller, and nothing
-of readings that hardly ever differ.
+A small variance of every run is added to both sums of squares: that makes every factor smaller, and keeps readings that
+never differ from making a change of the least difference.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ SLOPE_DAYS = 30.0
 FEWEST_AFTER = 2
 """Runs that have to show a change: one that is odd by itself is no change."""
 LIKELY = 0.9
+_LEAST = 0.2
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,9 @@ class Series:
 
     @property
     def least(self) -> float:
-        """The usual standard deviation of a run by itself, or 0: less scatter than that is luck or coarse steps."""
+        """A scatter that is surely there: a part of what a run says of itself, where known."""
         known = self.sd[np.isfinite(self.sd) & (self.sd > 0)]
-        return float(np.median(known)) if known.size else 0.0
+        return _LEAST * float(np.median(known)) if known.size else 0.0
 
     @property
     def spread(self) -> Floats:
@@ -78,6 +79,11 @@ class Change:
     sd: float
     odds: float
 
+    def later(self, runs: int) -> "Change":
+        """The same change, where so many runs come before those that it was found in."""
+        at = {name: getattr(self, name) + runs for name in ("begins", "first", "last", "noticed")}
+        return replace(self, **at)
+
 
 @dataclass(frozen=True)
 class Found:
@@ -100,9 +106,8 @@ def changes(series: Series, alpha: float) -> Found:
         change, odd = _first(series.part(start), grows, limit)
         if change is None:
             return Found(tuple(found), odd)
-        at = {name: getattr(change, name) + start for name in ("begins", "first", "last", "noticed")}
-        found.append(Change(change.shape, *at.values(), change.amount, change.sd, change.odds))
-        start, grows = at["begins"], change.shape == "slope"
+        found.append(change.later(start))
+        start, grows = found[-1].begins, change.shape == "slope"
 
 
 def _first(series: Series, grows: bool, limit: float) -> tuple[Change | None, bool]:
@@ -189,7 +194,7 @@ class _Moments:
         """Logarithms: of the weighted Bayes factor after each run (n,), and of its parts (shape, size, now, begin)."""
         n, k = self.n, self.k
         freedom = np.maximum(self.freedom, 0)[None, :, None]
-        whole = self.yy.sum(axis=1) + k * self.least
+        whole = self.yy.sum(axis=1) + k * np.maximum(self.freedom, 0) * self.least
         tiny = 1e-12 * max(float(whole.max()), 1e-300)
         parts = np.full((2, len(SIZES), n, n), -np.inf)
         begin, now = np.arange(n)[None, :], np.arange(n)[:, None]
@@ -204,7 +209,8 @@ class _Moments:
             factor = np.where(freedom > 0, factor, 0.0)
             parts[:, i] = np.where(inside, factor + prior, -np.inf)
         none_yet = np.arange(n) * np.log1p(-HAZARD)
-        total = np.logaddexp(logsumexp(parts, axis=(0, 1, 3)), none_yet)
+        changed = np.asarray(logsumexp(parts, axis=(0, 1, 3)), dtype=float)
+        total = np.logaddexp(changed, none_yet)
         return total, parts
 
     def amount(self, shape: int, begin: int, now: int) -> tuple[Floats, float]:

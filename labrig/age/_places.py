@@ -7,7 +7,7 @@ from scipy.linalg import lstsq
 
 from labrig.age._known import Beside
 from labrig.age._reading import Reading, reading
-from labrig.arrays import Bools, Floats
+from labrig.arrays import Bools, Floats, Ints
 from labrig.diagnosis._floor import capture_means
 
 _ROUNDS = 8
@@ -26,7 +26,7 @@ def place_readings(beside: Beside) -> Iterator[Reading | None]:
         return
     off, sd = _offsets(beside)
     place = rows.rest_mm[: len(off)]
-    known = np.isfinite(off).all(axis=1) & np.isfinite(place).all(axis=1)
+    known = np.asarray(np.isfinite(off).all(axis=1) & np.isfinite(place).all(axis=1))
     if known.sum() < _FEWEST:
         return
     motion, motion_sd, left = _rigid(place, off, sd, known)
@@ -55,7 +55,7 @@ def _offsets(beside: Beside) -> tuple[Floats, Floats]:
     return off, sd
 
 
-def _chosen(beside: Beside, captures: Floats) -> Bools:
+def _chosen(beside: Beside, captures: Ints) -> Bools:
     """Captures at rest before anything was filled; else all that are at rest; else all."""
     rows = beside.context.rows
     first = np.searchsorted(rows.capture, captures)

@@ -14,12 +14,13 @@ from labrig._errors import LabrigError
 from labrig.age._known import Beside, Known
 from labrig.age._places import place_readings
 from labrig.age._reading import Reading, reading
-from labrig.age._scales import jackknife_sd, scales
+from labrig.age._scales import scales
 from labrig.age._sensors import lost_readings, sensor_readings
 from labrig.diagnosis import write_json
 from labrig.effects import rows_of
 from labrig.log import open_run, read_run_yaml, run_id, segment_paths
 from labrig.model import Model, model_text
+from labrig.passport import jackknife_variance
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -84,7 +85,8 @@ def read_run(folder: Path, name: str, known: Known, key: str) -> RunReadings:
 def from_content(name: str, found: dict[str, Any]) -> RunReadings:
     """Readings from what is kept beside a run."""
     readings = tuple(Reading.of(each) for each in found["readings"])
-    return RunReadings(name, float(found["time_s"]), str(found["kind"]), readings)
+    began = datetime.fromisoformat(str(found["began"]))
+    return RunReadings(name, began.timestamp(), str(found["kind"]), readings)
 
 
 def kept(folder: Path) -> dict[str, Any]:
@@ -119,7 +121,7 @@ def _stamp(folder: Path) -> str:
 def _content(run: "Dataset", folder: Path, known: Known) -> dict[str, Any]:
     facts = read_run_yaml(folder) if (folder / "run.yaml").exists() else {}
     return {
-        "time_s": _began_s(run, facts),
+        "began": datetime.fromtimestamp(_began_s(run, facts), UTC).isoformat(),
         "kind": _kind(run, facts),
         "readings": [each.content() for each in readings_of(run, known) if each is not None],
     }
@@ -180,5 +182,5 @@ def _error(beside: Beside, unit: str) -> Reading | None:
         return None
     n = len(each)
     without = np.sqrt((each.sum() - each)[:, None] / max(n - 1, 1))
-    sd = float(jackknife_sd(without)[0]) if n > 2 else np.nan
+    sd = float(np.sqrt(jackknife_variance(without)[0])) if n > 2 else np.nan
     return reading("error", "error", float(np.sqrt(each.mean())), sd, unit)

@@ -47,7 +47,8 @@ class Reading:
     @classmethod
     def of(cls, content: dict[str, Any]) -> "Reading":
         """A reading from what `content` gave."""
-        return cls(**(content | {"value": tuple(content["value"])}))
+        kept = {name: content[name] for name in ("group", "name", "sd", "unit")}
+        return cls(value=tuple(content["value"]), **kept)
 
 
 def reading(group: str, name: str, value: float | Sequence[float], sd: float, unit: str) -> Reading | None:

@@ -4,6 +4,7 @@ import numpy as np
 
 from labrig.age._known import Beside
 from labrig.arrays import Floats
+from labrig.passport import by_capture, jackknife_variance
 
 _FEWEST = 3
 """Captures from which on each observable's own offset is left out: a marker that slipped is no creep."""
@@ -14,9 +15,9 @@ _LEAST_INFORMATION = 16.0
 def scales(beside: Beside) -> dict[str, tuple[float, float]]:
     """The multiple of each effect that fits a run best, and its standard deviation; 1 is the model's own.
 
-    Weighted least squares of what the model leaves on what its effects do, all together, in units of the noise; the
-    standard deviation is the jackknife's over captures (Efron 1982, The Jackknife, ch. 3), and so it has in it that the
-    effects' forms are not exact. Effects that hardly act on this run are left as they are, and left out.
+    Weighted least squares of what the model leaves on what its effects do, all together, in units of the noise, with
+    the jackknife's standard deviation over captures. Effects that hardly act on this run stay as they are, and are left
+    out.
     """
     observations = beside.observations
     seen = observations.seen
@@ -35,31 +36,14 @@ def scales(beside: Beside) -> dict[str, tuple[float, float]]:
         return {}
     fields = fields[acting]
     gram, product = by_capture(fields, left, observations.capture, means)
-    off = solved(gram.sum(axis=0), product.sum(axis=0))
-    each = solved(gram.sum(axis=0) - gram, product.sum(axis=0) - product)
-    sd = jackknife_sd(each)
+    off = _solved(gram.sum(axis=0), product.sum(axis=0))
+    each = _solved(gram.sum(axis=0) - gram, product.sum(axis=0) - product)
+    sd = np.sqrt(jackknife_variance(each))
     return {n: (1.0 + float(o), float(s)) for n, o, s in zip(names, off, sd, strict=True)}
 
 
-def by_capture(fields: Floats, left: Floats, capture: Floats, n: int) -> tuple[Floats, Floats]:
-    """Normal matrices (n, Q, Q) and products (n, Q) of each capture, of fields (Q, S, K) and values (S, K)."""
-    Q = len(fields)
-    each_gram = np.einsum("qsk,rsk->sqr", fields, fields)
-    each_product = np.einsum("qsk,sk->sq", fields, left)
-    gram, product = np.zeros((n, Q, Q)), np.zeros((n, Q))
-    np.add.at(gram, capture, each_gram)
-    np.add.at(product, capture, each_product)
-    return gram, product
-
-
-def solved(gram: Floats, product: Floats) -> Floats:
-    """Least squares from normal equations (..., Q, Q) and (..., Q); directions that nothing speaks of stay at zero."""
-    return (np.linalg.pinv(gram, rcond=1e-9, hermitian=True) @ product[..., None])[..., 0]
-
-
-def jackknife_sd(each: Floats) -> Floats:
-    """Standard deviations (Q,) from estimates (n, Q) without each of n captures; infinite for fewer than two."""
-    n = len(each)
-    if n < 2:
-        return np.full(each.shape[1], np.inf)
-    return np.sqrt((n - 1) / n * ((each - each.mean(axis=0)) ** 2).sum(axis=0))
+def _solved(gram: Floats, product: Floats) -> Floats:
+    """Least squares from normal equations (..., Q, Q), (..., Q); directions that nothing speaks of stay at zero."""
+    return np.asarray(np.linalg.pinv(gram, rcond=1e-9, hermitian=True) @ product[..., None], dtype=float)[
+        ..., 0
+    ]

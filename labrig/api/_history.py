@@ -58,9 +58,10 @@ class History:
     @property
     def effects(self) -> "DataFrame":
         """Each effect of the model on each run: `run`, `date`, `effect`, `scale` (1: what the model has), `sd`."""
+        columns = {"run": "run", "date": "date", "name": "effect", "value": "scale", "sd": "sd"}
         table = self.table
-        own = table[table["group"] == "effect"].rename(columns={"name": "effect", "value": "scale"})
-        return own[["run", "date", "effect", "scale", "sd"]].reset_index(drop=True)
+        own = table.loc[table["group"] == "effect", list(columns)]
+        return own.set_axis(list(columns.values()), axis=1).reset_index(drop=True)
 
     @property
     def changes(self) -> "DataFrame":

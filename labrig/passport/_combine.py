@@ -44,7 +44,7 @@ def combined(evidence: Sequence[Evidence], prior: Pool) -> Carried:
     shrunk = own
     if pool is not None:
         T = np.diag(1.0 / np.maximum(between, 1e-9 * np.abs(value) + 1e-300) ** 2)
-        shrunk = np.array([np.linalg.solve(e.information + T, e.weighted + T @ value) for e in evidence])
+        shrunk = np.array([np.linalg.inv(e.information + T) @ (e.weighted + T @ value) for e in evidence])
     least = 1e-9 * max(float(np.diag(information).max()), 1e-12) * np.eye(len(value))
     data = np.linalg.inv(information + least)
     return Carried(

@@ -10,6 +10,7 @@ from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import Prepared
 from labrig.effects import Context, Variant
 from labrig.effects._fields import contribution
+from labrig.passport._captures import by_capture, jackknife_variance
 from labrig.passport._prior import size_of
 
 
@@ -75,15 +76,12 @@ def evidence_of(ready: Prepared, forms: Sequence[tuple[Context, Variant]]) -> Ev
 
 
 def _evidence(fields: Floats, white: Floats, left: Floats, capture: Ints, n: int) -> Evidence:
-    Q = len(white)
-    gram, product = np.zeros((n, Q, Q)), np.zeros((n, Q))
-    np.add.at(gram, capture, np.einsum("qsk,rsk->sqr", white, white))
-    np.add.at(product, capture, np.einsum("qsk,sk->sq", white, left))
+    gram, product = by_capture(white, left, capture, n)
     total, target = gram.sum(axis=0), product.sum(axis=0)
     if n < 2:
         return Evidence(gram, product, 1.0, fields)
     each = np.array([_solved(total - g, target - p) for g, p in zip(gram, product, strict=True)])
-    jack = (n - 1) / n * ((each - each.mean(axis=0)) ** 2).sum(axis=0)
+    jack = jackknife_variance(each)
     told = np.diag(_inverse(total))
     live = np.diag(total) > 1.0
     ratio = float(np.mean(jack[live] / told[live])) if live.any() else 1.0
@@ -105,7 +103,7 @@ def _columns(context: Context, variant: Variant) -> Floats:
 def _inverse(matrix: Floats) -> Floats:
     """The inverse of an information matrix; what it says nothing of comes out huge, and not infinite."""
     least = 1e-9 * max(float(np.diag(matrix).max(initial=0.0)), 1e-12)
-    return np.linalg.inv(matrix + least * np.eye(len(matrix)))
+    return np.asarray(np.linalg.inv(matrix + least * np.eye(len(matrix))), dtype=float)
 
 
 def _solved(matrix: Floats, right: Floats) -> Floats:

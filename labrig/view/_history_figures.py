@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from labrig.view._figures import FONT, Figure, _layout, _plain
-from labrig.view._style import AFTER, BEFORE, FLOOR, GROUPS, MUTED
+from labrig.view._style import AFTER, BEFORE, FLOOR, GROUPS
 
 _PICTURES = {
     "effects": ("effect", "multiple of what the model has"),
@@ -20,7 +20,7 @@ _PICTURES = {
 }
 """Each picture: the group of quantities that it shows, and what its axis says."""
 _OVERLAID = {"error": "floor"}
-_COLOURS = (*GROUPS, "#5c123c", "#2f8f83", "#b05fa0")
+_COLOURS = (*(colour for colour in GROUPS if colour != FLOOR), "#5c123c", "#2f8f83", "#b05fa0")
 _PLACES = ("marker", "frame")
 _TOLD_APART = 9
 
@@ -64,7 +64,7 @@ def axis_title(name: str, curves: Sequence[dict[str, Any]]) -> str:
 
 
 def colour_of(curves: Sequence[dict[str, Any]], number: int) -> str:
-    """Its own for each of a few curves; of many, only those that changed stand out."""
+    """Its own for each of a few curves; of many, all but those that changed are as pale as a noise floor."""
     if len(curves) <= _TOLD_APART:
         return _COLOURS[number % len(_COLOURS)]
     changed = [i for i, curve in enumerate(curves) if curve["changes"]]
@@ -76,7 +76,7 @@ def _picture(content: dict[str, Any], name: str) -> Figure:
     data: list[Figure] = []
     for number, curve in enumerate(curves):
         colour = colour_of(curves, number)
-        stands_out = colour != FLOOR or len(curves) <= _TOLD_APART
+        stands_out = colour != FLOOR
         data.append(
             {
                 "type": "scatter",
@@ -114,52 +114,3 @@ def _fitted(content: dict[str, Any]) -> list[Figure]:
 
 def _median(values: Sequence[float]) -> float:
     return sorted(values)[len(values) // 2]
-
-
-def write_history_picture(content: dict[str, Any], path: Any) -> None:
-    """Write the whole history as one still picture, whole or not at all; the ending names the format."""
-    import os
-    from datetime import datetime
-
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure as Canvas
-
-    names = [name for name in _PICTURES if name in history_pictures(content)]
-    rows = math.ceil(len(names) / 2)
-    figure = Canvas(figsize=(12, 2.6 * rows + 0.6), dpi=130, layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(f"{content['rig']}: {len(content['runs'])} runs", fontsize=14)
-    for place, name in enumerate(names):
-        axes = figure.add_subplot(rows, 2, place + 1)
-        curves = series_of(content, name)
-        for number, curve in enumerate(curves):
-            colour = colour_of(curves, number)
-            days = [datetime.fromisoformat(date) for date in curve["date"]]
-            sd = [math.nan if each is None else each for each in curve["sd"]]
-            grey = colour == FLOOR and len(curves) > _TOLD_APART
-            if grey:
-                axes.plot(days, curve["y"], color=colour, linewidth=0.5)  # type: ignore[arg-type]
-            else:
-                axes.errorbar(
-                    days,
-                    curve["y"],
-                    sd,
-                    color=colour,
-                    marker="o",
-                    markersize=3,
-                    linewidth=1,
-                    label=curve["name"],
-                )  # type: ignore[arg-type]
-            for change in curve["changes"]:
-                axes.axvline(datetime.fromisoformat(change["date"]), color=BEFORE, linestyle=":", linewidth=1)  # type: ignore[arg-type]
-        axes.set_ylabel(axis_title(name, curves), fontsize=8, color=MUTED)
-        axes.tick_params(labelsize=8)
-        if axes.get_legend_handles_labels()[1]:
-            axes.legend(fontsize=7, frameon=False, ncols=3)
-    temporary = path.with_name(f".{os.getpid()}-{path.name}")
-    try:
-        figure.autofmt_xdate(rotation=0, ha="center")
-        figure.savefig(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from labrig.view._experiment import _over, _warnings, _write
-from labrig.view._history_figures import history_pictures, write_history_picture
+from labrig.view._history_figures import history_pictures
+from labrig.view._history_picture import write_history_picture
 from labrig.view._page import Page, table
 from labrig.view._style import AFTER, BEFORE
 
