@@ -60,7 +60,9 @@ def carry(
         own = [prior_of(ready.context, prior.effect.name, priors, spread) for prior in known]
         forms = [(as_fitted(ready.context, prior.entry), prior.variant) for prior in own]
         evidence.append(evidence_of(ready, forms))
-    mean = Pool(*(np.concatenate([getattr(p.pool, f) for p in known]) for f in ("mean", "sd", "between")))
+    mean = Pool(
+        *(np.concatenate([getattr(p.pool, f) for p in known]) for f in ("mean", "sd", "between", "count"))
+    )
     carried = combined(evidence, mean)
     if carried.z > MOST_Z:
         raise LabrigError(_contradiction(known, carried, here))
