@@ -32,6 +32,7 @@ from labrig.bench._report import write_section
 from labrig.campaign import Procedure, run
 from labrig.physics import reduced_surface
 from labrig.rig import Rig, parse_rig
+from labrig.view._history_picture import write_history_picture
 from labrig_drivers import PressureSample, SimulatedClock
 from labrig_drivers.simulated import SimulatedMocap, SimulatedPlant, SimulatedPressure
 from labrig_drivers.simulated._observer import Observer
@@ -166,8 +167,11 @@ def measured(fate: Fate, day: int, procedure: Procedure, folder: Path, number: i
         return run(procedure, rig, folder, clock=clock, seed=number)
 
 
-def first_noticed(fate: Fate, folder: Path) -> dict[tuple[str, str], int]:
-    """The rig's life in a folder: for everything that its histories ever name, the day on which they first do."""
+def first_noticed(fate: Fate, folder: Path, picture: Path | None = None) -> dict[tuple[str, str], int]:
+    """The rig's life in a folder: for everything that its histories ever name, the day on which they first do.
+
+    The last of these histories is drawn into `picture`.
+    """
     (folder / "rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
     (folder / "base.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n", encoding="utf-8")
     campaign = measured(fate, 0, Capture(captures=40, highest=0.8), folder / "campaign", 1)
@@ -181,17 +185,20 @@ def first_noticed(fate: Fate, folder: Path) -> dict[tuple[str, str], int]:
     for day in range(fate.days):
         path = measured(fate, day, Check(), folder / "runs" / f"{day:03d}-check")
         readings.append(read_run(path, path.name, known, key))
-        for change in age.summary_of("mannequin", model, readings)["changes"]:
+        summary = age.summary_of("mannequin", model, readings)
+        for change in summary["changes"]:
             noticed.setdefault((change["group"], change["name"]), day)
+    if picture is not None:
+        write_history_picture(summary, picture)
     return noticed
 
 
-def life(seed: int, days: int) -> dict[str, Any]:
+def life(seed: int, days: int, picture: Path | None = None) -> dict[str, Any]:
     """One rig's life, and what came of it: when each thing was noticed, and what was named that was not there."""
     began = time.perf_counter()
     fate = Fate(seed, days)
     with tempfile.TemporaryDirectory() as name:
-        noticed = first_noticed(fate, Path(name))
+        noticed = first_noticed(fate, Path(name), picture)
     marker = reduced_surface(RIG).marker_names[fate.marker]
     true = {
         "creep": (("effect", "creep"), CREEP_DAY),
@@ -259,7 +266,11 @@ def main() -> None:
     parser.add_argument("--days", type=int, default=60)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path(__file__).parent / "RESULTS.md")
+    parser.add_argument("--picture", type=Path, help="draw the history of the first rig, and of no other")
     options = parser.parse_args()
+    if options.picture is not None:
+        print(life(0, options.days, options.picture)["late"])
+        return
     with ProcessPoolExecutor(options.workers) as pool:
         lives = []
         for each in pool.map(life, range(options.rigs), [options.days] * options.rigs):

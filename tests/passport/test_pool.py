@@ -28,6 +28,16 @@ def test_unequal_weights_by_hand() -> None:
     assert pool.mean == pytest.approx([2 * w[1] / w.sum()])
 
 
+def test_as_another_library_has_it() -> None:
+    """The figures of statsmodels 0.15.0 (`combine_effects`, chi2) for nine drawn estimates."""
+    random = np.random.default_rng(0)
+    value, sd = random.normal(size=9), random.uniform(0.2, 0.6, 9)
+    pool = pooled(value[:, None], sd[:, None])
+    assert pool.between**2 == pytest.approx([0.4769295375939506])
+    assert pool.mean == pytest.approx([0.24329433232504943])
+    assert pool.sd == pytest.approx([0.2697074021885221])
+
+
 def test_estimates_that_agree_have_no_scatter_between() -> None:
     """Then the mean is weighted by precision alone."""
     pool = pooled(np.array([[1.0], [1.1], [0.9]]), np.array([[0.5], [0.5], [0.5]]))
