@@ -169,10 +169,13 @@ def history(
         LabrigError: there is no such folder, it holds no runs of the rig, or none that fits the model.
 
     Example:
-        >>> found = labrig.history("mannequin", "model.yaml")
-        >>> found.changes["what"][0]
-        'the leak of c3 went from 0.02 to 4.1 %/min since 2026-02-01'
-        >>> found.plot("effects")
+        >>> found = labrig.history("bench", "model.yaml")
+        >>> list(found.runs["procedure"])
+        ['capture', 'programme']
+        >>> found.changes.empty
+        True
+        >>> found.save("history").name
+        'report.html'
     """
     from labrig import age
 

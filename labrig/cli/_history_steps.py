@@ -82,8 +82,8 @@ def _print_notes(found: "History") -> None:
 
 
 def _print_table(summary: dict[str, Any]) -> None:
-    runs = summary["runs"]
-    table = Table("", "", "first runs", "last run", "changed", title=f"{summary['rig']}: {len(runs)} runs")
+    count = "1 run" if len(summary["runs"]) == 1 else f"{len(summary['runs'])} runs"
+    table = Table("", "", "first runs", "last run", "changed", title=f"{summary['rig']}: {count}")
     for column in table.columns[2:4]:
         column.justify = "right"
     changed = {(c["group"], c["name"]): c["date"][:10] for c in summary["changes"]}

@@ -33,7 +33,7 @@ def write_history(content: dict[str, Any], folder: Path) -> Path:
         page,
         "changed" if changes else "as it was",
         BEFORE if changes else AFTER,
-        [f"{len(runs)} runs", between],
+        [_runs(len(runs)), between],
     )
     page.add(f"<h1>{escape(history_headline(content))}</h1>")
     _warnings(page, history_notes(content))
@@ -57,9 +57,9 @@ def history_headline(content: dict[str, Any]) -> str:
     if not changes:
         few = count < 4
         return (
-            f"{count} runs of {content['rig']}: a change shows from the fourth on."
+            f"{_runs(count)} of {content['rig']}: a change shows from the fourth on."
             if few
-            else f"Nothing on {content['rig']} has changed by more than chance in {count} runs."
+            else f"Nothing on {content['rig']} has changed by more than chance in {_runs(count)}."
         )
     last = changes[-1]
     others = f", and {len(changes) - 1} more" if len(changes) > 1 else ""
@@ -67,6 +67,10 @@ def history_headline(content: dict[str, Any]) -> str:
     return (
         f"{'T' + said[1:] if said.startswith('the ') else said}{others}."  # names of markers stay as they are
     )
+
+
+def _runs(count: int) -> str:
+    return "1 run" if count == 1 else f"{count} runs"
 
 
 def history_notes(content: dict[str, Any]) -> list[str]:

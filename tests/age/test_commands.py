@@ -55,7 +55,7 @@ def test_check_records_a_run_and_adds_it_to_the_history(labrig: Typed, here: Pat
     for number in (1, 2):
         code, out, err = labrig("check", "--rig", "rig.yaml", "--model", "base.yaml", *options)
         assert (code, err) == (0, "")
-        assert f"{number} runs of bench" in out
+        assert f"{number} run{'s' if number > 1 else ''} of bench" in out
         assert "report: " in out
     rows = list_runs(here / "runs", "'check' in tags")
     assert len(rows) == 2
