@@ -25,7 +25,7 @@ from labrig.passport import jackknife_variance
 if TYPE_CHECKING:
     from xarray import Dataset
 
-KEPT = "history.json"
+KEPT = "readings.json"
 _VERSION = 1
 _MOST_MODELS = 6
 

@@ -20,7 +20,7 @@ _PICTURES = {
 }
 """Each picture: the group of quantities that it shows, and what its axis says."""
 _OVERLAID = {"error": "floor"}
-_COLOURS = (*(colour for colour in GROUPS if colour != FLOOR), "#5c123c", "#2f8f83", "#b05fa0")
+_COLOURS = (*(colour for colour in GROUPS if colour != FLOOR), "#5c123c", "#2f8f83", "#b05fa0", "#3b4a8c")
 _PLACES = ("marker", "frame")
 _TOLD_APART = 9
 

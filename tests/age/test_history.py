@@ -157,7 +157,7 @@ def test_what_cannot_be_read_is_left_out_and_said(aged: Path, tmp_path: Path) ->
     """A run that does not fit the model is named with the reason, and the others are shown; none at all is an error."""
     runs = tmp_path / "runs"
     for name in ("00-0", "01-0"):
-        shutil.copytree(aged / "runs" / name, runs / name, ignore=shutil.ignore_patterns("history.json"))
+        shutil.copytree(aged / "runs" / name, runs / name, ignore=shutil.ignore_patterns("readings.json"))
     (tmp_path / "rig.yaml").write_text((aged / "rig.yaml").read_text().replace("c4", "d4"), encoding="utf-8")
     (tmp_path / "base.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n", encoding="utf-8")
     with pytest.raises(LabrigError, match="none of the 2 runs of bench fits the model"):
