@@ -208,7 +208,7 @@ def life(seed: int, days: int, picture: Path | None = None) -> dict[str, Any]:
     late = {
         what: noticed[key] - day if noticed.get(key, -1) >= day else None for what, (key, day) in true.items()
     }
-    real = dict(true.values()) | {("error", "error"): CREEP_DAY}
+    real = dict(true.values()) | {("error", "error"): CREEP_DAY, ("gain", "displacement"): CREEP_DAY}
     false = [
         f"{group} {name} on day {day}"
         for (group, name), day in noticed.items()
@@ -253,8 +253,9 @@ def section(lives: list[dict[str, Any]], days: int) -> list[str]:
         "",
         f"False warnings (of something that had not happened by then): **{len(before)}** in {len(lives) * days:,} "
         f"mornings{named}. The method promises that at most one rig in {1 / age.ALPHA:.0f} ever has one. A change is "
-        "believed from its second run on, so that one day after it is the earliest. That the model's error rises once "
-        "creep grows counts as true. Simulating, measuring, logging and reading a day, and the history of all days "
+        "believed from its second run on, so that one day after it is the earliest. That the model's error and the "
+        "softness rise once creep grows counts as true (its shortest lags, 0.4 s, are softness to a check). "
+        "Simulating, measuring, logging and reading a day, and the history of all days "
         f"before, took {took_s:.1f} s.",
     ]
 

@@ -14,7 +14,7 @@ from labrig._errors import LabrigError
 from labrig.age._known import Beside, Known
 from labrig.age._places import place_readings
 from labrig.age._reading import Reading, reading
-from labrig.age._scales import scales
+from labrig.age._scales import GAIN, scales
 from labrig.age._sensors import lost_readings, sensor_readings
 from labrig.diagnosis import write_json
 from labrig.effects import rows_of
@@ -151,8 +151,10 @@ def readings_of(run: "Dataset", known: Known) -> Iterator[Reading | None]:
     beside = known.beside(rows_of(run))
     unit = beside.context.rows.unit[0]
     found = scales(beside)
+    gain, gain_sd = found.pop(GAIN, (np.nan, np.nan))
     for name, (value, sd) in found.items():
         yield reading("effect", name, value, sd, "× model")
+    yield reading("gain", "displacement", 100.0 * gain, 100.0 * gain_sd, "% of the base's")
     yield _error(beside, unit)
     fitted = beside.refitted({name: value for name, (value, _) in found.items()})
     yield _floor(fitted, unit)

@@ -8,6 +8,7 @@ import numpy as np
 
 GROUPS = {
     "effect": "effects",
+    "gain": "softness",
     "error": "error of the model",
     "floor": "noise floor",
     "leak": "leak rates",

@@ -28,6 +28,7 @@ def _subject(change: Mapping[str, Any]) -> str:
     name = str(change["name"])
     return {
         "effect": name,
+        "gain": "the whole displacement",
         "error": "the model's error",
         "floor": "the noise floor",
         "leak": f"the leak of {name}",

@@ -39,9 +39,9 @@ class History:
 
     @property
     def table(self) -> "DataFrame":
-        """Everything that was read, a row for each number: `run`, `date`, `group` (effect, error, floor, leak, zero,
+        """Everything that was read, a row for each number: `run`, `date`, `group` (effect, gain, error, floor, leak,
 
-        lost, frame, marker, ambient), `name`, `axis` (of places and turns, else empty), `value`, `sd`, `unit`.
+        zero, lost, frame, marker, ambient), `name`, `axis` (of places and turns, else empty), `value`, `sd`, `unit`.
         """
         from pandas import DataFrame
 

@@ -10,6 +10,7 @@ from labrig.view._style import AFTER, BEFORE, FLOOR, GROUPS
 
 _PICTURES = {
     "effects": ("effect", "multiple of what the model has"),
+    "softness": ("gain", "displacement, {unit}"),
     "error": ("error", "error of the model, {unit} rms"),
     "leaks": ("leak", "leak rate, {unit}"),
     "zeros": ("zero", "reading at rest, {unit}"),
@@ -26,7 +27,10 @@ _TOLD_APART = 9
 
 
 def history_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Figure]]:
-    """What can be drawn of a history: `effects`, `error`, `leaks`, `zeros`, `markers`, `cameras`, `lost`, `ambient`."""
+    """What can be drawn of a history: `effects`, `softness`, `error`, `leaks`, `zeros`, `markers`, `cameras`, `lost`,
+
+    `ambient`; of these what was read.
+    """
     there = {quantity["group"] for quantity in content["quantities"]}
     return {
         name: partial(_picture, content, name) for name, (group, _) in _PICTURES.items() if group in there

@@ -13,6 +13,10 @@ from labrig.view._style import AFTER, BEFORE
 PICTURE_NAME = "history.png"
 _TITLES = {
     "effects": ("Effects", "Each effect of the model, fitted anew to every run: 1 is what the model has."),
+    "softness": (
+        "Softness",
+        "How far everything moves, beside the effects: rubber softens with warmth and use.",
+    ),
     "error": ("Error and noise", "What the model as it stands leaves, and what repeats differ by."),
     "leaks": ("Leaks", "How fast each chamber loses pressure while it is held."),
     "zeros": ("Pressure zeros", "What each sensor reads at rest."),
@@ -21,6 +25,8 @@ _TITLES = {
     "lost": ("Markers lost", "The share of marker frames in which a marker was not seen."),
     "ambient": ("Ambient", "What else was logged."),
 }
+_TOLD_FIRST = ("leak", "marker", "frame", "effect", "zero", "gain", "lost", "floor", "ambient", "error")
+"""Groups of changes, what says most about its cause first: everything raises the error."""
 
 
 def write_history(content: dict[str, Any], folder: Path) -> Path:
@@ -61,9 +67,8 @@ def history_headline(content: dict[str, Any]) -> str:
             if few
             else f"Nothing on {content['rig']} has changed by more than chance in {_runs(count)}."
         )
-    last = changes[-1]
+    said = str(min(reversed(changes), key=lambda change: _TOLD_FIRST.index(change["group"]))["words"])
     others = f", and {len(changes) - 1} more" if len(changes) > 1 else ""
-    said = str(last["words"])
     return (
         f"{'T' + said[1:] if said.startswith('the ') else said}{others}."  # names of markers stay as they are
     )

@@ -16,6 +16,7 @@ from labrig_procedures import Check
 
 START_S = 1_770_000_000.0
 DAY_S = 86_400.0
+MORNINGS, CHANGED = 14, 6
 RIG: dict[str, Any] = {
     "name": "bench",
     "chambers": [{"name": f"c{n}", "max_kpa": 60, "slew_kpa_s": 2000} for n in range(1, 5)],
@@ -51,17 +52,14 @@ def measured() -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def aged(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with `runs` of ten mornings, rig.yaml, and model.yaml, fitted on the first; from the sixth on creep is
-
-    twice as large, and m03 is lost.
-    """
+    """`runs` of 14 mornings, rig.yaml, and model.yaml, fitted on the first two; from the seventh on creep is double."""
     folder = tmp_path_factory.mktemp("aged")
     (folder / "rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
     (folder / "base.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n", encoding="utf-8")
     runs = folder / "runs"
     runs.mkdir()
-    for day in range(10):
-        measure(runs, day, 0.8 if day < 5 else 1.6)
-    better = labrig.improve(runs / "00-0", folder / "base.yaml", "creep")
+    for day in range(MORNINGS):
+        measure(runs, day, 0.8 if day < CHANGED else 1.6)
+    better = labrig.improve([runs / "00-0", runs / "01-0"], folder / "base.yaml", "creep")
     better.model.save(folder / "model.yaml")
     return folder
