@@ -17,11 +17,9 @@ def change_words(change: Mapping[str, Any]) -> str:
         slowly = "slowly " if change["shape"] == "slope" else ""
         return f"{what} {slowly}{how} by {_number(moved)} {change['unit']} {when}"
     before, after = change["before"][0], change["after"][0]
-    unit = f" {change['unit']}"
-    way = "grows" if after > before else "falls"
-    verb = f"{way} from {_number(before)} to {_number(after)}{unit}" if change["shape"] == "slope" else ""
-    verb = verb or f"went from {_number(before)} to {_number(after)}{unit}"
-    return f"{_subject(change)} {verb} {when}"
+    verb = ("grows" if after > before else "falls") if change["shape"] == "slope" else "went"
+    fold = f" {after / before:.2g}-fold," if change["group"] == "effect" and before * after > 0 else ""
+    return f"{_subject(change)} {verb}{fold} from {_both(before, after)} {change['unit']} {when}"
 
 
 def _subject(change: Mapping[str, Any]) -> str:
@@ -36,6 +34,14 @@ def _subject(change: Mapping[str, Any]) -> str:
         "lost": "markers lost",
         "ambient": name,
     }[str(change["group"])]
+
+
+def _both(before: float, after: float) -> str:
+    """Two numbers, to the third digit of their difference."""
+    places = _DIGITS - 1 - math.floor(math.log10(abs(after - before))) if after != before else _DIGITS
+    places = min(max(places, 0), 6)
+    first, last = (round(value, places) + 0.0 for value in (before, after))  # no -0
+    return f"{first:.{places}f} to {last:.{places}f}"
 
 
 def _number(value: float) -> str:
