@@ -88,7 +88,7 @@ def _print_table(summary: dict[str, Any]) -> None:
         column.justify = "right"
     changed = {(c["group"], c["name"]): c["date"][:10] for c in summary["changes"]}
     for quantity in _shown(summary, set(changed)):
-        first, last = _ends(quantity)
+        first, last = _ends(summary, quantity)
         sd = quantity["sd"][-1]
         give = f" ± {sd:.2g}" if sd else ""
         key = (quantity["group"], quantity["name"])
@@ -113,18 +113,18 @@ def _shown(summary: dict[str, Any], changed: set[tuple[str, str]]) -> list[dict[
     out = []
     for group in _labels():
         own = [q for q in summary["quantities"] if q["group"] == group]
-        farthest = (
-            sorted(own, key=lambda q: -abs(_ends(q)[1] - _ends(q)[0]))[:1] if len(own) > _GROUP_ROWS else own
-        )
-        out += [q for q in own if (group, q["name"]) in changed or q in farthest]
+        away = {q["name"]: abs(last - first) for q in own for first, last in [_ends(summary, q)]}
+        few = own if len(own) <= _GROUP_ROWS else [max(own, key=lambda q: away[q["name"]])]
+        out += [q for q in own if (group, q["name"]) in changed or q in few]
     return out
 
 
-def _ends(quantity: dict[str, Any]) -> tuple[float, float]:
-    """The median of a quantity's first runs and its last value; of a place the distance from the first runs."""
+def _ends(summary: dict[str, Any], quantity: dict[str, Any]) -> tuple[float, float]:
+    """The median of a quantity's first runs of the last one's kind, and its last value; of a place the distance."""
     import numpy as np
 
-    value = np.array(quantity["value"], float)
+    kind = [summary["runs"][number]["kind"] for number in quantity["runs"]]
+    value = np.array(quantity["value"], float)[[each == kind[-1] for each in kind]]
     first = np.median(value[:_FIRST], axis=0)
     if value.shape[1] == 1:
         return float(first[0]), float(value[-1, 0])

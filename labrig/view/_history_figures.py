@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
+from statistics import median
 from typing import Any
 
 from labrig.view._figures import FONT, Figure, _layout, _plain
@@ -24,6 +25,7 @@ _OVERLAID = {"error": "floor"}
 _COLOURS = (*(colour for colour in GROUPS if colour != FLOOR), "#5c123c", "#2f8f83", "#b05fa0", "#3b4a8c")
 _PLACES = ("marker", "frame")
 _TOLD_APART = 9
+_FIRST = 5
 
 
 def history_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Figure]]:
@@ -40,7 +42,7 @@ def history_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Figure]]
 def series_of(content: dict[str, Any], name: str) -> list[dict[str, Any]]:
     """The curves of a picture: `name`, `unit`, `date`, `y` and `sd` (None where unknown) of each, and its `changes`.
 
-    A place is drawn as its distance from the middle of its first runs.
+    A place is drawn as its distance from the middle of the first runs of its kind.
     """
     group, _ = _PICTURES[name]
     wanted = (group, _OVERLAID.get(name))
@@ -52,8 +54,9 @@ def series_of(content: dict[str, Any], name: str) -> list[dict[str, Any]]:
         changes = [c for c in content["changes"] if (c["group"], c["name"]) == mine]
         y = [v[0] for v in quantity["value"]]
         if group in _PLACES:
-            start = [_median([v[a] for v in quantity["value"][:5]]) for a in range(3)]
-            y = [math.dist(v, start) for v in quantity["value"]]
+            y = _distances(
+                quantity["value"], [content["runs"][number]["kind"] for number in quantity["runs"]]
+            )
         dates = [content["runs"][number]["date"] for number in quantity["runs"]]
         curves.append(
             {"name": quantity["name"], "unit": quantity["unit"], "date": dates, "y": y, "sd": quantity["sd"]}
@@ -116,5 +119,10 @@ def _fitted(content: dict[str, Any]) -> list[Figure]:
     return [_line(fitted, AFTER)] if fitted and dates and min(dates) <= fitted <= max(dates) else []
 
 
-def _median(values: Sequence[float]) -> float:
-    return sorted(values)[len(values) // 2]
+def _distances(values: Sequence[Sequence[float]], kinds: Sequence[str]) -> list[float]:
+    """How far each place is from the middle of the first of the same kind."""
+    starts = {}
+    for kind in set(kinds):
+        first = [value for value, own in zip(values, kinds, strict=True) if own == kind][:_FIRST]
+        starts[kind] = [median(axis) for axis in zip(*first, strict=True)]
+    return [math.dist(value, starts[kind]) for value, kind in zip(values, kinds, strict=True)]

@@ -180,3 +180,18 @@ def test_readings_survive_being_kept(aged: Path, found: labrig.History) -> None:
     assert again.date == "2026-02-09 02:40"
     own = found.table[(found.table["run"] == "07-0") & (found.table["group"] == "effect")]["value"]
     assert [r.value[0] for r in again.readings if r.group == "effect"] == pytest.approx(list(own))
+
+
+def test_a_base_that_is_fitted_to_runs_is_fitted_once(aged: Path, tmp_path: Path) -> None:
+    """A static map is fitted to the first run alone: fitted to each, it would hide that the rig has changed."""
+    (tmp_path / "static.yaml").write_text("base: {kind: static, degree: 1}\n", encoding="utf-8")
+    found = labrig.history("bench", tmp_path / "static.yaml", runs=aged / "runs")
+    table = found.table
+    error = table[table["group"] == "error"]["value"].to_numpy()
+    each = [
+        labrig.compare(aged / "runs" / f"{day:02d}-0", tmp_path / "static.yaml").error["model"]
+        for day in (0, 12)
+    ]
+    assert error[0] == pytest.approx(each[0], rel=0.25)
+    assert error[12] > 1.3 * each[1]
+    assert "error" in set(found.changes["group"])
