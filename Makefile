@@ -48,6 +48,7 @@ format: .venv/.all-installed
 
 .venv/.system-libraries: .ci/system-libraries .venv/.made
 	@bash .ci/system-libraries viewer
+	@bash .ci/system-libraries scan
 	@bash .ci/system-libraries browser
 	@touch $@
 

@@ -54,7 +54,6 @@ def main() -> None:
     models = {"forward model": model, "with a warp of 40 captures": bench.warped}
     best = accuracy.against_the_best(models, bench.plant(), bench.bodies(given.best))
     _accuracy(rows, best)
-    _registration(rows, accuracy.registration(every[0]))
     how = (
         f"`python benchmarks/ik.py`{' --bodies ...' if given.bodies else ''}: shell `torso`, 9 chambers, forward model "
         f"of {bench.simulations} simulations; {len(every)} synthetic bodies. Processor time of one core, on a computer "
@@ -173,20 +172,6 @@ def _accuracy(rows: list[list[str]], found: dict[str, list[float]]) -> None:
                 "at most 10 % on the median body",
             ]
         )
-
-
-def _registration(rows: list[list[str]], found: dict[str, dict[str, float]]) -> None:
-    words = {
-        "small_gicp": "scan registration from any pose, 10 scans with 0.1 mm noise, small_gicp's trees",
-        "scipy": "the same with scipy's",
-        "open3d": "Open3D's robust point-to-plane ICP, begun 3 mm beside the end of ours",
-    }
-    for name, values in found.items():
-        measured = (
-            f"repeatable to {values['worst_mm']:.3f} mm, mean {values['bias_mm']:.3f} mm off, "
-            f"{1e3 * values['time_s']:.0f} ms"
-        )
-        rows.append([words[name], measured, "0.05 mm"])
 
 
 if __name__ == "__main__":

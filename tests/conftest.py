@@ -4,6 +4,7 @@ The laboratory's formulas are its own too: nothing of it comes from `labrig.effe
 """
 
 import os
+import shutil
 import stat
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -15,9 +16,11 @@ import pytest
 
 if TYPE_CHECKING:
     import xarray as xr
+    from playwright.sync_api import Browser
 
     from labrig.model import Model
 
+CHROMIUM = next((p for name in ("chromium", "chromium-browser") if (p := shutil.which(name))), None)
 HIGH_KPA = 60.0
 GAP_S = 2.0
 NIGHT_S = 3600.0
@@ -43,6 +46,21 @@ def _cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LABRIG_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+@pytest.fixture(scope="session")
+def browser() -> "Iterator[Browser]":
+    """The system's Chromium, without a window."""
+    if CHROMIUM is None:
+        pytest.skip("no Chromium here: .ci/system-libraries browser installs it")
+    from playwright.sync_api import sync_playwright
+
+    drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    sandbox = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=[*sandbox, *drawing])
+        yield chromium
+        chromium.close()
 
 
 @pytest.fixture
@@ -77,7 +95,7 @@ class Lab:
     rows_s: tuple[float, ...] = (3.0, 3.5, 4.0)
     long_s: tuple[float, ...] = ()
     sessions: int = 1
-    between: str = "released"
+    between: str = "vented"
     force: bool = False
     bent: float = 0.8
     reach_mm: float = 20.0

@@ -125,7 +125,7 @@ def compare(runs: Any, model: Any) -> Comparison | ModelComparison:
         >>> found = labrig.compare("runs/first", "model.yaml")
         >>> found.error["model"] > found.error["floor"]
         True
-        >>> both = labrig.compare("runs/second", ["model.yaml", "improved.yaml"])
+        >>> both = labrig.compare("runs/later", ["model.yaml", "improved.yaml"])
         >>> both.better
         'improved'
     """

@@ -25,7 +25,7 @@ def to_dataset(rig: Rig, plan: Plan, measured: Floats, random: np.random.Generat
     """The Dataset of a plan and what was measured (R, K); half of the campaigns have pressure sensors.
 
     Sensors sit at the regulators, so they read what was commanded. Between sessions whose pressures are
-    `released` or `unknown` no event is logged.
+    `vented` or `unknown` no event is logged.
     """
     import xarray as xr
 

@@ -179,30 +179,35 @@ def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: fl
     return out
 
 
-def learn_all(seeds: Iterable[int]) -> dict[str, dict]:
-    """The spectra of all effects, from campaigns of one effect each, drawn on the development half."""
-    effects = library()
+def learn_all(seeds: Iterable[int], third: Iterable[int] = ()) -> dict[str, dict]:
+    """The spectra of all effects, from single effects drawn from the development half and the `third` portion."""
     examples: dict[str, list[Example]] = {}
-    for seed in seeds:
-        campaign = draw("single", seed, "development")
-        (name,) = campaign.truth["effects"]
-        change = campaign.parts[name]
-        dataset = campaign.dataset.copy(deep=True)
-        held = np.isfinite(dataset["hold_s"].values)
-        seen = "position_mm" if "position_mm" in dataset else "observed"
-        values = np.full(dataset[seen].shape, np.nan)
-        values[held] = change.reshape(len(change), *values.shape[2:])
-        with TemporaryDirectory(prefix="labrig-learn-") as folder:
-            model = Model.load(write_model(campaign, Path(folder)))
-            context = model.context(rows_of(campaign.dataset))
-        dataset[seen].values[...] = values
-        example = example_of(context, effects[name], rows_of(dataset).values, campaign.truth["laws"][0])
-        if example is not None:
-            examples.setdefault(name, []).append(example)
+    for half, own in (("development", seeds), ("third", third)):
+        for seed in own:
+            name, example = drawn_example(seed, half)
+            if example is not None:
+                examples.setdefault(name, []).append(example)
     spectra: dict[str, dict] = {}
     for name in sorted(examples):
         spectra |= learn(examples[name])
     return spectra
+
+
+def drawn_example(seed: int, half: str) -> tuple[str, Example | None]:
+    """The effect of a campaign that is drawn from a portion, and its law's change laid out in the family."""
+    campaign = draw("single", seed, half)
+    (name,) = campaign.truth["effects"]
+    change = campaign.parts[name]
+    dataset = campaign.dataset.copy(deep=True)
+    held = np.isfinite(dataset["hold_s"].values)
+    seen = "position_mm" if "position_mm" in dataset else "observed"
+    values = np.full(dataset[seen].shape, np.nan)
+    values[held] = change.reshape(len(change), *values.shape[2:])
+    with TemporaryDirectory(prefix="labrig-learn-") as folder:
+        model = Model.load(write_model(campaign, Path(folder)))
+        context = model.context(rows_of(campaign.dataset))
+    dataset[seen].values[...] = values
+    return name, example_of(context, library()[name], rows_of(dataset).values, campaign.truth["laws"][0])
 
 
 def write_spectra(spectra: dict[str, dict], path: Path, how: str) -> None:

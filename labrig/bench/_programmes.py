@@ -48,10 +48,10 @@ class Plan:
         self.time_s += hold_s
 
     def next_session(
-        self, pause_s: float, released: bool, tilt_deg: float = 0.0, payload_kg: float = 0.0
+        self, pause_s: float, vented: bool, tilt_deg: float = 0.0, payload_kg: float = 0.0
     ) -> None:
-        """End a session; in between the pressures are released (no log says so) or held."""
-        if released:
+        """End a session; in between the pressures are vented (no log says so) or held."""
+        if vented:
             self._command(np.zeros_like(self.max_kpa), logged=False)
         self.time_s += pause_s
         self.session += 1
@@ -204,15 +204,15 @@ def _sessions(
 ) -> None:
     random = plan.random
     count = int(random.integers(3, 5))
-    plan.between_sessions = str(random.choice(["released", "held", "unknown"]))
-    released = {"released": True, "held": False}.get(plan.between_sessions, bool(random.random() < 0.5))
+    plan.between_sessions = str(random.choice(["vented", "held", "unknown"]))
+    vented = {"vented": True, "held": False}.get(plan.between_sessions, bool(random.random() < 0.5))
     for session in range(count):
         part = design if design in _ONE_SESSION else str(random.choice(list(_ONE_SESSION)))
         _ONE_SESSION[part](plan, max(captures // count, 8), repeats, long_share)
         if session + 1 < count:
             tilt = float(random.choice([30.0, 60.0, 90.0, -45.0])) if tilted else 0.0
             payload = float(random.choice([0.02, 0.05, 0.1, 0.2])) if loaded else 0.0
-            plan.next_session(float(random.uniform(300.0, 2400.0)), released, tilt, payload)
+            plan.next_session(float(random.uniform(300.0, 2400.0)), vented, tilt, payload)
 
 
 def _one_hold(plan: Plan, captures: int) -> None:

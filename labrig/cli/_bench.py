@@ -115,14 +115,15 @@ def learn(
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: spectra.json.")],
     count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of one effect each.")] = 400,
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    third: Annotated[int, typer.Option(min=0, help="Campaigns of the third portion beside them.")] = 0,
 ) -> None:
     """Learn how large which member of each effect's family is, from the laws of the development half."""
     from labrig.bench import learn_all, write_spectra
 
     check_file(out, "--out")
-    how = f"labrig bench learn --n {count} --seed {seed}"
-    write_spectra(learn_all(range(seed, seed + count)), out, how)
-    typer.echo(f"{out}: learnt from {count} campaigns")
+    how = f"labrig bench learn --n {count} --seed {seed} --third {third}"
+    write_spectra(learn_all(range(seed, seed + count), range(seed, seed + third)), out, how)
+    typer.echo(f"{out}: learnt from {count + third} campaigns")
 
 
 @bench.command("settle")

@@ -76,7 +76,9 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         own = slice(start, start + r)
         at_e, at_x = (at_e + r, at_x) if in_fields else (at_e, at_x + r)
         parameter = effect.parameter(term.parameter)
-        if term.kind == "pattern" and parameter.low >= 0 and not _along(columns, scored.beta[own], term):
+        low, high = parameter.bounds(columns.streams.context)
+        one_sided = low >= 0 or high <= 0
+        if term.kind == "pattern" and one_sided and not _along(columns, scored.beta[own], term, low >= 0):
             return False
         if parameter.least > 0 and not _as_large(columns, scored, own, parameter.least):
             return False
@@ -92,7 +94,7 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         each = jack @ weight / weight.sum()
         n = len(each)
         sd = float(np.sqrt((n - 1) / n * np.sum((each - each.mean()) ** 2)))
-        if value < parameter.low - 2 * sd or value > parameter.high + 2 * sd:
+        if value < low - 2 * sd or value > high + 2 * sd:
             return False
     return True
 
@@ -112,14 +114,14 @@ def acting(columns: Columns, beta: Floats, own: slice | Ints) -> Floats:
     return weight / max(float(weight.sum()), 1e-300)
 
 
-def _along(columns: Columns, beta: Floats, term: Term) -> bool:
-    """Whether a free pattern points the way in which the base itself moves, chamber by chamber."""
+def _along(columns: Columns, beta: Floats, term: Term, forward: bool) -> bool:
+    """Whether a free pattern points the way in which the base itself moves, chamber by chamber, or against it."""
     streams = columns.streams
     pattern = beta.reshape(-1, streams.n_patterns) @ streams.patterns
     reach = streams.context.jacobian.mean(axis=0).T
     if len(pattern) != len(reach) or not np.abs(reach).any():
         return True
-    return bool((pattern * reach / streams.floor.row**2).sum() > 0)
+    return bool(((pattern * reach / streams.floor.row**2).sum() > 0) == forward)
 
 
 def mean_square(streams: Streams, left: Floats) -> Floats:

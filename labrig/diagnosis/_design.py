@@ -17,23 +17,23 @@ SLOW = "slow noise"
 DECLARED = "declared"
 _MOST_COLUMNS = 64
 _MOST_DIRECTIONS = 24
-_LEAST_INFORMATION = 3.0
 _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
 _LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _EVEN = 0.2
 _ROWS_COMPARED = 50
+_SINGLE = 30_000
+"""Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """The columns of one space: `at` says which; `rms` (q, q) is the mean square that coefficients make, in floors."""
+    """The columns of one space: `at` says which."""
 
     owner: str
     space: Space
     at: slice
-    rms: Floats
     share: float = 1.0
     """Prior probability of this space among those of its owner."""
 
@@ -94,28 +94,27 @@ def design_of(
             continue
         columns = layout.columns(space, spectra)
         if columns is not None:
-            made.append((owner, space, *columns))
+            made.append((owner, space, columns))
             count[owner] = count.get(owner, 0) + 1
-    slow = layout.slow()
-    made.append((SLOW, Space(SLOW, SLOW, ()), *slow))
+    made.append((SLOW, Space(SLOW, SLOW, ()), layout.slow()))
     count[SLOW] = 1
     if calibrated is not None and calibrated.shape[2]:
-        made.append((DECLARED, Space(DECLARED, DECLARED, ()), *layout.fields(calibrated)))
+        made.append((DECLARED, Space(DECLARED, DECLARED, ()), layout.fields(calibrated)))
         count[DECLARED] = 1
     if declared is not None:
         G = observations.whiten @ declared
         keep = np.abs(G).max(axis=0) > 0
         free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
     blocks, start = [], 0
-    for owner, space, W, rms in made:
+    for owner, space, W in made:
         stop = start + W.shape[1]
-        blocks.append(Block(owner, space, slice(start, stop), rms, _share(owner, space, count, context)))
+        blocks.append(Block(owner, space, slice(start, stop), _share(owner, space, count, context)))
         start = stop
     return Design(
         observations,
         V,
         spread,
-        np.concatenate([W for _, _, W, _ in made], axis=1),
+        np.concatenate([W for _, _, W in made], axis=1),
         tuple(blocks),
         tuple(free),
     )
@@ -205,7 +204,8 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
         V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
     along, turn = np.linalg.eigh(V.T @ power @ V)
     along = (1 - _EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + _EVEN / len(along)
-    return (V @ turn).astype(np.float32), along * K  # type: ignore[return-value]
+    many = len(observations.values) * V.shape[1] > _SINGLE
+    return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
 
 
 class _Layout:
@@ -214,13 +214,14 @@ class _Layout:
     def __init__(self, observations: Observations, V: Floats) -> None:
         self.observations, self.V = observations, V
         context = observations.context
+        self.dtype = V.dtype
         J = context.jacobian * context.span / observations.unit[None, :, None]
         first = observations.first
-        self.JV = np.einsum("nkc,kr->nrc", J[first].astype(np.float32), V)[observations.index]
-        self.T = observations.whiten.astype(np.float32)
+        self.JV = np.einsum("nkc,kr->nrc", J[first].astype(self.dtype), V)[observations.index]
+        self.T = observations.whiten.astype(self.dtype)
 
-    def columns(self, space: Space, spectra: dict | None) -> tuple[Floats, Floats] | None:
-        """Whitened columns (S r, q), of one floor in all, rotated to principal axes; and their mean squares (q, q)."""
+    def columns(self, space: Space, spectra: dict | None) -> Floats | None:
+        """Whitened columns (S r, q), of one floor in all, rotated to principal axes."""
         raw = self.raw(space, spectra)
         if raw is None:
             return None
@@ -230,17 +231,18 @@ class _Layout:
         total = float(np.einsum("ij,ij->", flat, flat, dtype=np.float64)) / (F * K)
         if total <= 0:
             return None
-        flat = flat / np.sqrt(total).astype(np.float32)
-        W = self.lift(flat.reshape(F, r, -1))
-        power, U = np.linalg.eigh((W.T @ W).astype(np.float64))
-        seen = _LEAST_INFORMATION / max(1.0, self.observations.to_explain) ** 2
-        keep = power > max(seen, _LEAST_SHARE * power.sum())
+        W = self.lift(raw)
+        power, U = np.linalg.eigh(gram(W) / total)
+        keep = power > max(self._said(), _LEAST_SHARE * power.sum())
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         if not keep.any():
             return None
-        U = U[:, keep][:, ::-1]
-        gram = (flat.T @ flat).astype(np.float64) / (F * K)
-        return W @ U.astype(np.float32), U.T @ gram @ U
+        U = U[:, keep][:, ::-1] / np.sqrt(total)
+        return W @ U.astype(self.dtype)
+
+    def _said(self) -> float:
+        """The power of a direction of which the data say as much as its prior, at the size of all to explain."""
+        return 1.0 / (self.observations.worth * max(1.0, self.observations.to_explain) ** 2)
 
     def wide(self, space: Space) -> int:
         """How many columns a space may keep: a free pattern takes one for each direction."""
@@ -256,23 +258,23 @@ class _Layout:
         out = []
         shared = []
         if pressures:
-            P = np.stack(pressures, axis=2).astype(np.float32)  # (F, C, a)
+            P = np.stack(pressures, axis=2).astype(self.dtype)  # (F, C, a)
             shared.append(np.einsum("nrc,nca->nra", self.JV, P, optimize=True))
-            own = factor(prior.own).astype(np.float32)
+            own = factor(prior.own).astype(self.dtype)
             if own.shape[1] and P.shape[1] > 1:
                 each = P @ own
                 out.append((self.JV[:, :, :, None] * each[:, None]).reshape(len(P), V.shape[1], -1))
         if fields:
-            shared.append(np.stack([(f / unit).astype(np.float32) @ V for f in fields], axis=2))
+            shared.append(np.stack([(f / unit).astype(self.dtype) @ V for f in fields], axis=2))
         if shared:
-            out.append(np.concatenate(shared, axis=2) @ factor(prior.shared).astype(np.float32))
+            out.append(np.concatenate(shared, axis=2) @ factor(prior.shared).astype(self.dtype))
         if patterns:
             r = V.shape[1]
             L = factor(prior.pattern)
             L = L[:, np.argsort(-(L**2).sum(axis=0))][:, : max(1, _FREE_COLUMNS // r)]
             size = float(np.sqrt(np.mean((motion_scale(self.observations.context) / unit) ** 2)))
-            Q = (size * np.stack(patterns, axis=1) @ L).astype(np.float32)
-            wide = np.zeros((len(Q), r, Q.shape[1], r), dtype=np.float32)
+            Q = (size * np.stack(patterns, axis=1) @ L).astype(self.dtype)
+            wide = np.zeros((len(Q), r, Q.shape[1], r), dtype=self.dtype)
             wide[:, np.arange(r), :, np.arange(r)] = Q[None]
             out.append(wide.reshape(len(Q), r, -1))
         return np.concatenate(out, axis=2) if out else None
@@ -291,25 +293,30 @@ class _Layout:
         f = f / np.sqrt((f**2).sum() / len(f))
         G = self.observations.whiten @ f
         power, U = np.linalg.eigh(G.T @ G)
-        keep = power > max(0.1 / max(1.0, self.observations.to_explain) ** 2, 1e-7 * power[-1])
+        keep = power > max(
+            0.1 / (self.observations.worth * max(1.0, self.observations.to_explain) ** 2), 1e-7 * power[-1]
+        )
         return (G @ U[:, keep])[:, ::-1]
 
-    def fields(self, values: Floats) -> tuple[Floats, Floats]:
+    def fields(self, values: Floats) -> Floats:
         """Columns of fields (F, K, q) in the observables' units, each of one floor."""
         raw = np.einsum("fkq,kr->frq", values / self.observations.unit[None, :, None], self.V).astype(
-            np.float32
+            self.dtype
         )
         raw = raw / np.maximum(np.sqrt((raw**2).sum(axis=1).mean(axis=0) / len(self.V)), 1e-12)
-        flat = raw.reshape(-1, raw.shape[2])
-        return self.lift(raw), (flat.T @ flat).astype(np.float64) / (len(raw) * len(self.V))
+        return self.lift(raw)
 
-    def slow(self) -> tuple[Floats, Floats]:
+    def slow(self) -> Floats:
         """Slow noise along each axis (of unmarked observables: of all together), one floor."""
         rows = self.observations.context.rows
-        series = slow_noise(self.observations.context, self.observations.index).astype(np.float32)
+        series = slow_noise(self.observations.context, self.observations.index).astype(self.dtype)
         axes = [rows.axis == a for a in (-1, 0, 1, 2) if (rows.axis == a).any()]
         raw = np.concatenate(
             [series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2
         )
-        flat = raw.reshape(-1, raw.shape[2])
-        return self.lift(raw), (flat.T @ flat).astype(np.float64) / (len(raw) * len(self.V))
+        return self.lift(raw)
+
+
+def gram(W: Floats) -> Floats:
+    """W' W of columns, in double precision."""
+    return (W.T @ W).astype(np.float64)

@@ -214,7 +214,7 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     if ready.floor.repeats.get("same history") is None:
         out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
-        out.append("what the pressures did between sessions is unknown: taken as released")
+        out.append("what the pressures did between sessions is unknown: taken as vented")
     if ready.dropped:
         out.append(f"{ready.dropped} outlying values were left out")
     return out

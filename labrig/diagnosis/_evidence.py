@@ -1,18 +1,18 @@
 """The evidence: how probable the observations are when some spaces act at some size, and all others hardly."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import get_blas_funcs, get_lapack_funcs, solve_triangular
+from scipy.linalg import get_lapack_funcs, solve_triangular
 
 from labrig.arrays import Floats
-from labrig.diagnosis._design import DECLARED, Design
+from labrig.diagnosis._design import DECLARED, Design, gram
 
-_NEGLIGIBLE = 1e-4
-_SYRK = get_blas_funcs(("syrk",), dtype=np.float32)[0]
+_NEGLIGIBLE = 1e-3
+"""How little the data may say about a direction of a free pattern, against its prior, for it to be left out."""
 _POTRI = get_lapack_funcs(("potri",), dtype=np.float64)[0]
 EVEN = (DECLARED, "?place")
 """Free patterns that spread evenly over the observables, wherever the base moves them."""
@@ -47,14 +47,14 @@ class Sums:
         if keep is not None:
             Y, G, W3 = Y[keep], G[keep], W3[keep]
         flat = W3.reshape(-1, W.shape[1])
-        YV = (Y @ V).astype(np.float32)
+        YV = (Y @ V).astype(W.dtype)
         return cls(
-            A=worth * (flat.T @ flat).astype(np.float64),
+            A=worth * gram(flat),
             b=worth * (flat.T @ YV.reshape(-1)).astype(np.float64),
             GG=worth * (G.T @ G),
             GY=worth * (G.T @ YV),
             GW=worth
-            * np.asarray(G.T.astype(np.float32) @ W3.reshape(len(Y), -1)).reshape(G.shape[1], r, W.shape[1]),
+            * np.asarray(G.T.astype(W.dtype) @ W3.reshape(len(Y), -1)).reshape(G.shape[1], r, W.shape[1]),
             square=worth * float((YV.astype(np.float64) ** 2).sum()),
             worth=worth,
             r=r,
@@ -63,35 +63,80 @@ class Sums:
 
 @dataclass(frozen=True)
 class Beside:
-    """The same sums once free patterns are marginalised: A (P, P), b (P,), square, log determinant."""
+    """The same sums once free patterns are marginalised: A (P, P), b (P,), square, log determinant.
+
+    `grain` (P,) is what the diagonal of A may be off by, as the columns are rounded.
+    """
 
     A: Floats
     b: Floats
     square: float
     logdet: float
+    grain: Floats
 
 
 def beside_free(sums: Sums, variance: Floats) -> Beside:
-    """Marginalise free patterns with prior variances `variance` (g, r) along each direction: Woodbury, one by one."""
-    halves, square, logdet = [], sums.square, 0.0
-    power = np.diag(sums.GG)
-    for j in range(sums.r):
-        use = variance[:, j] * power > _NEGLIGIBLE
-        if not use.any():
-            continue
-        h = np.sqrt(variance[use, j])
-        L = np.linalg.cholesky(np.eye(use.sum()) + h[:, None] * sums.GG[np.ix_(use, use)] * h)
-        right = h[:, None] * np.column_stack([sums.GY[use, j], sums.GW[use, j, :]])
-        z = solve_triangular(L, right, lower=True, check_finite=False)
-        halves.append(z)
-        square -= float(z[:, 0] @ z[:, 0])
-        logdet += 2 * float(np.log(np.diag(L)).sum())
-    if not halves:
-        return Beside(sums.A, sums.b, square, logdet)
-    half = np.concatenate(halves).astype(np.float32)
-    upper = _SYRK(1.0, half, trans=1)
-    gram = (np.triu(upper) + np.triu(upper, 1).T).astype(np.float64)
-    return Beside(sums.A - gram[1:, 1:], sums.b - gram[1:, 0], square, logdet)
+    """Marginalise free patterns with prior variances `variance` (g, r): those that spread evenly first, then the rest.
+
+    The variances of the others must be multiples of one spread. So each set is diagonal in one basis for all directions
+    (Woodbury); what the data say next to nothing about is left out of A and b, and counts in the rest.
+    """
+    most = variance.max(axis=1, initial=0.0)
+    even = (most > 0) & (np.ptp(variance, axis=1) <= 1e-9 * most)
+    other = (most > 0) & ~even
+    out = Beside(sums.A, sums.b, sums.square, 0.0, 10 * np.finfo(sums.GW.dtype).eps * np.diag(sums.A))
+    if even.any():
+        out, sums = _without_even(out, sums, variance[even, 0], even, other)
+    elif other.any():
+        sums = _of(sums, other)
+    return _marginalised(out, sums, variance[other]) if other.any() else out
+
+
+def _of(sums: Sums, own: NDArray[np.bool_]) -> Sums:
+    """The sums with some of the free regressors only."""
+    if own.all():
+        return sums
+    return replace(sums, GG=sums.GG[np.ix_(own, own)], GY=sums.GY[own], GW=sums.GW[own])
+
+
+def _without_even(
+    out: Beside, sums: Sums, variance: Floats, even: NDArray[np.bool_], other: NDArray[np.bool_]
+) -> tuple[Beside, Sums]:
+    """The even regressors marginalised, and what the sums of the others are beside them."""
+    own, rest, d = _of(sums, even), _of(sums, other), np.sqrt(variance)
+    cross = sums.GG[np.ix_(other, even)]
+    to = cross * d @ np.linalg.solve(np.eye(len(d)) + d[:, None] * own.GG * d, np.diag(d))
+    rest = replace(
+        rest,
+        GG=rest.GG - to @ cross.T,
+        GY=rest.GY - to @ own.GY,
+        GW=rest.GW - np.tensordot(to.astype(own.GW.dtype), own.GW, axes=1),
+    )
+    return _marginalised(out, own, np.repeat(variance[:, None], sums.r, axis=1)), rest
+
+
+def _marginalised(out: Beside, sums: Sums, variance: Floats) -> Beside:
+    """What is left beside free patterns whose variances (g, r) are multiples of one spread."""
+    d = np.sqrt(variance.mean(axis=1))
+    spread = variance[np.argmax(d)] / d.max() ** 2
+    power, U = np.linalg.eigh(d[:, None] * sums.GG * d)
+    power = np.maximum(power, 0.0)
+    T = U.T * d
+    TY = T @ sums.GY
+    gain = spread / (1 + power[:, None] * spread)
+    keep = power[:, None] * spread > _NEGLIGIBLE
+    some = keep.any(axis=1)
+    TW = np.tensordot(T[some].astype(sums.GW.dtype), sums.GW, axes=1)[keep[some]]
+    half = np.concatenate([TY[keep][:, None], TW], axis=1, dtype=sums.GW.dtype)
+    half *= np.sqrt(gain[keep])[:, None].astype(half.dtype)
+    said = gram(half)
+    return replace(
+        out,
+        A=out.A - said[1:, 1:],
+        b=out.b - said[1:, 0],
+        square=out.square - float((gain * TY**2).sum()),
+        logdet=out.logdet + float(np.log1p(power[:, None] * spread).sum()),
+    )
 
 
 @dataclass(frozen=True)
@@ -103,7 +148,7 @@ class State:
 
     @cached_property
     def _inverse(self) -> tuple[Floats, Floats, float]:
-        precision = self.sums.A + np.diag(self.sd**-2.0)
+        precision = self.sums.A + np.diag(self.sd**-2.0 + self.sums.grain)
         L = np.linalg.cholesky(precision)
         half = _POTRI(L, lower=1)[0]
         cov = np.tril(half) + np.tril(half, -1).T
@@ -160,7 +205,7 @@ def unexplained(sums: Beside, slices: Sequence[slice], sds: Sequence[float]) -> 
         return sums.square
     index = np.concatenate([np.arange(s.start, s.stop) for s in slices])
     sd = np.concatenate([np.full(s.stop - s.start, v) for s, v in zip(slices, sds, strict=True)])
-    M = np.eye(len(index)) + sd[:, None] * sums.A[np.ix_(index, index)] * sd
+    M = np.eye(len(index)) + sd[:, None] * (sums.A[np.ix_(index, index)] + np.diag(sums.grain[index])) * sd
     z = solve_triangular(np.linalg.cholesky(M), sd * sums.b[index], lower=True)
     return sums.square - float(z @ z)
 

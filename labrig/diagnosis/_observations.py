@@ -9,6 +9,7 @@ from scipy.linalg import helmert
 from scipy.sparse import csr_matrix
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
 from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
 
@@ -47,14 +48,18 @@ class Observations:
         """How much more than noise there is in the rows of what was seen, root mean square, in floors."""
         return self.size_of(self.values, noise=1.0)
 
+    @cached_property
+    def counts_for(self) -> Floats:
+        """What the square (S,) of each observation counts for in the mean square of the rows and what was seen."""
+        count = np.bincount(self.capture, minlength=self.n_captures).astype(float)
+        within = float(np.median(self.floor.within / self.unit))
+        each = np.concatenate([count, np.full(len(self.values) - len(count), within**2)])
+        return each / (count.sum() * self.seen.sum())
+
     def size_of(self, values: Floats, noise: float = 0.0) -> float:
         """How large such observations (S, K), less their `noise`, are in the rows of what was seen, in floors."""
-        count = np.bincount(self.capture, minlength=self.n_captures)
-        within = float(np.median(self.floor.within / self.unit))
-        square = values[:, self.seen] ** 2 - noise**2
-        means, contrasts = square[: self.n_captures], square[self.n_captures :]
-        rows = float((count[:, None] * means).sum()) + within**2 * float(contrasts.sum())
-        return float(np.sqrt(max(rows / (count.sum() * square.shape[1]), 0.0)))
+        square = (values[:, self.seen] ** 2 - noise**2).sum(axis=1)
+        return float(np.sqrt(max(self.counts_for @ square, 0.0)))
 
     @cached_property
     def conditions(self) -> int:
@@ -65,6 +70,12 @@ class Observations:
         octave = np.floor(np.log2(np.maximum(context.elapsed_s, 0.5)))
         key = np.column_stack([np.round(rows.actuation / span, 2), np.round(before, 2), octave])
         return len(np.unique(key, axis=0))
+
+    @cached_property
+    def worth(self) -> float:
+        """What each observation counts for in the evidence: models of neighbours are never exact, nor is any law."""
+        numbers = min(INDEPENDENT, PER_CONDITION * self.conditions)
+        return min(1.0, numbers / self.values.size) / (1 + (INEXACT * self.to_explain) ** 2)
 
     @property
     def first(self) -> Ints:

@@ -54,11 +54,8 @@ class Search:
 
     def __init__(self, design: Design) -> None:
         self.design = design
-        observations = design.observations
-        self.T = observations.to_explain
-        numbers = min(k.INDEPENDENT, k.PER_CONDITION * observations.conditions)
-        worth = min(1.0, numbers / observations.values.size) / (1 + (k.INEXACT * self.T) ** 2)
-        self.sums = Sums.of(design, worth)
+        self.T = design.observations.to_explain
+        self.sums = Sums.of(design, design.observations.worth)
         self.blocks: dict[str, list[int]] = {}
         for i, block in enumerate(design.blocks):
             self.blocks.setdefault(block.owner, []).append(i)
@@ -275,8 +272,11 @@ def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
     out = {}
     for (owner, _, _), block in zip(raised, blocks, strict=True):
         w, cov = fitted.mean[block.at], fitted.covariance[block.at, block.at]
-        size = float(np.sqrt(max(w @ block.rms @ w, 0.0)))
-        way = block.rms @ w / max(size, 1e-300)
+        columns = design.W[:, block.at].astype(float)
+        made = columns @ w
+        counts = np.repeat(design.observations.counts_for, design.V.shape[1])
+        size = float(np.sqrt(counts @ made**2))
+        way = columns.T @ (counts * made) / max(size, 1e-300)
         out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))))
     beta = free_fit(search.sums, free_variances(design, search.free_sizes(background)), fitted.mean)
     observations, all_free = design.observations, np.zeros((len(design.observations.values), beta.shape[1]))

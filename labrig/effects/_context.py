@@ -12,6 +12,8 @@ from labrig.arrays import Floats, Ints
 from labrig.effects._rows import Rows
 
 LINEAR = 0.03
+_LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
+_FORCES = {"N", "mN", "kN", "N*m", "N m", "Nm", "mN*m", "Pa", "kPa", "MPa", "bar"}
 MOMENTS = "the moments of its actuations"
 
 
@@ -190,6 +192,11 @@ class Context:
         return bool((np.ptp(self.rows.event_actuation, axis=0) > 1e-9 * self.span).any())
 
     @cached_property
+    def stretched(self) -> bool:
+        """Whether a displacement is commanded and a force measured, so that what yields is seen as relaxation."""
+        return self.rows.actuation_unit in _LENGTHS and set(self.rows.unit) <= _FORCES
+
+    @cached_property
     def linear(self) -> bool:
         """Whether every chamber's deflection follows its pressure, so closely that nothing can tell them apart."""
         return bool(np.abs(self.deflection - self.rows.fraction).max() <= LINEAR)
@@ -299,7 +306,7 @@ class Context:
     def _motion(self) -> dict[str, tuple[Floats, float]]:
         out = {}
         for name, cov in self.rows.covariates.items():
-            if cov.unit not in {"m", "cm", "mm", "um", "deg", "rad"} or name.lower() in {
+            if cov.unit not in _LENGTHS or name.lower() in {
                 "tilt",
                 "orientation",
             }:

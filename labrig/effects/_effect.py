@@ -21,8 +21,9 @@ class Parameter:
     """One physical quantity of an effect: its unit, its bounds, and whether each chamber has its own.
 
     `least`: what it is at least where the effect acts at all. A fitted value far below is another law's misfit.
-    `given`: it is read off the run and saved, not fitted. A unit may have "actuation", "observable" or "motion" (of a
-    logged position) in it, which stand for the run's.
+    `given`: it is read off the run and saved, not fitted. `turns`: where a displacement is commanded and a force
+    measured, its bounds change their signs (what yields under a load relaxes under a stretch). A unit may have
+    "actuation", "observable" or "motion" (of a logged position) in it, which stand for the run's.
     """
 
     name: str
@@ -33,6 +34,11 @@ class Parameter:
     meaning: str = ""
     least: float = 0.0
     given: bool = False
+    turns: bool = False
+
+    def bounds(self, context: Context) -> tuple[float, float]:
+        """The lowest and the highest value that are physical on these measurements."""
+        return (-self.high, -self.low) if self.turns and context.stretched else (self.low, self.high)
 
 
 @dataclass(frozen=True)

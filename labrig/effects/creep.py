@@ -15,6 +15,9 @@ from labrig.effects._skin import lag_behind
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
 DECADE = 10.0
+CHAIN_S = (0.5, 1.5, 5.0)
+LINKS, STEP = 5, 4.0
+"""A spectrum of retardation times: so many, each so many times the one before."""
 SETTLE_S = 3.0
 LONG_HOLD = 5.0
 """Times the usual settling: from so long a hold on, creep shows within it."""
@@ -30,9 +33,16 @@ class Creep(Effect):
     )
     acts_on = "mechanics"
     parameters = (
-        Parameter("amplitude", "1", 0.0, 0.6, "chamber", "delayed share of the response"),
+        Parameter("amplitude", "1", 0.0, 0.6, "chamber", "delayed share of the response", turns=True),
         Parameter(
-            "pattern", "observable", 0.0, meaning="delayed response at full pressure, for each observable"
+            "spectrum", "1", 0.0, 0.6, meaning="the same for each retardation time of a chain", turns=True
+        ),
+        Parameter(
+            "pattern",
+            "observable",
+            0.0,
+            meaning="delayed response at full pressure, each observable",
+            turns=True,
         ),
         Parameter(
             "tau_s", "s", 0.3, 1e5, meaning="retardation time; of a chain the shortest, a decade apart"
@@ -75,6 +85,17 @@ class Creep(Effect):
                 if len(chambers) <= 2:
                     yield Variant(f"{name} pattern", (Term.pattern("pattern", change / context.span),), shape)
 
+        for tau, known in product(context.grid("tau_s", CHAIN_S), context.grid("known", (0.0, 1.0))):
+            if context.shows(tau <= duration):
+                chain = [tau * STEP**i for i in range(LINKS)]
+                change = np.stack([context.relaxed(t) - known * u for t in chain], axis=2)
+                labels = tuple(f"{t:.3g} s" for t in chain)
+                shape = {"tau_s": tau, "known": known}
+                yield Variant("spectrum", (Term("spectrum", "pressure", change, labels),), shape)
+                if len(chambers) == 1:
+                    free = Term.pattern("pattern", change[:, 0] / context.span)
+                    yield Variant("spectrum pattern", (free,), shape)
+
     def family(self, context: Context) -> Iterator[Space]:
         """First-order lags of 2 s to 5000 s behind the pressure, its square, or the wall; and settled strain."""
         if not context.has_time or not (context.moves or context.has_holds):
@@ -105,8 +126,9 @@ class Creep(Effect):
             if shows(held):
                 return held
         rows, known = context.rows, part.shape["known"]
-        count = next(n for name, n in ELEMENTS.items() if part.form.startswith(name))
-        chain = [part.shape["tau_s"] * DECADE**i for i in range(count)]
+        count = next((n for name, n in ELEMENTS.items() if part.form.startswith(name)), LINKS)
+        step = STEP if part.form.startswith("spectrum") else DECADE
+        chain = [part.shape["tau_s"] * step**i for i in range(count)]
         slow, now = np.mean([context.relaxed(t) for t in chain], axis=0), rows.actuation
         if "of the wall" in part.form:
             slow = np.mean([context.strained(t) for t in chain], axis=0)

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
@@ -11,6 +13,9 @@ from labrig.effects._skin import play_behind
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
+CHAIN = (0.01, 0.02, 0.04)
+LINKS, STEP = 5, 2.0
+"""A spectrum of widths (Prandtl-Ishlinskii): so many, each so many times the one before."""
 
 
 class Hysteresis(Effect):
@@ -21,9 +26,18 @@ class Hysteresis(Effect):
     )
     acts_on = "pressure"
     parameters = (
-        Parameter("weight", "1", 0.0, 5.0, "chamber", "share of the response that goes through the play"),
-        Parameter("wide", "1", 0.0, 5.0, meaning="the same for a second play, three times as wide"),
-        Parameter("pattern", "observable", 0.0, meaning="the same for each observable, at full range"),
+        Parameter(
+            "weight", "1", 0.0, 5.0, "chamber", "share of the response that goes through the play", turns=True
+        ),
+        Parameter(
+            "spectrum", "1", 0.0, 5.0, meaning="the same for each width of a chain of plays", turns=True
+        ),
+        Parameter(
+            "wide", "1", 0.0, 5.0, meaning="the same for a second play, three times as wide", turns=True
+        ),
+        Parameter(
+            "pattern", "observable", 0.0, meaning="the same for each observable, at full range", turns=True
+        ),
         Parameter("width", "1", 0.0, 1.0, meaning="half width of the play, fraction of the range"),
     )
     reference = "M. A. Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989 (play, P-I)"
@@ -44,6 +58,15 @@ class Hysteresis(Effect):
                 yield Variant("play per chamber", (Term.per_chamber("weight", lag, chambers),), shape)
             if len(chambers) <= 2:
                 yield Variant("pattern", (Term.pattern("pattern", lag / context.span),), shape)
+
+        for r in context.grid("width", CHAIN):
+            chain = [r * STEP**i for i in range(LINKS)]
+            lags = np.stack([context.play(w) - u for w in chain], axis=2)
+            labels = tuple(f"{w:.3g}" for w in chain)
+            yield Variant("spectrum", (Term("spectrum", "pressure", lags, labels),), {"width": r})
+            if len(chambers) == 1:
+                free = Term.pattern("pattern", lags[:, 0] / context.span)
+                yield Variant("spectrum pattern", (free,), {"width": r})
 
     def family(self, context: Context) -> Iterator[Space]:
         """Play operators (Prandtl-Ishlinskii) of pressure and wall deflection, narrow to wide, with a static part."""

@@ -163,7 +163,7 @@ def _as_the_run(planned: Rows, run: Rows) -> Rows:
 
 
 def _between(rows: Rows) -> str:
-    return rows.between_sessions if rows.between_sessions == "held" else "released"
+    return rows.between_sessions if rows.between_sessions == "held" else "vented"
 
 
 def fields_of_terms(context: Context, terms: Sequence[Term], patterns: Floats, rows: slice) -> Floats:

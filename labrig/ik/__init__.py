@@ -5,13 +5,14 @@ from labrig.ik._batch import Job, Solved, solve_files, solve_job
 from labrig.ik._descent import Pose
 from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
 from labrig.ik._file import write_solved
+from labrig.ik._gaps import Gap
 from labrig.ik._load import load_shape_model
 from labrig.ik._memory import Approach, Remembering
 from labrig.ik._models import ShellModel, SurfaceModel
 from labrig.ik._outcome import Attempt, Outcome, outcomes
 from labrig.ik._path import Plan, plan_path, solve_with_path
 from labrig.ik._refine import Refinement
-from labrig.ik._result import Gap, IkResult
+from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver, solve
 from labrig.ik._trial import Trial, make_trials
 

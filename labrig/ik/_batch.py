@@ -62,14 +62,15 @@ def solve_job(job: Job) -> Solved:
 
 
 def _solve_job(job: Job) -> Solved:
-    goal = Target(read_mesh(job.target, job.unit))
     solver, memory = solver_of(job)
+    goal = target_of(job)
     if memory is None:
         result, path = solver.solve(goal), None
         shape, pressure = solver.model, result.pressure_kpa
     else:
         result, plan = solve_with_path(goal, memory, job.low_kpa, job.high_kpa)
         path, shape, pressure = plan.path, plan.shape_of(memory), plan.effective_kpa
+    result = replace(result, notes=(*goal.mesh.notes, *result.notes))
     uv, triangles = grid(MEASURED, MEASURED)
     surface = result.to_target(np.asarray(shape.points(pressure[None], uv), float)[0])
     found = distances(surface, goal.mesh, goal.nearest)
@@ -77,6 +78,12 @@ def _solve_job(job: Job) -> Solved:
         found = replace(found, signed_mm=-found.signed_mm)
     signed = np.where(found.beyond, np.nan, found.signed_mm)
     return Solved(job, result, surface, triangles, signed, found.summary(), path)
+
+
+def target_of(job: Job) -> Target:
+    """The job's target, read and cleaned; the size of the model's surface tells the unit where the file does not."""
+    solver, _ = solver_of(job)
+    return Target(read_mesh(job.target, job.unit, Target(solver.half_shape).size_mm))
 
 
 def solver_of(job: Job) -> tuple[Solver, Remembering | None]:

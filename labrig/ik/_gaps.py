@@ -1,16 +1,44 @@
 """Where a target is out of reach, by how much, and what stands against it."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats
-from labrig.ik._result import Gap
 
 TOLERANCE_MM = 2.0
 """Distances up to this are no gap."""
 _SMALLEST = 0.004
 _MOST = 6
 _LIMITS = {-1: "lowest", 0: "", 1: "highest"}
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A part of the surface that stays away from the target.
+
+    `depth_mm`: the farthest signed distance, positive where the surface stands out of the target; `middle_mm` (3,) in
+    the target's own frame; `uv` the place on the model's surface; `area_share` of the surface; `chamber` the one that
+    moves this part most, and whether it is at a `limit` ("", "lowest" or "highest") that keeps it from going on.
+    """
+
+    depth_mm: float
+    middle_mm: tuple[float, float, float]
+    uv: tuple[float, float]
+    area_share: float
+    chamber: str
+    limit: str
+
+    @property
+    def words(self) -> str:
+        """The gap in words."""
+        side = "stands out of" if self.depth_mm > 0 else "stays inside"
+        x, y, z = self.middle_mm
+        why = f"; {self.chamber} is at its {self.limit} pressure" if self.limit else ""
+        return (
+            f"{side} the target by up to {abs(self.depth_mm):.1f} mm around ({x:.0f}, {y:.0f}, {z:.0f}){why}"
+        )
 
 
 def find_gaps(

@@ -15,7 +15,7 @@ from labrig.ik._evaluate import ShapeModel
 from labrig.ik._models import ShellModel, SurfaceModel
 from labrig.ik._solve import Solver
 from labrig.ik._trial import SETTLE_S, Trial, make_trials
-from labrig.surface import Mesh, Registration, grid, read_mesh
+from labrig.surface import Mesh, Registration, grid
 
 _COARSE = 23
 """Samples a side when the plant's own best is sought: each step solves the simulator anew."""
@@ -155,7 +155,7 @@ def outcomes(run: str | Path) -> list[Outcome]:
         while (label := f"{trial.number}/{len(attempts)}") in markers:
             height, registration = None, None
             if label in scans:
-                surface, registration = trial.placed(read_mesh(scans[label], "mm"))
+                surface, registration = trial.placed(trial.read_scan(scans[label]))
                 height = trial.heights(surface)
             error = np.linalg.norm(markers[label] - expected, axis=1)
             known = error if not attempts else np.full(len(error), np.nan)

@@ -4,7 +4,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.surface import Mesh, Target
-from labrig.surface._registration import COARSE, global_starts, start_score
+from labrig.surface._starts import COARSE, global_starts, start_score
 
 NEAR = 0.06
 """Score up to which the pose that the target has is a good one to begin with."""

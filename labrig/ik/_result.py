@@ -7,33 +7,7 @@ from typing import Any
 import numpy as np
 
 from labrig.arrays import Floats
-
-
-@dataclass(frozen=True)
-class Gap:
-    """A part of the surface that stays away from the target.
-
-    `depth_mm`: the farthest signed distance, positive where the surface stands out of the target; `middle_mm` (3,) in
-    the target's own frame; `uv` the place on the model's surface; `area_share` of the surface; `chamber` the one that
-    moves this part most, and whether it is at a `limit` ("", "lowest" or "highest") that keeps it from going on.
-    """
-
-    depth_mm: float
-    middle_mm: tuple[float, float, float]
-    uv: tuple[float, float]
-    area_share: float
-    chamber: str
-    limit: str
-
-    @property
-    def words(self) -> str:
-        """The gap in words."""
-        side = "stands out of" if self.depth_mm > 0 else "stays inside"
-        x, y, z = self.middle_mm
-        why = f"; {self.chamber} is at its {self.limit} pressure" if self.limit else ""
-        return (
-            f"{side} the target by up to {abs(self.depth_mm):.1f} mm around ({x:.0f}, {y:.0f}, {z:.0f}){why}"
-        )
+from labrig.ik._gaps import Gap, find_gaps
 
 
 @dataclass(frozen=True)
@@ -73,8 +47,6 @@ class IkResult:
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
         """Where the surface stays away from the target by more than 2 mm, the worst first."""
-        from labrig.ik._gaps import find_gaps
-
         if not self.gap_facts:
             return ()
         points, influence, limits = self.gap_facts

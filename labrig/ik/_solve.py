@@ -49,7 +49,7 @@ class Solver:
         uv, self.triangles = grid(samples, samples)
         self.uv = _MARGIN + (1.0 - 2.0 * _MARGIN) * uv
         self.half_kpa = 0.5 * (self.low + self.high)
-        self.evaluate = _Begun(evaluator(model, self.uv), self.half_kpa)
+        self.evaluate = _Cached(evaluator(model, self.uv), self.half_kpa)
         self.half_shape = self._shape(self.half_kpa)
         self.descent = Descent(self.evaluate, self.low, self.high, self.half_shape.vertices_mm.mean(axis=0))
 
@@ -162,7 +162,7 @@ class Solver:
         )
 
 
-class _Begun:
+class _Cached:
     """An evaluator that keeps what it gave at the pressures that searches begin with."""
 
     def __init__(self, evaluate: Evaluator, pressure_kpa: Floats) -> None:

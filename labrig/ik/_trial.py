@@ -4,20 +4,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of
+from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of, target_of
 from labrig.ik._descent import Pose
 from labrig.ik._memory import Approach, Displaced
 from labrig.ik._refine import Refinement
 from labrig.ik._solve import Solver
-from labrig.surface import Mesh, Target, distances, grid, read_mesh, register
+from labrig.surface import Mesh, Registration, Target, distances, grid, read_mesh, register
 
 SETTLE_S = 3.0
+_FOREIGN = 0.1
+"""Distance from the predicted surface, as a share of the target's size, beyond which something else was scanned."""
 _WORDS = {"": "the whole model", "warp": "without the warp", "effects": "without the effects"}
 
 
@@ -81,14 +82,24 @@ class Trial:
         found = distances(self.target.mesh.vertices_mm, surface)
         return np.where(found.beyond | self.target.mesh.border, np.nan, -found.signed_mm)
 
-    def placed(self, scan: Mesh) -> tuple[Mesh, Any]:
+    def read_scan(self, path: str | Path) -> Mesh:
+        """A scan of the realised surface, mm, cleaned, and cut off what it stands on."""
+        return read_mesh(path, "mm", Target(self.predicted).size_mm)
+
+    def placed(self, scan: Mesh) -> tuple[Mesh, Registration]:
         """A scan in the target's frame, and its registration.
 
-        A global start finds the predicted surface, which the scan looks like all over; ICP then ends on the target.
+        A global start finds the predicted surface, which the scan looks like all over; ICP then ends on the target. A
+        scan that is inside out is turned; what lies far from the predicted surface, such as a hand, is left out.
         """
         rough = register(scan, self.predicted)
         fine = register(scan, self.target, (rough.rotation, rough.translation_mm))
-        return scan.moved(fine.rotation, fine.translation_mm), fine
+        lying = scan.turned() if rough.turned else scan
+        off = np.abs(distances(rough.apply(scan.vertices_mm), self.predicted).signed_mm)
+        foreign = off > _FOREIGN * self.target.size_mm
+        if foreign.any():
+            lying = lying.without(foreign)
+        return lying.moved(fine.rotation, fine.translation_mm), fine
 
     def refinement(self, low: Floats, high: Floats) -> Refinement:
         """Broyden's method for this target, with the model's derivatives at the predicted surface."""
@@ -132,5 +143,5 @@ def make_trials(
             solved = solve_job(job)
             if solved.error:
                 raise LabrigError(solved.error)
-            trials.append(Trial(len(trials), solved, Target(read_mesh(target, unit or None))))
+            trials.append(Trial(len(trials), solved, target_of(job)))
     return trials

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.ik._evaluate import Reduced
 from labrig.ik._gaussian import Process
+from labrig.ik._reduced import Reduced
 
 _CHUNK = 1024
 """Points whose bells fit into the cache."""

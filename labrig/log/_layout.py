@@ -28,7 +28,7 @@ class Layout:
     covariates: tuple[tuple[str, str], ...] = ()
     variables: tuple[str, ...] = ()
     source: str = "rig"
-    between_sessions: str = "released"
+    between_sessions: str = "vented"
     start_s: float = 0.0
     table: bool = False
     session: str = "0"
@@ -47,6 +47,8 @@ def layout_from_text(text: str) -> Layout:
         fields[name] = tuple(fields[name])
     for name in ("observables", "covariates"):
         fields[name] = tuple(tuple(item) for item in fields[name])
+    if fields.get("between_sessions") == "released":  # the word of older logs
+        fields["between_sessions"] = "vented"
     if fields["rest_mm"] is not None:
         fields["rest_mm"] = tuple(tuple(point) for point in fields["rest_mm"])
     return Layout(**fields)

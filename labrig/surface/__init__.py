@@ -1,10 +1,12 @@
 """Surfaces as labrig handles them: B-splines over the unit square, meshes and scans, and what is done with them."""
 
 from labrig.surface._distance import Distances, distances
-from labrig.surface._mesh import Mesh, clean, read_mesh
+from labrig.surface._mesh import Mesh
 from labrig.surface._nearest import Nearest
-from labrig.surface._registration import Registration, Target, register
+from labrig.surface._registration import Registration, register
+from labrig.surface._scan import clean, read_mesh
 from labrig.surface._spline import Spline, grid
+from labrig.surface._target import Target
 from labrig.surface._warp import Warp, fit_warp
 
 __all__ = [

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
@@ -150,13 +150,19 @@ class Mapping(_Strict):
     capture: CaptureColumn | None = None
     hold: UnitColumn | None = None
     session: Column | None = None
-    between_sessions: Literal["held", "released", "unknown"] = "unknown"
+    between_sessions: Literal["held", "vented", "unknown"] = "unknown"
     repeat: Column | None = None
     actuation: list[Actuation] = Field(default_factory=list)
     measured: list[Measured] = Field(default_factory=list)
     observables: list[Observable] = Field(default_factory=list)
     markers: dict[str, Marker] | list[str] = Field(default_factory=dict)
     covariates: list[Covariate] = Field(default_factory=list)
+
+    @field_validator("between_sessions", mode="before")
+    @classmethod
+    def _formerly(cls, value: Any) -> Any:
+        """Files from before call vented pressures `released`."""
+        return "vented" if value == "released" else value
 
     def files(self) -> list[TableFile]:
         """The tables, in order."""

@@ -85,7 +85,7 @@ class Watched:
             "event_of": ("capture", of),
             "repeat": ("capture", [capture["repeat"] for capture in self.captures]),
         }
-        attributes = {"source": "rig", "between_sessions": "released", "start_s": self.start_s}
+        attributes = {"source": "rig", "between_sessions": "vented", "start_s": self.start_s}
         return xr.Dataset(data, coords=coords, attrs=attributes)
 
 

@@ -32,7 +32,6 @@ class Validate(Procedure):
         """All targets, each from vented."""
         from labrig import LabrigError
         from labrig.ik import make_trials
-        from labrig.surface import read_mesh
 
         if not self.targets or not self.model:
             raise LabrigError(
@@ -52,7 +51,7 @@ class Validate(Procedure):
             for attempt in range(1, self.refine + 1):
                 if scanned is None or scanned.mesh_file is None:  # a dry run has no scans
                     break
-                surface, _ = trial.placed(read_mesh(scanned.mesh_file, "mm"))
+                surface, _ = trial.placed(trial.read_scan(scanned.mesh_file))
                 height = trial.heights(surface)
                 misfit = float(np.nanmean(np.abs(height)))
                 if misfit > (1.0 - self.enough) * best:

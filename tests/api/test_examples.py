@@ -33,7 +33,7 @@ SHOWN = [name for name in labrig.__all__ if ">>>" in (getattr(labrig, name).__do
 
 @pytest.fixture(scope="session")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A rig that hides hysteresis: rig.yaml, model.yaml, runs/first, runs/on_off; and a table with its mapping."""
+    """A rig that hides hysteresis: rig.yaml, two models, runs/first, runs/later, runs/on_off; a table, its mapping."""
     from labrig_drivers.simulated import hide, seal
 
     folder = tmp_path_factory.mktemp("campaign")
@@ -43,6 +43,9 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     seal(folder, hide("hysteresis", seed=1))
     labrig.run("capture", folder / "rig.yaml", out=folder / "runs" / "first", captures=40)
+    labrig.run("capture", folder / "rig.yaml", out=folder / "runs" / "later", captures=20, seed=2)
+    better = labrig.improve(folder / "runs" / "first", folder / "model.yaml", "hysteresis")
+    better.model.save(folder / "improved.yaml")
     on = {"pressure_kpa": {"c1": 42, "c2": 36, "c3": 30, "c4": 45}, "hold_s": 4.0, "repeat": "on"}
     on_off = [on, {"repeat": "off"}]
     labrig.run("programme", folder / "rig.yaml", out=folder / "runs" / "on_off", points=on_off, rounds=10)

@@ -95,7 +95,7 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
         (
             "import_table",
             (7, "out"),
-            "a mapping is needed, and a int was given: the path of a MAP.yaml",
+            "a mapping is needed, and a int was given: the path of a MAP.yaml, or of a table",
         ),
         (
             "import_table",
@@ -105,7 +105,7 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
         (
             "import_table",
             ("map.yaml", "out", [7]),
-            "a table is needed, and a int was given: its file (CSV, Parquet, C3D)",
+            "a table is needed, and a int was given: its file (CSV, Parquet, C3D, ...)",
         ),
     ],
 )

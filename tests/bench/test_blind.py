@@ -66,7 +66,9 @@ def test_plans_name_what_they_do_not_know() -> None:
     assert plan(["pair"], None, 7)[:2] == [("development", "pair", 7), ("development", "pair", 8)]
     with pytest.raises(LabrigError, match=r"^bench: there is no class 'unlisted' \(known: null, "):
         plan(["unlisted"], 1, 0)
-    with pytest.raises(LabrigError, match=r"^bench: there is no half 'all' \(known: development, exam\)$"):
+    with pytest.raises(
+        LabrigError, match=r"^bench: there is no half 'all' \(known: development, exam, third\)$"
+    ):
         plan(["pair"], 1, 0, ["all"])
 
 

@@ -309,7 +309,7 @@ def test_sessions_and_missing_repeats_are_noted(make_lab) -> None:
     assert (
         "no repeats with the same history: the noise floor is an estimate, repeat some set-points" in warnings
     )
-    assert "what the pressures did between sessions is unknown: taken as released" in warnings
+    assert "what the pressures did between sessions is unknown: taken as vented" in warnings
     assert any(w.endswith(" outlying values were left out") for w in warnings)
 
 

@@ -66,7 +66,7 @@ def _desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(900)
 def test_the_tutorial(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each command does what the page says that it does."""
     printed = follow("tutorial-hidden-effect.md", labrig, monkeypatch)

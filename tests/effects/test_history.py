@@ -47,7 +47,7 @@ def context_of(
             "marker_of": ("observable", [""]),
             "axis_of": ("observable", [""]),
         },
-        attrs={"between_sessions": "released"},
+        attrs={"between_sessions": "vented"},
     )
     return seen_by_a_line(rows_of(data))
 
@@ -106,9 +106,9 @@ def test_a_linear_base_strains_as_its_pressures_relax() -> None:
     assert context.strained(7.0) == pytest.approx(context.relaxed(7.0), abs=1e-6)
 
 
-@pytest.mark.parametrize("between", ["released", "unknown", "held"])
+@pytest.mark.parametrize("between", ["vented", "unknown", "held"])
 def test_sessions_begin_vented_unless_held(between: str) -> None:
-    """Held pressures go on from session to session; released ones, and unknown ones, begin at zero."""
+    """Held pressures go on from session to session; vented ones, and unknown ones, begin at zero."""
     whole = context_of([20.0, 60.0, 40.0, 30.0], sessions=[0, 0, 1, 1])
     context = seen_by_a_line(replace(whole.rows, between_sessions=between))
     held = between == "held"

@@ -17,6 +17,7 @@ from labrig.physics import load_shell
 from labrig.surface import distances, grid, read_mesh
 from labrig.view._ik_report import ik_page
 from labrig_drivers import Scan
+from labrig_drivers.simulated._artec_twin import ply_bytes
 
 BODIES = sorted((Path(__file__).parents[2] / "examples" / "bodies").glob("*.ply"))
 PRESSURES = {"a.ply": np.linspace(10, 50, 9), "b.ply": np.full(9, 25.0)}
@@ -97,6 +98,21 @@ def test_errors_for_people(desk):
     names = ", ".join(f"c{c + 1}" for c in range(9))
     assert str(error.value) == f"other.yaml: its chambers (c1, c2) are not the model's ({names})"
     assert not (desk / "out").exists()
+
+
+def test_what_was_guessed_and_cleaned_is_said(desk, capsys):
+    """A target in metres, with a loose bit, is solved as the one in mm, and two lines say what was done to it."""
+    target = read_mesh("a.ply", "mm")
+    bit = target.vertices_mm.max(axis=0) + np.array([[50.0, 0, 0], [55, 0, 0], [50, 5, 0]])
+    points = np.concatenate([target.vertices_mm, bit])
+    triangles = np.concatenate([target.triangles, [[len(points) - 3, len(points) - 2, len(points) - 1]]])
+    Path("metres.ply").write_bytes(ply_bytes(0.001 * points, triangles))
+    ask("metres.ply")
+    (entry,) = json.loads((desk / "out" / "ik.json").read_text())["targets"]
+    np.testing.assert_allclose(list(entry["pressure_kpa"].values()), PRESSURES["a.ply"], atol=0.5)
+    assert entry["notes"][0].endswith("does not say its unit: taken for m")
+    assert entry["notes"][1] == "loose fragments dropped: 1"
+    assert "loose fragments dropped: 1" in capsys.readouterr().out
 
 
 def test_limits_of_a_rig(desk):

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from labrig.ik import evaluator
-from labrig.ik._evaluate import Plain, Reduced
+from labrig.ik._evaluate import Plain
 from labrig.ik._gaussian import compiles
+from labrig.ik._reduced import Reduced
 from labrig.ik._warped import Warped
 from labrig.surface._pose import rotation_of
 from labrig.surface._warp import identity_coefficients

@@ -12,9 +12,9 @@ from labrig import LabrigError
 from labrig.campaign import dry_run, read_completed, resume, run
 from labrig.campaign._scans import keep_scan
 from labrig.cli._validate import report
-from labrig.ik import Refinement, outcomes
+from labrig.ik import Refinement, make_trials, outcomes
 from labrig.rig import connect, load_rig
-from labrig.surface import grid
+from labrig.surface import Mesh, grid
 from labrig_drivers import Scan, SimulatedClock
 from labrig_procedures import Validate
 
@@ -201,6 +201,25 @@ def test_limits_hold_while_refining():
     assert (following <= 60.0).all()
     following = search.propose(np.full(4, 30.0), np.full(4, 5.0))
     assert (np.abs(following - 30.0) <= 15.0 + 1e-9).all()
+
+
+def test_a_scan_with_a_hand_and_inside_out_is_placed_like_a_good_one(lab, mannequin):
+    """What lies far from the predicted surface is left out, the outside is out, and the heights are the scan's own."""
+    given = procedure(lab)
+    (trial,) = make_trials(
+        given.targets, given.model, "mm", (), mannequin.chamber_names, np.zeros(9), np.full(9, 60)
+    )
+    uv, triangles = grid(31, 41)
+    scan = Mesh(mannequin.points(TRUTH[None] + 12.0 * np.eye(9)[:1], uv)[0], triangles)
+    good = trial.heights(trial.placed(scan)[0])
+    hand = np.random.default_rng(0).normal(scan.vertices_mm.max(axis=0) + 150.0, 15.0, (60, 3))
+    loose = np.arange(60).reshape(-1, 3) + len(scan.vertices_mm)
+    bad = Mesh(np.concatenate([scan.vertices_mm, hand]), np.concatenate([triangles, loose])).turned()
+    placed, registration = trial.placed(bad)
+    assert len(placed.vertices_mm) == len(scan.vertices_mm)
+    assert registration.turned
+    assert np.nanmax(np.abs(good)) > 2.0
+    np.testing.assert_allclose(trial.heights(placed), good, atol=0.05)
 
 
 def test_replaced_fields_are_refused(lab):

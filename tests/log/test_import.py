@@ -9,6 +9,7 @@ import yaml
 
 from labrig import open_run
 from labrig.log import import_table, write_dataset
+from labrig.log._layout import Layout, layout_from_text, layout_to_text
 
 MAP = {
     "table": "t.csv",
@@ -134,6 +135,15 @@ def test_a_run_that_was_imported_is_written_and_read_alike(desk: Path) -> None:
     for name in run.variables:
         np.testing.assert_array_equal(run[name].values, copy[name].values, err_msg=str(name))
     assert yaml.safe_load(Path("run/run.yaml").read_text())["mapping"]["between_sessions"] == "held"
+
+
+def test_the_former_word_for_vented_is_read(desk: Path) -> None:
+    """A mapping or a log that says `released` between sessions means what is called `vented` now."""
+    table().to_csv("t.csv", index=False)
+    assert imported({**MAP, "between_sessions": "released"}).attrs["between_sessions"] == "vented"
+    older = layout_to_text(Layout(("c1",), (0.0,), (60.0,))).replace('"vented"', '"released"')
+    assert "released" in older
+    assert layout_from_text(older).between_sessions == "vented"
 
 
 def test_rows_without_captures_are_captures_themselves(desk: Path) -> None:

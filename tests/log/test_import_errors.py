@@ -115,7 +115,7 @@ def test_the_good_ones_pass(desk: Path, labrig: Run) -> None:
         (
             "capture: {column: capture}",
             "capture: {column: capture}\nbetween_sessions: open",
-            "map.yaml, line 4: between_sessions: should be 'held', 'released' or 'unknown', not 'open'",
+            "map.yaml, line 4: between_sessions: should be 'held', 'vented' or 'unknown', not 'open'",
         ),
         (
             "capture: {column: capture}",

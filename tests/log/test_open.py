@@ -24,7 +24,7 @@ def test_a_run_has_the_documented_variables(small_log) -> None:
     assert run["chamber"].to_numpy().tolist() == ["c1", "c2"]
     assert run["chamber_max"].to_numpy().tolist() == [60.0, 50.0]
     assert run.attrs["source"] == "rig"
-    assert run.attrs["between_sessions"] == "released"
+    assert run.attrs["between_sessions"] == "vented"
     assert run.attrs["warnings"] == []
 
 

@@ -81,7 +81,7 @@ def campaigns(draw: Any) -> xr.Dataset:
         covariates = _unique(draw, 1, 2)
         data["covariates"] = ((*hold, "covariate"), array(captures, longest, len(covariates), padded=True))
         coords |= {"covariate": covariates, "covariate_unit": ("covariate", text(len(covariates)))}
-    between = draw(st.sampled_from(["held", "released", "unknown"]))
+    between = draw(st.sampled_from(["held", "vented", "unknown"]))
     return xr.Dataset(data, coords, {"source": "table", "between_sessions": between, "title": "x"})
 
 

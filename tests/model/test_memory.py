@@ -128,7 +128,7 @@ def test_each_session_begins_at_rest_unless_it_was_held(desk: Path) -> None:
     Path("base.py").write_text(ODE)
     Path("model.yaml").write_text("base: {kind: ode, file: base.py, state: [0]}\n")
     first = {}
-    for between in ("released", "held"):
+    for between in ("vented", "held"):
         Path("map.yaml").write_text(
             f"table: [a.csv, b.csv]\nbetween_sessions: {between}\ntime: {{column: t, unit: s}}\n"
             "actuation: [{column: p, name: p, unit: kPa}]\nobservables: [{column: f, name: force, unit: N}]\n"
@@ -136,7 +136,7 @@ def test_each_session_begins_at_rest_unless_it_was_held(desk: Path) -> None:
         rows = rows_of(labrig.import_table("map.yaml", between))
         predicted = base_context(Model.load("model.yaml").predictor(rows).base, rows).base
         first[between] = predicted[np.flatnonzero(rows.session == 1)[0], 0]
-    assert first["released"] == pytest.approx(0.0, abs=1e-9)
+    assert first["vented"] == pytest.approx(0.0, abs=1e-9)
     assert first["held"] == pytest.approx(GAIN * 50 * (1 - math.exp(-(39 * DT + 1) / TAU)), rel=1e-3)
 
 

@@ -32,22 +32,13 @@ def error_mm(found, moved_from, rotation, shift):
     ).max()
 
 
-@pytest.mark.parametrize("library", [True, False])
-def test_any_pose_is_recovered(library):
-    """However a scan is turned and wherever it lies, it is brought back, with small_gicp and without."""
+def test_any_pose_is_recovered():
+    """However a scan is turned and wherever it lies, it is brought back."""
     shape = torso()
     for number, rotation in enumerate(spread_rotations(6)):
         shift = np.array([300.0, -200.0, 50.0 * number])
-        found = register(noisy(shape, number).moved(rotation, shift), Target(shape, library))
+        found = register(noisy(shape, number).moved(rotation, shift), Target(shape))
         assert error_mm(found, shape, rotation, shift) < 0.1
-
-
-def test_both_libraries_agree():
-    """small_gicp and scipy give the same motion to a thousandth of a millimetre."""
-    shape = torso()
-    scan = noisy(shape, 1).moved(rotation_of(np.array([0.2, -0.1, 0.3])), np.array([5.0, -8.0, 3.0]))
-    one, other = (register(scan, Target(shape, library)) for library in (True, False))
-    assert np.abs(one.apply(scan.vertices_mm) - other.apply(scan.vertices_mm)).max() < 1e-3
 
 
 def test_scans_repeat():

@@ -1,7 +1,6 @@
 """Watch in a real browser: a campaign from its plan to its end, and the vent while the page hangs."""
 
 import os
-import shutil
 import signal
 from collections.abc import Iterator
 from typing import Any
@@ -10,28 +9,23 @@ import pytest
 
 from labrig.log import summarise
 
-CHROMIUM = shutil.which("chromium")
-sync_api = pytest.importorskip("playwright.sync_api")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
-
 LONG = "--captures 80 --settle-s 1 --record-s 0.5"
 PLACE = {"width": 1280, "height": 900}
 BUTTON = (80, PLACE["height"] - 30)
 
 
 @pytest.fixture
-def page(bench: Any) -> Iterator[Any]:
+def page(bench: Any, browser: Any) -> Iterator[Any]:
     """The page as `labrig workbench` opens it; errors in its console fail the test."""
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        page = browser.new_context(viewport=PLACE).new_page()
-        wrong: list[str] = []
-        page.on("pageerror", lambda error: wrong.append(str(error)))
-        page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
-        page.goto(bench.address)
-        page.wait_for_selector("#campaign")
-        yield page
-        browser.close()
+    context = browser.new_context(viewport=PLACE)
+    page = context.new_page()
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+    page.goto(bench.address)
+    page.wait_for_selector("#campaign")
+    yield page
+    context.close()
     assert [text for text in wrong if "ERR_" not in text and "Failed to load" not in text] == []
 
 

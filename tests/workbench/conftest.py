@@ -3,8 +3,6 @@
 import http.client
 import json
 import math
-import os
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +16,6 @@ from labrig.workbench import Desk, Running, open_desk, start
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-CHROMIUM = next((p for name in ("chromium", "chromium-browser") if (p := shutil.which(name))), None)
 MARKERS = 4
 MAPPING = """\
 time: {column: t, unit: s}
@@ -158,21 +155,6 @@ def make_run(bench: Running) -> Callable[..., str]:
         return name
 
     return make
-
-
-@pytest.fixture(scope="session")
-def browser() -> "Iterator[Browser]":
-    """The system's Chromium, without a window."""
-    if CHROMIUM is None:
-        pytest.skip("no Chromium here: .ci/system-libraries browser installs it")
-    from playwright.sync_api import sync_playwright
-
-    drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    sandbox = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=[*sandbox, *drawing])
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture
