@@ -95,13 +95,13 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     config = load_rig(rig_file)
     folder = request.out or new_folder(procedure)
     _check_new(folder)
+    if request.model is not None:
+        say_if_changed(config.name, request.model, folder.parent)
     context = {
         "source": source_of(type(procedure)),
         "rig_file": str(rig_file.resolve()),
         "realtime": request.realtime,
     }
-    if request.model is not None:
-        say_if_changed(config.name, request.model, folder.parent)
     _go(procedure, config, folder, request, context)
 
 
