@@ -94,9 +94,9 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     rig_file = _named(request.rig)
     config = load_rig(rig_file)
     folder = request.out or new_folder(procedure)
-    _check_new(folder)
     if request.model is not None:
         say_if_changed(config.name, request.model, folder.parent)
+    _check_new(folder)
     context = {
         "source": source_of(type(procedure)),
         "rig_file": str(rig_file.resolve()),
