@@ -21,6 +21,7 @@ from labrig._errors import LabrigError
 if TYPE_CHECKING:
     from labrig.api._compare import Comparison, ModelComparison, compare
     from labrig.api._diagnose import Diagnosis, diagnose
+    from labrig.api._history import History, history
     from labrig.api._ik import solve_ik
     from labrig.api._improve import Improvement, improve
     from labrig.api._investigate import Investigation, investigate
@@ -41,6 +42,7 @@ _LAZY = {
     "Comparison": "labrig.api._compare",
     "DeviceError": "labrig_drivers",
     "Diagnosis": "labrig.api._diagnose",
+    "History": "labrig.api._history",
     "Improvement": "labrig.api._improve",
     "Investigation": "labrig.api._investigate",
     "Model": "labrig.model",
@@ -49,6 +51,7 @@ _LAZY = {
     "Validation": "labrig.api._validate",
     "compare": "labrig.api._compare",
     "diagnose": "labrig.api._diagnose",
+    "history": "labrig.api._history",
     "import_table": "labrig.api._table",
     "improve": "labrig.api._improve",
     "investigate": "labrig.api._investigate",
@@ -67,6 +70,7 @@ __all__ = [
     "Comparison",
     "DeviceError",
     "Diagnosis",
+    "History",
     "Improvement",
     "Investigation",
     "LabrigError",
@@ -77,6 +81,7 @@ __all__ = [
     "__version__",
     "compare",
     "diagnose",
+    "history",
     "import_table",
     "improve",
     "investigate",

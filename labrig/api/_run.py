@@ -30,7 +30,7 @@ def run(
     after that the run ends here, where the command line waits for a person.
 
     Args:
-        procedure: the name of one that comes with labrig (capture, hold, idle, pairs, programme, repeatability,
+        procedure: the name of one that comes with labrig (capture, check, hold, idle, pairs, programme, repeatability,
             survey, sweep, validate), a file ("my_procedure.py"), or one that is made already.
         rig: a rig.yaml's path, or what `labrig.load_rig` gives.
         out: the run's folder; by default a new one in ./runs.

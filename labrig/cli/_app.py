@@ -25,6 +25,7 @@ _COMMAND_MODULES = (
     "_next",
     "_investigate",
     "_campaign",
+    "_history",
     "_rig",
     "_demo",
     "_view",

@@ -54,7 +54,11 @@ def run(
         ),
     ] = False,
     model: Annotated[
-        Path | None, typer.Option(help="While watching, show what the simulator of this model predicts.")
+        Path | None,
+        typer.Option(
+            help="Say first whether the rig is no longer what this model was fitted to (see labrig history); "
+            "and while watching, show what its simulator predicts."
+        ),
     ] = None,
     diagnose: Annotated[
         Path | None, typer.Option(metavar="MODEL", help="Diagnose this model beside the campaign.")
@@ -71,7 +75,7 @@ def run(
     ] = False,
     help: Annotated[bool, typer.Option("--help", help="Show this, or a procedure's parameters.")] = False,
 ) -> None:
-    """Run a procedure on a rig: capture, hold, idle, pairs, programme, repeatability, sweep, or one of your own.
+    """Run a procedure on a rig: capture, check, hold, idle, pairs, programme, repeatability, sweep, or one of your own.
 
     A procedure's parameters are options that follow its name; `labrig run PROCEDURE --help` lists them. Every limit
     is checked before anything moves, and however the run ends, the chambers are vented first. While it goes on,

@@ -72,20 +72,38 @@ def improve(
     model: ModelOption,
     output: Annotated[Path, typer.Option("-o", "--output", help="The new model file.")],
     add: Annotated[list[str], typer.Option("--add", help="Effect to add; repeat the option for several.")],
+    prior: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="A model that has it, fitted on another rig or day; repeat the option for several."
+        ),
+    ] = None,
+    spread: Annotated[
+        float | None,
+        typer.Option(
+            help="How much it may differ from place to place, as a share of it (0.3); needs --prior."
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Add it even if it does not help.")] = False,
     out: OutOption = Path("improve"),
 ) -> None:
-    """Add effects to a model, fitted to the runs, and show the error before and after."""
+    """Add effects to a model, fitted to the runs, and show the error before and after.
+
+    With --prior, what other models have of them counts too, as far as it is sure; where the runs contradict it, it is
+    refused.
+    """
     import labrig
 
     if output.exists():
         raise labrig.LabrigError(f"{output}: already exists; choose another name for the new model")
     check_file(output)
     check_folder(out)
-    better = labrig.improve(runs, model, add, force=force)
+    better = labrig.improve(runs, model, add, force=force, prior=prior or None, spread=spread)
     better.model.save(output)
     _table(better.summary, "improve")
     _values(better)
+    if told := better.summary.get("prior"):
+        _say(f"prior: {', '.join(told['sources'])}; the runs are {told['z']:.1f} standard deviations from it")
     _finish(better, out)
     _say(f"new model: {output}")
 

@@ -17,6 +17,7 @@ from labrig.campaign import Adviser, Control, Interrupted, Observer, Procedure, 
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
+from labrig.cli._history_steps import say_if_changed
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
@@ -97,6 +98,8 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     rig_file = _named(request.rig)
     config = load_rig(rig_file)
     folder = request.out or new_folder(procedure)
+    if request.model is not None:
+        say_if_changed(config.name, request.model, folder.parent)
     _check_new(folder)
     context: dict[str, object] = {
         "source": source_of(type(procedure)),
@@ -218,8 +221,6 @@ def _known(folder: Path) -> RunSummary | None:
 
 def _viewers(request: Request, config: RigConfig) -> list[Observer]:
     if not (request.live or request.serve):
-        if request.model is not None:
-            raise LabrigError("--model is for watching: add --live or --serve")
         return []
     from labrig.view import live_observers, live_predict
 

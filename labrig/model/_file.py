@@ -1,5 +1,6 @@
 """model.yaml: a base and its effects, as a person reads and edits them."""
 
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -130,10 +131,11 @@ class EffectEntry(_Strict):
 
 
 class ModelFile(_Strict):
-    """The content of a model.yaml."""
+    """The content of a model.yaml; `fitted_until`: when the last run was recorded that its effects were fitted to."""
 
     base: Base
     effects: list[EffectEntry] = Field(default_factory=list)
+    fitted_until: datetime | None = None
 
 
 def read_model_file(path: Path) -> ModelFile:

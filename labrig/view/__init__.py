@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
+    from labrig.view._history_figures import history_pictures
+    from labrig.view._history_report import history_headline, history_notes, write_history
     from labrig.view._ik_report import write_ik_report
     from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
@@ -65,6 +67,8 @@ _LAZY = {
     "write_forward_report": "_training_report",
     "write_sim2real_report": "_training_report",
     "Viewer": "_viewer",
+    "history_pictures": "_history_figures",
+    **dict.fromkeys(("history_headline", "history_notes", "write_history"), "_history_report"),
     "investigation_pictures": "_investigation_figures",
     "live_observers": "_live",
     "live_predict": "_predict",
@@ -109,6 +113,9 @@ __all__ = [
     "filled",
     "fitted",
     "forward_table",
+    "history_headline",
+    "history_notes",
+    "history_pictures",
     "interval_words",
     "investigation_pictures",
     "legend_picture",
@@ -137,6 +144,7 @@ __all__ = [
     "write_course",
     "write_experiment",
     "write_forward_report",
+    "write_history",
     "write_ik_report",
     "write_investigation",
     "write_picture",

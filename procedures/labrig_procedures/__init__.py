@@ -1,6 +1,7 @@
 """Procedures: what a lab user reads, copies and edits."""
 
 from labrig_procedures._capture import Capture
+from labrig_procedures._check import Check
 from labrig_procedures._hold import Hold
 from labrig_procedures._idle import Idle
 from labrig_procedures._pairs import Pairs
@@ -10,4 +11,15 @@ from labrig_procedures._survey import Survey
 from labrig_procedures._sweep import Sweep
 from labrig_procedures._validate import Validate
 
-__all__ = ["Capture", "Hold", "Idle", "Pairs", "Programme", "Repeatability", "Survey", "Sweep", "Validate"]
+__all__ = [
+    "Capture",
+    "Check",
+    "Hold",
+    "Idle",
+    "Pairs",
+    "Programme",
+    "Repeatability",
+    "Survey",
+    "Sweep",
+    "Validate",
+]

@@ -161,7 +161,7 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
         ),
         (
             ("capturo", "--rig", "rig.yaml"),
-            "there is no procedure 'capturo'; there are capture, hold, idle, pairs, programme, repeatability, "
+            "there is no procedure 'capturo'; there are capture, check, hold, idle, pairs, programme, repeatability, "
             "survey, sweep, validate, or name a file (my_procedure.py); did you mean capture?",
         ),
         (("none.py", "--rig", "rig.yaml"), "there is no file none.py"),

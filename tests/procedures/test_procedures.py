@@ -12,7 +12,7 @@ import labrig_procedures
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, dry_run
 from labrig.rig import parse_rig
 from labrig_drivers import Channel
-from labrig_procedures import Capture, Hold, Idle, Pairs, Repeatability, Survey, Sweep
+from labrig_procedures import Capture, Check, Hold, Idle, Pairs, Repeatability, Survey, Sweep
 
 ALL = [getattr(labrig_procedures, name) for name in labrig_procedures.__all__ if name != "Validate"]
 """All that need nothing but a rig; validate needs targets and a model, and has tests of its own in tests/ik."""
@@ -204,3 +204,19 @@ def test_an_unknown_chamber_is_named() -> None:
     with pytest.raises(LabrigError) as caught:
         _steps(Sweep(chamber="left"), _info(2))
     assert str(caught.value) == "rig made has no chamber left; it has c1, c2"
+
+
+def test_check_is_the_same_every_morning_and_short() -> None:
+    """No seed changes it; it begins and ends at rest, repeats each set-point, and takes less than five minutes."""
+    first, other = (_steps(Check(), _info(seed=seed)) for seed in (0, 1))
+    assert first == other
+    captures = _captures(first)
+    assert not any(captures[0][0])
+    assert not any(captures[-1][0])
+    counts = Counter(record.repeat for _, record in captures)
+    assert {counts[f"p{n}"] for n in range(1, 5)} == {4}
+    assert sum(step.duration_s for step in first if isinstance(step, Settle | Record)) < 300
+    points = np.array([setpoint for setpoint, record in captures if record.repeat == "p1"])
+    assert len(np.unique(points, axis=0)) == 1
+    varied = np.array([setpoint for setpoint, record in captures if record.repeat.startswith("p")])
+    assert (np.ptp(varied, axis=0) > 0.4 * (_info().max_kpa - _info().min_kpa)).all()

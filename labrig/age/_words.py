@@ -1,0 +1,52 @@
+"""A change in a sentence."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+_DIGITS = 3
+
+
+def change_words(change: Mapping[str, Any]) -> str:
+    """What changed, from what to what, and since when."""
+    when = f"since {_day(change['date'])}"
+    if change["group"] in ("marker", "frame"):
+        moved = math.dist(change["before"], change["after"])
+        what = change["name"] if change["group"] == "marker" else "the cameras"
+        how = "turned" if change["name"] == "turn" else "moved"
+        slowly = "slowly " if change["shape"] == "slope" else ""
+        return f"{what} {slowly}{how} by {_number(moved)} {change['unit']} {when}"
+    before, after = change["before"][0], change["after"][0]
+    verb = ("grows" if after > before else "falls") if change["shape"] == "slope" else "went"
+    fold = f" {after / before:.2g}-fold," if change["group"] == "effect" and before * after > 0 else ""
+    return f"{_subject(change)} {verb}{fold} from {_both(before, after)} {change['unit']} {when}"
+
+
+def _subject(change: Mapping[str, Any]) -> str:
+    name = str(change["name"])
+    return {
+        "effect": name,
+        "gain": "the whole displacement",
+        "error": "the model's error",
+        "floor": "the noise floor",
+        "leak": f"the leak of {name}",
+        "zero": f"the zero of {name}",
+        "lost": "markers lost",
+        "ambient": name,
+    }[str(change["group"])]
+
+
+def _both(before: float, after: float) -> str:
+    """Two numbers, to the third digit of their difference."""
+    places = _DIGITS - 1 - math.floor(math.log10(abs(after - before))) if after != before else _DIGITS
+    places = min(max(places, 0), 6)
+    first, last = (round(value, places) + 0.0 for value in (before, after))  # no -0
+    return f"{first:.{places}f} to {last:.{places}f}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.{_DIGITS}g}" if abs(value) < 1000 else f"{value:.0f}"
+
+
+def _day(date: str) -> str:
+    return date.split(" ")[0]
