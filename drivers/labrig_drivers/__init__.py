@@ -1,6 +1,7 @@
 """Devices: small protocols, the clock they run on, and one module per real device."""
 
 from labrig_drivers._build import KINDS, build_device
+from labrig_drivers._check import Finding, State, check_devices
 from labrig_drivers._clock import Clock, RealClock, SimulatedClock
 from labrig_drivers._protocols import (
     Channel,
@@ -17,13 +18,17 @@ from labrig_drivers._protocols import (
     VentNotConfirmedError,
     VentReport,
 )
+from labrig_drivers._recording import RecordingError
+from labrig_drivers._settings import SETTINGS
 
 __all__ = [
     "KINDS",
+    "SETTINGS",
     "Channel",
     "Clock",
     "Device",
     "DeviceError",
+    "Finding",
     "Identity",
     "MarkerFrame",
     "MarkerStatus",
@@ -31,10 +36,13 @@ __all__ = [
     "PressureController",
     "PressureSample",
     "RealClock",
+    "RecordingError",
     "Scan",
     "Scanner",
     "SimulatedClock",
+    "State",
     "VentNotConfirmedError",
     "VentReport",
     "build_device",
+    "check_devices",
 ]

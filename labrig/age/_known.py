@@ -7,9 +7,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.diagnosis._floor import Floor, noise_floor
-from labrig.diagnosis._observations import Observations, observe
-from labrig.diagnosis._outliers import clean
+from labrig.diagnosis import Floor, Observations, clean, noise_floor, observe
 from labrig.effects import Context, Rows, get
 from labrig.model import Model, Predictor, base_context, evaluate
 

@@ -8,7 +8,7 @@ from scipy.linalg import lstsq
 from labrig.age._known import Beside
 from labrig.age._reading import Reading, reading
 from labrig.arrays import Bools, Floats, Ints
-from labrig.diagnosis._floor import capture_means
+from labrig.diagnosis import capture_means
 
 _ROUNDS = 8
 _FAR = 4.0

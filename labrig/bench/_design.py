@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats
-from labrig.effects import Context, Variant
-from labrig.effects._fields import contribution
+from labrig.effects import Context, Variant, contribution
 
 PATTERNS = 3  # free shapes over the observables are looked for among this many directions of the residuals
 

@@ -17,8 +17,7 @@ from labrig.arrays import Floats, Ints
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
 from labrig.diagnosis._spectra import BLOCKS, Prior, factor, features_of, prior_of, unlearnt
-from labrig.effects import Context, Effect, library, rows_of
-from labrig.effects._family import Space, motion_scale
+from labrig.effects import Context, Effect, Space, library, motion_scale, rows_of
 from labrig.model import Model
 
 MISFIT = 0.05

@@ -154,7 +154,7 @@ def _model(campaign: Campaign, folder: Path) -> "Model":
 def run_settle(folder: Path, first_seed: int, count: int, most: int = MOST) -> Iterator[dict[str, Any]]:
     """Every strategy on `count` campaigns that leave a doubt; each record is written as it is done, and skipped if
     it is there already."""
-    from labrig.diagnosis._result import plain
+    from labrig.diagnosis import plain
 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / RECORDS

@@ -13,7 +13,7 @@ from labrig.cli._signals import ending_on_signals
 if TYPE_CHECKING:
     from threading import Event
 
-    from labrig_drivers._check import Finding
+    from labrig_drivers import Finding
 
 rig_app = typer.Typer(
     name="rig",
@@ -41,8 +41,7 @@ def check(
     """
     from labrig.cli._rig_steps import check_chambers
     from labrig.rig import device_makers, load_rig
-    from labrig_drivers import RealClock
-    from labrig_drivers._check import check_devices
+    from labrig_drivers import RealClock, check_devices
 
     config = load_rig(rig)
     makers = device_makers(config, RealClock())
@@ -178,7 +177,7 @@ def replay(
 
     from labrig._errors import LabrigError
     from labrig.rig import load_rig
-    from labrig_drivers._recording import RecordingError
+    from labrig_drivers import RecordingError
     from labrig_drivers.simulated._replay import ReplayTwin
 
     check_folder(out, "-o")

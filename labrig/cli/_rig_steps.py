@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig.rig import Fillings, RigConfig, chamber_findings, clock_of, connect, fill_in_turn, swapped_markers
-from labrig_drivers import DeviceError
-from labrig_drivers._check import Finding
+from labrig_drivers import DeviceError, Finding
 
 
 def check_chambers(config: RigConfig, model: Path | None, tell: Callable[[str], None]) -> list[Finding]:

@@ -1,37 +1,54 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
-from labrig.diagnosis._candidates import Candidate, Fit, fit
+from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
+from labrig.diagnosis._constants import POSSIBLE, SURE
 from labrig.diagnosis._diagnose import diagnose
+from labrig.diagnosis._floor import Floor, capture_means, noise_floor
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._improve import compare, improve
+from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._opened import Fall, Opened, Trial
+from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._present import whole_change
-from labrig.diagnosis._problem import prepare, rows_from
+from labrig.diagnosis._problem import Prepared, prepare, prepared, rows_from
+from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._result import Result, Signature, plain, write_json
 from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._versus import versus
 
 __all__ = [
+    "POSSIBLE",
     "STATIC",
+    "SURE",
     "Candidate",
     "Fall",
     "Fit",
+    "Floor",
+    "Observations",
     "Opened",
+    "Prepared",
     "Result",
     "Signature",
     "Streams",
     "Trial",
+    "capture_means",
+    "clean",
     "compare",
     "covariates",
     "diagnose",
+    "drop_of",
     "fit",
     "forms_of",
     "improve",
     "kernel",
+    "noise_floor",
+    "observe",
     "plain",
     "prepare",
+    "prepared",
     "rows_from",
+    "square_of",
     "versus",
     "whole_change",
     "write_json",

@@ -10,8 +10,7 @@ from labrig.arrays import Floats, Ints
 from labrig.diagnosis._columns import Columns, coefficients, join, order_of
 from labrig.diagnosis._score import Score, score
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context, Effect, Term, Variant
-from labrig.effects._fields import contribution
+from labrig.effects import Context, Effect, Term, Variant, contribution
 
 
 @dataclass(frozen=True)

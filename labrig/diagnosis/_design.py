@@ -9,9 +9,7 @@ from labrig.arrays import Floats
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
-from labrig.effects import Context, Effect
-from labrig.effects._family import Space, motion_scale
-from labrig.effects._fields import frame_modes
+from labrig.effects import Context, Effect, Space, frame_modes, motion_scale
 
 SLOW = "slow noise"
 DECLARED = "declared"

@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.effects import Context
-from labrig.effects._spectrum import bulk_noise
+from labrig.effects import Context, bulk_noise
 
 _MOST_TO_MATCH = 2000
 _FEWEST_PAIRS = 3

@@ -5,8 +5,7 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import capture_means
-from labrig.effects import Context
-from labrig.effects._spectrum import fill
+from labrig.effects import Context, fill
 
 FORM = 0.03
 """No formula is exact: by this share of its own size a residual may be off without being wrong."""

@@ -9,8 +9,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._columns import coefficients, columns_of, order_of
 from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context, Effect, Term, Variant
-from labrig.effects._fields import centre_of
+from labrig.effects import Context, Effect, Term, Variant, centre_of
 from labrig.model import EffectEntry, FittedOn, Value
 
 _ROUNDS = 10

@@ -11,9 +11,7 @@ from labrig.diagnosis._candidates import Fit, change_of
 from labrig.diagnosis._columns import coefficients
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
-from labrig.effects import Context, Variant
-from labrig.effects._fields import contribution
-from labrig.effects._sign import Part
+from labrig.effects import Context, Part, Variant, contribution
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects._family import Space
+from labrig.effects import Space
 
 FILE = Path(__file__).with_name("spectra.json")
 BLOCKS = ("shared", "own", "pattern")

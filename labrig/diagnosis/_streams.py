@@ -17,9 +17,7 @@ from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor, capture_means
 from labrig.diagnosis._outliers import FORM
-from labrig.effects import Context
-from labrig.effects._fields import frame_modes
-from labrig.effects._spectrum import bulk_edge, fill
+from labrig.effects import Context, bulk_edge, fill, frame_modes
 
 MAX_PATTERNS = 8
 _FEW_CAPTURES = 3

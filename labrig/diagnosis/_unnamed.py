@@ -5,9 +5,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects import Context
-from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
-from labrig.effects._fields import frame_modes, scale_mode
+from labrig.effects import (
+    Context,
+    Space,
+    acting,
+    field,
+    frame_modes,
+    motion_scale,
+    pattern,
+    pressure,
+    scale_mode,
+)
 
 FORM = "form"
 """The base's own error of form: each chamber's deflection, in a pattern of its own."""

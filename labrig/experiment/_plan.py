@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects import Covariate, Rows
-from labrig.effects._rows import TRANSIENT_S
+from labrig.effects import TRANSIENT_S, Covariate, Rows
 
 SLEW_PER_S = 100.0
 SETTLE_S = 1.0

@@ -9,8 +9,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.diagnosis import Candidate, Fit, Streams, fit, forms_of
-from labrig.effects import Context, Effect, Rows, Term, Variant, join_rows
-from labrig.effects._fields import frame_modes
+from labrig.effects import Context, Effect, Rows, Term, Variant, frame_modes, join_rows
 
 FORMS = 4
 MOST_OTHERS = 4

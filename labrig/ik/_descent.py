@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.ik._evaluate import Evaluator
-from labrig.surface import Target
-from labrig.surface._pose import rotation_of
+from labrig.surface import Target, rotation_of
 
 History = tuple[tuple[float, float], ...]
 """(time since the search began, s; mean distance, mm) at the start and after every step."""
@@ -120,8 +119,8 @@ class State:
         return min(from_surface, self._from_target(goal, triangles))
 
     def _from_target(self, goal: Target, triangles: NDArray[np.int64]) -> float:
+        from labrig.surface import vertex_normals
         from labrig.surface._coarse import match
-        from labrig.surface._kernels import vertex_normals
 
         few = np.ascontiguousarray(goal.few[0][:, ::2].T)
         moved, index, square = np.empty_like(few), np.empty(len(few), np.int64), np.empty(len(few))

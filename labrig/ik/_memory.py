@@ -67,9 +67,8 @@ class Remembering:
 
         and how far the markers are displaced beside that, (M, 3), mm.
         """
-        from labrig.effects import get
-        from labrig.effects._fields import contribution
-        from labrig.model._model import as_fitted, find_variant
+        from labrig.effects import contribution, get
+        from labrig.model import as_fitted, find_variant
 
         rows = self._rows(path)
         whole = self._context(rows)
@@ -94,7 +93,7 @@ class Remembering:
 
     def _context(self, rows: "Rows") -> Any:
         from labrig.effects import Context
-        from labrig.model._bases import solo_deflection
+        from labrig.model import solo_deflection
 
         base = _Base(self.shape)
         if self._alone is None:

@@ -126,7 +126,7 @@ class Solver:
     def _result(
         self, goal: Target, state: State, history: History, starts: int, time_s: float, prepare_s: float
     ) -> IkResult:
-        from labrig.surface._kernels import vertex_normals
+        from labrig.surface import vertex_normals
 
         names = self.model.chamber_names
         usable = state.usable > 0

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._constants import POSSIBLE, SURE
+from labrig.diagnosis import POSSIBLE, SURE
 from labrig.live._look import Look
 from labrig.tables import factor
 

@@ -1,6 +1,6 @@
 """Models: model.yaml, its base, its effects, and what they predict."""
 
-from labrig.model._bases import BaseModel, build_base, jacobian
+from labrig.model._bases import BaseModel, build_base, jacobian, solo_deflection
 from labrig.model._file import (
     EffectEntry,
     FittedOn,
@@ -10,7 +10,7 @@ from labrig.model._file import (
     read_model_file,
     write_model_file,
 )
-from labrig.model._model import Model, Predictor, base_context, evaluate, find_variant
+from labrig.model._model import Model, Predictor, as_fitted, base_context, evaluate, find_variant
 
 __all__ = [
     "BaseModel",
@@ -20,6 +20,7 @@ __all__ = [
     "ModelFile",
     "Predictor",
     "Value",
+    "as_fitted",
     "base_context",
     "build_base",
     "evaluate",
@@ -27,5 +28,6 @@ __all__ = [
     "jacobian",
     "model_text",
     "read_model_file",
+    "solo_deflection",
     "write_model_file",
 ]

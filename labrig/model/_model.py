@@ -10,8 +10,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig._paths import path_of
 from labrig.arrays import Floats
-from labrig.effects import Context, Effect, Rows, Variant, get, library
-from labrig.effects._fields import contribution
+from labrig.effects import Context, Effect, Rows, Variant, contribution, get, library
 from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_base, jacobian, solo_deflection
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel

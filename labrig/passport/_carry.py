@@ -7,13 +7,9 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.diagnosis import Opened, Result
-from labrig.diagnosis._candidates import square_of
-from labrig.diagnosis._problem import prepared, rows_from
-from labrig.diagnosis._ranking import drop_of
+from labrig.diagnosis import Opened, Result, drop_of, prepared, rows_from, square_of
 from labrig.effects import Context
-from labrig.model import EffectEntry, FittedOn, Model, Value
-from labrig.model._model import as_fitted
+from labrig.model import EffectEntry, FittedOn, Model, Value, as_fitted
 from labrig.passport._combine import Carried, combined, fall, held_out
 from labrig.passport._data import evidence_of
 from labrig.passport._pool import Pool

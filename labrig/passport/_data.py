@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis._observations import observe
-from labrig.diagnosis._problem import Prepared
-from labrig.effects import Context, Variant
-from labrig.effects._fields import contribution
+from labrig.diagnosis import Prepared, observe
+from labrig.effects import Context, Variant, contribution
 from labrig.passport._captures import by_capture, jackknife_variance
 from labrig.passport._prior import size_of
 

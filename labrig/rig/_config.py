@@ -10,8 +10,7 @@ from labrig._fields import check_fields
 from labrig._near import meant
 from labrig._paths import path_of
 from labrig._yaml import read_yaml
-from labrig_drivers import Channel
-from labrig_drivers._settings import SETTINGS
+from labrig_drivers import SETTINGS, Channel
 
 
 class _Section(BaseModel):

@@ -5,7 +5,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.rig._chambers import Filling, Fillings
 from labrig.rig._config import ChamberConfig, RigConfig
-from labrig_drivers._check import Finding, State
+from labrig_drivers import Finding, State
 
 _ZERO_KPA = 1.0
 """How far a sensor may be from the others at ambient: the total error of the boards' sensors, 1.5 % of 100 kPa, is

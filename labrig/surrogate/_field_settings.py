@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from labrig.arrays import Floats
-from labrig.surface._warp import bells
+from labrig.surface import bells
 from labrig.surrogate._kernel import Kernel
 
 _NAMES = ("still", "moving", "noise_mm", "length", "share", "shape_power", "bells", "affine", "c")

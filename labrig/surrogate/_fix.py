@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats
-from labrig.surface import grid
-from labrig.surface._warp import identity_coefficients
+from labrig.surface import grid, identity_coefficients
 from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._corrected import CorrectedHead
 from labrig.surrogate._field import Posterior, Seen, infer, left_out

@@ -4,7 +4,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.surface._warp import design
+from labrig.surface import design
 from labrig.surrogate._captures import Frames
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._network import Network

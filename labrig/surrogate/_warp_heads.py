@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from labrig.arrays import Floats
-from labrig.surface._warp import SLACK, bells, identity_coefficients, interpolation_matrix
+from labrig.surface import SLACK, bells, identity_coefficients, interpolation_matrix
 from labrig.surrogate._kernel import Kernel
 from labrig.surrogate._network import Network
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labrig.arrays import Floats
-from labrig.surface._warp import Warp, design
+from labrig.surface import Warp, design
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._warp_heads import State
 
