@@ -60,7 +60,7 @@ def unnamed(context: Context) -> Iterator[Space]:
         yield Space("time in hold", "hold", acting(columns))
     if np.isfinite(rows.time_s).all() and np.ptp(rows.time_s) > 0:
         t = (rows.time_s - rows.time_s.min()) / np.ptp(rows.time_s)
-        many = int(np.clip(rows.n_captures // 3, 2, 40))
+        many = int(np.clip(_told_apart(context), 2, 40))
         load = x.mean(axis=1)
         columns = [pattern(f"cosine {k}", np.cos(np.pi * k * t)) for k in range(1, many)]
         columns += [pattern(f"cosine {k} load", np.cos(np.pi * k * t) * load, 0.5) for k in range(1, many, 2)]
@@ -71,6 +71,22 @@ def unnamed(context: Context) -> Iterator[Space]:
                 for k in range(1, many)
             ]
             yield Space("time through the pressures", "clock", acting(through), 0.8)
+
+
+def _told_apart(context: Context) -> float:
+    """How many slow functions of time can be told from what the pressures do.
+
+    A third of the captures. Of a record of single rows, which follow one another, as many as it has full strokes: of
+    random set-points that is a third of them, too.
+    """
+    rows = context.rows
+    most = rows.n_captures / 3
+    if len(rows.capture) > rows.n_captures:
+        return most
+    u = rows.event_actuation
+    way, reach = np.abs(np.diff(u, axis=0)).sum(axis=0), np.ptp(u, axis=0)
+    strokes = way[reach > 0] / reach[reach > 0]
+    return min(most, float(strokes.mean())) if len(strokes) else most
 
 
 def _static(x: Floats) -> Iterator:
