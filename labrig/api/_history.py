@@ -171,7 +171,7 @@ def history(
     Example:
         >>> found = labrig.history("bench", "model.yaml")
         >>> list(found.runs["procedure"])
-        ['capture', 'programme']
+        ['capture', 'capture', 'programme']
         >>> found.changes.empty
         True
         >>> found.save("history").name

@@ -19,7 +19,8 @@ LEAST_LIKELY = 0.1
 NEXT_TO_IT = 0.01
 """Probability from which an effect that is not possible is told apart from the only one that is sure or possible."""
 
-_NOT_PLANNED = {"as measured"}
+_NOT_PLANNED = {"as measured", "spectrum", "spectrum pattern"}
+"""Forms that wait for other data, or follow so much that they say little of what to expect."""
 
 
 @dataclass(frozen=True)

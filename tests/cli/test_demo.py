@@ -68,7 +68,7 @@ def test_its_last_lines_work(demo):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hide", ["hysteresis", "coupling", "regulator"])
+@pytest.mark.parametrize("hide", ["hysteresis", "coupling", "leak"])
 def test_other_effects(tmp_path, hide):
     """Other effects are among what is named, alone where nothing else could be it."""
     assert labrig(tmp_path, "demo", "--hide", hide, "--out", "here").returncode == 0

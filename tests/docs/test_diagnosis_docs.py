@@ -55,6 +55,8 @@ def follow(page: str, labrig: Run, monkeypatch: pytest.MonkeyPatch) -> dict[str,
                     monkeypatch.chdir(words[1])
                     continue
                 assert words[0] == "labrig", line
+                if words[1] == "workbench":  # a page that stays open; tests/workbench opens it
+                    continue
                 code, out, err = labrig(*words[1:])
                 assert code == 0, (line, err)
                 printed[command.strip()] = out
@@ -66,7 +68,7 @@ def _desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.timeout(900)
+@pytest.mark.timeout(600)
 def test_the_tutorial(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each command does what the page says that it does."""
     printed = follow("tutorial-hidden-effect.md", labrig, monkeypatch)

@@ -41,7 +41,7 @@ def looped(lab: Any) -> np.ndarray:
     for i, way in lab.path(60):
         for point in way:
             d = (point - last) / 60.0
-            z = z + d / 0.08 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
+            z = z + d / 0.2 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
             last = point
         u[i] -= 4.0 * z
     return lab.predict(u)
