@@ -1,6 +1,6 @@
 """What compare, diagnose and improve give back has in common: errors, where they are, pictures, files."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -14,6 +14,16 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from labrig.diagnosis import Result
+
+
+def drawn(pictures: "Mapping[str, Callable[[], Any]]", picture: str) -> "Figure":
+    """One of the pictures as a plotly Figure, the first if none is named; raises `LabrigError` if there is no such."""
+    from plotly.graph_objects import Figure
+
+    wanted = picture or next(iter(pictures), "")
+    if wanted not in pictures:
+        raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(pictures)}")
+    return Figure(pictures[wanted]())
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,13 +89,7 @@ class Answer:
 
         Raises `LabrigError` for a picture that there is not.
         """
-        from plotly.graph_objects import Figure
-
-        pictures = self._pictures()
-        wanted = picture or next(iter(pictures))
-        if wanted not in pictures:
-            raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(pictures)}")
-        return Figure(pictures[wanted]())
+        return drawn(self._pictures(), picture)
 
     def save(self, folder: Place) -> Path:
         """Write the JSON and report.html into `folder`, as the command line does; returns the report's path."""

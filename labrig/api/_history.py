@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._paths import path_of
+from labrig.api._answer import drawn
 from labrig.api._inputs import Place, model_of, rig_of
 
 if TYPE_CHECKING:
@@ -108,15 +109,9 @@ class History:
 
         Raises `LabrigError` for a picture that there is not.
         """
-        from plotly.graph_objects import Figure
-
         from labrig.view import history_pictures
 
-        pictures = history_pictures(self._content)
-        wanted = picture or next(iter(pictures), "")
-        if wanted not in pictures:
-            raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(pictures)}")
-        return Figure(pictures[wanted]())
+        return drawn(history_pictures(self._content), picture)
 
     def save(self, folder: Place) -> Path:
         """Write history.json, history.png and report.html into `folder`; returns the report's path."""

@@ -59,7 +59,7 @@ def fit(parts: Sequence[Candidate]) -> Fit:
 def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score) -> bool:
     """Whether the fitted values lie within their physical bounds, or within two standard errors of them.
 
-    Of a parameter with one value per chamber the mean counts, weighted by what each says.
+    Of a parameter with one value per chamber the mean counts, weighted by what each says; of a chain each link.
     """
     q = columns.X.shape[2]
     at_x, at_e = 0, q
@@ -89,6 +89,13 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
             continue
         weight = np.where(live, 1 / np.where(live, variance, 1.0), 0.0)
         jack = scored.fold_beta[:, own]
+        if (
+            term.labels and term.labels != columns.streams.context.rows.chambers
+        ):  # links of a chain: each counts
+            apart = np.sqrt((len(jack) - 1) * jack.var(axis=0))
+            outside = (scored.beta[own] < low - 2 * apart) | (scored.beta[own] > high + 2 * apart)
+            if (outside & live).any():
+                return False
         value = float(np.sum(weight * scored.beta[own]) / weight.sum())
         each = jack @ weight / weight.sum()
         n = len(each)

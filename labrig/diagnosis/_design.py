@@ -292,8 +292,8 @@ class _Layout:
         G = self.observations.whiten @ f
         power, U = np.linalg.eigh(G.T @ G)
         keep = power > max(
-            0.1 / (self.observations.worth * max(1.0, self.observations.to_explain) ** 2), 1e-7 * power[-1]
-        )
+            0.1 * self._said(), 1e-7 * power[-1]
+        )  # each stands for r directions: a tenth is heard
         return (G @ U[:, keep])[:, ::-1]
 
     def fields(self, values: Floats) -> Floats:

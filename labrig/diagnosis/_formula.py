@@ -59,7 +59,8 @@ def fit_named(
 
 def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candidate]:
     """The forms of one effect, best first: the plainest that is good enough, then by what they explain of left-out
-    blocks; those within their physical bounds before the others.
+    blocks; those within their physical bounds before the others. The plainest is moved off the search's grid if only
+    so it is good enough: a chain of lags fills the gaps of a grid that one lag falls into.
     """
     found = []
     for variant in effect.variants(context):
@@ -71,13 +72,18 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     found.sort(key=lambda f: (not f[0], -f[1].score.gain))
     if not found:
         return []
-    total, (bounded, best) = float(streams.base_squares.sum()), found[0]
+    bounded, best = found[0]
+    alike = [c for ok, c in found if ok == bounded]
+    forms = [c for _, c in found]
+    total = float(streams.base_squares.sum())
     least = total - (1 + _GOOD_ENOUGH) ** 2 * (total - best.score.gain)
-    plain = min(
-        (i for i, (ok, c) in enumerate(found) if ok == bounded and c.score.gain >= least),
-        key=lambda i: (found[i][1].columns.width, i),
-    )
-    return [c for _, c in (found[plain], *found[:plain], *found[plain + 1 :])]
+    plainest = min(alike, key=lambda c: c.columns.width)
+    if plainest.score.gain < least:
+        (plainest,) = refined(streams, context, fit([plainest]), 0).parts
+        if plainest.score.gain >= least:
+            return [plainest, *forms]
+    plain = min((c for c in alike if c.score.gain >= least), key=lambda c: c.columns.width)
+    return [plain, *(c for c in forms if c is not plain)]
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:

@@ -233,7 +233,7 @@ class Context:
         """
         return self._lagged(tau_s, self.rows.event_actuation)
 
-    def lagged(self, tau_s: float, u: Floats, rest: float = 0.0) -> Floats:
+    def lagged(self, tau_s: float, u: Floats, rest: float | Floats = 0.0) -> Floats:
         """First-order lag of any drive of the events, (E, C) -> (F, C), which is at `rest` where it began."""
         t = self.rows.event_time_s
         at_start = np.zeros_like(u)
@@ -255,17 +255,7 @@ class Context:
     def _lagged(self, tau_s: float, u: Floats) -> Floats:
         key = ("lagged", tau_s, id(u))
         if key not in self._memo:
-            t = self.rows.event_time_s
-            at_start = np.zeros_like(u)
-            for e, before in enumerate(self.started):
-                if before < 0:
-                    at_start[e] = 0.0 if u is self.event_deflection else self.vented
-                else:
-                    decay = np.exp(-max(t[e] - t[before], 0.0) / tau_s)
-                    at_start[e] = u[before] + (at_start[before] - u[before]) * decay
-            event = self.rows.event
-            left = np.exp(-self.elapsed_s / tau_s)[:, None]
-            self._memo[key] = u[event] + (at_start[event] - u[event]) * left
+            self._memo[key] = self.lagged(tau_s, u, 0.0 if u is self.event_deflection else self.vented)
         return self._memo[key]
 
     @cached_property

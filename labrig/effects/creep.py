@@ -92,9 +92,6 @@ class Creep(Effect):
                 labels = tuple(f"{t:.3g} s" for t in chain)
                 shape = {"tau_s": tau, "known": known}
                 yield Variant("spectrum", (Term("spectrum", "pressure", change, labels),), shape)
-                if len(chambers) == 1:
-                    free = Term.pattern("pattern", change[:, 0] / context.span)
-                    yield Variant("spectrum pattern", (free,), shape)
 
     def family(self, context: Context) -> Iterator[Space]:
         """First-order lags of 2 s to 5000 s behind the pressure, its square, or the wall; and settled strain."""
@@ -127,7 +124,7 @@ class Creep(Effect):
                 return held
         rows, known = context.rows, part.shape["known"]
         count = next((n for name, n in ELEMENTS.items() if part.form.startswith(name)), LINKS)
-        step = STEP if part.form.startswith("spectrum") else DECADE
+        step = STEP if part.form == "spectrum" else DECADE
         chain = [part.shape["tau_s"] * step**i for i in range(count)]
         slow, now = np.mean([context.relaxed(t) for t in chain], axis=0), rows.actuation
         if "of the wall" in part.form:

@@ -64,9 +64,6 @@ class Hysteresis(Effect):
             lags = np.stack([context.play(w) - u for w in chain], axis=2)
             labels = tuple(f"{w:.3g}" for w in chain)
             yield Variant("spectrum", (Term("spectrum", "pressure", lags, labels),), {"width": r})
-            if len(chambers) == 1:
-                free = Term.pattern("pattern", lags[:, 0] / context.span)
-                yield Variant("spectrum pattern", (free,), {"width": r})
 
     def family(self, context: Context) -> Iterator[Space]:
         """Play operators (Prandtl-Ishlinskii) of pressure and wall deflection, narrow to wide, with a static part."""

@@ -19,7 +19,7 @@ LEAST_LIKELY = 0.1
 NEXT_TO_IT = 0.01
 """Probability from which an effect that is not possible is told apart from the only one that is sure or possible."""
 
-_NOT_PLANNED = {"as measured", "spectrum", "spectrum pattern"}
+_NOT_PLANNED = {"as measured", "spectrum"}
 """Forms that wait for other data, or follow so much that they say little of what to expect."""
 
 

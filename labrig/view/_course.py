@@ -1,6 +1,5 @@
 """How a verdict sharpened while the campaign ran: probabilities, error and floor over captures, as a still picture."""
 
-import os
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig.view._still import save_still
 from labrig.view._style import AFTER, CEILING, FLOOR, GROUPS, INK, LINE, MUTED
 from labrig.view._text import word
 
@@ -37,13 +37,7 @@ def write_course(looks: "Sequence[Look]", ended: str | None, folder: Path) -> Pa
     if ended:
         for axis in (upper, lower):
             axis.axvline(looks[-1].captures, color=INK, linewidth=1.0)
-    temporary = path.with_name(f".{os.getpid()}-{path.name}")
-    try:
-        figure.savefig(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return path
+    return save_still(figure, path)
 
 
 def _probabilities(axis: Any, looks: "Sequence[Look]") -> None:

@@ -1,12 +1,12 @@
 """A rig's history as one still picture, for pages and notebooks."""
 
 import math
-import os
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from labrig.view._history_figures import axis_title, colour_of, history_pictures, series_of
+from labrig.view._still import save_still
 from labrig.view._style import BEFORE, FLOOR, INK, MUTED
 
 
@@ -27,13 +27,7 @@ def write_history_picture(content: dict[str, Any], path: Path) -> Path:
     )
     for place, name in enumerate(names):
         _draw(figure.add_subplot(rows, 2, place + 1), name, series_of(content, name))
-    temporary = path.with_name(f".{os.getpid()}-{path.name}")
-    try:
-        figure.savefig(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return path
+    return save_still(figure, path)
 
 
 def _draw(axes: Any, name: str, curves: list[dict[str, Any]]) -> None:

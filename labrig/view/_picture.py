@@ -1,6 +1,5 @@
 """A still picture of a result, for papers and pages: the surface before and after, and the waterfall."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from labrig.view._fields import (
 )
 from labrig.view._naming import added
 from labrig.view._space import view_axes
+from labrig.view._still import save_still
 from labrig.view._style import AFTER, BEFORE, CEILING, ERROR_SCALE, FLOOR, INK, MUTED
 from labrig.view._text import number, word
 from labrig.view._words import has_improved, note
@@ -47,13 +47,7 @@ def write_picture(result: "Result", path: str | Path) -> Path:
     else:
         _surfaces([figure.add_subplot(columns[0, k]) for k in (0, 1)], markers, result)
     _waterfall(figure.add_subplot(columns[0, 2]), result)
-    temporary = path.with_name(f".{os.getpid()}-{path.name}")
-    try:
-        figure.savefig(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return path
+    return save_still(figure, path)
 
 
 def _surfaces(axes: list[Any], markers: Cloud, result: "Result") -> None:

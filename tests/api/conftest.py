@@ -1,4 +1,4 @@
-"""A small campaign of a simulated rig that hides a leak, and the model that does not know it."""
+"""A small campaign of a simulated rig that hides creep, and the model that does not know it."""
 
 from pathlib import Path
 
@@ -6,14 +6,7 @@ import pytest
 import yaml
 
 import labrig
-
-RIG = {
-    "name": "bench",
-    "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
-    "pressure": {"kind": "simulated"},
-    "mocap": {"kind": "simulated", "rate_hz": 20},
-    "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
-}
+from tests.rigs import RIG
 
 
 @pytest.fixture(scope="session")

@@ -14,18 +14,11 @@ import pytest
 import yaml
 
 import labrig
+from tests.rigs import RIG
 
 SHAPES = {"solve_ik", "train_forward", "train_sim2real", "validate"}
 """What needs a surface that can be solved for; the others are shown on a campaign of markers."""
 
-RIG = {
-    "name": "bench",
-    "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
-    "pressure": {"kind": "simulated"},
-    "mocap": {"kind": "simulated", "rate_hz": 20},
-    "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
-    "follow": {"tolerance_kpa": 20, "tolerance_share": 0.5},
-}
 
 FUNCTIONS = [name for name in labrig.__all__ if inspect.isfunction(getattr(labrig, name))]
 SHOWN = [name for name in labrig.__all__ if ">>>" in (getattr(labrig, name).__doc__ or "")]

@@ -9,6 +9,7 @@ import pytest
 from labrig.arrays import Floats
 from labrig.bench import CLASSES, draw, half_of, make_rig
 from labrig.bench._hide import has
+from labrig.bench._learn import drawn_example, learn_all
 from labrig.bench._nature import (
     EFFECTS,
     Law,
@@ -283,3 +284,16 @@ def test_buckling_takes_either_side_with_the_same_load() -> None:
     assert aside.min() < -1e-3
     assert aside.max() > 1e-3
     assert np.mean(np.abs(aside) < 1e-9) > 0.2
+
+
+def test_spectra_are_learnt_from_both_portions() -> None:
+    """Of one campaign of each portion the spectra are those of both of its effects, and its own where alone."""
+    (ours, ours_example), (theirs, theirs_example) = (
+        drawn_example(5, half) for half in ("development", "third")
+    )
+    assert ours_example is not None
+    assert theirs_example is not None
+    assert ours != theirs
+    both = learn_all([5], third=[5])
+    assert both == learn_all([5]) | learn_all((), third=[5])
+    assert {key.split()[0] for key in both} >= {ours, theirs}

@@ -7,18 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
-RIG = {
-    "name": "bench",
-    "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
-    "pressure": {"kind": "simulated"},
-    "mocap": {"kind": "simulated", "rate_hz": 20},
-    "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
-    "follow": {
-        "tolerance_kpa": 20,
-        "tolerance_share": 0.5,
-    },  # what it hides may be a leak or a wrong regulator
-}
-MODEL = "base: {kind: simulator, rig: rig.yaml}\neffects: []\n"
+from tests.rigs import MODEL, RIG
 
 
 @pytest.fixture

@@ -254,3 +254,24 @@ def test_free_patterns_are_those_of_the_joint_fit() -> None:
     joint = np.linalg.solve(X.T @ X + np.diag(prior), X.T @ seen(design))
     assert np.allclose(columns, joint[: len(columns)], atol=1e-3)
     assert np.allclose(free_fit(sums, variance, columns).ravel(), joint[len(columns) :], atol=1e-3)
+
+
+def test_what_has_no_variance_is_not_there() -> None:
+    """Free patterns of variance zero, beside even ones and others, change nothing."""
+    design = tiny(4, free={"?history": 2, DECLARED: 3})
+    variance = free_variances(design, {"?history": 0.0, DECLARED: 2.0})
+    alone = replace(design, free=design.free[1:])
+    sd = np.full(design.W.shape[1], 0.3)
+    one = State(beside_free(Sums.of(design), variance), sd).parts()
+    two = State(beside_free(Sums.of(alone), variance[2:]), sd).parts()
+    assert one == pytest.approx(two)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_columns_in_single_precision_that_say_the_same(seed: int) -> None:
+    """Of columns that are sums of others, thousands of floors large and free to be, there is a covariance."""
+    design = tiny(seed, {"a": 3, "b": 4, SLOW: 1})
+    W = (1e5 * design.W).astype(np.float32)
+    W[:, 3:7] = W[:, :3] @ np.random.default_rng(seed).normal(size=(3, 4)).astype(np.float32)
+    state = State(beside_free(Sums.of(replace(design, W=W)), np.zeros((0, R))), np.full(8, 300.0))
+    assert (np.diag(state.covariance) > 0).all()

@@ -9,15 +9,7 @@ import yaml
 import labrig
 from labrig import LabrigError
 from labrig.investigation import Reporter, _bench
-
-RIG = {
-    "name": "bench",
-    "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
-    "pressure": {"kind": "simulated"},
-    "mocap": {"kind": "simulated", "rate_hz": 20},
-    "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
-    "follow": {"tolerance_kpa": 20, "tolerance_share": 0.5},
-}
+from tests.rigs import RIG
 
 
 def make_lab(folder: Path, hidden: str = "leak") -> None:

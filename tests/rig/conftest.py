@@ -1,6 +1,8 @@
 """A rig whose chambers outlive its runner."""
 
 import importlib.util
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,18 @@ assert SPEC is not None
 assert SPEC.loader is not None
 MODULE = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(MODULE)
+
+RUNNER = """
+import sys, time
+from labrig_drivers import RealClock
+from labrig.rig import connect, load_rig
+rig = connect(load_rig(sys.argv[1]), RealClock())
+rig.vent()
+rig.pressure.set([40.0, 30.0])
+print("pressurised", flush=True)
+{then}
+"""
+POLLING = "while True: rig.pressure.samples(); time.sleep(0.02)"
 
 
 @pytest.fixture
@@ -46,3 +60,22 @@ def write_rig(tmp_path: Path, valves: Any) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture
+def runner() -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Start a process that holds the valves under pressure and then does something."""
+    started: list[subprocess.Popen[str]] = []
+
+    def start(rig: Path, then: str = POLLING) -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", RUNNER.format(then=then), str(rig)]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        started.append(process)
+        assert process.stdout is not None
+        assert process.stdout.readline() == "pressurised\n"
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -18,39 +17,7 @@ from labrig_drivers import DeviceError, RealClock, SimulatedClock
 SLOW_S = 10.0
 """Longer than any of these vents takes on a busy machine; the time stated in the docs is the heartbeat's."""
 
-RUNNER = """
-import sys, time
-from labrig_drivers import RealClock
-from labrig.rig import connect, load_rig
-rig = connect(load_rig(sys.argv[1]), RealClock())
-rig.vent()
-rig.pressure.set([40.0, 30.0])
-print("pressurised", flush=True)
-{then}
-"""
-POLLING = "while True: rig.pressure.samples(); time.sleep(0.02)"
 HANGING = "time.sleep(60)"
-
-
-@pytest.fixture
-def runner() -> Iterator[Callable[[Path, str], subprocess.Popen[str]]]:
-    """Start a process that holds the valves under pressure and then does something."""
-    started: list[subprocess.Popen[str]] = []
-
-    def start(rig: Path, then: str) -> subprocess.Popen[str]:
-        command = [sys.executable, "-c", RUNNER.format(then=then), str(rig)]
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-        started.append(process)
-        assert process.stdout is not None
-        assert process.stdout.readline() == "pressurised\n"
-        return process
-
-    yield start
-    for process in started:
-        process.kill()
-        process.wait()
-        if process.stdout is not None:
-            process.stdout.close()
 
 
 @pytest.fixture
@@ -70,7 +37,7 @@ def _guard_id(rig: Rig) -> int:
 
 def test_killing_the_runner_vents(valves: Any, write_rig: Any, runner: Any) -> None:
     """SIGKILL leaves the runner no chance; the guard sees its input end and vents."""
-    process = runner(write_rig(), POLLING)
+    process = runner(write_rig())
     valves.wait_for(35.0, 45.0, SLOW_S)
     process.kill()
     valves.wait_for(0.0, 0.5, SLOW_S)
@@ -87,7 +54,7 @@ def test_a_runner_that_hangs_is_vented(valves: Any, write_rig: Any, runner: Any)
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="POSIX only")
 def test_a_stopped_runner_is_vented(valves: Any, write_rig: Any, runner: Any) -> None:
     """Ctrl-Z freezes a runner; the chambers are vented all the same."""
-    process = runner(write_rig(), POLLING)
+    process = runner(write_rig())
     valves.wait_for(35.0, 45.0, SLOW_S)
     os.kill(process.pid, signal.SIGSTOP)
     valves.wait_for(0.0, 0.5, SLOW_S)
@@ -135,7 +102,7 @@ def test_a_lost_link_that_comes_back_is_used_to_vent(
     valves: Any, write_rig: Any, runner: Any, tmp_path: Path
 ) -> None:
     """The guard connects again, for as long as it takes."""
-    process = runner(write_rig(), POLLING)
+    process = runner(write_rig())
     valves.wait_for(35.0, 45.0, SLOW_S)
     valves.cut_links()
     process.kill()

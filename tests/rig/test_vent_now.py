@@ -2,9 +2,7 @@
 
 import os
 import signal
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,42 +14,6 @@ from labrig.rig import GuardedPressure, connect, load_rig, vent_now
 from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 SLOW_S = 10.0
-
-RUNNER = """
-import sys, time
-from labrig_drivers import RealClock
-from labrig.rig import connect, load_rig
-rig = connect(load_rig(sys.argv[1]), RealClock())
-rig.vent()
-rig.pressure.set([40.0, 30.0])
-print("pressurised", flush=True)
-while True:
-    rig.pressure.samples()
-    time.sleep(0.02)
-"""
-
-
-@pytest.fixture
-def runner() -> Iterator[Callable[[Path], subprocess.Popen[str]]]:
-    """Start a process that holds the valves under pressure, with a guard."""
-    started: list[subprocess.Popen[str]] = []
-
-    def start(rig: Path) -> subprocess.Popen[str]:
-        process = subprocess.Popen(
-            [sys.executable, "-c", RUNNER, str(rig)],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        started.append(process)
-        assert process.stdout is not None
-        assert process.stdout.readline() == "pressurised\n"
-        return process
-
-    yield start
-    for process in started:
-        process.kill()
-        process.communicate()
 
 
 def test_the_guard_vents_for_whoever_asks(valves: Any, write_rig: Any, runner: Any) -> None:

@@ -7,18 +7,9 @@ from labrig import LabrigError
 from labrig.surface import Mesh, clean, distances, grid, read_mesh, register
 from labrig.surface._pose import rotation_of
 from labrig_drivers.simulated._artec_twin import ply_bytes
+from tests.surface.test_registration import torso
 
 TURN, SHIFT = rotation_of(np.array([1.1, -0.7, 0.9])), np.array([250.0, -120.0, 80.0])
-
-
-def torso(nu=61, nv=71):
-    """An open shell with no symmetry, 300 x 400 mm."""
-    uv, triangles = grid(nu, nv)
-    u, v = uv.T
-    angle = (u - 0.5) * 2.4
-    radius = 120 + 18 * np.exp(-(((v - 0.7) / 0.15) ** 2) - ((u - 0.35) / 0.15) ** 2) + 12 * np.sin(3 * v) * u
-    points = np.stack([radius * np.sin(angle), 0.8 * radius * np.cos(angle), 400 * v], axis=1)
-    return Mesh(points, triangles)
 
 
 def ball(middle, radius_mm, side=15):
@@ -49,7 +40,7 @@ def off_mm(found, points):
 
 def test_fragments_are_dropped():
     """Loose bits beside the surface go, the surface stays whole, and it is said how many there were."""
-    shape = torso()
+    shape = torso(61, 71)
     bits = [ball([200.0 + 40 * k, 60.0 * k, 100.0], 4.0) for k in range(3)]
     mesh = clean(*together(shape, *bits))
     assert len(mesh.vertices_mm) == len(shape.vertices_mm)
@@ -69,7 +60,7 @@ def test_a_clouds_fragments_are_dropped():
 @pytest.mark.parametrize("touching", [False, True])
 def test_a_hand_in_the_picture_does_not_move_the_scan(touching):
     """A fist of a sixth of all points, beside or against it, leaves the pose right to 0.15 mm."""
-    shape = torso()
+    shape = torso(61, 71)
     fist = ball([140.0 if touching else 220.0, 60.0, 330.0], 60.0, 30)
     found = register(scanned(*together(shape, fist)), shape)
     assert off_mm(found, shape.vertices_mm) < 0.15
@@ -79,7 +70,7 @@ def test_a_hand_in_the_picture_does_not_move_the_scan(touching):
 @pytest.mark.parametrize("axis", [0, 2])
 def test_half_of_the_surface_is_enough(axis):
     """A scan that shows one half, left or upper, lies where the whole would, to 0.4 mm where it is."""
-    shape = torso()
+    shape = torso(61, 71)
     at = shape.vertices_mm[:, axis]
     triangles = shape.triangles[(at > np.median(at))[shape.triangles].all(axis=1)]
     found = register(scanned(shape.vertices_mm, triangles), shape)
@@ -88,7 +79,7 @@ def test_half_of_the_surface_is_enough(axis):
 
 def test_triangles_that_face_the_other_way_are_turned():
     """A patch wound the wrong way round gets the side of those around it, and the normals are whole again."""
-    shape = torso()
+    shape = torso(61, 71)
     patch = np.zeros(len(shape.triangles), bool)
     patch[500:900] = True
     mixed = np.where(patch[:, None], shape.triangles[:, ::-1], shape.triangles)
@@ -99,7 +90,7 @@ def test_triangles_that_face_the_other_way_are_turned():
 
 def test_a_scan_that_is_inside_out_is_placed_and_said():
     """With every normal flipped a scan is registered all the same, and turned it has the surface's outside."""
-    shape = torso()
+    shape = torso(61, 71)
     scan = scanned(shape.vertices_mm, shape.triangles).turned()
     found = register(scan, shape)
     assert off_mm(found, shape.vertices_mm) < 0.1
@@ -153,7 +144,7 @@ def on_a_table(shape):
 
 def test_a_base_plane_is_cut_away():
     """The table under a surface goes, all of it, where the model's size says that it is too much, and not otherwise."""
-    shape = torso()
+    shape = torso(61, 71)
     vertices, triangles = on_a_table(shape)
     like_mm = float(np.linalg.norm(np.ptp(shape.vertices_mm, axis=0)))
     mesh = clean(vertices, triangles, like_mm=like_mm)
@@ -168,7 +159,7 @@ def test_a_base_plane_is_cut_away():
 
 def test_a_clouds_base_plane_is_cut_away():
     """The same for points alone."""
-    shape = torso()
+    shape = torso(61, 71)
     vertices, _ = on_a_table(shape)
     like_mm = float(np.linalg.norm(np.ptp(shape.vertices_mm, axis=0)))
     cloud = clean(vertices, np.zeros((0, 3)), like_mm=like_mm)
@@ -178,7 +169,7 @@ def test_a_clouds_base_plane_is_cut_away():
 
 def test_small_holes_are_closed_and_large_ones_stay():
     """A hole of a marker's size is closed with triangles that face outwards; one of a fifth of the surface is not."""
-    shape = torso()
+    shape = torso(61, 71)
     middle = shape.vertices_mm[61 * 35 + 30]
     far = np.linalg.norm(shape.vertices_mm - middle, axis=1)
     small = shape.triangles[(far > 4.0)[shape.triangles].all(axis=1)]
