@@ -1,7 +1,7 @@
 """An effect's variant as columns of the regression, and the sums that scoring needs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,12 +24,16 @@ class Split:
 
 @dataclass(frozen=True)
 class Columns:
-    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields."""
+    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields.
+
+    `prior` (Q,) is the precision that each coefficient has beforehand, 0 where it is free.
+    """
 
     streams: Streams
     X: Floats
     used: Ints
     E: Floats
+    prior: Floats
 
     @property
     def width(self) -> int:
@@ -201,8 +205,13 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
         E = np.concatenate([moved, E], axis=2)
         X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)
     if streams.declared is not None:
-        return Columns(streams, streams.partial(X), used, streams.partial(E))
-    return Columns(streams, X, used, E)
+        X, E = streams.partial(X), streams.partial(E)
+    out = Columns(streams, X, used, E, np.zeros(X.shape[2] + E.shape[2]))
+    share = np.concatenate([np.full(_width(t, streams.n_patterns), t.prior) for t in _in_order(variant)])
+    if share.any():
+        power = np.diagonal(out.sums[0].sum(axis=0))
+        out = replace(out, prior=share * power[share > 0].mean())
+    return out
 
 
 def join(parts: Sequence[Columns]) -> Columns:
@@ -218,7 +227,8 @@ def join(parts: Sequence[Columns]) -> Columns:
             block[:, np.searchsorted(used, p.used)] = p.X
         blocks.append(block)
     E = np.concatenate([p.E for p in parts], axis=2)
-    return Columns(parts[0].streams, np.concatenate(blocks, axis=2), used, E)
+    prior = [p.prior[: p.X.shape[2]] for p in parts] + [p.prior[p.X.shape[2] :] for p in parts]
+    return Columns(parts[0].streams, np.concatenate(blocks, axis=2), used, E, np.concatenate(prior))
 
 
 def order_of(parts: Sequence[Columns]) -> list[Ints]:
@@ -237,15 +247,19 @@ def coefficients(columns: Columns, variant: Variant, beta: Floats) -> list[Float
     """Split a variant's coefficients by term; a pattern's become one row (K,) for each of its columns."""
     streams = columns.streams
     patterns = streams.patterns
-    order = [t for t in variant.terms if t.kind != "field"] + [t for t in variant.terms if t.kind == "field"]
     found: dict[int, Floats] = {}
     at = 0
-    for term in order:
+    for term in _in_order(variant):
         n = _width(term, streams.n_patterns)
         own = beta[at : at + n]
         found[id(term)] = (own.reshape(-1, streams.n_patterns) @ patterns) if term.kind == "pattern" else own
         at += n
     return [found[id(term)] for term in variant.terms]
+
+
+def _in_order(variant: Variant) -> list[Term]:
+    """The terms of a variant as their columns stand: fields come last."""
+    return sorted(variant.terms, key=lambda term: term.kind == "field")
 
 
 def _width(term: Term, n_patterns: int) -> int:

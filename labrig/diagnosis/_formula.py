@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,12 +12,15 @@ from labrig.diagnosis._columns import columns_of
 from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
-from labrig.effects import Context, Effect
+from labrig.diagnosis._weights import family_forms
+from labrig.effects import Context, Effect, is_family
+
+_Fitted = TypeVar("_Fitted", Candidate, Fit)
 
 _ROUNDS = 2
-_KEPT = 6
-_GOOD_ENOUGH = 0.05
-"""A plainer form is good enough if its held-out error is larger by no more than this share."""
+_KEPT = 12
+_GOOD_ENOUGH = 0.02
+"""A plainer form is good enough if its held-out error is larger by no more than this share, or only by chance."""
 
 
 def fit_named(
@@ -45,12 +49,14 @@ def fit_named(
         own_of = zip(effects, forms_of_each, strict=True)
         forms_of_each = [[start[e.name]] if e.name in start else own for e, own in own_of]
     chosen = fit([f[0] for f in forms_of_each])
-    for _ in range(0 if len(effects) == 1 else _ROUNDS if start is None else 1):
+    rounds = 0 if len(effects) == 1 else _ROUNDS if start is None else 1
+    for each in range(rounds + 1 if rounds else 0):
+        best = chosen
         for i, own in enumerate(forms_of_each):
-            if len(own) == 1:
-                continue
-            options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
-            chosen = max(options, key=lambda f: f.score.gain)
+            if len(own) > 1:
+                options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
+                last = each == rounds
+                chosen = _plainest(options, best) if last else max(options, key=lambda f: f.score.gain)
     for i, effect in enumerate(effects):
         if start is None and effect.name != "marker_slip":
             chosen = refined(streams, context, chosen, i)
@@ -63,7 +69,7 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     so it is good enough: a chain of lags fills the gaps of a grid that one lag falls into.
     """
     found = []
-    for variant in effect.variants(context):
+    for variant in (*effect.variants(context), *family_forms(effect, context)):
         columns = columns_of(streams, variant)
         if columns.width:
             scored = score(columns)
@@ -73,17 +79,39 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     if not found:
         return []
     bounded, best = found[0]
+    forms = [c for i, (_, c) in enumerate(found) if not _is_repeated(c, found[:i])]
     alike = [c for ok, c in found if ok == bounded]
-    forms = [c for _, c in found]
-    total = float(streams.base_squares.sum())
-    least = total - (1 + _GOOD_ENOUGH) ** 2 * (total - best.score.gain)
     plainest = min(alike, key=lambda c: c.columns.width)
-    if plainest.score.gain < least:
+    if not _good_enough(plainest, best):
         (plainest,) = refined(streams, context, fit([plainest]), 0).parts
-        if plainest.score.gain >= least:
+        if _good_enough(plainest, best):
             return [plainest, *forms]
-    plain = min((c for c in alike if c.score.gain >= least), key=lambda c: c.columns.width)
+    plain = _plainest(alike, best)
     return [plain, *(c for c in forms if c is not plain)]
+
+
+def _is_repeated(candidate: Candidate, before: Sequence[tuple[bool, Candidate]]) -> bool:
+    """Whether it is a family of which a better one stands before it."""
+    form = candidate.variant.form
+    return is_family(form) and any(c.variant.form == form for _, c in before)
+
+
+def _plainest(options: Sequence[_Fitted], best: _Fitted) -> _Fitted:
+    """The narrowest of those that are good enough beside `best`, of equally narrow ones the best."""
+    good = [f for f in options if _good_enough(f, best)]
+    return min(good or [best], key=lambda f: (f.columns.width, -f.score.gain))
+
+
+def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
+    """Whether a fit errs hardly more than the best one, or no more than by chance: by one standard error.
+
+    The rule of L. Breiman et al., Classification and Regression Trees, 1984, here from the blocks' differences.
+    """
+    left = float(best.columns.streams.base_squares.sum()) - best.score.gain
+    lost = best.score.gains - plain.score.gains
+    n = len(lost)
+    chance = float(np.sqrt(n) * lost.std(ddof=1)) if n > 1 else 0.0
+    return float(lost.sum()) <= max(chance, ((1 + _GOOD_ENOUGH) ** 2 - 1) * left)
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:

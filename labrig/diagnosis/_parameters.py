@@ -21,15 +21,17 @@ def entry_of(streams: Streams, context: Context, chosen: Fit, i: int, *, refine:
     if refine and part.variant.shape and part.effect.name != "marker_slip":
         chosen = refined(streams, context, chosen, i)
         part = chosen.parts[i]
-    each = [coefficients(part.columns, part.variant, chosen.own(i))]
+    each = coefficients(part.columns, part.variant, chosen.own(i))
     order = _own_order(chosen, i)
     folds = [coefficients(part.columns, part.variant, beta[order]) for beta in chosen.score.fold_beta]
     parameters: dict[str, Value] = {}
     for t, term in enumerate(part.variant.terms):
-        spread = np.array([fold[t] for fold in folds])
+        value, spread = each[t], np.array([fold[t] for fold in folds])
+        if term.basis is not None:
+            value, spread = term.basis @ value, spread @ term.basis.T
         n = len(spread)
         sd = np.sqrt((n - 1) / n * ((spread - spread.mean(axis=0)) ** 2).sum(axis=0))
-        parameters[term.parameter] = _value(context, part.effect, term, each[0][t], sd)
+        parameters[term.parameter] = _value(context, part.effect, term, value, sd)
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
         parameters[name] = Value(value=value if own.given else _round(value), unit=_unit(context, own.unit))

@@ -7,7 +7,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns, Split
 
-RIDGES = (1e-3, 0.03, 0.3)
+RIDGES = (1e-6, 1e-3, 0.03, 0.3)
 
 
 @dataclass(frozen=True)
@@ -40,30 +40,31 @@ class Score:
 
 def score(columns: Columns) -> Score:
     """Fit without each block, predict it, and keep the ridge that does best; narrow fits need none to choose."""
-    ridges = RIDGES if columns.width > 3 else RIDGES[:1]
+    prior = columns.prior
+    ridges = RIDGES if (prior == 0).sum() > 3 else RIDGES[:1]
     if columns.streams.declared is None and columns.streams.calibrated is None:
         G, c = columns.sums
-        results = [_leave_out(G, c, ridge) for ridge in ridges]
+        results = [_leave_out(G, c, ridge, prior) for ridge in ridges]
     else:
         folds = [columns.held_out(f) for f in range(columns.streams.n_groups)]
-        results = [_leave_out_each(folds, ridge) for ridge in ridges]
+        results = [_leave_out_each(folds, ridge, prior) for ridge in ridges]
         G, c = columns.sums
     best = int(np.argmax([gains.sum() for gains, _ in results]))
     gains, fold_beta = results[best]
-    inverse = _inverse(G.sum(axis=0), ridges[best])
+    inverse = _inverse(G.sum(axis=0), ridges[best], prior)
     beta = inverse @ c.sum(axis=0)
     return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridges[best])
 
 
-def _leave_out(G: Floats, c: Floats, ridge: float) -> tuple[Floats, Floats]:
+def _leave_out(G: Floats, c: Floats, ridge: float, prior: Floats) -> tuple[Floats, Floats]:
     total, target = G.sum(axis=0), c.sum(axis=0)
-    beta = (_inverse(total - G, ridge) @ (target - c)[..., None])[..., 0]
+    beta = (_inverse(total - G, ridge, prior) @ (target - c)[..., None])[..., 0]
     return _gains(G, c, beta), beta
 
 
-def _leave_out_each(folds: list[Split], ridge: float) -> tuple[Floats, Floats]:
+def _leave_out_each(folds: list[Split], ridge: float, prior: Floats) -> tuple[Floats, Floats]:
     seen, target = np.stack([f.gram for f in folds]), np.stack([f.product for f in folds])
-    beta = (_inverse(seen, ridge) @ target[..., None])[..., 0]
+    beta = (_inverse(seen, ridge, prior) @ target[..., None])[..., 0]
     return _gains(np.stack([f.own_gram for f in folds]), np.stack([f.own_product for f in folds]), beta), beta
 
 
@@ -71,9 +72,9 @@ def _gains(G: Floats, c: Floats, beta: Floats) -> Floats:
     return 2 * np.einsum("gq,gq->g", c, beta) - np.einsum("gq,gqr,gr->g", beta, G, beta)
 
 
-def _inverse(G: Floats, ridge: float) -> Floats:
-    """Inverses of Gram matrices (..., Q, Q) with a ridge in units of their own diagonals; columns of zeros
-    stay out.
+def _inverse(G: Floats, ridge: float, prior: Floats) -> Floats:
+    """Inverses of Gram matrices (..., Q, Q) with the prior's precision (Q,), and where there is none a ridge in units
+    of their own diagonals; columns of zeros stay out.
     """
     d = np.sqrt(np.maximum(np.diagonal(G, axis1=-2, axis2=-1), 0.0))
     live = d > 1e-9 * np.maximum(d.max(axis=-1, initial=0.0, keepdims=True), 1e-300)
@@ -81,5 +82,5 @@ def _inverse(G: Floats, ridge: float) -> Floats:
     both = scale[..., :, None] * scale[..., None, :]
     scaled = G * both
     own = np.arange(G.shape[-1])
-    scaled[..., own, own] += np.where(live, ridge, 1.0)
+    scaled[..., own, own] += np.where(live, np.where(prior > 0, prior * scale**2, ridge), 1.0)
     return np.asarray(np.linalg.inv(scaled) * both, dtype=float)

@@ -1,7 +1,7 @@
 """Physical effects: one small file each; what a model can lack."""
 
 from labrig.effects._context import Context
-from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._registry import USER_FOLDER, get, library
@@ -9,10 +9,12 @@ from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, join_rows, rows_o
 from labrig.effects._sign import Part
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._template import write_template
+from labrig.effects._weights import columns_of_space, form_of, is_family, labels_of, weighable, weighted
 
 __all__ = [
     "TRANSIENT_S",
     "USER_FOLDER",
+    "WEIGHTS",
     "Context",
     "Covariate",
     "Effect",
@@ -26,17 +28,23 @@ __all__ = [
     "bulk_edge",
     "bulk_noise",
     "centre_of",
+    "columns_of_space",
     "contribution",
     "field",
     "fill",
+    "form_of",
     "frame_modes",
     "get",
+    "is_family",
     "join_rows",
+    "labels_of",
     "library",
     "motion_scale",
     "pattern",
     "pressure",
     "rows_of",
     "scale_mode",
+    "weighable",
+    "weighted",
     "write_template",
 ]

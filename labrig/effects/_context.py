@@ -40,7 +40,8 @@ class Context:
     for another range.
 
     Where a model's saved effect is evaluated, `saved` is true, `centre` (3,) is the point that its rotations are
-    about, and `began_s` when the run began that its moments are counted from, if they are known.
+    about, and `began_s` when the run began that its moments are counted from, if they are known. `displaced` (F, K) is
+    how far the base alone moves the observables, where `base` has the model's effects in it.
     """
 
     rows: Rows
@@ -53,6 +54,7 @@ class Context:
     base_kind: str = "python"
     inside: dict[str, Floats] = field(default_factory=dict, repr=False)
     pinned: dict[str, float] = field(default_factory=dict)
+    displaced: Floats | None = None
     reach: Floats | None = None
     alone: Callable[[Floats, Floats], Alone] | None = field(default=None, repr=False, compare=False)
     saved: bool = False
@@ -98,6 +100,7 @@ class Context:
             self,
             rows=self.rows.thin(keep),
             base=self.base[keep],
+            displaced=None if self.displaced is None else self.displaced[keep],
             jacobian=self.jacobian[keep],
             deflection=self.deflection[keep],
             deflection_slope=self.deflection_slope[keep],
@@ -117,8 +120,8 @@ class Context:
 
     @cached_property
     def displacement(self) -> Floats:
-        """Predicted minus predicted when vented, shape (F, K)."""
-        return self.base - self.base_vented
+        """Predicted minus predicted when vented, shape (F, K), without what the model's effects change."""
+        return self.base - self.base_vented if self.displaced is None else self.displaced
 
     @cached_property
     def travel(self) -> Floats:

@@ -1,7 +1,7 @@
 """The small class that every physical effect is, and the terms by which it changes a prediction."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
@@ -41,6 +41,10 @@ class Parameter:
         return (-self.high, -self.low) if self.turns and context.stretched else (self.low, self.high)
 
 
+WEIGHTS = Parameter("weights", "1", meaning="of the functions of the effect's family")
+"""What an effect has in place of a formula's parameters where no formula is good enough."""
+
+
 @dataclass(frozen=True)
 class Term:
     """Columns that an effect adds, each multiplied by one unknown coefficient.
@@ -58,6 +62,11 @@ class Term:
     kind: Kind
     feature: Floats
     labels: tuple[str, ...] = ()
+    basis: Floats | None = field(default=None, repr=False)
+    """What is saved, (labels, q): the values of the labels are this times the coefficients; else they are these."""
+    prior: float = 0.0
+    """By how much the coefficients are held at zero: what they are worth beforehand, against what the run says of them
+    on average; 0 where they are free."""
 
     @classmethod
     def common(cls, parameter: str, change: Floats) -> "Term":
@@ -111,6 +120,8 @@ class Effect(ABC):
     reference: ClassVar[str]
     signature: ClassVar[str]
     experiment: ClassVar[str]
+    carries_over: ClassVar[bool] = True
+    """Whether its family's functions of the pressures are the same on every run: not where they are places in time."""
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
 
@@ -133,6 +144,10 @@ class Effect(ABC):
         name, unit, x = self.covariate(context)
         return along_own(context, part, x, name, unit)
 
+    def carried(self, context: Context, form: str, values: Mapping[str, float]) -> Context:
+        """The context that effects after this one see; the same, unless it turns all that the model says of motions."""
+        return context
+
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         """What a saved form needs and `context` has not, in words; empty where nothing is lacking."""
         return ""
@@ -140,4 +155,4 @@ class Effect(ABC):
     @classmethod
     def parameter(cls, name: str) -> Parameter:
         """Look a parameter up by name."""
-        return next(p for p in cls.parameters if p.name == name)
+        return next(p for p in (*cls.parameters, WEIGHTS) if p.name == name)

@@ -118,7 +118,7 @@ class Contact(Effect):
                 pressure("later", -np.maximum(d - limit - 0.1, 0) / slope, 0.3),
                 pressure("earlier", -np.maximum(d - limit + 0.1, 0) / slope, 0.3),
             ]
-            if (h > 0).mean() >= 0.005 or (g > 0).mean() >= 0.005:
+            if context.shows((h > 0).mean() >= 0.005 or (g > 0).mean() >= 0.005):
                 yield Space(f"limit {limit}", "contact limit", acting(out), 0.2)
         for limit in (0.08, 0.18, 0.35):  # a wall that cannot come back below it
             h, g = np.maximum(limit - x, 0), np.maximum(limit - d, 0)

@@ -99,7 +99,8 @@ class Creep(Effect):
             return
         x = context.rows.fraction
         duration = float(np.nanmax(context.elapsed_s) + np.ptp(context.rows.event_time_s))
-        taus = tuple(t for t in (2.0, 5.0, 15.0, 50.0, 150.0, 500.0, 1500.0, 5000.0) if t <= 1.5 * duration)
+        every = (2.0, 5.0, 15.0, 50.0, 150.0, 500.0, 1500.0, 5000.0)
+        taus = tuple(t for t in every if context.shows(t <= 1.5 * duration))
         out = lags(context, taus, 3.0)
         out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.02)]
         square = ((context.rows.event_actuation - context.rows.low) / context.span) ** 2

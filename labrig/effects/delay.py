@@ -9,6 +9,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, lags, pressure
 from labrig.effects._sign import Part, Sign, of_step
+from labrig.effects._skin import lag_behind
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
 
@@ -37,6 +38,9 @@ class Delay(Effect):
             yield Variant("first order", (Term.common("share", lag),), {"tau_s": tau})
             if len(chambers) > 1:
                 yield Variant("per chamber", (Term.per_chamber("share", lag, chambers),), {"tau_s": tau})
+            if not context.linear or len(chambers) > 1:
+                seen = Term.field("share", lag_behind(context, tau))
+                yield Variant("first order, of the sensor", (seen,), {"tau_s": tau})
 
     def family(self, context: Context) -> Iterator[Space]:
         """First- and second-order lags of up to a few seconds, and dead times."""

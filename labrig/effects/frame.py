@@ -1,6 +1,6 @@
 """Frame: the measuring frame is not where the model thinks it is."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -10,6 +10,10 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
 from labrig.effects._fields import distortions, frame_modes, scale_mode, strain_modes
 from labrig.effects._sign import Part, Sign, by_capture
+from labrig.effects._turn import carried, turn_of, turned
+
+SMALL_RAD = 0.05
+"""Up to here a rotation is taken as small: what that leaves is half its square, a thousandth of the body's size."""
 
 
 class Frame(Effect):
@@ -28,6 +32,13 @@ class Frame(Effect):
             0.5,
             meaning="rotation about x, y, z through the centre of the markers at rest",
         ),
+        *(
+            Parameter(
+                f"about_{a}", "rad", -np.pi, np.pi, meaning=f"{a} of the turn's rotation vector", given=True
+            )
+            for a in "xyz"
+        ),
+        Parameter("turned", "1", 0.9, 1.1, meaning="how much of that turn there is"),
         Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
     )
     reference = "K. S. Arun, T. S. Huang, S. D. Blostein, IEEE Trans. PAMI 9 (1987) 698-700"
@@ -41,6 +52,19 @@ class Frame(Effect):
             yield Variant(
                 "rigid, and of another scale", (rigid, Term.field("scale", scale_mode(context)[..., None]))
             )
+
+        if (turn := _large_turn(context)) is not None:
+            shape = {
+                f"about_{a}": context.grid(f"about_{a}", (t,))[0] for a, t in zip("xyz", turn, strict=True)
+            }
+            solved = Term.field("turned", turned(context, np.array(list(shape.values()))))
+            yield Variant("turned", (Term("shift", "frame", np.ones(len(context.base))), solved), shape)
+
+    def carried(self, context: Context, form: str, values: Mapping[str, float]) -> Context:
+        """A frame that is turned by more than a little turns all motions."""
+        if form != "turned":
+            return context
+        return carried(context, np.array([values[f"about_{a}"] for a in "xyz"]))
 
     def family(self, context: Context) -> Iterator[Space]:
         """A rigid motion, a scale and a skew of the measuring frame; constant, or different in each session."""
@@ -59,6 +83,13 @@ class Frame(Effect):
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
         if bent:
             yield Space("distorted", "frame distorted", acting([*whole, *bent]))
+        if (turn := _large_turn(context)) is not None:
+            motion = turned(context, turn)
+            for a in range(3):
+                own = rows.axis == a
+                motion[:, own] += np.nanmean((context.residual - motion)[:, own])
+            solved = field("turn", motion / np.sqrt((motion**2).mean(axis=0).mean()) * scale)
+            yield Space("turned", "frame turned", acting([solved, *whole]))
         if len(rows.sessions) > 1:
             out = [
                 field(f"{n} session {s}", modes[:, :, j] * (rows.session == s)[:, None], likely[j])
@@ -88,3 +119,11 @@ class Frame(Effect):
             1 / part.noise[known] ** 2,
             axis,
         )
+
+
+def _large_turn(context: Context) -> Floats | None:
+    """The turn that fits best, rad (3,), where it is too large for a small rotation; a saved one as it is saved."""
+    if "about_x" in context.pinned:
+        return np.array([context.pinned[f"about_{a}"] for a in "xyz"])
+    turn = turn_of(context)
+    return turn if turn is not None and np.linalg.norm(turn) > SMALL_RAD else None

@@ -35,6 +35,7 @@ class Gravity(Effect):
         "orientation of the base and gives way where the surface is compliant."
     )
     acts_on = "mechanics"
+    carries_over = False
     parameters = (
         Parameter("sag", "observable", meaning="sag under its own weight, for each observable"),
         Parameter("payload", "observable/kg", meaning="sag under each kg that it carries"),

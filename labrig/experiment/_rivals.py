@@ -9,7 +9,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.diagnosis import Candidate, Fit, Streams, fit, forms_of
-from labrig.effects import Context, Effect, Rows, Term, Variant, frame_modes, join_rows
+from labrig.effects import Context, Effect, Rows, Term, Variant, frame_modes, is_family, join_rows
 
 FORMS = 4
 MOST_OTHERS = 4
@@ -20,7 +20,11 @@ NEXT_TO_IT = 0.01
 """Probability from which an effect that is not possible is told apart from the only one that is sure or possible."""
 
 _NOT_PLANNED = {"as measured", "spectrum"}
-"""Forms that wait for other data, or follow so much that they say little of what to expect."""
+"""Forms that wait for other data, or follow so much that they say little of what to expect; families too."""
+
+
+def _planned(form: str) -> bool:
+    return form not in _NOT_PLANNED and not is_family(form)
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ def open_rivals(
     """What a diagnosis leaves open, as explanations to tell apart; an empty list where nothing is open."""
     sets = _open_sets(effects, summary)
     found = {
-        n: [c for c in forms_of(streams, context, effects[n])[:FORMS] if c.variant.form not in _NOT_PLANNED]
+        n: [c for c in forms_of(streams, context, effects[n])[:FORMS] if _planned(c.variant.form)]
         for n in {name for names, _ in sets for name in names}
     }
     able = [(names, p) for names, p in sets if all(found[n] for n in names)]

@@ -10,7 +10,18 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig._paths import path_of
 from labrig.arrays import Floats
-from labrig.effects import Context, Effect, Rows, Variant, contribution, get, library
+from labrig.effects import (
+    WEIGHTS,
+    Context,
+    Effect,
+    Rows,
+    Variant,
+    contribution,
+    get,
+    is_family,
+    library,
+    weighted,
+)
 from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_base, jacobian, solo_deflection
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
@@ -88,10 +99,17 @@ class Model:
         return Predictor(self, base)
 
     def _change(self, context: Context) -> Floats:
+        return self._with_effects(context).base - context.base
+
+    def _with_effects(self, context: Context) -> Context:
+        """The context with all effects in its prediction, each as those before it turn it."""
         change = np.zeros_like(context.base)
         for entry in self.file.effects:
-            change += evaluate(context, get(entry.name, self.folder), entry)
-        return change
+            effect = get(entry.name, self.folder)
+            change += evaluate(context, effect, entry)
+            values = {n: p.value for n, p in entry.parameters.items() if isinstance(p.value, float | int)}
+            context = effect.carried(context, entry.form or "", values)
+        return replace(context, base=context.base + change, displaced=context.displacement, _memo={})
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
@@ -107,8 +125,7 @@ class Predictor:
 
     def context(self, rows: Rows) -> Context:
         """Predict the rows by base and effects, with the derivative by the actuation."""
-        context = base_context(self.base, rows)
-        return replace(context, base=context.base + self.model._change(context), _memo={})
+        return self.model._with_effects(base_context(self.base, rows))
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
@@ -188,6 +205,10 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
     """The form of an effect that a model's entry names: by `form`, else the first that its parameters fit."""
     context = as_fitted(context, entry)
     linear = set(entry.parameters)
+    if is_family(entry.form) and WEIGHTS.name in entry.parameters:
+        found = weighted(effect, context, entry.form or "", entry.parameters[WEIGHTS.name].per or ())
+        if found is not None:
+            return found
     if strange := sorted(linear - {p.name for p in effect.parameters}):
         raise LabrigError(f"effect {effect.name!r}: has no parameter {strange[0]!r}; {_OLDER}")
     unvalued: list[str] = []

@@ -9,7 +9,7 @@ import xarray as xr
 from labrig.diagnosis import diagnose, forms_of, prepared
 from labrig.diagnosis._candidates import plausible
 from labrig.diagnosis._unnamed import unnamed
-from labrig.effects import get, rows_of
+from labrig.effects import get, is_family, rows_of
 from labrig.model import Model, base_context, build_base
 
 DT_S, ROWS = 0.2, 700
@@ -87,7 +87,8 @@ def test_only_a_stretch_relaxes(tmp_path: Any, units: tuple[str, str], physical:
     y = 12.0 * relaxed(x) + 0.1 * np.random.default_rng(2).normal(size=ROWS)
     ready = prepared(rows_of(record(x, y, *units)), model_of(tmp_path))
     creep = get("creep")
-    for one in forms_of(ready.streams, ready.context, creep)[:3]:
+    formulas = [c for c in forms_of(ready.streams, ready.context, creep) if not is_family(c.variant.form)]
+    for one in formulas[:3]:
         assert plausible(creep, one.variant, one.columns, one.score) is physical
 
 
