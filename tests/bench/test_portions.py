@@ -324,6 +324,26 @@ def test_buckling_takes_either_side_with_the_same_load() -> None:
     assert np.mean(np.abs(aside) < 1e-9) > 0.2
 
 
+def test_a_sticky_stop_is_left_later_than_it_is_met() -> None:
+    """Where a wall first meets the stop it has gone farther than where it is free again on its way back."""
+    rig, _ = case("fourth", "toggle")
+    plan = make_plan("one_level", np.random.default_rng(0), rig.high_kpa, 4)
+    for level in (*np.linspace(0, 1, 40), *np.linspace(1, 0, 40)):
+        plan.capture(level * rig.high_kpa, 4.0, 1)
+    path = make_path(plan)
+    law = LAWS["AdhesiveStop"][1](Setting(rig, path, np.random.default_rng(1)))
+    free = rig.deflection(path.kpa)
+    off = np.abs(law.wall(path, path.kpa, free, 1.0) - free).max(axis=1)[path.row][-80:] > 1e-9
+    assert off[:40].sum() + 2 < off[40:].sum() < 40
+
+
+def test_the_cells_of_a_cushion_share_one_weight() -> None:
+    """Whatever the pressures, the load cells together carry the same."""
+    rig, path = case("fourth", "cushion")
+    total = rig.settled(path.kpa).sum(axis=1)
+    np.testing.assert_allclose(total, total[0])
+
+
 def test_spectra_are_learnt_from_both_portions() -> None:
     """Of one campaign of each portion the spectra are those of both of its effects, and its own where alone."""
     (ours, ours_example), (theirs, theirs_example) = (

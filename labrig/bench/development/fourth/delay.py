@@ -9,7 +9,6 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.bench._nature import Law, Path, Setting
-from labrig.bench._path import VALVE_S
 from labrig.bench.development._places import some
 from labrig.bench.development._story import pauses
 
@@ -25,7 +24,7 @@ def _late(path: Path, kpa: Floats, gone: Callable[[int, Floats], Floats]) -> Flo
 
 
 class TicksOfClock(Law):
-    """Sampled control: the controller looks for a new set-point at the ticks of its clock only, and acts at the next.
+    """Sampled control: the controller acts at the ticks of its clock only, and at each takes a share of what is left.
 
     K. J. Åström, B. Wittenmark, Computer-Controlled Systems: Theory and Design, 3rd ed., Prentice Hall, 1997.
     """
@@ -34,8 +33,9 @@ class TicksOfClock(Law):
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        self._tick_s = setting.random.uniform(3.0, 6.0)
+        self._tick_s = setting.random.uniform(1.2, 2.5)
         self._first_s = setting.random.uniform(0.0, self._tick_s)
+        self._stays = setting.random.uniform(0.15, 0.4, len(self.rig.chambers))
 
     def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:
@@ -43,7 +43,8 @@ class TicksOfClock(Law):
 
         def gone(first: int, hold_s: Floats) -> Floats:
             waits_s = strength * float((self._first_s - path.time_s[first]) % self._tick_s)
-            return -np.expm1(-np.maximum(hold_s - waits_s, 0.0) / VALVE_S)
+            ticks = np.floor(np.maximum((hold_s - waits_s) / (strength * self._tick_s) + 1, 0.0))
+            return 1 - self._stays ** np.minimum(ticks, 99.0)
 
         return _late(path, kpa, gone)
 

@@ -107,7 +107,7 @@ class Ratcheting(Law):
         random, count = setting.random, len(self.rig.chambers)
         self._power, self._slower = random.uniform(1.0, 3.0), random.uniform(0.4, 1.0)
         self._whole = np.maximum(self._gone(self.rig.deflection(setting.path.kpa))[-1], 1e-6)
-        self._size = some(random, count, 0.15, 0.4, 0.8)
+        self._size = some(random, count, 0.04, 0.12, 0.8)
 
     def _gone(self, deflection: Floats) -> Floats:
         """What all strokes so far add up to, (T, C), each by its length and by the load that it ends at."""

@@ -44,7 +44,7 @@ class Helix(Offset):
         one /= np.linalg.norm(one)
         other = np.cross(axis, one) * random.choice([-1.0, 1.0])
         turn = 2 * np.pi * random.uniform(0.4, 1.3) * along
-        return 1.5 * ((np.cos(turn) - 1)[:, None] * one + np.sin(turn)[:, None] * other)
+        return 0.7 * ((np.cos(turn) - 1)[:, None] * one + np.sin(turn)[:, None] * other)
 
 
 class MisplacedModules(Offset):
