@@ -10,7 +10,10 @@ from labrig.arrays import Floats
 from labrig.bench._nature import Half, Rig
 
 HALVES = ("development", "exam")
-PORTIONS = {"third": "labrig.bench.development.third"}
+PORTIONS = {
+    "third": "labrig.bench.development.third",
+    "fourth": "labrig.bench.development.fourth",
+}
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)
 LOADED: dict[str, Half] = {}

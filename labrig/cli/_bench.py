@@ -21,7 +21,7 @@ def draw_campaign(
     ] = "single",
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam or third.")
+        str, typer.Option(help="Whose rigs and laws: development, exam, third or fourth.")
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
@@ -39,7 +39,7 @@ def draw_campaign(
 def blind(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, or third.")
+        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, third or fourth.")
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
     count: Annotated[
@@ -165,7 +165,7 @@ def stopping(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
     count: Annotated[int, typer.Option("--n", min=1, help="Campaigns.")] = 200,
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, or third.")
+        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, third or fourth.")
     ] = "both",
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
