@@ -57,12 +57,15 @@ def test_the_names_follow_the_surface(open_page, make_run):
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_names_can_be_read_on_and_beside_the_surface(open_page, make_run, theme):
+@pytest.mark.parametrize("scale", ["1~16", "0.0001~0.0002"], ids=["pale", "darkest"])
+def test_names_can_be_read_on_and_beside_the_surface(open_page, make_run, theme, scale):
     """By day and at night a name stands out of the colour under it, and can be seen where it leaves the surface."""
+    run = make_run()
     page = open_page()
     page.emulate_media(color_scheme=theme)
+    page.evaluate("([run, scale]) => location.hash = `#/run/${run}/compare?scale=${scale}`", [run, scale])
     page.reload()
-    _compared(page, make_run())
+    page.wait_for_selector("[data-drawn]")
     page.wait_for_selector(".surface[data-names=all]")
     shown = page.locator(".surface").first.evaluate(SHOWN)
     assert len(shown["inks"]) == len(shown["shades"]) == 4
