@@ -13,7 +13,11 @@ _THINNEST = 0.04  # that share of its size is what names stand in front of a fla
 
 def scene_layout(camera: Figure, bar: bool) -> dict[str, Any]:
     """The layout of a picture in space: no axes, true proportions, room for a colour bar."""
-    axis = {"visible": False, "showbackground": False}
+    # Nothing of an axis, said part by part: of one that is only invisible plotly still makes the letters.
+    off = dict.fromkeys(
+        ("showbackground", "showgrid", "zeroline", "showline", "showticklabels", "showspikes"), False
+    )
+    axis = {**off, "title": {"text": ""}, "tickmode": "array", "tickvals": []}
     layout = _layout(
         height=430,
         margin={"l": 0, "r": 70 if bar else 0, "t": 0, "b": 0},

@@ -1,22 +1,18 @@
 """Compare: how far a model is from a run, and what is drawn of it."""
 
-import hashlib
 from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from labrig import __version__
 from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, told
-from labrig.workbench._desk import OWN, Desk
-from labrig.workbench._held import Key, opened, stamp
+from labrig.workbench._desk import Desk
+from labrig.workbench._held import Key, opened
 from labrig.workbench._run import Pair, pair_of
 from labrig.workbench._shapes import captures_of, shape_of
-
-_KEPT = 200
-_FORMAT = 1  # of what is kept; another number where `view` gives something else
+from labrig.workbench._views import kept
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -32,17 +28,7 @@ def _compare(desk: Desk, request: Request) -> Any:
     pair = pair_of(desk, request.query_params)
     if not pair.has("compare.json"):
         return {"compared": False, "command": desk.command(_words(desk, pair))}
-    kept = desk.folder / OWN / "views" / f"{_name(pair.key)}.json"
-    if kept.is_file():
-        text = kept.read_text(encoding="utf-8")
-    else:
-        text = desk.worker.ask(view, pair.key)
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        _tidy(desk)
-        partial = kept.with_suffix(".part")
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(kept)
-    return Response(text, media_type="application/json")
+    return Response(kept(desk, view, pair.key), media_type="application/json")
 
 
 def _start(desk: Desk, request: Request) -> Any:
@@ -75,17 +61,6 @@ def view(key: Key) -> str:
             "captures": captures_of(result),
         }
     )
-
-
-def _name(key: Key) -> str:
-    """What is drawn is kept under a digest of all that it is made from."""
-    return hashlib.sha256(f"{__version__} {_FORMAT} {key} {stamp(key)}".encode()).hexdigest()[:32]
-
-
-def _tidy(desk: Desk) -> None:
-    views = sorted((desk.folder / OWN / "views").glob("*.json"), key=lambda path: path.stat().st_mtime)
-    for path in views[:-_KEPT]:
-        path.unlink(missing_ok=True)
 
 
 _BASES = {"constant": 0, "straight": 1, "parabola": 2}

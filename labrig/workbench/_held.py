@@ -19,12 +19,16 @@ _trials: OrderedDict[tuple[tuple[Key, str], tuple[str, ...], bool], "Trial"] = O
 
 def ready() -> None:
     """Import what will be needed, so that the first who asks does not wait for it."""
+    import xarray
+
     import labrig.diagnosis
     import labrig.effects
+    import labrig.physics
     import labrig.view
 
     labrig.effects.library()
     _ = labrig.open_run, labrig.Model, labrig.view.cloud, labrig.view.pictures_of
+    xarray.Dataset({"nothing": ("n", [0.0])})  # looks for every kind of array that is installed
 
 
 def opened(key: Key) -> "Opened":

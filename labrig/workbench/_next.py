@@ -4,21 +4,26 @@ import json
 from pathlib import Path
 from typing import Any
 
+from starlette.responses import Response
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
-from labrig.workbench._answers import answering, body_of, says
+from labrig.workbench._answers import answering, body_of, says, told
 from labrig.workbench._desk import Desk
+from labrig.workbench._held import Key
 from labrig.workbench._run import Pair, pair_of, run_folder
+from labrig.workbench._shapes import captures_of, shape_of
+from labrig.workbench._views import kept
 
 
 def routes(desk: Desk) -> list[Route]:
-    """`/api/next`, `/api/versus`: GET what is known, POST to have it computed as a job."""
+    """`/api/next`, `/api/versus`: GET what is known, POST to have it computed as a job; `/api/versus/shapes`."""
     return [
         Route("/api/next", answering(lambda r: _next(desk, r.query_params))),
         Route("/api/next", answering(lambda r: _propose(desk, body_of(r))), methods=["POST"]),
         Route("/api/versus", answering(lambda r: _versus(desk, r.query_params))),
         Route("/api/versus", answering(lambda r: _compare(desk, body_of(r))), methods=["POST"]),
+        Route("/api/versus/shapes", answering(lambda r: _shapes(desk, r.query_params))),
     ]
 
 
@@ -83,6 +88,31 @@ def _compare(desk: Desk, asked: dict[str, Any]) -> Any:
     words, _ = _versus_words(desk, run, models)
     job = desk.jobs.start(words, "two models on one run", run)
     return says({"job": job.id, "command": job.command}, 202)
+
+
+def _shapes(desk: Desk, asked: Any) -> Any:
+    """What is drawn of two models on one run."""
+    run = str(asked.get("run") or "")
+    keys = [pair_of(desk, {"run": run, "model": str(asked.get(name) or "")}).key for name in ("a", "b")]
+    return Response(kept(desk, both, *keys), media_type="application/json")
+
+
+def both(first: Key, second: Key) -> str:
+    """Two models on the same run, before and after, as JSON; in the worker."""
+    import labrig
+    from labrig.diagnosis import versus
+
+    result = versus(labrig.open_run(first[0]), labrig.Model.load(first[1]), labrig.Model.load(second[1]))
+    summary = result.summary
+    return told(
+        {
+            "units": summary["units"],
+            "error": [each["error"] for each in summary["models"]],
+            "floor": summary["error"]["floor"],
+            "shape": shape_of(result),
+            "captures": captures_of(result),
+        }
+    )
 
 
 def _read(path: Path) -> Any:

@@ -6,7 +6,9 @@ from starlette.requests import Request
 from starlette.routing import Route
 
 from labrig.catalogue import list_runs, tag
+from labrig.workbench._ahead import ahead
 from labrig.workbench._answers import answering, body_of
+from labrig.workbench._compare import view
 from labrig.workbench._desk import Desk
 
 
@@ -22,6 +24,7 @@ def _runs(desk: Desk, request: Request) -> Any:
     """The rows, the newest first; `where` as in `labrig runs --where`."""
     rows = list_runs(desk.folder, request.query_params.get("where") or None)
     rows.sort(key=lambda row: (row.started, row.run), reverse=True)
+    ahead(desk, [row.run for row in rows], view)
     return {"columns": list(rows[0]._fields) if rows else [], "rows": [list(row) for row in rows]}
 
 

@@ -41,6 +41,16 @@ def test_map_and_table_have_the_same_numbers(make_lab):
         assert shown == pytest.approx(rows, rel=1e-4)
 
 
+def test_a_surface_has_no_letters_but_its_names(make_lab):
+    """Its axes bring no title and no numbers, of which plotly would make letters even if they are not seen."""
+    lab, data = a_lab(make_lab)
+    markers = cloud(compare(data, lab.model()).fields)
+    scene = surface_figure(markers.names, markers.rest_mm, markers.before_mm, 0.1, "mm")["layout"]["scene"]
+    for axis in (scene[f"{name}axis"] for name in "xyz"):
+        assert "visible" not in axis
+        assert (axis["title"]["text"], axis["tickvals"], axis["showticklabels"]) == ("", [], False)
+
+
 def test_the_scale_of_colours():
     """Up to one floor there is no colour, from sixteen on the darkest, whatever else is shown."""
     first, last = rgb(ERROR_SCALE[0][1]), rgb(ERROR_SCALE[-1][1])

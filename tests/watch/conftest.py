@@ -14,9 +14,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
+import labrig
 from labrig_drivers import RealClock
 from labrig_drivers.simulated import build_plant
 from labrig_drivers.simulated._twins import TwinOptions, TwinRig
@@ -25,6 +27,22 @@ pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
 SLOW_S = 40.0
+SMALL = """
+name: small
+chambers: [{name: c1, max_kpa: 60}, {name: c2, max_kpa: 60}, {name: c3, max_kpa: 60}, {name: c4, max_kpa: 60}]
+pressure: {kind: simulated}
+mocap: {kind: simulated}
+simulated: {surface: membrane, occlusion: 0.0}
+"""
+MODEL = """
+import numpy as np
+
+SLOPE = np.array({slope})
+
+
+def predict(actuation):
+    return np.hstack([np.ones((len(actuation), 1)), actuation]) @ SLOPE + {off}
+"""
 
 
 @dataclass
@@ -161,12 +179,6 @@ def press_vent() -> Callable[[str], str]:
 
 
 @pytest.fixture
-def bench_class() -> type[Bench]:
-    """Asks a workbench as its page does."""
-    return Bench
-
-
-@pytest.fixture
 def bench(rig: Rig) -> Iterator[Bench]:
     """The workbench of the rig's folder."""
     folder = rig.file.parent
@@ -229,3 +241,25 @@ def _alive(note: Any) -> bool:
     except LabrigError as error:
         return "ended" not in str(error)
     return True
+
+
+@pytest.fixture
+def asked(tmp_path: Path) -> Iterator[Bench]:
+    """A workbench in this process, on a run of a simulated rig and two models, one a millimetre worse."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text(SMALL, encoding="utf-8")
+    labrig.run("capture", rig, out=tmp_path / "runs" / "run", captures=16)
+    run = labrig.open_run(tmp_path / "runs" / "run")
+    position = run["position_mm"].mean("time").values.reshape(16, -1)
+    pressure = np.hstack([np.ones((16, 1)), run["commanded"].values])
+    slope = np.linalg.lstsq(pressure, position, rcond=None)[0].tolist()
+    for name, off in (("better", 0.0), ("worse", 9.0)):
+        (tmp_path / f"{name}.py").write_text(MODEL.format(slope=slope, off=off), encoding="utf-8")
+        content = f"base: {{kind: python, file: {name}.py, function: predict}}\neffects: []\n"
+        (tmp_path / f"{name}.yaml").write_text(content, encoding="utf-8")
+    from labrig.workbench import open_desk, start
+
+    running = start(open_desk(tmp_path, rig))
+    yield Bench.of(running)
+    assert running.desk.jobs.wait(30)
+    running.stop()

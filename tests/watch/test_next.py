@@ -1,51 +1,8 @@
 """What to measure next, and two models on one run: jobs whose results lie in files, read by the page."""
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-
-import labrig
-from labrig.workbench import open_desk, start
-
-RIG = """
-name: small
-chambers: [{name: c1, max_kpa: 60}, {name: c2, max_kpa: 60}, {name: c3, max_kpa: 60}, {name: c4, max_kpa: 60}]
-pressure: {kind: simulated}
-mocap: {kind: simulated}
-simulated: {surface: membrane, occlusion: 0.0}
-"""
-MODEL = """
-import numpy as np
-
-SLOPE = np.array({slope})
-
-
-def predict(actuation):
-    return np.hstack([np.ones((len(actuation), 1)), actuation]) @ SLOPE + {off}
-"""
-
-
-@pytest.fixture
-def asked(tmp_path: Path, bench_class: Any) -> Iterator[Any]:
-    """A workbench in this process, on a run of a simulated rig and two models, one a millimetre worse."""
-    rig = tmp_path / "rig.yaml"
-    rig.write_text(RIG, encoding="utf-8")
-    labrig.run("capture", rig, out=tmp_path / "runs" / "run", captures=16)
-    run = labrig.open_run(tmp_path / "runs" / "run")
-    position = run["position_mm"].mean("time").values.reshape(16, -1)
-    pressure = np.hstack([np.ones((16, 1)), run["commanded"].values])
-    slope = np.linalg.lstsq(pressure, position, rcond=None)[0].tolist()
-    for name, off in (("better", 0.0), ("worse", 9.0)):
-        (tmp_path / f"{name}.py").write_text(MODEL.format(slope=slope, off=off), encoding="utf-8")
-        content = f"base: {{kind: python, file: {name}.py, function: predict}}\neffects: []\n"
-        (tmp_path / f"{name}.yaml").write_text(content, encoding="utf-8")
-    running = start(open_desk(tmp_path, rig))
-    yield bench_class.of(running)
-    assert running.desk.jobs.wait(30)
-    running.stop()
 
 
 def test_two_models_on_one_run(asked: Any, until: Any) -> None:

@@ -5,6 +5,7 @@
 
 import { complain, empty, fill, h, say } from "./dom.js";
 import * as jobs from "./jobs.js";
+import { later, plotly } from "./plot.js";
 import * as rig from "./rig.js";
 import { get, takeRigToken } from "./server.js";
 
@@ -74,6 +75,9 @@ async function route() {
   const state = parse(location.hash);
   const root = document.getElementById("main");
   wanted = state;
+  const opening = import(`./step_${state.step}.js`);
+  opening.catch(() => {}); // said below, where it is waited for
+  if (state.run) plotly().catch(complain); // while the server looks at the run
   try {
     info = state.run ? await get("/api/run", { run: state.run, model: state.query.get("model") }) : null;
   } catch (error) {
@@ -89,7 +93,7 @@ async function route() {
   if (state.run) sessionStorage.setItem("labrig-last", address({ run: state.run, query: kept(state), step: "compare" }));
   let step;
   try {
-    step = await import(`./step_${state.step}.js`);
+    step = await opening;
   } catch (error) {
     fill(root, empty("This step can’t be opened", h("p", {}, error.message)));
     return;
@@ -104,6 +108,7 @@ async function route() {
   fill(root, place);
   try {
     const ends = await step.show(place, context(state, mine));
+    later(() => plotly().catch(() => {})); // before a run is chosen
     if (mine === shown) leave = ends || null;
     else if (ends) ends();
   } catch (error) {

@@ -2,22 +2,30 @@
 
 let loading = null;
 
-export function plotly() {
-  loading ??= new Promise((resolve, reject) => {
+// Once the page itself is there: a large script must not hold it up.
+const loaded = () => new Promise((resolve) => (document.readyState === "complete" ? resolve() : addEventListener("load", resolve, { once: true })));
+
+async function load() {
+  await loaded();
+  return new Promise((resolve, reject) => {
     const script = document.createElement("script");
     script.src = "/plotly.js";
     script.onload = () => resolve(window.Plotly);
     script.onerror = () => reject(new Error("the drawing library could not be loaded"));
     document.head.append(script);
   });
-  return loading;
 }
+
+// When there is nothing else to do.
+export const later = window.requestIdleCallback || ((work) => setTimeout(work, 200));
+
+export const plotly = () => (loading ??= load());
 
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 const SANS = 'system-ui, "Segoe UI", Roboto, Helvetica, Arial, sans-serif';
 const dark = () => document.documentElement.dataset.theme === "dark";
-const LIGHTER = { "#1d2530": "ink", "#c0563a": "rust", "#1f6f8b": "teal", "#66717f": "muted" };
+const LIGHTER = { "#1d2530": "ink", "#c0563a": "rust", "#1f6f8b": "teal", "#66717f": "muted", "#7a5ba6": "violet", "#4f8a4b": "green" };
 
 // Figures come in the colours of paper; at night what would vanish is drawn lighter.
 function recoloured(value) {

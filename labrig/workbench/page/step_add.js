@@ -142,7 +142,7 @@ export async function show(root, context) {
           const ended = await jobs.ended(job.id);
           if (ended.state !== "done") throw new Error(ended.last || `saving was ${ended.state}`);
           const model = field.value;
-          fill(saved, h("section", { class: "card done" }, h("h2", {}, `Saved as ${model}`), h("p", {}, ended.lines.filter((line) => !line.startsWith("report")).slice(-1)[0] || ""), h("p", {}, h("a", { class: "button", href: context.address("compare", { model }) }, "See how it compares →"), " ", h("a", { href: context.address("watch", { model: context.info.model, after: model }) }, "or watch it on a fresh run"))));
+          fill(saved, h("section", { class: "card done" }, h("h2", {}, `Saved as ${model}`), h("p", {}, ended.lines.filter((line) => !line.startsWith("report")).slice(-1)[0] || ""), h("p", {}, h("a", { class: "button", href: context.address("compare", { model }) }, "See how it compares →"), " ", h("a", { href: context.address("watch", { a: context.info.model, b: model }) }, "or watch it on a fresh run"))));
           root.dataset.saved = model;
         } catch (error) {
           button.disabled = false;

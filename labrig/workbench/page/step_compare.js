@@ -2,14 +2,13 @@
 
 import { begin, comparison, jobOf, working } from "./compared.js";
 import { command, complain, empty, fill, h, number } from "./dom.js";
-import { draw, plotly } from "./plot.js";
+import { draw } from "./plot.js";
 import { fromText, scaleBar } from "./scale.js";
 import { post } from "./server.js";
 import { Surfaces } from "./surface.js";
 
 export async function show(root, context) {
   if (!context.info.model) return noModel(root, context);
-  plotly().catch(complain); // while the run is opened
   fill(root, h("p", { class: "waiting" }, "opening the run …"));
   const data = await comparison(context);
   if (!data.compared) return notYet(root, context, data);

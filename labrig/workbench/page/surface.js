@@ -1,16 +1,33 @@
 // Surfaces in 3-D, side by side and turned together: markers, a skin through them, the chambers' outlines.
 
 import { h } from "./dom.js";
-import { CONFIG, colour, plotly, themed } from "./plot.js";
+import { CONFIG, colour, later, plotly, themed } from "./plot.js";
 import { COLOURS, shade } from "./scale.js";
 
 const dot = (weights, values) => weights.reduce((sum, weight, m) => sum + weight * values[m], 0);
+const NAMES_AT_ONCE = 20;
+const DARK = 0.6; // the share of the scale above which what is written on the surface is light
+// How many pieces of names this page has drawn: plotly makes letters once, which takes it long. A piece is a trace of
+// its own: letters that come to a trace later are made too small.
+let lettered = 0;
+
+// Once what was drawn is on the screen.
+const painted = () => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+
 const columns = (points) => [0, 1, 2].map((axis) => points.map((point) => point[axis]));
+
+// The names of chambers and of markers, a few at a time: which trace of the figure, from where to where.
+const pieces = ({ figure }) =>
+  [4, 1].flatMap((k) => {
+    const starts = (figure.data[k]?.text || []).map((_, n) => n).filter((n) => n % NAMES_AT_ONCE === 0);
+    return starts.map((from) => ({ of: k, from, to: from + NAMES_AT_ONCE }));
+  });
 
 // `views`: how many, with their titles; `clicked(marker)` for a click on one.
 export class Surfaces {
   constructor(root, shape, titles, clicked = null) {
     this.shape = shape;
+    this.pieces = pieces(shape);
     this.clicked = clicked;
     this.views = titles.map((title) => {
       const heading = h("h3", {}, title);
@@ -20,14 +37,23 @@ export class Surfaces {
     });
     this.turning = false;
     this.wanted = null;
+    this.last = null;
     this.busy = null;
   }
 
-  // Each view's marker positions (M, 3) and errors (M,), in colours of `range`; the newest wish wins.
+  // Each view's marker positions (M, 3) and errors (M,), in colours of `range`; the newest wish wins. The names of
+  // markers and chambers follow, a few at a time.
   show(states, range, words) {
-    this.wanted = [states, range, words];
+    this.wanted = this.last = [states, range, words];
     this.busy ??= this.#work().finally(() => (this.busy = null));
     return this.busy;
+  }
+
+  async #names() {
+    for (const view of this.views) view.place.dataset.names = lettered < this.pieces.length ? "some" : "all";
+    if (!this.last || lettered >= this.pieces.length) return;
+    lettered += 1;
+    await this.show(...this.last);
   }
 
   async #work() {
@@ -44,36 +70,42 @@ export class Surfaces {
         if (!view.ready) this.#connect(view);
         view.ready = true;
       }
+      await painted();
     }
+    later(() => this.#names());
   }
 
   #figure({ at, error, marked = "" }, range, words) {
     const { figure, off, weight, ends, middles, names } = this.shape;
-    const stand = at.map((point) => point.map((x, axis) => x + off[axis]));
-    const far = at.map((point) => point.map((x, axis) => x + 5 * off[axis]));
-    const data = figure.data.map((trace) => ({ ...trace }));
-    const set = (k, points) => ([data[k].x, data[k].y, data[k].z] = columns(points));
+    const [points, , mesh, lines] = figure.data.map((trace) => ({ ...trace }));
+    const set = (trace, places) => ([trace.x, trace.y, trace.z] = columns(places));
     const scale = { colorscale: COLOURS, cmin: 0, cmax: 1 };
     const by = columns(at);
-    set(0, stand);
-    data[0].marker = { ...data[0].marker, ...scale, size: names.map((name) => (name === marked ? 9 : 4.5)), color: error.map((e) => shade(e, range)), line: { color: "#1d2530", width: 1 } };
-    data[0].hovertext = names.map((name, m) => words(name, error[m]));
-    set(1, far);
-    data[1].textfont = { ...data[1].textfont, color: colour("ink") };
-    if (weight.length) {
-      [data[2].x, data[2].y, data[2].z] = by.map((own) => weight.map((row) => dot(row, own)));
-      const own = this.#filled(error);
-      data[2].intensity = weight.map((row) => shade(Math.max(0, dot(row, own)), range));
-      Object.assign(data[2], scale);
+    const of = (rows, proud) => rows.map((row) => by.map((each, axis) => dot(row, each) + proud * off[axis]));
+    const own = this.#filled(error);
+    set(points, at.map((point) => point.map((x, axis) => x + off[axis])));
+    points.marker = { ...points.marker, ...scale, size: names.map((name) => (name === marked ? 9 : 4.5)), color: error.map((e) => shade(e, range)), line: { color: "#1d2530", width: 1 } };
+    points.hovertext = names.map((name, m) => words(name, error[m]));
+    const data = [points];
+    if (mesh) {
+      set(mesh, of(weight, 0));
+      mesh.intensity = weight.map((row) => shade(Math.max(0, dot(row, own)), range));
+      data.push(Object.assign(mesh, scale));
     }
-    if (data.length > 3) {
-      const line = [];
-      for (const piece of ends) line.push(...piece.map((row) => by.map((each, axis) => dot(row, each) + off[axis])), [null, null, null]);
-      set(3, line);
-      set(4, middles.map((row) => by.map((each, axis) => dot(row, each) + 5 * off[axis])));
-      data[3].line = { ...data[3].line, color: "#1d2530" };
-      data[4].textfont = { ...data[4].textfont, color: colour("ink") };
+    if (lines) {
+      set(lines, ends.flatMap((piece) => [...of(piece, 1), [null, null, null]]));
+      lines.line = { ...lines.line, color: "#1d2530" };
+      data.push(lines);
     }
+    const above = { 1: [at.map((point) => point.map((x, axis) => x + 5 * off[axis])), own], 4: [of(middles, 5), middles.map((row) => dot(row, own))] };
+    this.pieces.forEach(({ of: k, from, to }, n) => {
+      const [places, under] = above[k].map((all) => all.slice(from, to));
+      const { text, textfont } = figure.data[k];
+      const ink = under.map((e) => colour(shade(e, range) < DARK ? "on-pale" : "on-dark"));
+      const trace = { ...figure.data[k], visible: n < lettered, text: text.slice(from, to), textfont: { ...textfont, color: ink } };
+      set(trace, places);
+      data.push(trace);
+    });
     const layout = themed({ ...figure.layout, height: undefined, autosize: true, margin: { l: 0, r: 0, t: 0, b: 0 } });
     layout.scene = { ...layout.scene, uirevision: "kept" };
     return { data, layout };
@@ -112,7 +144,7 @@ export class Surfaces {
   }
 
   end() {
-    this.wanted = null;
+    this.wanted = this.last = null;
     for (const view of this.views) if (view.ready) window.Plotly.purge(view.place);
   }
 }

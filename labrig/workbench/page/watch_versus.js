@@ -3,6 +3,7 @@
 import { command, complain, fill, h, number } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { get, post } from "./server.js";
+import { beforeAfter } from "./watch_before_after.js";
 
 const SHOWN = 12;
 
@@ -12,7 +13,7 @@ export async function versus(place, context) {
   place.append(card);
   if (models.length < 2) {
     card.append(h("p", { class: "muted" }, "Two models are compared on this run once there are two: add an effect to one, and save it."));
-    return;
+    return undefined;
   }
   const [before, after] = pair(models, context.info.model);
   const a = context.query.get("a") || before;
@@ -32,7 +33,10 @@ export async function versus(place, context) {
       complain(error);
     });
   });
-  fill(body, given.found ? shown(given.found) : h("p", { class: "muted" }, `Both models are held against the same captures of ${context.run}.`), h("div", { class: "bar" }, button, busy ? jobs.progress(busy) : null), command(given.command));
+  const turned = h("div");
+  fill(body, given.found ? [shown(given.found), turned] : h("p", { class: "muted" }, `Both models are held against the same captures of ${context.run}.`), h("div", { class: "bar" }, button, busy ? jobs.progress(busy) : null), command(given.command));
+  if (!given.found) return undefined;
+  return beforeAfter(turned, context, asked, given.found.models.map((model) => model.name));
 }
 
 /** A model and its improvement, as Add names it, in this order; else the model and another one. */

@@ -1,0 +1,34 @@
+"""Before and after in a real browser: two models on one run, side by side."""
+
+from typing import Any
+
+CAMERA = "e => e.layout.scene.camera.eye"
+TURN = "e => window.Plotly.relayout(e, {'scene.camera': {...e.layout.scene.camera, eye: {x: 0.4, y: -2, z: 1.1}}})"
+ERRORS = "e => e.data[0].marker.color"
+
+
+def test_before_and_after_are_turned_together(asked: Any, browser: Any) -> None:
+    """Two surfaces in one scale of colours; who turns one turns both; a capture is shown by both, at an address."""
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page.set_default_timeout(60_000)
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.goto(asked.address)
+    page.evaluate(
+        "hash => location.hash = hash", "#/run/runs/run/watch?a=worse.yaml&b=better.yaml&model=worse.yaml"
+    )
+    page.click("#compare-two")
+    page.wait_for_selector("#versus [data-drawn='-1']")
+    surfaces = page.locator("#versus .surface")
+    assert surfaces.count() == 2
+    before, after = (surfaces.nth(k) for k in (0, 1))
+    assert page.inner_text("#versus figure:first-child h3").startswith("worse: 9")
+    assert min(before.evaluate(ERRORS)) > max(after.evaluate(ERRORS))
+    before.evaluate(TURN)
+    page.wait_for_timeout(500)
+    assert after.evaluate(CAMERA) == {"x": 0.4, "y": -2, "z": 1.1}
+    page.click("#versus [aria-label='next capture']")
+    page.wait_for_selector("#versus [data-drawn]:not([data-drawn='-1'])")
+    assert "capture=" in page.url
+    page.close()
+    assert wrong == []

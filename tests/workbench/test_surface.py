@@ -1,0 +1,124 @@
+"""The surface in a real browser: its names follow it, and can be read wherever they stand; it is made ahead."""
+
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from pathlib import Path
+from time import monotonic, sleep
+
+import pytest
+
+from labrig.view import ERROR_SCALE
+from labrig.workbench import _compare, open_desk
+from labrig.workbench._views import kept
+
+NAMES = "all => all.flatMap(e => e.data.filter(t => t.mode === 'text' && t.visible).flatMap(t => t.text))"
+SHOWN = """e => ({
+    shades: e.data[0].marker.color,
+    inks: e.data.filter(t => t.mode === "text" && t.text[0] !== "c1").flatMap(t => t.textfont.color),
+    behind: getComputedStyle(document.documentElement).getPropertyValue("--raised").trim(),
+})"""
+
+
+def _compared(page, run):
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+    page.wait_for_selector("[data-drawn]")
+
+
+def _light(colour):
+    """Relative luminance of #rrggbb, as WCAG has it."""
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    red, green, blue = (p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def _contrast(one, other):
+    low, high = sorted(map(_light, (one, other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def _under(shade):
+    """The colour of the surface where the error has this shade."""
+    a, b = next(two for two in pairwise(ERROR_SCALE) if shade <= two[1][0])
+    share = (shade - a[0]) / (b[0] - a[0])
+    parts = [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for _, colour in (a, b)]
+    return "#" + "".join(f"{round(x + share * (y - x)):02x}" for x, y in zip(*parts, strict=True))
+
+
+def test_the_names_follow_the_surface(open_page, make_run):
+    """The surface is shown before plotly has made the letters of its names; then each name is there once."""
+    page = open_page()
+    _compared(page, make_run())
+    page.wait_for_selector(".surface[data-names=all]")
+    names = page.locator(".surface:visible").evaluate_all(NAMES)
+    assert sorted(names) == ["m0", "m1", "m2", "m3"]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("scale", ["1~16", "0.0001~0.0002"], ids=["pale", "darkest"])
+def test_names_can_be_read_on_and_beside_the_surface(open_page, make_run, theme, scale):
+    """By day and at night a name stands out of the colour under it, and can be seen where it leaves the surface."""
+    run = make_run()
+    page = open_page()
+    page.emulate_media(color_scheme=theme)
+    page.evaluate("([run, scale]) => location.hash = `#/run/${run}/compare?scale=${scale}`", [run, scale])
+    page.reload()
+    page.wait_for_selector("[data-drawn]")
+    page.wait_for_selector(".surface[data-names=all]")
+    shown = page.locator(".surface").first.evaluate(SHOWN)
+    assert len(shown["inks"]) == len(shown["shades"]) == 4
+    for ink, shade in zip(shown["inks"], shown["shades"], strict=True):
+        assert _contrast(ink, _under(shade)) > 2.4
+        assert _contrast(ink, shown["behind"]) > 1.6
+
+
+def _views(folder: Path) -> list[Path]:
+    return list((folder / ".workbench" / "views").glob("*.json"))
+
+
+def test_the_newest_run_is_made_while_the_list_is_looked_at(ask, make_run, bench, labrig):
+    """What was compared elsewhere is ready when it is opened; what was not compared is left to a person."""
+    folder = bench.desk.folder
+    run = make_run()
+    ask("/api/runs")
+    sleep(0.5)
+    assert _views(folder) == []
+    code, _, said = labrig(
+        "compare", folder / run, "--model", folder / "model.yaml", "--out", folder / run / "model"
+    )
+    assert code == 0, said
+    ask("/api/runs")
+    end = monotonic() + 60
+    while not _views(folder) and monotonic() < end:
+        sleep(0.05)
+    (view,) = _views(folder)
+    assert json.loads(view.read_text()) == ask(f"/api/compare?run={run}&model=model.yaml")[1]
+
+
+def test_what_two_ask_for_is_made_once(tmp_path, monkeypatch):
+    """Who asks for what is being made waits for it."""
+    desk = open_desk(tmp_path)
+    (tmp_path / "run").mkdir()
+    (tmp_path / "model.yaml").touch()
+    made = []
+
+    def asked(work, *keys):
+        made.append(keys)
+        sleep(0.2)
+        return "{}"
+
+    monkeypatch.setattr(desk.worker, "ask", asked)
+    key = str(tmp_path / "run"), str(tmp_path / "model.yaml")
+    with ThreadPoolExecutor(2) as pool:
+        texts = list(pool.map(lambda _: kept(desk, _compare.view, key), range(2)))
+    assert texts == ["{}", "{}"]
+    assert len(made) == 1
+
+
+def test_the_worker_has_imported_what_is_slow():
+    """Opening the first run imports none of the large packages."""
+    code = "import sys; from labrig.workbench._held import ready; ready(); print(*sys.modules)"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert {"xarray", "pandas", "scipy.interpolate", "scipy.spatial"} <= set(ended.stdout.split())
