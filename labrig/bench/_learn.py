@@ -6,7 +6,7 @@ Laird, Rubin, J. R. Stat. Soc. B 39 (1977) 1). Every law counts alike. Each memb
 """
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -178,10 +178,10 @@ def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: fl
     return out
 
 
-def learn_all(seeds: Iterable[int], third: Iterable[int] = ()) -> dict[str, dict]:
-    """The spectra of all effects, from single effects drawn from the development half and the `third` portion."""
+def learn_all(seeds: Mapping[str, Iterable[int]]) -> dict[str, dict]:
+    """The spectra of all effects, from single effects drawn with the seeds of each portion of the development half."""
     examples: dict[str, list[Example]] = {}
-    for half, own in (("development", seeds), ("third", third)):
+    for half, own in seeds.items():
         for seed in own:
             name, example = drawn_example(seed, half)
             if example is not None:

@@ -116,14 +116,16 @@ def learn(
     count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of one effect each.")] = 400,
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
     third: Annotated[int, typer.Option(min=0, help="Campaigns of the third portion beside them.")] = 0,
+    fourth: Annotated[int, typer.Option(min=0, help="Campaigns of the fourth portion beside them.")] = 0,
 ) -> None:
     """Learn how large which member of each effect's family is, from the laws of the development half."""
     from labrig.bench import learn_all, write_spectra
 
     check_file(out, "--out")
-    how = f"labrig bench learn --n {count} --seed {seed} --third {third}"
-    write_spectra(learn_all(range(seed, seed + count), range(seed, seed + third)), out, how)
-    typer.echo(f"{out}: learnt from {count + third} campaigns")
+    how = f"labrig bench learn --n {count} --seed {seed} --third {third} --fourth {fourth}"
+    counts = {"development": count, "third": third, "fourth": fourth}
+    write_spectra(learn_all({half: range(seed, seed + n) for half, n in counts.items()}), out, how)
+    typer.echo(f"{out}: learnt from {sum(counts.values())} campaigns")
 
 
 @bench.command("settle")

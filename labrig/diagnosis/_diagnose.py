@@ -147,7 +147,7 @@ def result_of(
         "carried_by": verdict.carried_by or None,
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
-        "warnings": _warnings(ready, verdict),
+        "warnings": [*_warnings(ready, verdict), *_hidden(observations, verdict, unit_size, rows.unit[0])],
     }
     return Result(
         summary=summary,
@@ -206,6 +206,17 @@ def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> dict[str, 
         return None
     names = [n for n in (*verdict.effects, *verdict.rivals) if n in effects]
     return {"separates": names, "probes": [effects[n].experiment for n in names]}
+
+
+def _hidden(observations: Observations, verdict: Verdict, unit_size: float, unit: str) -> list[str]:
+    """What cannot be seen beside effects that are many times as large as the floor."""
+    if not verdict.effects or k.INEXACT * observations.to_explain < 1:
+        return []
+    least = k.INEXACT * observations.to_explain * unit_size
+    return [
+        f"beside {' and '.join(verdict.effects)}, nothing that is smaller than about {least:.2g} {unit} can be seen: "
+        "add it to the model, then diagnose that one on the same run"
+    ]
 
 
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:

@@ -120,8 +120,6 @@ class Effect(ABC):
     reference: ClassVar[str]
     signature: ClassVar[str]
     experiment: ClassVar[str]
-    carries_over: ClassVar[bool] = True
-    """Whether its family's functions of the pressures are the same on every run: not where they are places in time."""
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
 

@@ -43,6 +43,8 @@ class Space:
     """Share of the variance that all chambers have in common, before anything was learnt."""
     scanned: int = 0
     """Among how many places this one was found by a scan of the residuals; 0 where none was."""
+    absolute: bool = True
+    """Whether its functions of the pressures mean the same on every run, whatever else that one has."""
 
 
 def motion_scale(context: Context) -> Floats:

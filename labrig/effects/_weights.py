@@ -6,7 +6,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
-from labrig.effects._effect import Effect, Term, Variant
+from labrig.effects._effect import WEIGHTS, Effect, Term, Variant
 from labrig.effects._family import Space
 
 _FORM = "family, "
@@ -15,10 +15,10 @@ _OF = " of "
 
 def weighable(effect: Effect, context: Context) -> list[Space]:
     """The spaces of an effect with functions of the pressures that mean the same on every run."""
-    if not effect.carries_over:
-        return []
     return [
-        s for s in effect.family(context) if not s.scanned and any(f.kind == "pressure" for f in s.features)
+        s
+        for s in effect.family(context)
+        if s.absolute and not s.scanned and any(f.kind == "pressure" for f in s.features)
     ]
 
 
@@ -50,18 +50,14 @@ def columns_of_space(space: Space, context: Context) -> Floats:
     return np.concatenate([P, apart.reshape(F, C, C * a)], axis=2)
 
 
-def weighted(effect: Effect, context: Context, form: str, labels: Sequence[str]) -> Variant | None:
-    """The form with these weights on a run; None where the family has not all of its functions there.
-
-    A function that is zero on the run, as a lag where nothing moved, is none that is lacking.
-    """
+def weighted(effect: Effect, context: Context, form: str, labels: Sequence[str]) -> Variant:
+    """The form with these weights on a run; what is zero all over it, as a lag where nothing moved, changes nothing."""
+    feature = np.zeros((*context.rows.actuation.shape, len(labels)))
     for space in weighable(effect, context):
         if form_of(space) == form:
             at = {name: i for i, name in enumerate(labels_of(space, context.rows.chambers))}
             known = columns_of_space(space, context)
-            feature = np.zeros((*known.shape[:2], len(labels)))
             for j, label in enumerate(labels):
                 if label in at:
                     feature[:, :, j] = known[:, :, at[label]]
-            return Variant(form, (Term("weights", "pressure", feature, tuple(labels)),))
-    return None
+    return Variant(form, (Term(WEIGHTS.name, "pressure", feature, tuple(labels)),))

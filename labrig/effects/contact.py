@@ -152,4 +152,4 @@ def _together(context: Context) -> Iterator[Space]:
             out.append(
                 pressure("alike", -np.repeat(np.maximum(length - top, 0)[:, None], x.shape[1], axis=1), 0.3)
             )
-            yield Space(f"{name} together {share}", "contact together", acting(out), 0.6)
+            yield Space(f"{name} together {share}", "contact together", acting(out), 0.6, absolute=False)

@@ -31,7 +31,6 @@ class Drift(Effect):
         "during the session."
     )
     acts_on = "observation"
-    carries_over = False
     parameters = (
         Parameter("shift", "observable", meaning="shift after the warm-up, for each observable"),
         Parameter("gain", "1", -1.0, 1.0, meaning="change of the whole displacement after the warm-up"),
@@ -99,7 +98,7 @@ class Drift(Effect):
                 for n, q, w in ticks
                 if context.moves
             ]
-            yield Space("gain", "drift gain", acting(out), 0.5)
+            yield Space("gain", "drift gain", acting(out), 0.5, absolute=False)
         if has_axis:
             modes = [frame_modes(context), scale_mode(context)[:, :, None], strain_modes(context)]
             modes = np.concatenate(modes, axis=2)
@@ -114,7 +113,7 @@ class Drift(Effect):
             yield Space("rigid", "drift rigid", acting(out))
         if context.moves:
             out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
-            yield Space("zero", "drift zero", acting(out), 0.5)
+            yield Space("zero", "drift zero", acting(out), 0.5, absolute=False)
         yield Space("pattern", "drift pattern", acting([pattern(n, q, w) for n, q, w in ticks]))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:

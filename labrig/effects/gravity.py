@@ -35,7 +35,6 @@ class Gravity(Effect):
         "orientation of the base and gives way where the surface is compliant."
     )
     acts_on = "mechanics"
-    carries_over = False
     parameters = (
         Parameter("sag", "observable", meaning="sag under its own weight, for each observable"),
         Parameter("payload", "observable/kg", meaning="sag under each kg that it carries"),
@@ -127,7 +126,7 @@ class Gravity(Effect):
         for name, kinds in _SPACES.items():
             some = [f for f in out if f.kind in kinds or "body" in f.name]
             if some:
-                yield Space(name, f"gravity {name}", acting(some))
+                yield Space(name, f"gravity {name}", acting(some), absolute=False)
         body = [f for f in out if "body" in f.name]
         if body:
             yield Space("as one body", "gravity as one body", acting(body))

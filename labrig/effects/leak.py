@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects._context import Context
+from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
 from labrig.effects._fields import overlap
@@ -95,4 +95,7 @@ class Leak(Effect):
         )
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
-        return "measured pressures" if form == "as measured" and context.measured_error is None else ""
+        if form == "as measured":
+            return "measured pressures" if context.measured_error is None else ""
+        timed = np.isfinite(context.rows.hold_s).all() or context.has_time
+        return "" if timed else MOMENTS

@@ -206,9 +206,10 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
     context = as_fitted(context, entry)
     linear = set(entry.parameters)
     if is_family(entry.form) and WEIGHTS.name in entry.parameters:
-        found = weighted(effect, context, entry.form or "", entry.parameters[WEIGHTS.name].per or ())
-        if found is not None:
-            return found
+        if lacking := effect.lacks(context, entry.form or "", entry.parameters):
+            raise LabrigError(_lacking(effect, lacking))
+        labels = entry.parameters[WEIGHTS.name].per or ()
+        return weighted(effect, context, entry.form or "", labels)
     if strange := sorted(linear - {p.name for p in effect.parameters}):
         raise LabrigError(f"effect {effect.name!r}: has no parameter {strange[0]!r}; {_OLDER}")
     unvalued: list[str] = []
@@ -226,10 +227,12 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
     if unvalued:
         raise LabrigError(f"effect {effect.name!r}: the model gives no value for {unvalued[0]!r}; {_OLDER}")
     if lacking := effect.lacks(context, entry.form or "", entry.parameters):
-        raise LabrigError(
-            f"effect {effect.name!r} needs {lacking}, which this run did not log (or not everywhere)"
-        )
+        raise LabrigError(_lacking(effect, lacking))
     form = f"form {entry.form!r}" if entry.form else f"parameters {', '.join(sorted(linear)) or 'none'}"
     raise LabrigError(
         f"effect {effect.name!r} can't act on this run in {form}; see: labrig effects show {effect.name}"
     )
+
+
+def _lacking(effect: Effect, what: str) -> str:
+    return f"effect {effect.name!r} needs {what}, which this run did not log (or not everywhere)"

@@ -352,6 +352,6 @@ def test_spectra_are_learnt_from_both_portions() -> None:
     assert ours_example is not None
     assert theirs_example is not None
     assert ours != theirs
-    both = learn_all([5], third=[5])
-    assert both == learn_all([5]) | learn_all((), third=[5])
+    both = learn_all({"development": [5], "third": [5]})
+    assert both == learn_all({"development": [5]}) | learn_all({"third": [5]})
     assert {key.split()[0] for key in both} >= {ours, theirs}

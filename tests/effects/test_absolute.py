@@ -4,6 +4,7 @@ Each form is taken from a long campaign with large pressures, given coefficients
 beginning of that campaign, where pressures were small: a run of its own that knows nothing of what came later.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +14,7 @@ import xarray as xr
 
 from labrig._errors import LabrigError
 from labrig.diagnosis._parameters import fitted_on
-from labrig.effects import Context, Effect, Rows, Variant, rows_of
+from labrig.effects import Context, Effect, Rows, Variant, form_of, labels_of, rows_of, weighable, weighted
 from labrig.effects._fields import contribution, frame_modes, overlap, term_width
 from labrig.effects._registry import shipped
 from labrig.model import EffectEntry, FittedOn, Value, base_context, build_base, evaluate
@@ -57,6 +58,13 @@ def campaign(lab: Any, *, logged: bool, limits: bool) -> xr.Dataset:
     return data
 
 
+def families(effect: Effect, context: Context) -> Iterator[Variant]:
+    """The forms in which the effect's own functions are weighted, as they are read from a model file."""
+    for space in weighable(effect, context):
+        labels = labels_of(space, context.rows.chambers)
+        yield weighted(effect, context, form_of(space), labels)
+
+
 def context_of(lab: Any, rows: Rows) -> Context:
     """What the effects are given of these rows."""
     model = lab.model()
@@ -68,7 +76,10 @@ def saved(context: Context, effect: Effect, variant: Variant) -> tuple[EffectEnt
     rng = np.random.default_rng(len(variant.key))
     K = context.base.shape[1]
     drawn = [rng.normal(0.2, 0.1, term_width(term, K)) for term in variant.terms]
-    values = {t.parameter: Value(value=c.tolist()) for t, c in zip(variant.terms, drawn, strict=True)}
+    values = {
+        t.parameter: Value(value=c.tolist(), per=list(t.labels) or None)
+        for t, c in zip(variant.terms, drawn, strict=True)
+    }
     values |= {name: Value(value=value) for name, value in variant.shape.items()}
     on = fitted_on(context, effect, variant)
     entry = EffectEntry(name=effect.name, form=variant.form, fitted_on=on, parameters=values)
@@ -91,7 +102,7 @@ def test_a_saved_effect_means_the_same_on_a_smaller_run(lab: Any, logged: bool, 
     exact = 1e-9 if limits else 1e-5
     seen = set()
     for name, effect in shipped().items():
-        for variant in effect.variants(whole):
+        for variant in (*effect.variants(whole), *families(effect, whole)):
             entry, drawn = saved(whole, effect, variant)
             there = evaluate(whole, effect, entry)
             scale = np.abs(there).max()

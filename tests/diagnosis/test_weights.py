@@ -1,0 +1,52 @@
+"""A family's own weights: for laws that no formula follows, in the model file and on another programme."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from labrig._errors import LabrigError
+from labrig.bench import draw
+from labrig.bench._files import write_model
+from labrig.bench._learner import capture_error
+from labrig.diagnosis import diagnose
+from labrig.effects import is_family, rows_of
+from labrig.model import Model
+
+
+def error(model: Model, data: xr.Dataset) -> float:
+    """The error of a model over the captures of a campaign, mistaken values left out."""
+    rows = rows_of(data)
+    return capture_error(rows, model.context(rows).base)
+
+
+def test_the_error_falls_on_another_programme_as_far_as_was_found(tmp_path: Path) -> None:
+    """A lip that seals itself leaks by no formula of labrig's: the weights are saved, read, and hold elsewhere."""
+    campaign = draw("single", 790003)
+    assert campaign.truth["laws"] == ["SelfActingLip"]
+    model = Model.load(write_model(campaign, tmp_path))
+    found = diagnose(campaign.dataset, model)
+    assert found.improved is not None
+    (entry,) = found.improved.file.effects
+    assert entry.name == "leak"
+    assert is_family(entry.form)
+    found.improved.save(tmp_path / "better.yaml")
+    saved = Model.load(tmp_path / "better.yaml")
+    told = found.summary["error"]
+    assert told["model"] < 0.6 * told["base"]
+    left = error(saved, campaign.fresh)
+    assert left == pytest.approx(error(found.improved, campaign.fresh), rel=1e-3)
+    assert left < 0.6 * error(model, campaign.fresh)
+
+
+def test_a_family_that_cannot_act_says_so(tmp_path: Path) -> None:
+    """A saved family on a run without moments of its actuations is refused in words, not read as nothing."""
+    campaign = draw("single", 790003)
+    found = diagnose(campaign.dataset, Model.load(write_model(campaign, tmp_path)))
+    assert found.improved is not None
+    still = campaign.dataset.isel(time=slice(0, 1))
+    for name in ("hold_s", "event_time_s"):
+        still[name].values[...] = np.nan
+    with pytest.raises(LabrigError, match="effect 'leak'"):
+        found.improved.context(rows_of(still))

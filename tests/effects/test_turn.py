@@ -1,0 +1,66 @@
+"""A frame that is turned by much: solved exactly, and what the model says of motions is turned with it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.spatial.transform import Rotation
+
+from labrig.bench import draw
+from labrig.bench._files import write_model
+from labrig.diagnosis import diagnose
+from labrig.effects import rows_of
+from labrig.model import Model
+
+AXIS = np.array([0.3, -0.5, 0.81])
+PLACE_MM = np.array([240.0, -60.0, 900.0])
+
+
+def seen_from(data: xr.Dataset, angle_deg: float) -> xr.Dataset:
+    """The same campaign as a camera sees it whose frame lies elsewhere and is turned."""
+    turn = Rotation.from_rotvec(np.deg2rad(angle_deg) * AXIS / np.linalg.norm(AXIS))
+    out = data.copy(deep=True)
+    place = out["position_mm"].values
+    out["position_mm"].values[...] = turn.apply(place.reshape(-1, 3)).reshape(place.shape) + PLACE_MM
+    return out
+
+
+@pytest.mark.parametrize("angle_deg", [12.0, 96.0, 178.0])
+def test_a_frame_turned_by_much_is_solved_exactly(angle_deg: float, tmp_path: Path) -> None:
+    """Frame alone is sure, the error falls to the floor, and on another programme of the same rig too."""
+    campaign = draw("null", 1)
+    found = diagnose(seen_from(campaign.dataset, angle_deg), Model.load(write_model(campaign, tmp_path)))
+    assert found.summary["effects"] == ["frame"]
+    assert found.summary["error"]["model"] < 1.3 * found.summary["error"]["floor"]
+    assert found.improved is not None
+    fresh = diagnose(seen_from(campaign.fresh, angle_deg), found.improved)
+    assert fresh.summary["error"]["base"] < 1.3 * fresh.summary["error"]["floor"]
+
+
+def test_what_is_small_beside_the_turn_is_named_after_it(tmp_path: Path) -> None:
+    """A leak behind a turn of many floors waits, is announced, and is named once the frame is in the model."""
+    campaign = draw("single", 790003)
+    assert campaign.truth["effects"] == ["leak"]
+    turned = seen_from(campaign.dataset, 25.0)
+    first = diagnose(turned, Model.load(write_model(campaign, tmp_path)))
+    assert first.summary["effects"] == ["frame"]
+    assert any("beside frame, nothing that is smaller than" in line for line in first.summary["warnings"])
+    assert first.improved is not None
+    assert diagnose(turned, first.improved).summary["effects"] == ["leak"]
+
+
+def test_a_model_with_a_frame_says_what_the_base_moves_and_not_where_it_is(tmp_path: Path) -> None:
+    """A frame in the model leaves displacements as they were, and turns them and their slopes."""
+    campaign = draw("null", 1)
+    plain = Model.load(write_model(campaign, tmp_path))
+    turned = seen_from(campaign.dataset, 40.0)
+    better = diagnose(turned, plain).improved
+    assert better is not None
+    before, after = plain.context(rows_of(campaign.dataset)), better.context(rows_of(turned))
+    turn = Rotation.from_rotvec(np.deg2rad(40.0) * AXIS / np.linalg.norm(AXIS))
+    moved = turn.apply(before.displacement.reshape(-1, 3)).reshape(before.displacement.shape)
+    assert np.abs(after.displacement - moved).max() < 0.01 * np.abs(moved).max()
+    slope = np.moveaxis(before.jacobian, 1, 2)
+    slope = np.moveaxis(turn.apply(slope.reshape(-1, 3)).reshape(slope.shape), 2, 1)
+    assert np.abs(after.jacobian - slope).max() < 0.01 * np.abs(slope).max()
