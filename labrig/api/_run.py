@@ -6,11 +6,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
-from labrig._paths import wrong
+from labrig._paths import path_of, wrong
 from labrig.api._inputs import Place, rig_of
 
 if TYPE_CHECKING:
     from labrig.campaign import Procedure, Progress
+    from labrig.live import Settings
+
+DIAGNOSED = "live_diagnosis"
+"""Where run.yaml keeps what a live diagnosis was asked for."""
 
 
 def run(
@@ -21,6 +25,10 @@ def run(
     seed: int = 0,
     realtime: bool = False,
     progress: "Callable[[Progress], None] | None" = None,
+    diagnose: Place | None = None,
+    until: str = "",
+    budget: str = "",
+    adapt: bool = False,
     **parameters: Any,
 ) -> Path:
     """Run a procedure on a rig and log it; returns the run's folder.
@@ -37,6 +45,10 @@ def run(
         seed: of everything that is random.
         realtime: let a rig that is simulated here take as long as a real one.
         progress: called with a `Progress` about twice a second.
+        diagnose: a model.yaml that is questioned beside the campaign every few captures.
+        until: ends the campaign by what that says: ``"settled"`` or ``"error=0.2mm"``.
+        budget: ends it after so long: ``"45min"``.
+        adapt: take the set-points that tell apart what is possible, in place of the procedure's.
         parameters: the procedure's, by name: `captures=20`.
 
     Raises:
@@ -49,16 +61,33 @@ def run(
         20
     """
     from labrig import campaign
+    from labrig.api._live import followed
     from labrig.rig import clock_of, connect
 
     config = rig_of(rig)
     chosen = _procedure(procedure, parameters)
     folder = Path(out) if out is not None else new_folder(chosen)
     clock = clock_of(config, realtime)
-    context = {"rig_file": str(Path(rig).resolve())} if isinstance(rig, str | Path) else {}
-    watching = campaign.Watching(context=context)
-    with connect(config, clock, guard_log=folder / "guard.log") as connected:
-        return campaign.run(chosen, connected, folder, seed=seed, progress=progress, watching=watching)
+    context: dict[str, Any] = {"rig_file": str(Path(rig).resolve())} if isinstance(rig, str | Path) else {}
+    settings = _live(diagnose, until, budget, adapt)
+    if settings is not None:
+        context[DIAGNOSED] = settings.to_dict()
+    with followed(settings, chosen, config, folder, seed, clock) as adviser:
+        watching = campaign.Watching(context=context, adviser=adviser)
+        with connect(config, clock, guard_log=folder / "guard.log") as connected:
+            return campaign.run(chosen, connected, folder, seed=seed, progress=progress, watching=watching)
+
+
+def _live(model: Place | None, until: str, budget: str, adapt: bool) -> "Settings | None":
+    """What a live diagnosis is asked for; None without a model."""
+    from labrig.live import Settings
+
+    if model is None:
+        if until or budget or adapt:
+            raise LabrigError("until, budget and adapt need a model to question: diagnose='model.yaml'")
+        return None
+    path = path_of(model, "a model", "a model.yaml's path")
+    return Settings(str(path.resolve()), until=until, budget=budget, adapt=adapt)
 
 
 def _procedure(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedure":

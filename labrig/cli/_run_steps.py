@@ -12,7 +12,7 @@ from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 from labrig.api._procedures import find_procedure, read_procedure, source_of
-from labrig.api._run import new_folder
+from labrig.api._run import DIAGNOSED, new_folder
 from labrig.campaign import Adviser, Control, Interrupted, Observer, Procedure, Reachable, Watching
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from labrig.live import Settings
 
 _SHOWN_STEPS = 12
-DIAGNOSED = "live_diagnosis"
 """What run.yaml calls the settings of a live diagnosis."""
 
 
@@ -98,8 +97,9 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     rig_file = _named(request.rig)
     config = load_rig(rig_file)
     folder = request.out or new_folder(procedure)
-    if request.model is not None:
-        say_if_changed(config.name, request.model, folder.parent)
+    compared = request.model or (Path(request.follow.model) if request.follow else None)
+    if compared is not None:
+        say_if_changed(config.name, compared, folder.parent)
     _check_new(folder)
     context: dict[str, object] = {
         "source": source_of(type(procedure)),

@@ -29,7 +29,8 @@ def spaces_of(effect: "Effect", context: Context) -> Iterator[Space]:
         alike = 0.7 if any(_own(term) for v in variants for term in v.terms) else 1.0
         places = context.rows.n_captures if effect.scans else 0
         if features := acting(features):
-            yield Space(key, f"{effect.name} {variants[0].form}", features, alike, places)
+            name = f"{effect.name} {variants[0].form}"
+            yield Space(key, name, features, alike, places, absolute=False)
 
 
 def _own(term: "Term") -> bool:
