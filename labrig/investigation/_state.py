@@ -126,7 +126,7 @@ def read_state(folder: Path) -> dict[str, Any]:
     return content
 
 
-def begun(settings: Settings, resume: bool) -> State:
+def start_or_resume(settings: Settings, resume: bool) -> State:
     """A new state in a folder that is made, or the one that is gone on with; raises `LabrigError` for neither."""
     out = settings.out
     if out.is_file():
