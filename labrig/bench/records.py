@@ -2,6 +2,8 @@
 
 from typing import Any, NotRequired, TypedDict
 
+from labrig.contents import LookContent
+
 
 class RigRecipe(TypedDict):
     """From what a rig of a half is made again; with `linear`, a map of degree 1 is the whole of it."""
@@ -256,19 +258,9 @@ class SettleRecord(Settling):
     truth: SettleTruth
 
 
-class WatchedLook(TypedDict):
+class WatchedLook(LookContent):
     """A look at a growing campaign; `acted`: how large each hidden effect was by then, in floors."""
 
-    captures: int
-    minutes: float
-    verdict: str
-    effects: list[str]
-    probability: dict[str, float]
-    base: float | None
-    error: float | None
-    floor: float | None
-    ceiling: float | None
-    units: str
     rivals: list[str]
     acted: dict[str, float]
 
