@@ -15,7 +15,7 @@ demo: .venv/.demo-installed
 export OMP_NUM_THREADS ?= 1
 
 test: check .venv/.system-libraries
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 docs: .venv/.all-installed
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict

@@ -6,6 +6,7 @@ The laboratory's formulas are its own too: nothing of it comes from `labrig.effe
 import os
 import shutil
 import stat
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -38,6 +39,12 @@ def predict(actuation):
     x = actuation / KNOWN["high"]
     return KNOWN["rest"] + (x * (1 + KNOWN["bent"]) / (1 + KNOWN["bent"] * x)) @ KNOWN["reach"].T
 """
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with slow tests come first: at the end no process is left alone with one of them."""
+    slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
+    items.sort(key=lambda item: -slow[item.path])
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from labrig.age._known import Known, is_fitted
 from labrig.age._read import RunReadings, model_key, read_run
 from labrig.age._reading import GROUPS, LOGARITHMIC, Reading
 from labrig.age._words import change_words
+from labrig.contents import HistoryChange, HistoryContent, LeftOut, Quantity
 
 if TYPE_CHECKING:
     from labrig.catalogue import Row
@@ -43,11 +44,11 @@ def rows_of_rig(folder: Path, rig: str, where: str | None = None) -> "list[Row]"
 
 def read_rows(
     folder: Path, rows: "Sequence[Row]", model: "Model", progress: Progress | None = None
-) -> tuple[list[RunReadings], list[dict[str, str]]]:
+) -> tuple[list[RunReadings], list[LeftOut]]:
     """The readings of runs in order of time, and which were left out and why."""
     known, key = prepared(folder, rows, model)
     read: list[RunReadings] = []
-    left_out: list[dict[str, str]] = []
+    left_out: list[LeftOut] = []
     for number, row in enumerate(rows):
         if progress is not None:
             progress(number, len(rows))
@@ -91,22 +92,20 @@ def summary_of(
     rig: str,
     model: "Model",
     runs: Sequence[RunReadings],
-    left_out: Sequence[dict[str, str]] = (),
+    left_out: Sequence[LeftOut] = (),
     alpha: float = ALPHA,
-) -> dict[str, Any]:
+) -> HistoryContent:
     """The content of history.json: runs, every quantity over them, and its changes."""
     fitted = fitted_until(model)
+    fitted_s = None if fitted is None else fitted.timestamp()
     quantities = _quantities(runs)
     limit = alpha / max(len(quantities), 1)
-    found: list[dict[str, Any]] = []
+    found: list[HistoryChange] = []
     unconfirmed: list[str] = []
     for quantity in quantities:
         series = _series(quantity, runs)
         result = changes(series, limit)
-        listed = _described(quantity, series, result.changes, runs)
-        for each in listed:
-            each["since_fit"] = fitted is None or runs[each["begins"]].time_s > fitted.timestamp()
-        found += listed
+        found += _described(quantity, series, result.changes, runs, fitted_s)
         if result.unconfirmed and quantity["runs"][-1] == len(runs) - 1:
             unconfirmed.append(f"{quantity['group']} {quantity['name']}")
     found.sort(key=lambda each: (each["noticed"], each["begins"]))
@@ -123,7 +122,7 @@ def summary_of(
     }
 
 
-def _quantities(runs: Sequence[RunReadings]) -> list[dict[str, Any]]:
+def _quantities(runs: Sequence[RunReadings]) -> list[Quantity]:
     """Each reading over the runs that have it, in the order of the groups."""
     by_key: dict[tuple[str, str], list[tuple[int, Reading]]] = {}
     for number, run in enumerate(runs):
@@ -143,7 +142,7 @@ def _quantities(runs: Sequence[RunReadings]) -> list[dict[str, Any]]:
     ]
 
 
-def _series(quantity: dict[str, Any], runs: Sequence[RunReadings]) -> Series:
+def _series(quantity: Quantity, runs: Sequence[RunReadings]) -> Series:
     """A quantity as it is tested: positive ones that scatter in proportion to themselves as logarithms."""
     value = np.array(quantity["value"], float)
     sd = np.array([np.nan if each is None else each for each in quantity["sd"]], float)
@@ -156,19 +155,23 @@ def _series(quantity: dict[str, Any], runs: Sequence[RunReadings]) -> Series:
 
 
 def _described(
-    quantity: dict[str, Any], series: Series, found: Sequence[Change], runs: Sequence[RunReadings]
-) -> list[dict[str, Any]]:
+    quantity: Quantity,
+    series: Series,
+    found: Sequence[Change],
+    runs: Sequence[RunReadings],
+    fitted_s: float | None,
+) -> list[HistoryChange]:
     """Changes as plain values, with what the quantity was before and is after, in its own unit."""
     own, value = quantity["runs"], np.array(quantity["value"], float)
     edges = [0, *(change.begins for change in found), len(own)]
-    out = []
+    out: list[HistoryChange] = []
     for number, change in enumerate(found):
         kind = series.kind[change.noticed]
         before = _level(
             value, series.kind == kind, edges[number], change.begins, change.shape == "slope" and number > 0
         )
         after = _level(value, series.kind == kind, change.begins, edges[number + 2], change.shape == "slope")
-        each: dict[str, Any] = {
+        each: HistoryChange = {
             "group": quantity["group"],
             "name": quantity["name"],
             "unit": quantity["unit"],
@@ -184,8 +187,11 @@ def _described(
             "amount": change.amount.tolist(),
             "sd": change.sd,
             "odds": change.odds,
+            "words": "",
+            "since_fit": fitted_s is None or runs[own[change.begins]].time_s > fitted_s,
         }
-        out.append(each | {"words": change_words(each)})
+        each["words"] = change_words(each)
+        out.append(each)
     return out
 
 

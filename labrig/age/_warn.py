@@ -1,14 +1,15 @@
 """Whether a rig is still what a model was fitted to, from what is kept beside its runs; no log is opened for it."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
 from labrig.age._age import reference, rows_of_rig, summary_of
 from labrig.age._known import is_fitted
 from labrig.age._read import RunReadings, from_content, is_current, kept, model_key
+from labrig.contents import HistoryChange, HistoryContent
 
 if TYPE_CHECKING:
     from labrig.model import Model
@@ -36,13 +37,13 @@ def warning(rig: str, model: "Model", folder: Path) -> str:
     return f"rig {rig} is not what {name} was fitted to: {said}{more}"
 
 
-def lasting(summary: Mapping[str, Any]) -> list[dict[str, Any]]:
+def lasting(summary: HistoryContent) -> list[HistoryChange]:
     """The last change of each quantity since the model was fitted, unless the quantity came back to where it was."""
-    by_quantity: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    by_quantity: dict[tuple[str, str], list[HistoryChange]] = {}
     for change in summary["changes"]:
         if change["since_fit"]:
             by_quantity.setdefault((change["group"], change["name"]), []).append(change)
-    out = []
+    out: list[HistoryChange] = []
     for each in by_quantity.values():
         went = max(math.dist(each[0]["before"], change["after"]) for change in each)
         if math.dist(each[0]["before"], each[-1]["after"]) > _BACK * went:

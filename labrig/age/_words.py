@@ -1,13 +1,13 @@
 """A change in a sentence."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+
+from labrig.contents import HistoryChange
 
 _DIGITS = 3
 
 
-def change_words(change: Mapping[str, Any]) -> str:
+def change_words(change: HistoryChange) -> str:
     """What changed, from what to what, and since when."""
     when = f"since {_day(change['date'])}"
     if change["group"] in ("marker", "frame"):
@@ -22,7 +22,7 @@ def change_words(change: Mapping[str, Any]) -> str:
     return f"{_subject(change)} {verb}{fold} from {_both(before, after)} {change['unit']} {when}"
 
 
-def _subject(change: Mapping[str, Any]) -> str:
+def _subject(change: HistoryChange) -> str:
     name = str(change["name"])
     return {
         "effect": name,

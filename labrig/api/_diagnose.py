@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from labrig._errors import LabrigError
 from labrig.api._answer import Answer
 from labrig.api._inputs import model_of, runs_of
+from labrig.contents import Summary, summary_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -42,7 +43,7 @@ class Diagnosis(Answer):
 
         `size_sd` in `units`, `size_floors` and `size_sd_floors` in noise floors.
         """
-        return effects_table(self.summary)
+        return effects_table(summary_of(self._result))
 
     @property
     def improved(self) -> "Model | None":
@@ -54,12 +55,12 @@ class Diagnosis(Answer):
         return shown.to_html(index=False, float_format="{:.2g}".format, border=0) if len(shown) else ""
 
 
-def effects_table(summary: dict[str, Any]) -> "DataFrame":
+def effects_table(summary: Summary) -> "DataFrame":
     """Every effect that a diagnosis (the content of diagnosis.json) considered, the most probable first."""
     from pandas import DataFrame
 
     columns = ["effect", "call", "probability", "size", "size_sd", "size_floors", "size_sd_floors"]
-    table = DataFrame(summary["effects_considered"], columns=columns)
+    table = DataFrame(summary.get("effects_considered", []), columns=columns)
     return table.sort_values("probability", ascending=False, ignore_index=True)
 
 

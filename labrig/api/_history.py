@@ -9,6 +9,7 @@ from labrig._errors import LabrigError
 from labrig._paths import path_of
 from labrig.api._answer import drawn
 from labrig.api._inputs import Place, model_of, rig_of
+from labrig.contents import HistoryChange, HistoryContent
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -24,7 +25,7 @@ class History:
     The chance of a single false change in all of it is 5 % at most, however often one looks.
     """
 
-    _content: dict[str, Any] = field(repr=False)
+    _content: HistoryContent = field(repr=False)
 
     @property
     def rig(self) -> str:
@@ -93,7 +94,7 @@ class History:
         return history_notes(self._content)
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> HistoryContent:
         """All of it as plain values: the content of history.json."""
         return self._content
 
@@ -120,7 +121,7 @@ class History:
 
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
-        write_json(self._content, folder / "history.json")
+        write_json(dict(self._content), folder / "history.json")
         return write_history(self._content, folder)
 
     def headline(self) -> str:
@@ -191,7 +192,7 @@ def _rig_name(given: Any) -> str:
     return rig_of(given).name
 
 
-def _sizes(change: dict[str, Any]) -> dict[str, float]:
+def _sizes(change: HistoryChange) -> dict[str, float]:
     from math import dist
 
     if len(change["before"]) == 1:

@@ -9,6 +9,7 @@ from labrig._errors import LabrigError
 from labrig._paths import wrong
 from labrig.api._diagnose import effects_table
 from labrig.api._inputs import Place, model_of, rig_of, runs_of
+from labrig.contents import Confirmation, InvestigationContent, Summary
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -26,8 +27,8 @@ class Investigation:
     """
 
     folder: Path
-    _content: dict[str, Any] = field(repr=False)
-    _diagnosis: dict[str, Any] = field(repr=False)
+    _content: InvestigationContent = field(repr=False)
+    _diagnosis: Summary = field(repr=False)
 
     @classmethod
     def load(cls, folder: Place) -> "Investigation":
@@ -38,10 +39,10 @@ class Investigation:
 
         folder = Path(folder)
         content = read_state(folder)
-        written = [each for each in content["rounds"] if each.get("report")]
+        written = [report for each in content["rounds"] if (report := each.get("report"))]
         if not written:
             raise LabrigError(f"{folder}: nothing was diagnosed yet ({content['state']})")
-        path = folder / Path(written[-1]["report"]).with_name("diagnosis.json")
+        path = folder / Path(written[-1]).with_name("diagnosis.json")
         try:
             diagnosis = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, json.JSONDecodeError):
@@ -61,12 +62,12 @@ class Investigation:
     @property
     def verdict(self) -> str:
         """nothing_missing, identified, multiple, confounded, unknown or underpowered: of all runs together."""
-        return str(self._diagnosis["verdict"])
+        return str(self._diagnosis.get("verdict"))
 
     @property
     def sure(self) -> list[str]:
         """The names of the effects that are missing, at 90 % or more."""
-        return list(self._diagnosis["effects"])
+        return list(self._diagnosis.get("effects", []))
 
     @property
     def effects(self) -> "DataFrame":
@@ -105,7 +106,7 @@ class Investigation:
         return DataFrame(rows)
 
     @property
-    def confirmation(self) -> dict[str, Any] | None:
+    def confirmation(self) -> Confirmation | None:
         """The errors `before`, `after` and `floor` on captures recorded after the verdict, if there were any."""
         return self._content["confirmation"]
 
@@ -123,7 +124,7 @@ class Investigation:
         return [str(line) for line in self._content["warnings"]]
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> InvestigationContent:
         """All of it as plain values: the content of investigation.json."""
         return self._content
 
@@ -171,7 +172,7 @@ class Investigation:
         for name in ("investigation.json", "report.html"):
             shutil.copyfile(self.folder / name, folder / name)
         if (model := self.model) is not None:
-            model.save(folder / Path(self._content["model"]).name)
+            model.save(folder / Path(str(self._content["model"])).name)
         return folder / "report.html"
 
     def __repr__(self) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 from labrig.api._diagnose import Diagnosis
 from labrig.api._inputs import Place, model_of, rig_of, runs_of
+from labrig.contents import Proposed
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -48,7 +49,7 @@ class Proposal:
         return DataFrame(rows)
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Proposed:
         """All of it as plain values: the content of next.json."""
         return self._experiment.summary
 
@@ -74,13 +75,13 @@ class Proposal:
         from labrig.experiment import write_procedure
         from labrig.view import write_experiment
 
-        folder, summary = Path(folder), dict(self.summary)
+        folder, summary = Path(folder), self.summary.copy()
         if procedure is not None:
             check_procedure_file(Path(procedure))
             write_procedure(self._experiment, Path(procedure))
             summary["procedure"] = str(procedure)
         folder.mkdir(parents=True, exist_ok=True)
-        write_json(summary, folder / "next.json")
+        write_json(dict(summary), folder / "next.json")
         return write_experiment(summary, self._experiment.programme(), folder)
 
     def __repr__(self) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
 from labrig.api._inputs import Place
+from labrig.contents import Realisation
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -32,7 +33,7 @@ class Validation:
     _outcomes: "list[Outcome]" = field(repr=False)
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, "list[Realisation]"]:
         """All of it as plain values: the content of validation.json."""
         return {"realisations": [outcome.summary() for outcome in self._outcomes]}
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.bench._design import PATTERNS, Residuals, columns, residuals
+from labrig.bench.records import Answer
 from labrig.effects import Context, Effect
 
 MOST_EFFECTS = 3
@@ -90,7 +91,7 @@ def f_test(y: Floats, forms: dict[str, list[Floats]], level: float = 0.05) -> li
     return _forward(y, forms, better)
 
 
-def answer(names: list[str]) -> dict[str, Any]:
+def answer(names: list[str]) -> Answer:
     """A baseline's names as a verdict: it can only say none, one or several."""
     verdict = ("nothing_missing", "identified", "multiple")[min(len(names), 2)]
     return {"verdict": verdict, "effects": names, "rivals": [], "probability": None}
@@ -98,7 +99,7 @@ def answer(names: list[str]) -> dict[str, Any]:
 
 def run_baselines(
     context: Context, library: dict[str, Effect], random: np.random.Generator
-) -> dict[str, Any]:
+) -> dict[str, Answer]:
     """The answers of all baselines that are installed, by name."""
     data = residuals(context, random, _ROWS)
     forms, y = candidates(data, library), data.value

@@ -9,7 +9,6 @@ A recipe is plain data: {half, rig, rig_seed, linear, kind, seed, scale, points,
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from labrig.arrays import Floats
 from labrig.bench._halves import half_of, make_rig
 from labrig.bench._nature import Rig
 from labrig.bench._size import strength_for
+from labrig.bench.records import BaseRecipe, RigRecipe
 
 Predict = Callable[[Floats], Floats]
 
@@ -29,7 +29,7 @@ _MOST_POINTS = 400
 _MOST_WRONG = 50.0
 
 
-def make_base(recipe: dict[str, Any]) -> Predict:
+def make_base(recipe: BaseRecipe) -> Predict:
     """The base model (F, C) -> (F, K) of a recipe."""
     rig = make_rig(recipe)
     high, kind = np.asarray(rig.high_kpa, dtype=float), recipe["kind"]
@@ -37,15 +37,15 @@ def make_base(recipe: dict[str, Any]) -> Predict:
         return lambda actuation: rig.settled(np.asarray(actuation, dtype=float))
     if kind == "clipped":
         return lambda actuation: rig.settled(np.clip(np.asarray(actuation, dtype=float), rig.low_kpa, high))
-    if kind == "learnt":
+    if kind == "learnt" and "points" in recipe:
         return _learnt(rig, recipe["points"], recipe["seed"])
-    if kind == "wrong":
-        wrong = _wrong(rig, recipe)
-        return lambda actuation: wrong(np.asarray(actuation, dtype=float), recipe["scale"])
+    if kind == "wrong" and "form" in recipe and "scale" in recipe:
+        wrong, scale = _wrong(rig, recipe["half"], recipe["form"], recipe["seed"]), recipe["scale"]
+        return lambda actuation: wrong(np.asarray(actuation, dtype=float), scale)
     raise LabrigError(f"bench: there is no base '{kind}' (exact, clipped, learnt or wrong)")
 
 
-def own_error(recipe: dict[str, Any], pressure: Floats) -> float:
+def own_error(recipe: BaseRecipe, pressure: Floats) -> float:
     """Root mean square of what a recipe's base itself has wrong at pressures (F, C); no effect takes it away."""
     pressure = np.asarray(pressure, dtype=float)
     if recipe["kind"] == "exact":
@@ -54,17 +54,17 @@ def own_error(recipe: dict[str, Any], pressure: Floats) -> float:
 
 
 def draw_base(
-    rig_recipe: dict[str, Any], pressure: Floats, floor: float, random: np.random.Generator, structural: float
-) -> dict[str, Any]:
+    rig_recipe: RigRecipe, pressure: Floats, floor: float, random: np.random.Generator, structural: float
+) -> BaseRecipe:
     """A recipe of a base for a rig; with `structural`, wrong in form by that many floors at pressures (F, C)."""
-    recipe = {**rig_recipe, "kind": "exact", "seed": int(random.integers(2**31))}
+    recipe: BaseRecipe = {**rig_recipe, "kind": "exact", "seed": int(random.integers(2**31))}
     if structural:
         return _draw_wrong(recipe, pressure, structural * floor, random)
     kind = str(random.choice(list(KINDS), p=list(KINDS.values())))
     if kind == "learnt":
         points = int(random.integers(40, 81))
         while points <= _MOST_POINTS:
-            learnt = {**recipe, "kind": kind, "points": points}
+            learnt: BaseRecipe = {**recipe, "kind": kind, "points": points}
             if own_error(learnt, pressure) < LEARNT_FLOORS * floor:
                 return learnt
             points = int(1.5 * points)
@@ -72,24 +72,22 @@ def draw_base(
     return {**recipe, "kind": kind}
 
 
-def _draw_wrong(recipe: dict[str, Any], pressure: Floats, wanted: float, random: np.random.Generator) -> dict:
-    forms = list(half_of(recipe["half"]).wrong)
+def _draw_wrong(
+    recipe: BaseRecipe, pressure: Floats, wanted: float, random: np.random.Generator
+) -> BaseRecipe:
+    half = recipe["half"]
+    rig = make_rig(recipe)
+    right = rig.settled(pressure)
     for _ in range(8):
-        wrong = {
-            **recipe,
-            "kind": "wrong",
-            "form": str(random.choice(forms)),
-            "seed": int(random.integers(2**31)),
-        }
-        rig = make_rig(wrong)
-        right, predict = rig.settled(pressure), _wrong(rig, wrong)
+        form, seed = str(random.choice(list(half_of(half).wrong))), int(random.integers(2**31))
+        predict = _wrong(rig, half, form, seed)
         scale = strength_for(lambda s: _rms(predict(pressure, s) - right), wanted, _MOST_WRONG)  # noqa: B023
         if scale is not None:
-            return {**wrong, "scale": scale}
+            return {**recipe, "kind": "wrong", "form": form, "seed": seed, "scale": scale}
     raise LabrigError(f"bench: no base of the rig {recipe['rig']} can be wrong by {wanted:.3g}")
 
 
-def chambers_own_law(recipe: dict[str, Any], pressure: Floats) -> bool:
+def chambers_own_law(recipe: BaseRecipe, pressure: Floats) -> bool:
     """Whether most of what a base has wrong is a function of each chamber's own pressure, acting where it acts.
 
     An effect of the pressures (regulator, tension, stiffening) or of a limit may then rightly be named for it.
@@ -108,9 +106,8 @@ def chambers_own_law(recipe: dict[str, Any], pressure: Floats) -> bool:
     return bool(np.sum((left.ravel() - fit) ** 2) < 0.3 * np.sum(left**2))
 
 
-def _wrong(rig: Rig, recipe: dict[str, Any]) -> Callable[[Floats, float], Floats]:
-    form = half_of(recipe["half"]).wrong[recipe["form"]]
-    return form(rig, np.random.default_rng(recipe["seed"]))
+def _wrong(rig: Rig, half: str, form: str, seed: int) -> Callable[[Floats, float], Floats]:
+    return half_of(half).wrong[form](rig, np.random.default_rng(seed))
 
 
 def _learnt(rig: Rig, points: int, seed: int) -> Predict:

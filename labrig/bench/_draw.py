@@ -17,6 +17,7 @@ from labrig.bench._nature import Path, Rig, simulate
 from labrig.bench._noise import Spoil, spoil
 from labrig.bench._path import PAUSE_S, make_path
 from labrig.bench._programmes import DESIGNS, Plan, make_plan
+from labrig.bench.records import BaseRecipe, RigRecipe, WholeTruth
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,8 +37,8 @@ class Campaign:
 
     dataset: "xr.Dataset"
     fresh: "xr.Dataset"
-    base: dict[str, Any] | None
-    truth: dict[str, Any] = field(default_factory=dict)
+    base: BaseRecipe | None
+    truth: WholeTruth
     later: "Callable[[Plan, int], xr.Dataset] | None" = field(default=None, repr=False, compare=False)
     """Measures another plan on the same rig, vented for `PAUSE_S` after the campaign; an int seeds its noise."""
     parts: dict[str, Floats] = field(default_factory=dict, repr=False, compare=False)
@@ -52,7 +53,7 @@ class Campaign:
 class Drawn:
     """What chance picked for one campaign, apart from noise and base."""
 
-    recipe: dict[str, Any]
+    recipe: RigRecipe
     rig: Rig
     design: str
     plan: Plan
@@ -89,7 +90,7 @@ def draw(
     pressure = np.array([p for _, p in plan.commands])
     structural = float(random.uniform(*kind.structural))
     if kind.static:
-        base = {**what.recipe, "kind": "exact", "seed": 0}
+        base: BaseRecipe = {**what.recipe, "kind": "exact", "seed": 0}
     else:
         base = draw_base(what.recipe, pressure, floor, random, structural)
     dataset = _measure(what, plan, what.path, what.how, random)
@@ -110,7 +111,7 @@ def draw(
 
     effects = [h.effect for h in what.hidden]
     deleted = {*without, *(family_of(effects[0]) if kind.deleted else ())}
-    truth = {
+    truth: WholeTruth = {
         "class": name,
         "half": half,
         "seed": seed,
@@ -214,7 +215,7 @@ def _right_verdict(kind: Kind, effects: list[str], deleted: set[str]) -> str:
     return "identified" if len(effects) == 1 else "multiple"
 
 
-def _also(base: dict[str, Any], pressure: Floats) -> list[str]:
+def _also(base: BaseRecipe, pressure: Floats) -> list[str]:
     """Names that a wrong law of the base's chambers may rightly go by: it is an error of compliance."""
     wrong_law = chambers_own_law(base, pressure)
     return sorted({*FAMILIES["pressure"], *FAMILIES["limit"]}) if wrong_law else []

@@ -1,7 +1,10 @@
 """What the benchmark is to reach, and whether it does."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
+
+from labrig.bench.records import GoalFigure, Interval
 
 Status = Literal["met", "open", "missed"]
 
@@ -40,7 +43,7 @@ MOST_DIFFERENCE = 0.05
 """Right verdicts of the two halves may differ by this share."""
 
 
-def status(sign: str, bound: float, figure: dict[str, Any]) -> Status:
+def status(sign: str, bound: float, figure: Interval) -> Status:
     """`met` if even the unfavourable end of the interval keeps the bound, `open` if only the figure itself does.
 
     A figure of too few campaigns to resample stays open.
@@ -51,9 +54,9 @@ def status(sign: str, bound: float, figure: dict[str, Any]) -> Status:
     return "met" if turn * worst >= turn * bound and not figure.get("few") else "open"
 
 
-def judged(figures: dict[str, Any]) -> list[dict[str, Any]]:
+def judged(figures: Mapping[str, Any]) -> list[GoalFigure]:
     """Every goal of which the figures of a half say something: what, goal, figure, status."""
-    out = []
+    out: list[GoalFigure] = []
     for goal in GOALS:
         figure: Any = figures
         for key in goal.path:
@@ -71,7 +74,7 @@ def judged(figures: dict[str, Any]) -> list[dict[str, Any]]:
     return out
 
 
-def alike(difference: dict[str, Any]) -> Status:
+def alike(difference: Interval) -> Status:
     """Whether two halves are as near to each other as they should be."""
     if max(-difference["low"], difference["high"]) <= MOST_DIFFERENCE:
         return "met"

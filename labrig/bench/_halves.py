@@ -1,13 +1,13 @@
 """The halves of the benchmark by name, and rigs from plain data."""
 
 from importlib import import_module
-from typing import Any
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.bench._nature import Half, Rig
+from labrig.bench.records import RigRecipe
 
 HALVES = ("development", "exam")
 PORTIONS = {
@@ -29,7 +29,7 @@ def half_of(name: str) -> Half:
     return LOADED[name]
 
 
-def make_rig(recipe: dict[str, Any]) -> Rig:
+def make_rig(recipe: RigRecipe) -> Rig:
     """The rig of a recipe {half, rig, rig_seed, linear}; with `linear`, a map of degree 1 is the whole of it."""
     half = half_of(recipe["half"])
     if recipe["rig"] not in half.rigs:

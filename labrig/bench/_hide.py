@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from labrig.bench._nature import (
     simulate,
 )
 from labrig.bench._size import strength_for
+from labrig.bench.records import RigRecipe
 
 LONG_S = 15.0
 STRONGEST = 8.0
@@ -87,14 +87,14 @@ def _one(laws: Sequence[type[Law]], random: np.random.Generator) -> type[Law]:
 
 def pick_rig(
     half: str, needs: frozenset[str], static: bool, few: bool, random: np.random.Generator
-) -> dict[str, Any] | None:
+) -> RigRecipe | None:
     """The recipe of a rig of a half that has what is needed; None if chance finds none.
 
     `static`: made linear. `few`: one of at most three observables, if the half has such rigs.
     """
     kinds = list(half_of(half).rigs)
     for attempt in range(60):
-        recipe = {
+        recipe: RigRecipe = {
             "half": half,
             "rig": str(random.choice(kinds)),
             "rig_seed": int(random.integers(2**31)),

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from labrig.bench.records import Figure
+
 _RESAMPLES = 1000
 
 
@@ -42,7 +44,7 @@ def bootstrap(values: Sequence[Any], figure: Callable[[list[Any]], float]) -> tu
     return float(low), float(high)
 
 
-def share(successes: int, trials: int) -> dict[str, Any] | None:
+def share(successes: int, trials: int) -> Figure | None:
     """A share as figures have it: {value, low, high, count, of}; None of nothing."""
     if not trials:
         return None

@@ -1,12 +1,13 @@
 """Was the verdict right? And how good is it to know its probability?"""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from labrig.bench.records import Answer, Truth
 
-def is_right(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
+
+def is_right(truth: Truth, answer: Answer) -> bool:
     """Whether the verdict and its names are those of the truth.
 
     Identified and multiple need exactly the hidden effects; where the base has a wrong law of its own, `also` has
@@ -26,17 +27,17 @@ def is_right(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
     return verdict == truth["verdict"] and set(answer["effects"]) == hidden
 
 
-def is_near(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
+def is_near(truth: Truth, answer: Answer) -> bool:
     """Whether everything hidden is among the names in the answer, rivals and surplus ones included."""
     return bool(truth["effects"]) and set(truth["effects"]) <= named(answer)
 
 
-def is_false_alarm(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
+def is_false_alarm(truth: Truth, answer: Answer) -> bool:
     """Whether something is claimed where nothing is hidden."""
     return not truth["effects"] and answer["verdict"] not in ("nothing_missing", "underpowered")
 
 
-def named(answer: dict[str, Any]) -> set[str]:
+def named(answer: Answer) -> set[str]:
     """All effects that an answer names, rivals included."""
     names = set(answer["effects"])
     for rival in answer.get("rivals") or []:
@@ -53,7 +54,7 @@ SURE, POSSIBLE = 0.9, 0.1
 """An effect is called sure from the first probability on, possible from the second."""
 
 
-def probabilities(answer: dict[str, Any]) -> dict[str, float] | None:
+def probabilities(answer: Answer) -> dict[str, float] | None:
     """The probability of each effect that was considered; None where the answer does not give any."""
     entries = answer.get("effects_considered")
     if entries is None:
@@ -61,13 +62,13 @@ def probabilities(answer: dict[str, Any]) -> dict[str, float] | None:
     return {entry["effect"]: float(entry["probability"]) for entry in entries}
 
 
-def called(answer: dict[str, Any], least: float) -> set[str] | None:
+def called(answer: Answer, least: float) -> set[str] | None:
     """Effects that an answer gives at least that probability; None where it does not give any."""
     known = probabilities(answer)
     return None if known is None else {name for name, probability in known.items() if probability >= least}
 
 
-def wrongly_sure(truth: dict[str, Any], answer: dict[str, Any]) -> set[str]:
+def wrongly_sure(truth: Truth, answer: Answer) -> set[str]:
     """Effects that an answer calls sure, by its verdict or by their probability, and that are not there.
 
     `confounded` names what is possible, so its names are not called sure.

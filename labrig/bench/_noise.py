@@ -1,7 +1,6 @@
 """What spoils a campaign: noise, its slow and uneven kinds, outliers, and markers out of sight."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +29,7 @@ class Spoil:
         """Repeatability of the mean of a capture of `rows` rows, without the slow part."""
         return float(np.hypot(self.capture, self.row / np.sqrt(rows)))
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, float]:
         """The settings, for a file."""
         return asdict(self)
 

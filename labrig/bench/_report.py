@@ -2,9 +2,18 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from labrig.bench._classes import FAMILIES
+from labrig.bench.records import (
+    BenchSummary,
+    ClassFigures,
+    GoalFigure,
+    HalvesDifference,
+    Interval,
+    PartFigures,
+    Spread,
+)
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -16,21 +25,21 @@ _MOST_WRONG = 40
 Rows = list[list[str]]
 
 
-def _percent(figure: dict[str, Any] | float | None) -> str:
+def _percent(figure: Interval | float | None) -> str:
     if figure is None:
         return ""
     return f"{100.0 * (figure['value'] if isinstance(figure, dict) else figure):.1f} %"
 
 
-def _interval(figure: dict[str, Any] | None) -> str:
+def _interval(figure: Interval | None) -> str:
     return "" if figure is None else f"{100 * figure['low']:.0f}-{100 * figure['high']:.0f}"
 
 
-def _p10(entry: dict[str, float] | None) -> str:
+def _p10(entry: Spread | None) -> str:
     return "" if entry is None else f"{entry['p10']:.2f}"
 
 
-def class_rows(classes: dict[str, Any]) -> tuple[list[str], Rows]:
+def class_rows(classes: dict[str, ClassFigures]) -> tuple[list[str], Rows]:
     """Head and rows of the table of classes."""
     head = [
         "class",
@@ -54,7 +63,7 @@ def class_rows(classes: dict[str, Any]) -> tuple[list[str], Rows]:
     return head, rows
 
 
-def baseline_rows(classes: dict[str, Any]) -> tuple[list[str], Rows]:
+def baseline_rows(classes: dict[str, ClassFigures]) -> tuple[list[str], Rows]:
     """Head and rows of the table of other methods; no rows without them."""
     names = sorted({b for c in classes.values() for b in c["baselines"]})
     boxed = "black box" in names
@@ -71,7 +80,7 @@ def baseline_rows(classes: dict[str, Any]) -> tuple[list[str], Rows]:
     return head, rows if len(head) > 1 else []
 
 
-def goal_rows(goals: list[dict[str, Any]]) -> tuple[list[str], Rows]:
+def goal_rows(goals: list[GoalFigure]) -> tuple[list[str], Rows]:
     """Head and rows of the table of goals."""
     rows = []
     for goal in goals:
@@ -82,19 +91,19 @@ def goal_rows(goals: list[dict[str, Any]]) -> tuple[list[str], Rows]:
     return ["figure", "goal", "value", "95 %", "n", "status"], rows
 
 
-def part_rows(what: list[str], parts: list[dict[str, Any]]) -> tuple[list[str], Rows]:
+def part_rows(what: list[str], parts: list[PartFigures]) -> tuple[list[str], Rows]:
     """Head and rows of a table by effect, law, rig or base."""
     head = [*what, "n", "right", "95 %", "sure", "95 %", "sure or possible", "95 %", "wrong sure", "95 %"]
     rows = []
     for part in parts:
-        row = [*part["name"], str(part["right"]["of"])]
+        row = [*part["name"], "" if part["right"] is None else str(part["right"]["of"])]
         for key in ("right", "true_sure", "true_possible", "wrong_sure"):
             row += [_percent(part[key]), _interval(part[key])]
         rows.append(row)
     return head, rows
 
 
-def difference_rows(differences: list[dict[str, Any]]) -> tuple[list[str], Rows]:
+def difference_rows(differences: list[HalvesDifference]) -> tuple[list[str], Rows]:
     """Head and rows of the table that has the halves side by side."""
     head = ["class", "development", "95 %", "exam", "95 %", "difference, points", "95 %", "within 5"]
     rows = []
@@ -106,7 +115,7 @@ def difference_rows(differences: list[dict[str, Any]]) -> tuple[list[str], Rows]
     return head, rows
 
 
-def sections(summary: dict[str, Any]) -> list[tuple[str, list[str], Rows]]:
+def sections(summary: BenchSummary) -> list[tuple[str, list[str], Rows]]:
     """Title, head and rows of every table that has rows."""
     out = []
     for half, own in summary["halves"].items():
@@ -124,7 +133,7 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, list[str], Rows]]:
     return [(title, head, rows) for title, head, rows in out if rows]
 
 
-def tables(summary: dict[str, Any]) -> list["Table"]:
+def tables(summary: BenchSummary) -> list["Table"]:
     """All figures for a terminal."""
     from rich.table import Table
 
@@ -140,7 +149,7 @@ def tables(summary: dict[str, Any]) -> list["Table"]:
     return out
 
 
-def lines(summary: dict[str, Any]) -> list[str]:
+def lines(summary: BenchSummary) -> list[str]:
     """What is true of a whole half, in a few lines."""
     out = []
     for half, own in summary["halves"].items():
@@ -152,10 +161,12 @@ def lines(summary: dict[str, Any]) -> list[str]:
                     f"probability of {what}: ECE {ece['value']:.3f} ({ece['low']:.3f} to {ece['high']:.3f}), "
                     f"Brier {brier['value']:.3f}"
                 )
-        if totals["fresh_drop_p10"] is not None:
-            p10, median, box = (
-                totals[k] for k in ("fresh_drop_p10", "fresh_drop_median", "black_box_fresh_drop")
-            )
+        p10, median, box = (
+            totals["fresh_drop_p10"],
+            totals["fresh_drop_median"],
+            totals["black_box_fresh_drop"],
+        )
+        if p10 is not None and median is not None:
             beside = "" if box is None else f" (black box: {box['p10']:.2f}, median {box['median']:.2f})"
             said.append(
                 "drop of the error on a fresh programme, where the effects were named rightly: tenth percentile "
@@ -168,7 +179,7 @@ def lines(summary: dict[str, Any]) -> list[str]:
     return out
 
 
-def wrong_lines(summary: dict[str, Any]) -> list[str]:
+def wrong_lines(summary: BenchSummary) -> list[str]:
     """The campaigns that were not answered rightly, one to a line, of the halves of which that may be said."""
     wrong = [
         f"{one['key']}: {'+'.join(one['truth']) or 'nothing'} -> {one['answer']}"
@@ -180,16 +191,16 @@ def wrong_lines(summary: dict[str, Any]) -> list[str]:
     return wrong[:_MOST_WRONG] + ([f"and {more} more (summary.json)"] if more > 0 else [])
 
 
-def write_report(summary: dict[str, Any], folder: Path) -> None:
+def write_report(summary: BenchSummary, folder: Path) -> None:
     """Write summary.json, and confusion.png of each half of which it may be said (exam-confusion.png of the exam)."""
     _replace(folder / "summary.json", json.dumps(summary, indent=1) + "\n")
     for half, own in summary["halves"].items():
-        if own.get("confusion"):
+        if confusion := own.get("confusion"):
             name = "confusion.png" if half == "development" else f"{half}-confusion.png"
-            _draw_confusion(own["confusion"], folder / name)
+            _draw_confusion(confusion, folder / name)
 
 
-def write_results(summary: dict[str, Any], path: Path, how: str) -> None:
+def write_results(summary: BenchSummary, path: Path, how: str) -> None:
     """Put the figures into a Markdown file under "Blind benchmark"; the rest of the file stays as it is."""
     below = [how]
     for title, head, rows in sections(summary):

@@ -6,7 +6,7 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._halves import DRAWN_FROM
 from labrig.bench._judge import is_false_alarm, is_near, is_right, wrongly_sure
+from labrig.bench.records import Answer, Answered, Fresh, Judged, Record, Truth
 
 RECORDS = "campaigns.jsonl"
 _TIED_TO_A_SESSION = ("drift", "marker_slip")  # what happened in one campaign says nothing of the next
@@ -46,41 +47,59 @@ def run_one(
     half: str = "development",
     baselines: bool = True,
     without: tuple[str, ...] = (),
-) -> dict[str, Any]:
+) -> Record:
     """Draw, diagnose and judge one campaign; the record is plain JSON. A crash is an answer too, a wrong one."""
     campaign = draw(name, seed, half, without)
-    truth = {k: campaign.truth[k] for k in _OF_TRUTH}
-    record: dict[str, Any] = {"key": key_of(half, name, seed), "truth": truth}
+    truth = cast(Truth, {k: campaign.truth[k] for k in _OF_TRUTH})
+    beside: dict[str, Judged] = {}
     with tempfile.TemporaryDirectory(prefix="labrig-bench-", ignore_cleanup_errors=True) as folder:
         path = write_model(campaign, Path(folder))
         began = time.perf_counter()
         try:
-            answer, drops = _ask(campaign, path)
+            said = _ask(campaign, path)
         except Exception as error:
-            answer, drops = (
-                {"verdict": "error", "effects": [], "error_text": f"{type(error).__name__}: {error}"},
-                {},
-            )
-        record |= {"answer": answer, "seconds": round(time.perf_counter() - began, 2), **drops}
+            what = f"{type(error).__name__}: {error}"
+            said: Answered = {"answer": {"verdict": "error", "effects": [], "error_text": what}}
+        seconds = round(time.perf_counter() - began, 2)
         if baselines:
-            record["baselines"] = _baselines(campaign, path, seed)
-    for judged in (record, *record.get("baselines", {}).values()):
-        one = judged["answer"]
-        judged["right"] = is_right(campaign.truth, one)
-        judged["near"] = is_near(campaign.truth, one)
-        judged["false_alarm"] = is_false_alarm(campaign.truth, one)
-        judged["wrongly_sure"] = sorted(wrongly_sure(campaign.truth, one))
+            others = _baselines(campaign, path, seed)
+            beside = {name: _judged(truth, other) for name, other in others.items()}
+    record: Record = {
+        "key": key_of(half, name, seed),
+        "truth": truth,
+        **_judged(truth, said),
+        "seconds": seconds,
+    }
+    if baselines:
+        record["baselines"] = beside
     return record
 
 
-def _ask(campaign: Campaign, path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+def _judged(truth: Truth, said: Answered) -> Judged:
+    answer = said["answer"]
+    return {
+        **said,
+        "right": is_right(truth, answer),
+        "near": is_near(truth, answer),
+        "false_alarm": is_false_alarm(truth, answer),
+        "wrongly_sure": sorted(wrongly_sure(truth, answer)),
+    }
+
+
+def _ask(campaign: Campaign, path: Path) -> Answered:
     """The diagnosis of a campaign, cut down to what is judged, and by how much the error falls."""
     from labrig.diagnosis import diagnose
     from labrig.model import Model
 
     result = diagnose(campaign.dataset, Model.load(path), without=campaign.truth["without"])
     summary = result.summary
-    answer = {k: summary.get(k) for k in ("verdict", "effects", "rivals", "probability", "error")}
+    answer: Answer = {
+        "verdict": summary["verdict"],
+        "effects": summary["effects"],
+        "rivals": summary.get("rivals"),
+        "probability": summary.get("probability"),
+        "error": summary.get("error"),
+    }
     if (considered := summary.get("effects_considered")) is not None:
         answer["effects_considered"] = [
             {k: entry.get(k) for k in ("effect", "probability", "size", "size_sd")} for entry in considered
@@ -91,11 +110,11 @@ def _ask(campaign: Campaign, path: Path) -> tuple[dict[str, Any], dict[str, Any]
     ]
     error = summary.get("error") or {}
     best = max(error.get("floor") or 0.0, error.get("ceiling") or 0.0)
-    drops: dict[str, Any] = {"drop": _drop(error.get("base"), error.get("model"), best)}
+    said: Answered = {"answer": answer, "drop": _drop(error.get("base"), error.get("model"), best)}
     tied = set(campaign.truth["effects"]) & set(_TIED_TO_A_SESSION)
     if summary.get("effects") and result.improved is not None and campaign.base is not None and not tied:
-        drops["fresh"] = _fresh(campaign, path, result.improved)
-    return answer, drops
+        said["fresh"] = _fresh(campaign, path, result.improved)
+    return said
 
 
 def _drop(base: float | None, model: float | None, floor: float) -> float | None:
@@ -105,7 +124,7 @@ def _drop(base: float | None, model: float | None, floor: float) -> float | None
     return float((base - model) / (base - floor))
 
 
-def _fresh(campaign: Campaign, path: Path, improved: Any) -> dict[str, Any] | None:
+def _fresh(campaign: Campaign, path: Path, improved: Any) -> Fresh | None:
     """Errors on the fresh programme: base, improved model, floor and drop; None where the model cannot say."""
     from labrig.bench._learner import capture_error
     from labrig.effects import rows_of
@@ -124,7 +143,7 @@ def _fresh(campaign: Campaign, path: Path, improved: Any) -> dict[str, Any] | No
     return {"base": base, "model": model, "floor": floor, "drop": drop}
 
 
-def _baselines(campaign: Campaign, path: Path, seed: int) -> dict[str, Any]:
+def _baselines(campaign: Campaign, path: Path, seed: int) -> dict[str, Answered]:
     """The baselines' answers, and the black box's drop on the fresh programme."""
     from labrig.bench._baselines import run_baselines
     from labrig.bench._learner import capture_error, learned_error
@@ -136,12 +155,15 @@ def _baselines(campaign: Campaign, path: Path, seed: int) -> dict[str, Any]:
     context = model.context(rows)
     library = {k: v for k, v in model.library().items() if k not in campaign.truth["without"]}
     answers = run_baselines(context, library, np.random.default_rng(seed))
-    out: dict[str, Any] = {k: {"answer": v} for k, v in answers.items()}
+    out: dict[str, Answered] = {k: {"answer": v} for k, v in answers.items()}
     if campaign.base is not None:
         fresh = rows_of(campaign.fresh)
         fresh_base = model.context(fresh).base
         learned = learned_error(rows, context.base, fresh, fresh_base)
-        nothing = {"verdict": "unknown" if campaign.truth["effects"] else "nothing_missing", "effects": []}
+        nothing: Answer = {
+            "verdict": "unknown" if campaign.truth["effects"] else "nothing_missing",
+            "effects": [],
+        }
         if learned is not None:
             drop = _drop(capture_error(fresh, fresh_base), learned, campaign.truth["floor"])
             out["black box"] = {"answer": nothing, "fresh": {"drop": drop}, "names_nothing": True}
@@ -168,7 +190,7 @@ def plan(
     return out
 
 
-def read_records(folder: Path) -> list[dict[str, Any]]:
+def read_records(folder: Path) -> list[Record]:
     """The campaigns that are done; a last line that was cut, and records of the benchmark before it had halves, are
     left out.
     """
@@ -193,7 +215,7 @@ def run_blind(
     baselines: bool = True,
     without: tuple[str, ...] = (),
     cluster: str | None = None,
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Record]:
     """Run campaigns, `jobs` at a time, and yield each record as it is done and written to campaigns.jsonl.
 
     With `resume`, campaigns that are in the file already are skipped (and not yielded). `cluster`: the address of
@@ -216,6 +238,6 @@ def run_blind(
             yield record
 
 
-def _run_task(task: tuple[str, int, str, bool, tuple[str, ...]]) -> dict[str, Any]:
+def _run_task(task: tuple[str, int, str, bool, tuple[str, ...]]) -> Record:
     """`run_one` with its arguments in one, as executors hand them out."""
     return run_one(*task)

@@ -15,6 +15,7 @@ from labrig.bench._files import write_model
 from labrig.bench._judge import is_right
 from labrig.bench._programmes import Plan
 from labrig.bench._report import markdown, write_section
+from labrig.bench.records import SettleRecord, SettleTruth, Settling, WholeTruth
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,19 +44,18 @@ def unsettled_campaigns(first_seed: int, count: int, most: int = 400) -> Iterato
         campaign = draw("confounded", seed)
         with tempfile.TemporaryDirectory(prefix="labrig-bench-") as folder:
             summary = diagnose(campaign.dataset, _model(campaign, Path(folder))).summary
-        if not is_right({**campaign.truth, "verdict": "identified"}, summary):
+        if not _names_it(campaign, summary):
             found += 1
             yield seed, campaign
 
 
-def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) -> dict[str, Any]:
+def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) -> Settling:
     """Measure on, `BATCH` captures at a time, until the verdict names what is hidden and nothing else.
 
     Returns captures and minutes that it took (None if `most` were not enough), and the last verdict.
     """
     from labrig.diagnosis import diagnose
 
-    truth = {**campaign.truth, "verdict": "identified"}
     with tempfile.TemporaryDirectory(prefix="labrig-bench-") as folder:
         model = _model(campaign, Path(folder))
         summary = diagnose(campaign.dataset, model).summary
@@ -70,19 +70,23 @@ def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) 
                 measured = _measured(campaign, part, seed + taken)
                 summary = diagnose([campaign.dataset, *done, measured], model).summary
                 now = taken + len(part)
-                right = is_right(truth, summary)
+                right = _names_it(campaign, summary)
                 if right or now >= most or end >= len(holds):
                     taken, minutes = now, minutes + sum(hold_s for _, hold_s in part) / 60
                     done.append(measured)
                     break
-            if is_right(truth, summary):
+            if _names_it(campaign, summary):
                 return _answer(summary, strategy, taken, minutes, settled=True)
     return _answer(summary, strategy, taken, minutes, settled=False)
 
 
-def _answer(
-    summary: dict[str, Any], strategy: str, captures: int, minutes: float, settled: bool
-) -> dict[str, Any]:
+def _names_it(campaign: Campaign, summary: dict[str, Any]) -> bool:
+    """Whether a diagnosis identifies what is hidden, and nothing else."""
+    truth: WholeTruth = {**campaign.truth, "verdict": "identified"}
+    return is_right(truth, {"verdict": summary["verdict"], "effects": summary["effects"]})
+
+
+def _answer(summary: dict[str, Any], strategy: str, captures: int, minutes: float, settled: bool) -> Settling:
     return {
         "strategy": strategy,
         "settled": settled,
@@ -151,7 +155,7 @@ def _model(campaign: Campaign, folder: Path) -> "Model":
     return Model.load(write_model(campaign, folder))
 
 
-def run_settle(folder: Path, first_seed: int, count: int, most: int = MOST) -> Iterator[dict[str, Any]]:
+def run_settle(folder: Path, first_seed: int, count: int, most: int = MOST) -> Iterator[SettleRecord]:
     """Every strategy on `count` campaigns that leave a doubt; each record is written as it is done, and skipped if
     it is there already."""
     from labrig.diagnosis import plain
@@ -164,14 +168,19 @@ def run_settle(folder: Path, first_seed: int, count: int, most: int = MOST) -> I
             for strategy in STRATEGIES:
                 if (seed, strategy) in done:
                     continue
-                truth = {k: campaign.truth[k] for k in ("effects", "design", "captures")}
-                record = {"seed": seed, "truth": truth, **settle(campaign, strategy, seed, most)}
+                truth: SettleTruth = {
+                    "effects": campaign.truth["effects"],
+                    "design": campaign.truth["design"],
+                    "captures": campaign.truth["captures"],
+                }
+                found = settle(campaign, strategy, seed, most)
+                record: SettleRecord = {"seed": seed, "truth": truth, **found}
                 file.write(json.dumps(plain(record)) + "\n")
                 file.flush()
                 yield record
 
 
-def settle_records(folder: Path) -> list[dict[str, Any]]:
+def settle_records(folder: Path) -> list[SettleRecord]:
     """The records that are done; a last line that was cut is left out."""
     path = folder / RECORDS
     out = []
@@ -183,7 +192,7 @@ def settle_records(folder: Path) -> list[dict[str, Any]]:
     return out
 
 
-def settle_rows(records: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+def settle_rows(records: list[SettleRecord]) -> tuple[list[str], list[list[str]]]:
     """Head and rows of the table: how many were settled, and captures and minutes that it took.
 
     Medians are over all campaigns, one that was not settled counting as never; means over those that every
@@ -199,7 +208,7 @@ def settle_rows(records: list[dict[str, Any]]) -> tuple[list[str], list[list[str
         "min, median",
         "mean",
     ]
-    by_seed: dict[int, dict[str, dict[str, Any]]] = {}
+    by_seed: dict[int, dict[str, SettleRecord]] = {}
     for record in records:
         by_seed.setdefault(record["seed"], {})[record["strategy"]] = record
     whole = [of for of in by_seed.values() if len(of) == len(STRATEGIES)]
@@ -218,7 +227,7 @@ def settle_rows(records: list[dict[str, Any]]) -> tuple[list[str], list[list[str
     return head, rows
 
 
-def write_settle(records: list[dict[str, Any]], path: Path, how: str, most: int = MOST) -> None:
+def write_settle(records: list[SettleRecord], path: Path, how: str, most: int = MOST) -> None:
     """Put the table into a Markdown file under "Next experiment"; the rest of the file stays as it is."""
     head, rows = settle_rows(records)
     about = (

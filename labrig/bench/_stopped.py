@@ -9,11 +9,11 @@ import numpy as np
 from labrig.bench._intervals import bootstrap, wilson
 from labrig.bench._judge import POSSIBLE, SURE, calibration_error, is_right, wrongly_sure
 from labrig.bench._report import markdown, write_section
+from labrig.bench.records import Answer, StoppingRecord, WatchedLook
 
 if TYPE_CHECKING:
     from labrig.live import Look
 
-Record = dict[str, Any]
 _HEADING = "## Stopping"
 ACTED_FLOORS = 0.5
 """Below this an effect has hardly acted yet: nobody could have seen it."""
@@ -47,7 +47,7 @@ def _is_settled(why: str | None) -> bool:
     return why is not None and why.startswith("settled")
 
 
-def ends_at(record: Record, stops: "Callable[[list[Look], int], bool]") -> int:
+def ends_at(record: StoppingRecord, stops: "Callable[[list[Look], int], bool]") -> int:
     """The number of the look at which a campaign ends."""
     from labrig.live import Look
 
@@ -58,7 +58,7 @@ def ends_at(record: Record, stops: "Callable[[list[Look], int], bool]") -> int:
     )
 
 
-def probabilities(record: Record, look: int, floor: bool) -> list[tuple[float, bool]]:
+def probabilities(record: StoppingRecord, look: int, floor: bool) -> list[tuple[float, bool]]:
     """(probability, is there) of every effect at a look; names that the base's own error may go by are left out.
 
     With `floor`, the probabilities are those that a campaign states where it ends early.
@@ -72,12 +72,14 @@ def probabilities(record: Record, look: int, floor: bool) -> list[tuple[float, b
     return [(p, name in truth["effects"]) for name, p in known.items() if name not in also]
 
 
-def stopped_rows(records: Sequence[Record]) -> list[list[str]]:
+def stopped_rows(records: Sequence[StoppingRecord]) -> list[list[str]]:
     """A row of the table for each way to end a campaign."""
     return [_row(name, records, stops) for name, stops in _ways()]
 
 
-def _row(name: str, records: Sequence[Record], stops: "Callable[[list[Look], int], bool]") -> list[str]:
+def _row(
+    name: str, records: Sequence[StoppingRecord], stops: "Callable[[list[Look], int], bool]"
+) -> list[str]:
     at = [ends_at(record, stops) for record in records]
     ends = [record["looks"][k] for record, k in zip(records, at, strict=True)]
     answers = [_answer(look) for look in ends]
@@ -115,9 +117,14 @@ def _row(name: str, records: Sequence[Record], stops: "Callable[[list[Look], int
     ]
 
 
-def _answer(look: dict[str, Any]) -> dict[str, Any]:
+def _answer(look: WatchedLook) -> Answer:
     considered = [{"effect": name, "probability": p} for name, p in look["probability"].items()]
-    return {**look, "effects_considered": considered}
+    return {
+        "verdict": look["verdict"],
+        "effects": look["effects"],
+        "rivals": look["rivals"],
+        "effects_considered": considered,
+    }
 
 
 def _error(campaigns: Sequence[list[tuple[float, bool]]]) -> float:
@@ -131,7 +138,7 @@ def _share(count: int, of: int) -> str:
     return f"{count} of {of} ({100 * low:.{digits}f} to {100 * high:.{digits}f} %)"
 
 
-def surer_by(records: Sequence[Record]) -> tuple[float, float, float]:
+def surer_by(records: Sequence[StoppingRecord]) -> tuple[float, float, float]:
     """By how much the calibration error of effects is larger where campaigns are stopped, and its 95 % interval."""
     both = []
     for record in records:
@@ -144,7 +151,7 @@ def surer_by(records: Sequence[Record]) -> tuple[float, float, float]:
     return more(both), *bootstrap(both, more)
 
 
-def write_stopping(records: Sequence[Record], path: Path, how: str) -> None:
+def write_stopping(records: Sequence[StoppingRecord], path: Path, how: str) -> None:
     """Put the table into a Markdown file under "Stopping"; the rest of the file stays as it is."""
     from labrig.live import MISSED, STEADY
 

@@ -8,7 +8,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from labrig._executor import Executor
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._run import key_of
+from labrig.bench.records import StoppingRecord
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,7 +63,7 @@ def acted(campaign: Campaign, captures: int) -> dict[str, float]:
     }
 
 
-def watch(half: str, name: str, seed: int, captures: int = CAPTURES) -> dict[str, Any]:
+def watch(half: str, name: str, seed: int, captures: int = CAPTURES) -> StoppingRecord:
     """Draw a campaign and diagnose it as it grows; the record is plain JSON."""
     from labrig.diagnosis import diagnose, plain
     from labrig.live import Look
@@ -83,7 +84,7 @@ def watch(half: str, name: str, seed: int, captures: int = CAPTURES) -> dict[str
     return plain({"key": key_of(half, name, seed), "truth": truth, "looks": looks})
 
 
-def stopping_records(folder: Path) -> list[dict[str, Any]]:
+def stopping_records(folder: Path) -> list[StoppingRecord]:
     """The records that are done; a last line that was cut is left out."""
     path, found = folder / RECORDS, []
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
@@ -94,7 +95,7 @@ def stopping_records(folder: Path) -> list[dict[str, Any]]:
     return found
 
 
-def run_stopping(todo: list[tuple[str, str, int]], folder: Path, jobs: int = 1) -> Iterator[dict[str, Any]]:
+def run_stopping(todo: list[tuple[str, str, int]], folder: Path, jobs: int = 1) -> Iterator[StoppingRecord]:
     """Watch campaigns, `jobs` at a time; each record is written as it is done, and skipped if it is there already."""
     folder.mkdir(parents=True, exist_ok=True)
     done = {record["key"] for record in stopping_records(folder)}
@@ -107,5 +108,5 @@ def run_stopping(todo: list[tuple[str, str, int]], folder: Path, jobs: int = 1) 
             yield record
 
 
-def _watch(task: tuple[str, str, int]) -> dict[str, Any]:
+def _watch(task: tuple[str, str, int]) -> StoppingRecord:
     return watch(*task)

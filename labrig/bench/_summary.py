@@ -10,19 +10,35 @@ from labrig.bench._goals import alike, judged
 from labrig.bench._halves import DRAWN_FROM, HALVES
 from labrig.bench._intervals import bootstrap, newcombe, share
 from labrig.bench._judge import POSSIBLE, SURE, brier, calibration_error, called, label, probabilities
+from labrig.bench.records import (
+    Answer,
+    BaselineFigures,
+    BenchSummary,
+    ClassFigures,
+    Figure,
+    HalfFigures,
+    HalvesDifference,
+    Interval,
+    Judged,
+    PartFigures,
+    Record,
+    Spread,
+    Totals,
+    Truth,
+)
 
-Records = list[dict[str, Any]]
+Records = list[Record]
 _NAMED = ("identified", "multiple")
 _FEW = 29  # of fewer campaigns not even the lowest bounds a tenth percentile with 95 %: 1 - 0.9**29 = 0.95
 
 
-def summarise(records: Records, reveal: bool = False) -> dict[str, Any]:
+def summarise(records: Records, reveal: bool = False) -> BenchSummary:
     """All figures of a benchmark, as JSON: for each half, and what differs between them.
 
     Of the exam nothing is said by law, rig, base or campaign, so that nobody tunes to it, unless `reveal` is set.
     """
     halves = {half: [r for r in records if r["truth"]["half"] == half] for half in DRAWN_FROM}
-    out: dict[str, Any] = {
+    out: BenchSummary = {
         "campaigns": len(records),
         "halves": {half: figures(found, reveal or half != "exam") for half, found in halves.items() if found},
     }
@@ -31,16 +47,17 @@ def summarise(records: Records, reveal: bool = False) -> dict[str, Any]:
     return out
 
 
-def figures(records: Records, whole: bool) -> dict[str, Any]:
+def figures(records: Records, whole: bool) -> HalfFigures:
     """The figures of one half; without `whole` only those by class and effect."""
     nameable = [r for r in records if r["truth"]["verdict"] in _NAMED]
     by_class = {name: [r for r in records if r["truth"]["class"] == name] for name in CLASSES}
-    out: dict[str, Any] = {
+    out: HalfFigures = {
         "campaigns": len(records),
         "classes": {name: _class(name, found, whole) for name, found in by_class.items() if found},
         "totals": _totals(records),
         "effects": _by_effect(nameable, lambda truth, k: (truth["effects"][k],)),
         "failures": sum(r["answer"]["verdict"] == "error" for r in records),
+        "goals": [],
     }
     if whole:
         out["confusion"] = _confusion(records)
@@ -53,14 +70,13 @@ def figures(records: Records, whole: bool) -> dict[str, Any]:
     return out
 
 
-def _totals(records: Records) -> dict[str, Any]:
+def _totals(records: Records) -> Totals:
     found = _called(r for r in records if r["truth"]["verdict"] in _NAMED)
     hidden = [r for r in records if r["truth"]["verdict"] == "unknown"]
-    known = [r for r in records if r["answer"].get("probability") is not None]
-    verdicts = [(r["answer"]["probability"], r["right"]) for r in known]
+    verdicts = [(p, r["right"]) for r in records if (p := r["answer"].get("probability")) is not None]
     effects = [trials for r in records if (trials := _trials(r))]
     drops = [d for r in records if r["right"] and _names(r) and (d := _fresh(r)) is not None]
-    boxes = [r["baselines"]["black box"] for r in records if _boxed(r) and r["truth"]["effects"]]
+    boxes = [box for r in records if r["truth"]["effects"] and (box := _others(r).get("black box"))]
     return {
         "right": share(sum(r["right"] for r in records), len(records)),
         "true_sure": share(sum(sure for sure, _ in found), len(found)),
@@ -77,7 +93,7 @@ def _totals(records: Records) -> dict[str, Any]:
     }
 
 
-def _resampled(values: list[Any], figure: Callable[[list[Any]], float]) -> dict[str, Any] | None:
+def _resampled(values: list[Any], figure: Callable[[list[Any]], float]) -> Figure | None:
     """A figure as `share` has it, its interval by resampling campaigns."""
     if not values:
         return None
@@ -93,14 +109,14 @@ def _brier(trials: list[tuple[float, bool]]) -> float:
     return brier([p for p, _ in trials], [right for _, right in trials])
 
 
-def _trials(record: dict[str, Any]) -> list[tuple[float, bool]]:
+def _trials(record: Record) -> list[tuple[float, bool]]:
     """(probability, whether it is there) of each effect considered; names that may stand beside it are left out."""
     truth, known = record["truth"], probabilities(record["answer"]) or {}
     beside = set(truth.get("also") or []) - set(truth["effects"])
     return [(p, name in truth["effects"]) for name, p in known.items() if name not in beside]
 
 
-def _called(records: Iterable[dict[str, Any]]) -> list[tuple[bool, bool]]:
+def _called(records: Iterable[Record]) -> list[tuple[bool, bool]]:
     """(sure, sure or possible) of each hidden effect, where the answer gives probabilities."""
     out = []
     for record in records:
@@ -110,13 +126,13 @@ def _called(records: Iterable[dict[str, Any]]) -> list[tuple[bool, bool]]:
     return out
 
 
-def _class(name: str, records: Records, whole: bool) -> dict[str, Any]:
+def _class(name: str, records: Records, whole: bool) -> ClassFigures:
     count, alarms = len(records), sum(r["false_alarm"] for r in records)
     verdicts: dict[str, int] = {}
     for record in records:
         verdicts[record["answer"]["verdict"]] = verdicts.get(record["answer"]["verdict"], 0) + 1
-    names = sorted({b for r in records for b in r.get("baselines", {})})
-    out = {
+    names = sorted({b for r in records for b in _others(r)})
+    out: ClassFigures = {
         "campaigns": count,
         "right": share(sum(r["right"] for r in records), count),
         "named_among": share(sum(r["near"] for r in records), count) if CLASSES[name].effects else None,
@@ -137,9 +153,9 @@ def _class(name: str, records: Records, whole: bool) -> dict[str, Any]:
     return out
 
 
-def _by(records: Records, key: Callable[[dict[str, Any]], str]) -> list[dict[str, Any]]:
+def _by(records: Records, key: Callable[[Truth], str]) -> list[PartFigures]:
     """Right verdicts and wrong names that were called sure, by a part of the truth."""
-    out = []
+    out: list[PartFigures] = []
     for name in sorted({key(r["truth"]) for r in records}):
         own = [r for r in records if key(r["truth"]) == name]
         found = _called(r for r in own if r["truth"]["verdict"] in _NAMED)
@@ -155,15 +171,13 @@ def _by(records: Records, key: Callable[[dict[str, Any]], str]) -> list[dict[str
     return out
 
 
-def _by_effect(
-    records: Records, key: Callable[[dict[str, Any], int], tuple[str, ...]]
-) -> list[dict[str, Any]]:
+def _by_effect(records: Records, key: Callable[[Truth, int], tuple[str, ...]]) -> list[PartFigures]:
     """The same by hidden effect; a campaign that hides two counts for both, each by whether it itself is named."""
-    found: dict[tuple[str, ...], list[tuple[dict[str, Any], str]]] = {}
+    found: dict[tuple[str, ...], list[tuple[Record, str]]] = {}
     for record in records:
         for k, effect in enumerate(record["truth"]["effects"]):
             found.setdefault(key(record["truth"], k), []).append((record, effect))
-    out = []
+    out: list[PartFigures] = []
     for name, own in sorted(found.items()):
         known = [(r["answer"], e) for r, e in own if probabilities(r["answer"]) is not None]
         sure = sum(e in (called(a, SURE) or ()) for a, e in known)
@@ -180,27 +194,27 @@ def _by_effect(
     return out
 
 
-def _differences(development: Records, exam: Records) -> list[dict[str, Any]]:
+def _differences(development: Records, exam: Records) -> list[HalvesDifference]:
     """Right verdicts of the one half minus those of the other, over the classes that both have, and by class."""
     classes = [name for name in CLASSES if _of(development, [name]) and _of(exam, [name])]
-    out = []
+    out: list[HalvesDifference] = []
     for name, of in [("all", classes), *((name, [name]) for name in classes)]:
         own, other = _of(development, of), _of(exam, of)
         if not own or not other:
             continue
         counts = (sum(r["right"] for r in own), len(own), sum(r["right"] for r in other), len(other))
         low, high = newcombe(*counts)
-        difference: dict[str, Any] = {
-            "what": name,
-            "development": share(counts[0], counts[1]),
-            "exam": share(counts[2], counts[3]),
-            "difference": {
-                "value": counts[0] / counts[1] - counts[2] / counts[3],
-                "low": low,
-                "high": high,
-            },
-        }
-        out.append({**difference, "status": alike(difference["difference"])})
+        value = counts[0] / counts[1] - counts[2] / counts[3]
+        by: Interval = {"value": value, "low": low, "high": high}
+        out.append(
+            {
+                "what": name,
+                "development": share(counts[0], counts[1]),
+                "exam": share(counts[2], counts[3]),
+                "difference": by,
+                "status": alike(by),
+            }
+        )
     return out
 
 
@@ -208,19 +222,19 @@ def _of(records: Records, classes: list[str]) -> Records:
     return [r for r in records if r["truth"]["class"] in classes]
 
 
-def _boxed(record: dict[str, Any]) -> bool:
-    return "black box" in record.get("baselines", {})
+def _others(record: Record) -> dict[str, Judged]:
+    return record.get("baselines", {})
 
 
-def _said(answer: dict[str, Any]) -> str:
+def _said(answer: Answer) -> str:
     names = "+".join(answer["effects"])
     rivals = answer.get("rivals") or []
     others = f" (or {', '.join(map(str, rivals))})" if rivals else ""
     return answer["verdict"] + (f" {names}" if names else "") + others
 
 
-def _baseline(name: str, records: Records) -> dict[str, Any]:
-    found = [r["baselines"][name] for r in records if name in r.get("baselines", {})]
+def _baseline(name: str, records: Records) -> BaselineFigures:
+    found = [_others(r)[name] for r in records if name in _others(r)]
     nameless = any(b.get("names_nothing") for b in found)
     return {
         "right": None if nameless else sum(b["right"] for b in found) / len(found),
@@ -229,16 +243,16 @@ def _baseline(name: str, records: Records) -> dict[str, Any]:
     }
 
 
-def _names(record: dict[str, Any]) -> bool:
+def _names(record: Record) -> bool:
     """Whether the answer says what is missing: `confounded` says that it does not know yet."""
     return record["answer"]["verdict"] in _NAMED
 
 
-def _fresh(record: dict[str, Any]) -> float | None:
+def _fresh(record: Judged) -> float | None:
     return (record.get("fresh") or {}).get("drop")
 
 
-def _low(values: list[float | None]) -> dict[str, float] | None:
+def _low(values: list[float | None]) -> Spread | None:
     """Count, median and tenth percentile of what is known."""
     known = [v for v in values if v is not None]
     if not known:

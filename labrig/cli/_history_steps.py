@@ -3,11 +3,13 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 from rich.console import Console
 from rich.table import Table
+
+from labrig.contents import HistoryContent, Quantity
 
 if TYPE_CHECKING:
     from labrig.api._history import History
@@ -81,7 +83,7 @@ def _print_notes(found: "History") -> None:
         typer.echo(f"note: {note}")
 
 
-def _print_table(summary: dict[str, Any]) -> None:
+def _print_table(summary: HistoryContent) -> None:
     count = "1 run" if len(summary["runs"]) == 1 else f"{len(summary['runs'])} runs"
     table = Table("", "", "first runs", "last run", "changed", title=f"{summary['rig']}: {count}")
     for column in table.columns[2:4]:
@@ -108,7 +110,7 @@ def _labels() -> dict[str, str]:
     return GROUPS
 
 
-def _shown(summary: dict[str, Any], changed: set[tuple[str, str]]) -> list[dict[str, Any]]:
+def _shown(summary: HistoryContent, changed: set[tuple[str, str]]) -> list[Quantity]:
     """Of each group those that changed, and if there are many only the one that is farthest from its first runs."""
     out = []
     for group in _labels():
@@ -119,7 +121,7 @@ def _shown(summary: dict[str, Any], changed: set[tuple[str, str]]) -> list[dict[
     return out
 
 
-def _ends(summary: dict[str, Any], quantity: dict[str, Any]) -> tuple[float, float]:
+def _ends(summary: HistoryContent, quantity: Quantity) -> tuple[float, float]:
     """The median of a quantity's first runs of the last one's kind, and its last value; of a place the distance."""
     import numpy as np
 

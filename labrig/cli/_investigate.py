@@ -1,6 +1,6 @@
 """Commands: investigate."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,6 +9,7 @@ import typer
 
 from labrig.cli._app import app
 from labrig.cli._places import check_folder
+from labrig.contents import Proposed
 
 if TYPE_CHECKING:
     from labrig.investigation import Reporter
@@ -73,7 +74,7 @@ def _screen_reporter(again: str) -> "Reporter":
     from labrig.investigation import Lines
 
     class Terminal(Lines):
-        def proposed(self, summary: Mapping[str, Any]) -> None:
+        def proposed(self, summary: Proposed) -> None:
             print_experiment(summary)
 
         @contextmanager

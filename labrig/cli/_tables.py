@@ -1,10 +1,12 @@
 """The tables that commands print for a person."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 from rich.console import Console
 from rich.table import Table
+
+from labrig.contents import InvestigationContent, Proposed, Summary, Versus
 
 _VERDICTS = {
     "nothing_missing": "nothing is missing: the model is as good as the measurements",
@@ -18,45 +20,49 @@ _WHERE_ROWS = 6
 _RANKING_ROWS = 5
 
 
-def print_summary(summary: dict[str, Any], title: str) -> None:
+def print_summary(content: Mapping[str, Any], title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
+    summary = cast(Summary, content)
     console = Console()
     units = summary["units"]
     error = summary["error"]
-    if "verdict" in summary:
-        console.print(f"verdict: {summary['verdict']} ({_VERDICTS[summary['verdict']]})", highlight=False)
+    if verdict := summary.get("verdict"):
+        console.print(f"verdict: {verdict} ({_VERDICTS[verdict]})", highlight=False)
         _print_effects(console, summary)
     errors = Table(title=f"error, {units} rms")
     for name in error:
         errors.add_column("predictability bound" if name == "ceiling" else name, justify="right")
     errors.add_row(*(f"{float(v):.3g}" if v is not None else "-" for v in error.values()))
     console.print(errors)
-    if summary.get("ranking"):
+    if ranked := summary.get("ranking"):
         ranking = Table("effect", "form", "held-out error", "drop", title="single-effect ranking")
-        for entry in summary["ranking"][:_RANKING_ROWS]:
+        for entry in ranked[:_RANKING_ROWS]:
             ranking.add_row(
                 entry["effect"],
                 entry["form"],
                 f"{entry['heldout_error']:.3g} {units}",
-                f"{entry['drop']:.0%}",
+                f"{entry['drop'] or 0.0:.0%}",
             )
         console.print(ranking)
-    places = [p for p in summary["where"] if p["clear"]][:_WHERE_ROWS]
+    places = [p for p in summary["where"] if p.get("clear")][:_WHERE_ROWS]
     if places:
         table = Table("where it fails", "", "error", "share", title="significantly above noise")
         for p in places:
-            table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p['share']:.0%}")
+            table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p.get('share', 0.0):.0%}")
         console.print(table)
     planned = summary.get("next_experiment") or {}
-    if planned.get("programme"):
-        names = "; ".join(dict.fromkeys(p["probe"] for p in planned["programme"]))
-        console.print(f"next: {names} ({planned['minutes']:.1f} min); labrig next writes it", highlight=False)
+    if programme := planned.get("programme"):
+        names = "; ".join(dict.fromkeys(p["probe"] for p in programme))
+        console.print(
+            f"next: {names} ({planned.get('minutes', 0.0):.1f} min); labrig next writes it", highlight=False
+        )
     for warning in summary.get("warnings", []):
         console.print(f"note: {warning}", highlight=False)
 
 
-def print_versus(summary: dict[str, Any]) -> None:
+def print_versus(content: Mapping[str, Any]) -> None:
     """Print what comparison.json says of two models: the difference, both errors, and where each is nearer."""
+    summary = cast(Versus, content)
     from labrig.view import difference_words, interval_words, share_words, versus_headline
 
     console = Console()
@@ -83,7 +89,7 @@ def print_versus(summary: dict[str, Any]) -> None:
         console.print(f"note: {warning}", highlight=False, soft_wrap=True)
 
 
-def _print_effects(console: Console, summary: dict[str, Any]) -> None:
+def _print_effects(console: Console, summary: Summary) -> None:
     """What is sure and what is possible: some lines, and a table with sizes."""
     from labrig.view import effect_rows, summary_words
 
@@ -109,7 +115,7 @@ def _print_effects(console: Console, summary: dict[str, Any]) -> None:
         console.print(f"not it: {', '.join(others)}", highlight=False, soft_wrap=True)
 
 
-def print_experiment(report: Mapping[str, Any]) -> None:
+def print_experiment(report: Proposed) -> None:
     """The table of probes, what it is expected to say, and why this programme."""
     console = Console(highlight=False)
     console.print(
@@ -119,7 +125,7 @@ def print_experiment(report: Mapping[str, Any]) -> None:
     last = "difference" if named else "information"
     table = Table("probe", "shows", "separates", "times", last, "min", title=f"{report['captures']} captures")
     for probe in report["probes"]:
-        amount = f"{probe['floors']:.2g} floors" if named else f"{probe['nats']:.2g} nats"
+        amount = f"{probe.get('floors', 0.0):.2g} floors" if named else f"{probe.get('nats', 0.0):.2g} nats"
         table.add_row(
             probe["probe"],
             probe["shows"],
@@ -145,7 +151,7 @@ def print_experiment(report: Mapping[str, Any]) -> None:
         console.print(f"note: {warning}", soft_wrap=True)
 
 
-def print_investigation(content: Mapping[str, Any]) -> None:
+def print_investigation(content: InvestigationContent) -> None:
     """The table of an investigation's rounds (the content of investigation.json), and how it ended."""
     console, units = Console(highlight=False), content["units"]
     head = ("round", "programme", "captures", "min", "verdict", "effects", f"error, {units}", "floor")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -11,6 +11,7 @@ from labrig._errors import LabrigError
 from labrig.api._validate import FORMS
 from labrig.cli._app import app
 from labrig.cli._places import check_folder
+from labrig.contents import Realisation
 
 
 @app.command()
@@ -100,7 +101,7 @@ def report(run: Path) -> None:
     typer.echo(f"report: {found.save()}")
 
 
-def _print(summaries: Sequence[dict[str, Any]]) -> None:
+def _print(summaries: Sequence[Realisation]) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -111,19 +112,20 @@ def _print(summaries: Sequence[dict[str, Any]]) -> None:
         table.add_column(column, justify="right")
     for one in summaries:
         refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
+        first = [one["realised_mm"]["mean"]] if one["realised_mm"] else []
         table.add_row(
             one["target"],
             one["model"].removeprefix("the ").removesuffix(" model"),
             *(
-                "-" if one[key] is None else f"{one[key]['mean']:.3f}"
-                for key in (
-                    "hardware_mm",
-                    "predicted_mm",
-                    "realised_mm",
-                    "realised_against_predicted_mm",
-                    "markers_against_predicted_mm",
+                "-" if found is None else f"{found['mean']:.3f}"
+                for found in (
+                    one["hardware_mm"],
+                    one["predicted_mm"],
+                    one["realised_mm"],
+                    one["realised_against_predicted_mm"],
+                    one["markers_against_predicted_mm"],
                 )
             ),
-            f"{min([*refined, one['realised_mm']['mean']]):.3f} ({len(refined)})" if refined else "-",
+            f"{min([*refined, *first]):.3f} ({len(refined)})" if refined else "-",
         )
     Console().print(table)

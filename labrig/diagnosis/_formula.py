@@ -19,8 +19,9 @@ _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
 _ROUNDS = 2
 _KEPT = 12
-_GOOD_ENOUGH = 0.02
-"""A plainer form is good enough if its held-out error is larger by no more than this share, or only by chance."""
+_GOOD_ENOUGH = 0.1
+"""A plainer form is good enough if it errs more than the best by no more than this share of the best's held-out error,
+and of what the best takes off the error; or only by chance."""
 
 
 def fit_named(
@@ -65,8 +66,9 @@ def fit_named(
 
 def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candidate]:
     """The forms of one effect, best first: the plainest that is good enough, then by what they explain of left-out
-    blocks; those within their physical bounds before the others. The plainest is moved off the search's grid if only
-    so it is good enough: a chain of lags fills the gaps of a grid that one lag falls into.
+    blocks; those within their physical bounds before the others. The plainest, and the best of those that are plainer
+    than a family or a chain, are moved off the search's grid first: these fill the gaps of a grid that one lag falls
+    into.
     """
     found = []
     for variant in (*effect.variants(context), *family_forms(effect, context)):
@@ -81,12 +83,14 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     bounded, best = found[0]
     forms = [c for i, (_, c) in enumerate(found) if not _is_repeated(c, found[:i])]
     alike = [c for ok, c in found if ok == bounded]
-    plainest = min(alike, key=lambda c: c.columns.width)
-    if not _good_enough(plainest, best):
-        (plainest,) = refined(streams, context, fit([plainest]), 0).parts
-        if _good_enough(plainest, best):
-            return [plainest, *forms]
     plain = _plainest(alike, best)
+    narrower = [c for c in alike if c.columns.width < plain.columns.width]
+    if narrower:  # off the search's grid a plainer one may be good enough
+        first, formula = min(narrower, key=lambda c: c.columns.width), narrower[0]
+        for one in (first, formula) if formula is not first else (first,):
+            (moved,) = refined(streams, context, fit([one]), 0).parts
+            if _good_enough(moved, best):
+                return [moved, *forms]
     return [plain, *(c for c in forms if c is not plain)]
 
 
@@ -107,11 +111,15 @@ def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
 
     The rule of L. Breiman et al., Classification and Regression Trees, 1984, here from the blocks' differences.
     """
-    left = float(best.columns.streams.base_squares.sum()) - best.score.gain
+    total = float(best.columns.streams.base_squares.sum())
+    before, best_left, left = np.sqrt(
+        np.maximum([total, total - best.score.gain, total - plain.score.gain], 0)
+    )
     lost = best.score.gains - plain.score.gains
     n = len(lost)
     chance = float(np.sqrt(n) * lost.std(ddof=1)) if n > 1 else 0.0
-    return float(lost.sum()) <= max(chance, ((1 + _GOOD_ENOUGH) ** 2 - 1) * left)
+    hardly = left - best_left <= _GOOD_ENOUGH * min(best_left, max(before - best_left, 0.0))
+    return bool(hardly or lost.sum() <= chance)
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:

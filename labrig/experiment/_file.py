@@ -1,10 +1,10 @@
 """An experiment as a procedure file that `labrig run` takes."""
 
 from pathlib import Path
-from typing import Any
 
 import yaml
 
+from labrig.contents import ProgrammePoint
 from labrig.experiment._propose import Experiment
 
 
@@ -26,7 +26,7 @@ def write_procedure(experiment: Experiment, path: Path) -> None:
     partial.replace(path)
 
 
-def _flow(point: dict[str, Any]) -> str:
+def _flow(point: ProgrammePoint) -> str:
     return yaml.safe_dump(
-        point, default_flow_style=True, sort_keys=False, width=10_000, allow_unicode=True
+        dict(point), default_flow_style=True, sort_keys=False, width=10_000, allow_unicode=True
     ).strip()

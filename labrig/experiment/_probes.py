@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.contents import ByHand
 from labrig.effects import Context, Effect
 from labrig.effects.coupling import overlap
 from labrig.experiment._plan import Point, Probe
@@ -35,7 +35,7 @@ BY_HAND = {
 _THEN_MEASURED = {"gravity"}
 
 
-def by_hand(names: Sequence[str], effects: Mapping[str, Effect]) -> list[dict[str, Any]]:
+def by_hand(names: Sequence[str], effects: Mapping[str, Effect]) -> list[ByHand]:
     """What a person could do besides, for the effects among `names` that it would show.
 
     `points`: whether set-points are measured after it.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.contents import Expected, ProbeRow, ProgrammePoint, Proposed
 from labrig.diagnosis import diagnose, prepare, rows_from
 from labrig.effects import Effect, Rows
 from labrig.experiment._plan import Limits, Point, Probe, repeat_labels
@@ -36,28 +37,30 @@ class Experiment:
     repeat label and a probe's name for each.
     """
 
-    summary: dict[str, Any]
+    summary: Proposed
     points: tuple[Point, ...]
     repeats: tuple[str, ...]
     labels: tuple[str, ...]
     limits: Limits = field(repr=False)
     chambers: tuple[str, ...] = ()
 
-    def programme(self) -> list[dict[str, Any]]:
+    def programme(self) -> list[ProgrammePoint]:
         """The points as the `programme` procedure takes them: chambers that are vented are left out."""
-        out = []
+        out: list[ProgrammePoint] = []
         for point, repeat, label in zip(self.points, self.repeats, self.labels, strict=True):
             actuation = self.limits.actuation(point.share)
             named = {c: float(u) for c, u in zip(self.chambers, actuation, strict=True) if u != 0.0}
-            entry: dict[str, Any] = {"pressure_kpa": named, "hold_s": round(point.hold_s, 2)}
-            entry |= {"repeat": repeat} if repeat else {}
-            out.append({**entry, "label": label})
+            hold_s = round(point.hold_s, 2)
+            if repeat:
+                out.append({"pressure_kpa": named, "hold_s": hold_s, "repeat": repeat, "label": label})
+            else:
+                out.append({"pressure_kpa": named, "hold_s": hold_s, "label": label})
         return [*out, *self._with_a_person()]
 
-    def _with_a_person(self) -> list[dict[str, Any]]:
+    def _with_a_person(self) -> list[ProgrammePoint]:
         """Points that need somebody at the rig first: offered, left out of an unattended run."""
         asked = [hand for hand in self.summary["by_hand"] if hand["points"]]
-        out = []
+        out: list[ProgrammePoint] = []
         for hand in asked:
             middle = self.limits.actuation([0.5 * (r + 1.0) for r in self.limits.rest])
             named = {c: float(u) for c, u in zip(self.chambers, middle, strict=True)}
@@ -184,7 +187,7 @@ def _named(
     per_capture = len(points) * problem.streams.residual.shape[1]
     # the errors of one capture hang together: as many numbers count as there are patterns that stand clear
     cautious = 0.5 / np.log(10) * problem.streams.n_patterns / problem.streams.residual.shape[1]
-    expected = [
+    expected: list[Expected] = [
         {
             "true": titles[m],
             "other": titles[n],
@@ -195,7 +198,7 @@ def _named(
         }
         for (m, n), a, g in zip(judge.pairs, apart, goals, strict=True)
     ]
-    probes = []
+    probes: list[ProbeRow] = []
     for name in dict.fromkeys(p.name for p in choice.probes):
         alike = [i for i, p in enumerate(choice.probes) if p.name == name]
         own = [layout.points[0][k] for k in range(len(points)) if owner[k] in alike]
@@ -235,7 +238,7 @@ def _names(found: Mapping[str, Any], rivals: Sequence[Rival]) -> list[str]:
     return list(dict.fromkeys([*found["effects"], *found["rivals"], *(n for r in rivals for n in r.names)]))
 
 
-def _may_not_settle(expected: Sequence[Mapping[str, Any]], minutes: float) -> str:
+def _may_not_settle(expected: Sequence[Expected], minutes: float) -> str:
     open_ = [f"{e['true']} from {e['other']}" for e in expected if not e["settles"]]
     return f"may not be enough to tell {', '.join(open_)} within {minutes:g} min: allow more, or repeat it"
 
@@ -251,7 +254,7 @@ def _unnamed(
     points, owner = points_of(choice)
     carried = str(found.get("carried_by") or "")
     unseen = not carried
-    probes = [
+    probes: list[ProbeRow] = [
         {
             "probe": probe.name,
             "separates": "what was not looked at yet" if unseen else in_words(carried),
@@ -281,14 +284,14 @@ def _experiment(
     found: Mapping[str, Any],
     names: Sequence[str],
     effects: Mapping[str, Effect],
-    probes: list[dict[str, Any]],
-    expected: list[dict[str, Any]],
+    probes: list[ProbeRow],
+    expected: list[Expected],
     why: str,
     warnings: list[str],
 ) -> Experiment:
     rows = problem.context.rows
     whole = Probe("", "", tuple(points))
-    summary = {
+    summary: Proposed = {
         "verdict": str(found["verdict"]),
         "separates": list(names),
         "units": rows.unit[int(problem.counted[0])],

@@ -9,6 +9,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.contents import Distances, Realisation, Registered
 from labrig.ik._batch import MEASURED, solver_of
 from labrig.ik._descent import Pose
 from labrig.ik._evaluate import ShapeModel
@@ -51,7 +52,7 @@ class Outcome:
         """The attempt whose scan is closest to the target."""
         return min(self.attempts, key=lambda one: mean_of(one.height_mm))
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Realisation:
         """Plain values: predicted against asked for, realised against asked for, realised against predicted, mm."""
         first = self.attempts[0]
         realised = first.height_mm
@@ -83,22 +84,21 @@ def mean_of(height_mm: Floats | None) -> float:
     return np.inf if height_mm is None else float(np.nanmean(np.abs(height_mm)))
 
 
-def figures(height_mm: Floats | None) -> dict[str, float] | None:
+def figures(height_mm: Floats | None) -> Distances | None:
     """Mean, 95 % and maximum of the absolute values, and the signed mean; None if nothing is known."""
     if height_mm is None or not np.isfinite(height_mm).any():
         return None
     known = height_mm[np.isfinite(height_mm)]
     absolute = np.abs(known)
-    values = {
-        "mean": absolute.mean(),
-        "p95": np.quantile(absolute, 0.95),
-        "max": absolute.max(),
-        "signed": known.mean(),
+    return {
+        "mean": round(float(absolute.mean()), 4),
+        "p95": round(float(np.quantile(absolute, 0.95)), 4),
+        "max": round(float(absolute.max()), 4),
+        "signed": round(float(known.mean()), 4),
     }
-    return {name: round(float(value), 4) for name, value in values.items()}
 
 
-def _registration(found: Registration) -> dict[str, float]:
+def _registration(found: Registration) -> Registered:
     return {
         "rms_mm": round(found.rms_mm, 4),
         "share": round(found.share, 4),

@@ -13,7 +13,7 @@ from labrig.investigation._programmes import (
 )
 from labrig.investigation._reporter import Reporter, names_in
 from labrig.investigation._rounds import confirmed, diagnosed, fitted, given_round, measured_round
-from labrig.investigation._state import Settings, State, begun
+from labrig.investigation._state import Settings, State, start_or_resume
 from labrig.investigation._work import Work
 from labrig_drivers import DeviceError
 
@@ -53,7 +53,7 @@ def investigate(
     reporter = reporter or Reporter()
     _check_base(model, settings.model)
     there = settings.out.exists()
-    state = begun(settings, resume)
+    state = start_or_resume(settings, resume)
     work = Work(state, Bench(config, settings.rig_file, settings.realtime), model, reporter)
     try:
         with work.bench.opened():

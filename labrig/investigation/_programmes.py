@@ -82,7 +82,7 @@ def experiment(work: Work, result: "Result", left_min: float) -> Procedure | Non
     found = on_rig(found, config)
     folder = state.folder / f"next-{len(state.rounds)}"
     folder.mkdir(exist_ok=True)
-    write_json(found.summary, folder / "next.json")
+    write_json(dict(found.summary), folder / "next.json")
     write_experiment(found.summary, found.programme(), folder)
     work.reporter.proposed(found.summary)
     return Programme.model_validate({"points": found.programme()})

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from labrig.campaign import Watching
+from labrig.contents import Proposed
 
 if TYPE_CHECKING:
     from labrig.investigation._state import Settings
@@ -22,7 +23,7 @@ class Reporter:
     def diagnosed(self, number: int, summary: Mapping[str, Any]) -> None:
         """All runs so far were diagnosed; `summary` is the content of diagnosis.json."""
 
-    def proposed(self, summary: Mapping[str, Any]) -> None:
+    def proposed(self, summary: Proposed) -> None:
         """The next experiment was found, and will be measured; `summary` is the content of next.json."""
 
     @contextmanager
@@ -50,7 +51,7 @@ class Lines(Reporter):
         """The verdict, and its names."""
         self.say(f"  {summary['verdict']}: {names_in(summary)}")
 
-    def proposed(self, summary: Mapping[str, Any]) -> None:
+    def proposed(self, summary: Proposed) -> None:
         """What is measured next, and why."""
         separates = ", ".join(summary["separates"]) or "what is open"
         self.say(f"next: {summary['captures']} captures to separate {separates}: {summary['why']}")

@@ -73,8 +73,10 @@ def diagnosed(work: Work) -> "Result":
     folder.mkdir(exist_ok=True)
     result.write(folder / "diagnosis.json")
     write_report(result, folder)
-    kept = {k: result.summary[k] for k in ("verdict", "effects", "rivals", "probability", "error")}
-    last |= {**kept, "report": f"{folder.name}/report.html"}
+    summary = result.summary
+    last["verdict"], last["probability"] = summary["verdict"], summary["probability"]
+    last["effects"], last["rivals"] = summary["effects"], summary["rivals"]
+    last["error"], last["report"] = summary["error"], f"{folder.name}/report.html"
     state.units = result.summary["units"]
     state.waterfall = list(result.waterfall)
     state.write()

@@ -3,9 +3,10 @@
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from labrig._errors import LabrigError
+from labrig.contents import Confirmation, InvestigationContent, Round
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -56,8 +57,8 @@ class State:
     state: str = "under way"
     conclusion: str = "Under way."
     units: str = ""
-    rounds: list[dict[str, Any]] = field(default_factory=list)
-    confirmation: dict[str, Any] | None = None
+    rounds: list[Round] = field(default_factory=list)
+    confirmation: Confirmation | None = None
     waterfall: list[Any] = field(default_factory=list)
     model: str | None = None
     warnings: list[str] = field(default_factory=list)
@@ -90,14 +91,19 @@ class State:
             self._opened.append(open_run(run))
         return list(self._opened)
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> InvestigationContent:
         """The content of investigation.json."""
-        head = ("state", "conclusion", "units", "minutes", "rounds", "confirmation")
-        tail = ("waterfall", "model", "warnings")
         return {
-            **{name: getattr(self, name) for name in head},
+            "state": self.state,
+            "conclusion": self.conclusion,
+            "units": self.units,
+            "minutes": self.minutes,
+            "rounds": self.rounds,
+            "confirmation": self.confirmation,
             "budget_min": self.settings.budget_min,
-            **{name: getattr(self, name) for name in tail},
+            "waterfall": self.waterfall,
+            "model": self.model,
+            "warnings": self.warnings,
             "settings": self.settings.content(),
         }
 
@@ -106,7 +112,7 @@ class State:
         from labrig.diagnosis import write_json
         from labrig.view import write_investigation
 
-        write_json(self.content(), self.folder / STATE)
+        write_json(dict(self.content()), self.folder / STATE)
         write_investigation(self.content(), self.folder)
 
     def end(self, state: str, conclusion: str) -> None:
@@ -115,7 +121,7 @@ class State:
         self.write()
 
 
-def read_state(folder: Path) -> dict[str, Any]:
+def read_state(folder: Path) -> InvestigationContent:
     """The content of a folder's investigation.json; raises `LabrigError` where there is none that can be read."""
     try:
         content = json.loads((folder / STATE).read_text(encoding="utf-8"))
@@ -123,10 +129,10 @@ def read_state(folder: Path) -> dict[str, Any]:
         content = None
     if not isinstance(content, dict) or "state" not in content:
         raise LabrigError(f"{folder} holds no investigation: there is no {STATE} that can be read")
-    return content
+    return cast(InvestigationContent, content)
 
 
-def begun(settings: Settings, resume: bool) -> State:
+def start_or_resume(settings: Settings, resume: bool) -> State:
     """A new state in a folder that is made, or the one that is gone on with; raises `LabrigError` for neither."""
     out = settings.out
     if out.is_file():
@@ -150,5 +156,12 @@ def begun(settings: Settings, resume: bool) -> State:
         raise LabrigError(
             f"{out} is finished ({content['state']}): see {out / 'report.html'}, or begin anew in another folder"
         )
-    known = ("rounds", "units", "confirmation", "waterfall", "model", "warnings")
-    return State(settings, **{name: content[name] for name in known})
+    return State(
+        settings,
+        units=content["units"],
+        rounds=content["rounds"],
+        confirmation=content["confirmation"],
+        waterfall=content["waterfall"],
+        model=content["model"],
+        warnings=content["warnings"],
+    )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.contents import ProgrammePoint
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -45,7 +46,7 @@ def propose(
     summary: dict[str, Any],
     low_kpa: Sequence[float],
     high_kpa: Sequence[float],
-) -> list[dict[str, Any]]:
+) -> list[ProgrammePoint]:
     """The points, as the `programme` procedure takes them, that settle best what a diagnosis leaves open.
 
     Empty where nothing is open, or no programme would tell.
@@ -62,14 +63,14 @@ def propose(
     return [point for point in found.programme() if not point.get("by_hand")]
 
 
-def first_probe(points: Sequence[dict[str, Any]], most: int) -> int:
+def first_probe(points: Sequence[ProgrammePoint], most: int) -> int:
     """How many points belong to the first probe, `most` at most: a probe is not cut by the next proposal."""
     label = points[0].get("label")
     alike = next((k for k, point in enumerate(points) if point.get("label") != label), len(points))
     return min(alike, most)
 
 
-def steps_of(points: Sequence[dict[str, Any]], rig: "RigInfo") -> "Steps":
+def steps_of(points: Sequence[ProgrammePoint], rig: "RigInfo") -> "Steps":
     """Actuate, settle, record, for each point."""
     from labrig_procedures import Programme
 

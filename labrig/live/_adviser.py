@@ -4,6 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from labrig.campaign import Actuate, Ask, Note, Record, RigInfo, Step, Steps, Vent
+from labrig.contents import LiveAnswer, ProgrammePoint
 from labrig.live._adapt import Range, first_probe, steps_of
 from labrig.live._look import Look
 from labrig.live._looker import Looker
@@ -41,7 +42,7 @@ class LiveDiagnosis:
     def _begin(self) -> None:
         self.looks, self.ended = [], None
         self._asked_at = self._captures = 0
-        self._points: list[dict[str, Any]] = []
+        self._points: list[ProgrammePoint] = []
 
     def follow(self, plan: Steps, rig: RigInfo) -> Steps:
         """The plan, or what is proposed in its place, with a question before each set-point, to where it is to end."""
@@ -132,7 +133,7 @@ class LiveDiagnosis:
         return [*self.looks, *([Look.from_dict(content["look"])] if "look" in content else [])]
 
     @staticmethod
-    def _take(found: dict[str, Any] | None, content: dict[str, Any]) -> None:
+    def _take(found: LiveAnswer | None, content: dict[str, Any]) -> None:
         """Add to an answer what the process has found."""
         if found is None:
             return

@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
+
+from labrig.contents import LookContent
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,20 @@ class Look:
         """What is left to gain: by how much the error could still fall, to the floor or the ceiling."""
         return max(self.error - max(self.floor, self.ceiling), 0.0)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> LookContent:
         """Plain values, as JSON has them: what is not known is None."""
-        plain = asdict(self)
-        numbers = {name: plain[name] for name in ("base", "error", "floor", "ceiling")}
-        plain |= {name: value if math.isfinite(value) else None for name, value in numbers.items()}
-        return plain | {"effects": list(self.effects)}
+        return {
+            "captures": self.captures,
+            "minutes": self.minutes,
+            "verdict": self.verdict,
+            "effects": list(self.effects),
+            "probability": dict(self.probability),
+            "base": _known(self.base),
+            "error": _known(self.error),
+            "floor": _known(self.floor),
+            "ceiling": _known(self.ceiling),
+            "units": self.units,
+        }
 
     @classmethod
     def from_dict(cls, plain: Mapping[str, Any]) -> "Look":
@@ -76,3 +86,7 @@ class Look:
                 "units": summary.get("units"),
             }
         )
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None

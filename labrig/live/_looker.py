@@ -11,6 +11,8 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
+from labrig.contents import LiveAnswer
+
 LONGEST_S = 300.0
 """A look that takes longer hangs."""
 _ATTEMPTS = 3
@@ -27,7 +29,7 @@ class Looker:
 
     def __init__(self, words: Sequence[str], longest_s: float = LONGEST_S) -> None:
         self._words, self._longest_s = list(words), longest_s
-        self._answers: queue.Queue[tuple[int, dict[str, Any] | None]] = queue.Queue()
+        self._answers: queue.Queue[tuple[int, LiveAnswer | None]] = queue.Queue()
         self._left = _ATTEMPTS
         self._number = 0
         self._process: subprocess.Popen[str] | None = None
@@ -77,15 +79,15 @@ class Looker:
             self._process.stdin.write(json.dumps(question) + "\n")
             self._process.stdin.flush()
 
-    def found(self) -> dict[str, Any] | None:
+    def found(self) -> LiveAnswer | None:
         """The answer, if there is one: a `look`, or the `trouble` that there was. It does not wait."""
         return self._next(0.0)
 
-    def wait(self) -> dict[str, Any] | None:
+    def wait(self) -> LiveAnswer | None:
         """The answer, waited for; None where nothing was asked."""
         return self._next(None) if self._since is not None else None
 
-    def _next(self, wait_s: float | None) -> dict[str, Any] | None:
+    def _next(self, wait_s: float | None) -> LiveAnswer | None:
         while True:
             asked_s = 0.0 if self._since is None else time.monotonic() - self._since
             left_s = max(self._longest_s - asked_s, 0.0)
@@ -103,7 +105,7 @@ class Looker:
             self._since = None
             return answer
 
-    def _again(self, what: str) -> dict[str, Any]:
+    def _again(self, what: str) -> LiveAnswer:
         """Start anew, unless that was done too often."""
         self._kill()
         self._since, self._left = None, self._left - 1

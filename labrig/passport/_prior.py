@@ -7,7 +7,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.effects import Context, Effect, Term, Variant, get
+from labrig.effects import Context, Effect, Term, Variant, get, is_family
 from labrig.model import EffectEntry, Model, find_variant
 from labrig.passport._pool import Pool, pooled
 
@@ -56,6 +56,11 @@ def prior_of(context: Context, name: str, models: Sequence[Model], spread: float
     found = entries_of(name, models)
     effect = get(name, models[0].folder)
     first = found[0][1].model_copy(deep=True)
+    if is_family(first.form):
+        raise LabrigError(
+            f"{found[0][0]}: {name} is there as the weights of a family, which mean nothing one by one; only a formula "
+            "can be carried over: fit it without --prior"
+        )
     for shape in _shapes(context, effect, first):
         values = [_number(entry, shape) for _, entry in found]
         if min(values) > 0:

@@ -17,7 +17,7 @@ from labrig.physics._cache import ArrayCache, content_folder
 from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._shell_rig import has_shell, rig_shell
 from labrig.physics._surface import Surface, as_pressures, reduced_surface
-from labrig.physics._warm import LEAST, Predictor, nearest
+from labrig.physics._warm_start import LEAST_SHAPES, StartPredictor, nearest_state
 from labrig.surface import grid
 
 Node = tuple[int, ...]
@@ -56,7 +56,7 @@ class ShellSurface:
         self._solved: dict[Node, Solution] = {}
         self._places: list[Floats] = []
         self._states: list[Floats] = []
-        self._predictor: Predictor | None = None
+        self._predictor: StartPredictor | None = None
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -116,7 +116,9 @@ class ShellSurface:
         """The equilibrium at pressures (C,), from the best start there is; negative pressures are vented."""
         pressure = np.maximum(pressure_kpa, 0.0)
         place = pressure / self.shell.max_kpa
-        start = self._predictor(place) if self._predictor else nearest(place, self._places, self._states)
+        start = (
+            self._predictor(place) if self._predictor else nearest_state(place, self._places, self._states)
+        )
         try:
             solution = self.shell.solve(pressure, start)
         except LabrigError:
@@ -127,8 +129,10 @@ class ShellSurface:
             self._places.append(place)
             self._states.append(solution.state)
             count = len(self._places)
-            if count >= LEAST and (count & (count - 1) == 0 or count % 32 == 0 or count == LEAST):
-                self._predictor = Predictor.fit(
+            if count >= LEAST_SHAPES and (
+                count & (count - 1) == 0 or count % 32 == 0 or count == LEAST_SHAPES
+            ):
+                self._predictor = StartPredictor.fit(
                     np.array(self._places), np.array(self._states, dtype=np.float32)
                 )
         return solution

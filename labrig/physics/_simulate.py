@@ -31,7 +31,7 @@ from labrig.physics._simulations import (
     write_simulations,
     write_text,
 )
-from labrig.physics._warm import LEAST, Predictor, nearest
+from labrig.physics._warm_start import LEAST_SHAPES, StartPredictor, nearest_state
 
 _FIRST_ROUND, _PER_TASK, _LEARN_FROM = 32, 8, 512
 _PARTS, _PLAN = "parts", "plan.npz"
@@ -44,7 +44,7 @@ class _Task:
     shell: str
     number: NDArray[np.int64]
     pressure_kpa: Floats
-    predictor: Predictor | None
+    predictor: StartPredictor | None
     jacobians: bool
 
 
@@ -85,13 +85,13 @@ def _plan(
         raise LabrigError(f"--count {asked['count']}: at least 2 simulations are needed")
     text = yaml.safe_dump(shell.content(), sort_keys=False, default_flow_style=None, allow_unicode=True)
     plan = folder / _PARTS / _PLAN
-    begun = folder / SHELL_FILE
-    if begun.exists() or (folder / DATA_FILE).exists():
+    shell_file = folder / SHELL_FILE
+    if shell_file.exists() or (folder / DATA_FILE).exists():
         if not resume:
             raise LabrigError(
                 f"{folder}: holds simulations already; --resume goes on, or name another folder"
             )
-        same = begun.is_file() and begun.read_text(encoding="utf-8") == text
+        same = shell_file.is_file() and shell_file.read_text(encoding="utf-8") == text
         known = json.loads((folder / "plan.json").read_text(encoding="utf-8")) if same else {}
         if known != asked:
             raise LabrigError(
@@ -105,7 +105,7 @@ def _plan(
     (folder / _PARTS).mkdir(parents=True, exist_ok=True)
     pressure, kind = sample_pressures(shell, asked["count"], asked["seed"], executor)
     write_text(folder / "plan.json", json.dumps(asked) + "\n")
-    write_text(begun, text)
+    write_text(shell_file, text)
     write_arrays(plan, {"pressure_kpa": pressure, "kind": np.array(kind)})
     return pressure, kind
 
@@ -130,8 +130,8 @@ def _run(
         begin += size
         learned = np.concatenate(places) if places else np.empty((0, pressure.shape[1]))
         predictor = None
-        if len(learned) >= LEAST:
-            predictor = Predictor.fit(learned[:_LEARN_FROM], np.concatenate(states)[:_LEARN_FROM])
+        if len(learned) >= LEAST_SHAPES:
+            predictor = StartPredictor.fit(learned[:_LEARN_FROM], np.concatenate(states)[:_LEARN_FROM])
         cut = [numbers[k : k + _PER_TASK] for k in range(0, size, _PER_TASK)]
         paths = [folder / _PARTS / f"part-{chunk[0]:06d}.npz" for chunk in cut]
         todo = [k for k, path in enumerate(paths) if not path.is_file()]
@@ -185,7 +185,7 @@ def solve_task(task: _Task) -> dict[str, Any]:
     for k, pressure in enumerate(task.pressure_kpa):
         begin = time.process_time()
         place = pressure / shell.max_kpa
-        start = task.predictor(place) if task.predictor is not None else nearest(place, places, states)
+        start = task.predictor(place) if task.predictor is not None else nearest_state(place, places, states)
         try:
             solution = _solved(shell, pressure, start)
             if task.jacobians:

@@ -54,10 +54,10 @@ def open_simulations(path: str | Path) -> Simulations:
     """
     folder = Path(path)
     if not (folder / DATA_FILE).is_file():
-        begun = (folder / SHELL_FILE).is_file()
+        started = (folder / SHELL_FILE).is_file()
         hint = (
             "its simulations are not complete: labrig simulate ... --resume"
-            if begun
+            if started
             else "make it: labrig simulate"
         )
         raise LabrigError(f"{folder}: holds no {DATA_FILE} ({hint})")

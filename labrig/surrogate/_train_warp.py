@@ -10,10 +10,10 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.surface import Mesh, grid
 from labrig.surrogate._captures import Frames, Shot
-from labrig.surrogate._fix import GAIN_SD, fix
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._provenance import provenance
 from labrig.surrogate._scans import frame_of
+from labrig.surrogate._sim_to_real import GAIN_SD, learn_correction
 from labrig.surrogate._warped import WarpedModel
 
 WarpMethod = Literal["ours", "scans", "both", "function", "marker"]
@@ -72,8 +72,8 @@ def train_warp(
         model, left_out, simulated, facts = _paper(forward, frames, method, seed, calibrate)
     else:
         merged = None if method == "scans" or frames is None else frames.merged()
-        fixed = fix(forward, merged, [] if method == "ours" else shots, gain_sd)
-        model, left_out, facts = fixed.model, fixed.left_out_mm, fixed.facts
+        correction = learn_correction(forward, merged, [] if method == "ours" else shots, gain_sd)
+        model, left_out, facts = correction.model, correction.left_out_mm, correction.facts
         simulated = np.zeros(0) if merged is None else _off(forward, merged)
     about = {
         "frames": 0 if frames is None else len(frames),

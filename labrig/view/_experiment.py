@@ -4,8 +4,10 @@ import os
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import cast
 
+from labrig.contents import Confirmation, InvestigationContent, ProgrammePoint, Proposed, Round, Summary
+from labrig.view._figures import Figure
 from labrig.view._naming import names_in_short
 from labrig.view._page import Page, bar, table
 from labrig.view._style import AFTER, BEFORE
@@ -24,7 +26,7 @@ _VERDICTS = {
 }
 
 
-def write_experiment(report: dict[str, Any], programme: Sequence[dict[str, Any]], folder: Path) -> Path:
+def write_experiment(report: Proposed, programme: Sequence[ProgrammePoint], folder: Path) -> Path:
     """Write the page of a proposed experiment (`next.json` and its points) into `folder`; returns its path."""
     separates = " from ".join(word(str(n)) for n in report["separates"]) or "what is open"
     page = Page("labrig: the next experiment")
@@ -43,7 +45,7 @@ def write_experiment(report: dict[str, Any], programme: Sequence[dict[str, Any]]
     return _write(page, folder)
 
 
-def write_investigation(report: dict[str, Any], folder: Path) -> Path:
+def write_investigation(report: InvestigationContent, folder: Path) -> Path:
     """Write the page of an investigation (investigation.json) into `folder`; returns its path."""
     page = Page("labrig: an investigation")
     used = f"{report['minutes']:.1f} of {report['budget_min']:g} min on the rig"
@@ -62,27 +64,27 @@ def write_investigation(report: dict[str, Any], folder: Path) -> Path:
     if report.get("waterfall"):
         page.section("From the model to the noise", "Held-out error of all captures, with what was added.")
         page.add(waterfall_svg([(str(n), float(v)) for n, v in report["waterfall"]], units))
-    if report.get("confirmation"):
-        _confirmation(page, report["confirmation"], units)
+    if confirmation := report["confirmation"]:
+        _confirmation(page, confirmation, units)
     return _write(page, folder)
 
 
-def _round(each: dict[str, Any]) -> list[str]:
+def _round(each: Round) -> list[str]:
     name = escape(str(each["round"]))
-    link = f'<a href="{escape(str(each["report"]))}">{name}</a>' if each.get("report") else name
+    link = f'<a href="{escape(report)}">{name}</a>' if (report := each.get("report")) else name
     return [
         link,
         escape(str(each["programme"])),
         str(each["captures"]),
         f"{each['minutes']:.1f}",
         escape(_VERDICTS.get(str(each["verdict"]), str(each["verdict"]))),
-        escape(names_in_short(each)),
+        escape(names_in_short(cast(Summary, each))),
         number(each["error"]["model"]),
         number(each["error"]["floor"]),
     ]
 
 
-def _confirmation(page: Page, found: dict[str, Any], units: str) -> None:
+def _confirmation(page: Page, found: Confirmation, units: str) -> None:
     page.section("On captures recorded after the verdict", "Another programme, to which nothing was fitted.")
     rows = [
         ["the model as it was", number(found["before"])],
@@ -106,7 +108,7 @@ def _warnings(page: Page, warnings: Sequence[str]) -> None:
         page.add(f'<div class="warnings"><h3>Keep in mind</h3>{lines}</div>')
 
 
-def _probes(page: Page, report: dict[str, Any]) -> None:
+def _probes(page: Page, report: Proposed) -> None:
     key = "floors" if report["expected"] else "nats"
     about = (
         "Difference: what is left of one explanation when the other is fitted to the probe too, in noise floors."
@@ -114,14 +116,14 @@ def _probes(page: Page, report: dict[str, Any]) -> None:
         else "Information about what is not explained yet, nats."
     )
     page.section("The probes", about)
-    top = max((p[key] for p in report["probes"]), default=1.0) or 1.0
+    top = max((p.get(key, 0.0) for p in report["probes"]), default=1.0) or 1.0
     rows = [
         [
             escape(str(p["probe"])),
             escape(str(p["shows"])),
             escape(str(p["separates"])),
             str(p["times"]),
-            f"{bar(p[key] / top, 90)} {number(p[key])}",
+            f"{bar(p.get(key, 0.0) / top, 90)} {number(p.get(key, 0.0))}",
             f"{p['minutes']:.1f}",
         ]
         for p in report["probes"]
@@ -137,7 +139,7 @@ def _probes(page: Page, report: dict[str, Any]) -> None:
     page.add(table(header, rows, ["", "", "", "number", "bars", "number"]))
 
 
-def _expected(page: Page, report: dict[str, Any]) -> None:
+def _expected(page: Page, report: Proposed) -> None:
     if not report["expected"]:
         return
     units = escape(str(report["units"]))
@@ -159,20 +161,20 @@ def _expected(page: Page, report: dict[str, Any]) -> None:
     page.add(table(header, rows, ["", "", "number", "number", ""]))
 
 
-def programme_figure(programme: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def programme_figure(programme: Sequence[ProgrammePoint]) -> Figure:
     """Steps of every chamber's pressure over time, as a figure."""
-    done = [p for p in programme if not p.get("by_hand")]
-    chambers = sorted({c for p in done for c in p["pressure_kpa"]}, key=lambda c: (len(c), c))
+    done = [(p.get("pressure_kpa", {}), p["hold_s"]) for p in programme if not p.get("by_hand")]
+    chambers = sorted({c for kpa, _ in done for c in kpa}, key=lambda c: (len(c), c))
     ends = [0.0]
-    for point in done:
-        ends.append(ends[-1] + point["hold_s"] / 60)
+    for _, hold_s in done:
+        ends.append(ends[-1] + hold_s / 60)
     data = [
         {
             "type": "scatter",
             "mode": "lines",
             "name": chamber,
             "x": [round(e, 4) for e in ends],
-            "y": [*(p["pressure_kpa"].get(chamber, 0.0) for p in done), 0.0],
+            "y": [*(kpa.get(chamber, 0.0) for kpa, _ in done), 0.0],
             "line": {"shape": "hv", "color": _COLOURS[i % len(_COLOURS)], "width": 1.5},
         }
         for i, chamber in enumerate(chambers)

@@ -4,8 +4,9 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from statistics import median
-from typing import Any
+from typing import TypedDict
 
+from labrig.contents import HistoryChange, HistoryContent
 from labrig.view._figures import FONT, Figure, _layout, _plain
 from labrig.view._style import AFTER, BEFORE, FLOOR, GROUPS
 
@@ -28,7 +29,18 @@ _TOLD_APART = 9
 _FIRST = 5
 
 
-def history_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Figure]]:
+class Curve(TypedDict):
+    """A quantity as it is drawn, and its changes; `sd` is None where it is not known."""
+
+    name: str
+    unit: str
+    date: list[str]
+    y: list[float]
+    sd: list[float | None]
+    changes: list[HistoryChange]
+
+
+def history_pictures(content: HistoryContent) -> dict[str, Callable[[], Figure]]:
     """What can be drawn of a history: `effects`, `softness`, `error`, `leaks`, `zeros`, `markers`, `cameras`, `lost`,
 
     `ambient`; of these what was read.
@@ -39,14 +51,14 @@ def history_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Figure]]
     }
 
 
-def series_of(content: dict[str, Any], name: str) -> list[dict[str, Any]]:
+def series_of(content: HistoryContent, name: str) -> list[Curve]:
     """The curves of a picture: `name`, `unit`, `date`, `y` and `sd` (None where unknown) of each, and its `changes`.
 
     A place is drawn as its distance from the middle of the first runs of its kind.
     """
     group, _ = _PICTURES[name]
     wanted = (group, _OVERLAID.get(name))
-    curves = []
+    curves: list[Curve] = []
     for quantity in content["quantities"]:
         if quantity["group"] not in wanted or (group == "frame" and quantity["name"] != "shift"):
             continue
@@ -59,18 +71,24 @@ def series_of(content: dict[str, Any], name: str) -> list[dict[str, Any]]:
             )
         dates = [content["runs"][number]["date"] for number in quantity["runs"]]
         curves.append(
-            {"name": quantity["name"], "unit": quantity["unit"], "date": dates, "y": y, "sd": quantity["sd"]}
-            | {"changes": changes}
+            {
+                "name": quantity["name"],
+                "unit": quantity["unit"],
+                "date": dates,
+                "y": y,
+                "sd": quantity["sd"],
+                "changes": changes,
+            }
         )
     return curves
 
 
-def axis_title(name: str, curves: Sequence[dict[str, Any]]) -> str:
+def axis_title(name: str, curves: Sequence[Curve]) -> str:
     """What the upright axis of a picture says."""
     return _PICTURES[name][1].format(unit="/".join(dict.fromkeys(curve["unit"] for curve in curves)))
 
 
-def colour_of(curves: Sequence[dict[str, Any]], number: int) -> str:
+def colour_of(curves: Sequence[Curve], number: int) -> str:
     """Its own for each of a few curves; of many, all but those that changed are as pale as a noise floor."""
     if len(curves) <= _TOLD_APART:
         return _COLOURS[number % len(_COLOURS)]
@@ -78,7 +96,7 @@ def colour_of(curves: Sequence[dict[str, Any]], number: int) -> str:
     return _COLOURS[changed.index(number) % len(_COLOURS)] if number in changed else FLOOR
 
 
-def _picture(content: dict[str, Any], name: str) -> Figure:
+def _picture(content: HistoryContent, name: str) -> Figure:
     curves = series_of(content, name)
     data: list[Figure] = []
     for number, curve in enumerate(curves):
@@ -113,7 +131,7 @@ def _line(date: str, colour: str = BEFORE) -> Figure:
     return {"type": "line", **place, "line": {"color": colour, "width": 1, "dash": "dot"}}
 
 
-def _fitted(content: dict[str, Any]) -> list[Figure]:
+def _fitted(content: HistoryContent) -> list[Figure]:
     """Where the model was fitted, if that is within the runs."""
     fitted, dates = content["fitted_until"], [run["date"] for run in content["runs"]]
     return [_line(fitted, AFTER)] if fitted and dates and min(dates) <= fitted <= max(dates) else []

@@ -5,12 +5,13 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from labrig.view._history_figures import axis_title, colour_of, history_pictures, series_of
+from labrig.contents import HistoryContent
+from labrig.view._history_figures import Curve, axis_title, colour_of, history_pictures, series_of
 from labrig.view._still import save_still
 from labrig.view._style import BEFORE, FLOOR, INK, MUTED
 
 
-def write_history_picture(content: dict[str, Any], path: Path) -> Path:
+def write_history_picture(content: HistoryContent, path: Path) -> Path:
     """Draw every quantity of a history (the content of history.json) over the dates; the ending names the format.
 
     It is written under another name first, so that a picture is never half a picture.
@@ -30,7 +31,7 @@ def write_history_picture(content: dict[str, Any], path: Path) -> Path:
     return save_still(figure, path)
 
 
-def _draw(axes: Any, name: str, curves: list[dict[str, Any]]) -> None:
+def _draw(axes: Any, name: str, curves: list[Curve]) -> None:
     from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 
     for number, curve in enumerate(curves):

@@ -2,8 +2,8 @@
 
 from html import escape
 from pathlib import Path
-from typing import Any
 
+from labrig.contents import HistoryChange, HistoryContent
 from labrig.view._experiment import _over, _warnings, _write
 from labrig.view._history_figures import history_pictures
 from labrig.view._history_picture import write_history_picture
@@ -29,7 +29,7 @@ _TOLD_FIRST = ("leak", "marker", "frame", "effect", "zero", "gain", "lost", "flo
 """Groups of changes, what says most about its cause first: everything raises the error."""
 
 
-def write_history(content: dict[str, Any], folder: Path) -> Path:
+def write_history(content: HistoryContent, folder: Path) -> Path:
     """Write report.html and history.png of a history (the content of history.json); returns the report's path."""
     folder.mkdir(parents=True, exist_ok=True)
     page = Page(f"labrig: the history of {content['rig']}")
@@ -57,7 +57,7 @@ def write_history(content: dict[str, Any], folder: Path) -> Path:
     return path
 
 
-def history_headline(content: dict[str, Any]) -> str:
+def history_headline(content: HistoryContent) -> str:
     """What came out, in a sentence."""
     changes, count = content["changes"], len(content["runs"])
     if not changes:
@@ -78,7 +78,7 @@ def _runs(count: int) -> str:
     return "1 run" if count == 1 else f"{count} runs"
 
 
-def history_notes(content: dict[str, Any]) -> list[str]:
+def history_notes(content: HistoryContent) -> list[str]:
     """What to keep in mind: runs that were left out, and what one run shows that no other confirms."""
     notes = [f"{each['run']} is left out: {each['why']}" for each in content["left_out"]]
     if content["unconfirmed"]:
@@ -88,7 +88,7 @@ def history_notes(content: dict[str, Any]) -> list[str]:
     return notes
 
 
-def _row(change: dict[str, Any]) -> list[str]:
+def _row(change: HistoryChange) -> list[str]:
     since = " (after the model was fitted)" if change["since_fit"] else ""
     dates = [change[name][:10] for name in ("date", "earliest", "latest", "noticed_date")]
     return [escape(change["words"] + since), *map(escape, dates)]

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from functools import partial
 from itertools import accumulate
-from typing import Any
 
+from labrig.contents import InvestigationContent
 from labrig.view._figures import FONT, Figure, _layout
 from labrig.view._pictures import error_bars
 from labrig.view._style import AFTER, FLOOR
 
 
-def investigation_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Figure]]:
+def investigation_pictures(content: InvestigationContent) -> dict[str, Callable[[], Figure]]:
     """What can be drawn of an investigation (the content of investigation.json), as `pictures_of` does of a result.
 
     `rounds` (error and noise floor after each round, over the time on the rig) and `error` (from the model to the
@@ -22,7 +22,7 @@ def investigation_pictures(content: dict[str, Any]) -> dict[str, Callable[[], Fi
     return pictures
 
 
-def _rounds(content: dict[str, Any]) -> Figure:
+def _rounds(content: InvestigationContent) -> Figure:
     rounds = content["rounds"]
     minutes = list(accumulate(each["minutes"] for each in rounds))
     names = [f"{each['round']}: {each['programme']}, {each['verdict']}" for each in rounds]

@@ -1,8 +1,8 @@
 """Sure, possible, not it: what a diagnosis says of each effect, in words."""
 
 from dataclasses import dataclass
-from typing import Any
 
+from labrig.contents import Summary
 from labrig.view._text import capital, give_or_take, listed, percent, with_unit, word
 
 WORTH_SAYING = 0.1  # of the floor: what is smaller, and has no name, is not spoken of
@@ -42,7 +42,7 @@ class Called:
         return word(self.effect)
 
 
-def called(summary: dict[str, Any]) -> list[Called]:
+def called(summary: Summary) -> list[Called]:
     """Every effect that was considered, surest first; of an older diagnosis, those that it names."""
     out = []
     for row in summary.get("effects_considered") or []:
@@ -58,12 +58,12 @@ def called(summary: dict[str, Any]) -> list[Called]:
     return out
 
 
-def sure(summary: dict[str, Any]) -> list[Called]:
+def sure(summary: Summary) -> list[Called]:
     """The effects that are sure."""
     return [one for one in called(summary) if one.call == "sure"]
 
 
-def possible(summary: dict[str, Any]) -> list[Called]:
+def possible(summary: Summary) -> list[Called]:
     """The effects that may be there, or not."""
     return [one for one in called(summary) if one.call == "possible"]
 
@@ -73,7 +73,7 @@ def names(found: list[Called]) -> list[str]:
     return [one.effect for one in found]
 
 
-def added(summary: dict[str, Any]) -> list[str]:
+def added(summary: Summary) -> list[str]:
     """What the model of `error.model` has and the base has not: what is sure, else the likeliest beside it too."""
     effects = [str(name) for name in summary.get("effects") or []]
     if summary.get("verdict") == "confounded":
@@ -86,7 +86,7 @@ def size_words(one: Called, units: str) -> str:
     return "" if one.size is None else with_unit(give_or_take(one.size, one.size_sd), units)
 
 
-def naming(summary: dict[str, Any]) -> str:
+def naming(summary: Summary) -> str:
     """`hysteresis, sure (over 99 %, 2.1 ± 0.1 mm); possible beside it: regulator (34 %); ...`."""
     verdict, units = str(summary.get("verdict", "")), str(summary.get("units", ""))
     if verdict == "underpowered":
@@ -112,7 +112,7 @@ def naming(summary: dict[str, Any]) -> str:
     return "; ".join(parts)
 
 
-def effect_rows(summary: dict[str, Any]) -> list[tuple[str, str, str, str, str]]:
+def effect_rows(summary: Summary) -> list[tuple[str, str, str, str, str]]:
     """Every effect as a row of words: name, call, probability, size, size in floors; none where nothing was weighed."""
     found = called(summary)
     if summary.get("verdict") == "underpowered" and not any(one.probability for one in found):
@@ -129,7 +129,7 @@ def effect_rows(summary: dict[str, Any]) -> list[tuple[str, str, str, str, str]]
     ]
 
 
-def names_in_short(summary: dict[str, Any]) -> str:
+def names_in_short(summary: Summary) -> str:
     """For the cell of a table: `hysteresis (sure); regulator 34 %, stiffening 12 %`."""
     certain, perhaps = sure(summary), possible(summary)
     parts = [f"{', '.join(one.name for one in certain)} (sure)"] if certain else []
@@ -145,7 +145,7 @@ def _with_figures(one: Called, units: str) -> str:
     return f"{one.name}, sure" + (f" ({', '.join(figures)})" if figures else "")
 
 
-def share_of_all(summary: dict[str, Any]) -> str:
+def share_of_all(summary: Summary) -> str:
     """How probable the answer is as a whole, in a sentence; empty where `naming` has said it already."""
     probability = summary.get("probability")
     if probability is None:
@@ -167,7 +167,7 @@ def carries(what: str) -> str:
     return _CARRIES.get(what, f"is carried by {what}")
 
 
-def unnamed_words(summary: dict[str, Any]) -> str:
+def unnamed_words(summary: Summary) -> str:
     """What has no name, with its size, in a sentence; empty where nothing of it is worth a word."""
     units, floor = str(summary.get("units", "")), (summary.get("error") or {}).get("floor") or 0.0
     found = sorted((summary.get("unnamed") or {}).items(), key=lambda item: -item[1])
@@ -178,7 +178,7 @@ def unnamed_words(summary: dict[str, Any]) -> str:
     return f"Unexplained by any effect: {'; '.join(parts)}."
 
 
-def naming_sentences(summary: dict[str, Any]) -> list[str]:
+def naming_sentences(summary: Summary) -> list[str]:
     """All of it as sentences, for a report: who, how probable as a whole, and what has no name."""
     said = [f"{capital(naming(summary))}.", share_of_all(summary), unnamed_words(summary)]
     return [sentence for sentence in said if sentence]

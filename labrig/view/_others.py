@@ -1,16 +1,15 @@
 """What else it could be: what is possible beside the answer, and how far the next best comes by itself."""
 
-from typing import Any
-
+from labrig.contents import Ranked, Summary
 from labrig.view._naming import added, names, possible
 from labrig.view._text import capital, listed, number, percent, word
 
 COMES_NEAR = 1.25  # a runner-up's error, as a multiple of the winner's, that is worth a thought
 
 
-def what_else(summary: dict[str, Any]) -> str:
+def what_else(summary: Summary) -> str:
     """The answer to the question what else it could be; empty where there is nothing to say."""
-    verdict, units = summary["verdict"], str(summary.get("units", ""))
+    verdict, units = summary.get("verdict", ""), str(summary.get("units", ""))
     chosen = set(added(summary))
     perhaps = names(possible(summary))
     others = [row for row in summary.get("ranking", []) if str(row.get("effect")) not in chosen]
@@ -37,7 +36,7 @@ def what_else(summary: dict[str, Any]) -> str:
     return " ".join(filter(None, said))
 
 
-def _one_for_all(summary: dict[str, Any]) -> str:
+def _one_for_all(summary: Summary) -> str:
     """Where one of several effects by itself does nearly as well as all of them."""
     chosen, error = set(added(summary)), summary.get("error", {}).get("model") or 0.0
     own = [row for row in summary.get("ranking", []) if str(row.get("effect")) in chosen]
@@ -50,7 +49,7 @@ def _one_for_all(summary: dict[str, Any]) -> str:
     )
 
 
-def _next_best(summary: dict[str, Any], best: dict[str, Any], leaves: str) -> str:
+def _next_best(summary: Summary, best: Ranked, leaves: str) -> str:
     """How far the best of the others comes by itself."""
     name, error = word(str(best["effect"])), summary.get("error", {}).get("model") or 0.0
     alone = best.get("heldout_error", float("inf"))

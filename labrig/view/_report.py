@@ -6,8 +6,9 @@ import re
 from datetime import datetime
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from labrig.contents import Summary, summary_of
 from labrig.view import _figures
 from labrig.view._colours import floor_for_colours
 from labrig.view._explorer import surface_explorer
@@ -62,24 +63,24 @@ def write_report(result: "Result", folder: str | Path) -> Path:
 
 def report_html(result: "Result") -> str:
     """The report as one string of HTML."""
-    words = note(result.summary)
+    words = note(summary_of(result))
     page = Page(f"labrig: {words.headline}")
     _opening(page, result)
     considered(page, result)
     values(page, result)
     _waterfall(page, result)
-    ranking(page, result.summary)
+    ranking(page, summary_of(result))
     _surface(page, result)
     _where(page, result)
     _signatures(page, result)
     pressures(page, result.fields)
     _captures(page, result)
-    _closing(page, result.summary)
+    _closing(page, summary_of(result))
     return page.html()
 
 
 def _opening(page: Page, result: "Result") -> None:
-    summary, fields = result.summary, result.fields
+    summary, fields = summary_of(result), result.fields
     words = note(summary)
     run = str(fields.attrs.get("run", ""))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
@@ -115,12 +116,12 @@ def _opening(page: Page, result: "Result") -> None:
         if answer
     )
     page.add(f'<div class="answers">{shown}</div>')
-    if summary.get("warnings"):
-        lines = "".join(f"<p>{escape(str(line))}</p>" for line in summary["warnings"])
+    if warnings := summary.get("warnings"):
+        lines = "".join(f"<p>{escape(str(line))}</p>" for line in warnings)
         page.add(f'<div class="warnings"><h3>Notes</h3>{lines}</div>')
 
 
-def _errors(summary: dict[str, Any]) -> str:
+def _errors(summary: Summary) -> str:
     verdict = summary.get("verdict")
     new = added(summary)
     after = "with " + ", ".join(word(name) for name in new) if new else "with the best candidate"
@@ -141,16 +142,16 @@ def _errors(summary: dict[str, Any]) -> str:
 def _waterfall(page: Page, result: "Result") -> None:
     if len(result.waterfall) < 2:
         return
-    which = "on held-out captures" if fitted_anything(result.summary) else "of the model as it stands"
+    which = "on held-out captures" if fitted_anything(summary_of(result)) else "of the model as it stands"
     page.section(
         "From the model to the noise",
         f"Root-mean-square error {which}. No model can be better than the noise floor.",
     )
-    page.add(waterfall_svg(result.waterfall, str(result.summary.get("units", ""))))
+    page.add(waterfall_svg(result.waterfall, str(summary_of(result).get("units", ""))))
 
 
 def _surface(page: Page, result: "Result") -> None:
-    summary, markers = result.summary, cloud(result.fields)
+    summary, markers = summary_of(result), cloud(result.fields)
     units = str(summary.get("units", ""))
     both = has_improved(summary)
     if markers is None:
@@ -178,10 +179,10 @@ def _where(page: Page, result: "Result") -> None:
     rows = [row for row in result.where if row["group"] in GROUPS and row["error"] == row["error"]]
     if not rows:
         return
-    units, top = str(result.summary.get("units", "")), max(float(row["error"]) for row in rows) or 1.0
+    units, top = str(summary_of(result).get("units", "")), max(float(row["error"]) for row in rows) or 1.0
     page.section(
         "Where it fails",
-        f"Error of the model as it {'was' if has_improved(result.summary) else 'is'}, in {units}, root mean square "
+        f"Error of the model as it {'was' if has_improved(summary_of(result)) else 'is'}, in {units}, root mean square "
         "per coordinate, and its share of what can be explained. "
         "Pale: not significantly above noise.",
     )
@@ -228,12 +229,12 @@ def _signatures(page: Page, result: "Result") -> None:
 
 
 def _captures(page: Page, result: "Result") -> None:
-    units = str(result.summary.get("units", ""))
-    worst, both = worst_captures(result.fields), has_improved(result.summary)
+    units = str(summary_of(result).get("units", ""))
+    worst, both = worst_captures(result.fields), has_improved(summary_of(result))
     if not worst:
         return
     page.section("Capture by capture", "The error of every capture in the order in which they were taken.")
-    floor = result.summary.get("error", {}).get("floor")
+    floor = summary_of(result).get("error", {}).get("floor")
     page.add(page.plot(_figures.over_captures(result.fields, units, floor, both)))
     page.add("<h3>The worst captures</h3>")
     several = len({capture.session for capture in worst}) > 1
@@ -251,7 +252,7 @@ def _captures(page: Page, result: "Result") -> None:
     page.add(table(header, cells, ["", "", "", "number", "number"][: len(header)]))
 
 
-def _closing(page: Page, summary: dict[str, Any]) -> None:
+def _closing(page: Page, summary: Summary) -> None:
     terms = {
         "Error": "A root mean square over the captures, of markers per coordinate: a distance is 1.73 times as much.",
         "Held out": "Errors are measured on whole blocks of captures that took no part in the fit.",

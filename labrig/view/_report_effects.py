@@ -1,8 +1,9 @@
 """The rooms of the report that go effect by effect: sure, possible or not it, and what each does by itself."""
 
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from labrig.contents import Ranked, Summary, summary_of
 from labrig.view._fields import most_moved_by
 from labrig.view._naming import added, effect_rows
 from labrig.view._page import Page, bar, table
@@ -22,7 +23,7 @@ _ABOUT = (
 
 def considered(page: Page, result: "Result") -> None:
     """Every effect of the library: sure, possible, or not it."""
-    summary = result.summary
+    summary = summary_of(result)
     rows = effect_rows(summary) if summary.get("verdict") and summary.get("effects_considered") else []
     if not rows:
         return
@@ -77,7 +78,7 @@ def _values(one: Fitted) -> str:
     return f'<p class="values"><b>{escape(capital(word(one.effect)))}</b>{escape(form)}: {said}{values}</p>'
 
 
-def ranking(page: Page, summary: dict[str, Any]) -> None:
+def ranking(page: Page, summary: Summary) -> None:
     """The likeliest effects, each by itself: the error with it alone, and its values."""
     rows = summary.get("ranking", [])
     if not rows:
@@ -90,11 +91,11 @@ def ranking(page: Page, summary: dict[str, Any]) -> None:
         "explainable error that it removes. A wrong effect can score well too: trust the probabilities above.",
     )
 
-    def cells(row: dict[str, Any]) -> list[str]:
+    def cells(row: Ranked) -> list[str]:
         drop = row.get("drop")
         share = "–" if drop is None else f"{100 * max(0.0, drop):.0f}"
-        uncertainty = f" ± {max(1, round(100 * row['se']))}" if row.get("se") is not None else ""
-        form = f"{row['form']}: " if row.get("form") else ""
+        uncertainty = f" ± {max(1, round(100 * se))}" if (se := row.get("se")) is not None else ""
+        form = f"{named}: " if (named := row.get("form")) else ""
         return [
             escape(word(str(row.get("effect")))),
             number(row.get("heldout_error")),

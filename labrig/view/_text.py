@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from labrig.contents import Summary
+
 NO_BREAK = "\u00a0"
 
 
@@ -61,7 +63,7 @@ def counted(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
-def amount(summary: dict[str, Any], which: str) -> str:
+def amount(summary: Summary, which: str) -> str:
     """One of the errors with its unit, such as `1.92 mm`."""
     return with_unit(number(summary.get("error", {}).get(which)), summary.get("units", ""))
 

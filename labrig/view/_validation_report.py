@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from datetime import datetime
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig.contents import Distances, Realisation
 from labrig.view._ik_report import REPORT_NAME, write_page
 from labrig.view._page import Page, table
 from labrig.view._shape_figures import histogram, signed_map
@@ -50,10 +51,10 @@ def validation_page(outcomes: Sequence["Outcome"], run: str | Path) -> Page:
     return page
 
 
-def _headline(summaries: Sequence[dict[str, Any]]) -> str:
+def _headline(summaries: Sequence[Realisation]) -> str:
     whole = [one for one in summaries if one["model"] == "the whole model"]
-    realised = [one["realised_mm"]["mean"] for one in whole if one["realised_mm"]]
-    differ = [one["realised_against_predicted_mm"]["mean"] for one in whole if one["realised_mm"]]
+    realised = [found["mean"] for one in whole if (found := one["realised_mm"])]
+    differ = [found["mean"] for one in whole if (found := one["realised_against_predicted_mm"])]
     if not realised:
         markers = [
             one["markers_against_predicted_mm"]["mean"]
@@ -69,7 +70,7 @@ def _headline(summaries: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def _table(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
+def _table(page: Page, summaries: Sequence[Realisation]) -> None:
     page.section(
         "Every realisation",
         "Absolute distances, mm: mean / 95 % / maximum over the target’s points that have the surface opposite. "
@@ -79,7 +80,8 @@ def _table(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
     rows = []
     for one in summaries:
         refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]
-        closest = min([*refined, one["realised_mm"]["mean"]]) if refined else 0.0
+        first = one["realised_mm"]
+        closest = min([*refined, *([first["mean"]] if first else [])]) if refined else 0.0
         refining = f"{number(closest)} with {counted(len(refined), 'scan')} more" if refined else "–"
         rows.append(
             [
@@ -104,11 +106,11 @@ def _table(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
         )
 
 
-def _three(values: dict[str, float] | None) -> str:
+def _three(values: Distances | None) -> str:
     return "–" if values is None else " / ".join(number(values[key]) for key in ("mean", "p95", "max"))
 
 
-def _forms(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
+def _forms(page: Page, summaries: Sequence[Realisation]) -> None:
     """With and without: means over the targets that were realised with every form."""
     forms = list(dict.fromkeys(one["model"] for one in summaries))
     if len(forms) < 2:
@@ -123,12 +125,12 @@ def _forms(page: Page, summaries: Sequence[dict[str, Any]]) -> None:
     page.add(table(["model", "realised", "realised – predicted"], rows, ["", "number", "number"]))
 
 
-def _mean(summaries: Sequence[dict[str, Any]], key: str) -> str:
+def _mean(summaries: Sequence[Realisation], key: str) -> str:
     known = [one[key]["mean"] for one in summaries if one[key]]
     return number(float(np.mean(known))) if known else "–"
 
 
-def _outcome(page: Page, outcome: "Outcome", summary: dict[str, Any]) -> None:
+def _outcome(page: Page, outcome: "Outcome", summary: Realisation) -> None:
     trial, mesh = outcome.trial, outcome.trial.target.mesh
     realised = outcome.attempts[0].height_mm
     page.section(
@@ -161,7 +163,7 @@ def _outcome(page: Page, outcome: "Outcome", summary: dict[str, Any]) -> None:
     page.add(page.plot(histogram(shown, 1.3 * top)))
 
 
-def _scan(summary: dict[str, Any]) -> str:
+def _scan(summary: Realisation) -> str:
     found = summary["registration"]
     if found is None:
         return "No scan."

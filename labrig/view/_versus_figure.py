@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Sequence
-from typing import Any
 
+from labrig.contents import PlaceGap
 from labrig.view._figures import FONT, Figure, _layout
 from labrig.view._style import AFTER, BEFORE, FLOOR, INK
 
@@ -11,7 +11,7 @@ MOST_ROWS = 12
 _ROW_PX, _MARGIN_PX = 22, 76
 
 
-def differences(rows: Sequence[dict[str, Any]], names: tuple[str, str], units: str) -> Figure:
+def differences(rows: Sequence[PlaceGap], names: tuple[str, str], units: str) -> Figure:
     """One line for each place, those that differ most: the first model's error minus the second's.
 
     Of `rows` with `name`, `error` (of both), `value`, `low`, `high`, `better`; places are named in their natural order.

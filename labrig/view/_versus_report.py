@@ -5,8 +5,9 @@ from datetime import datetime
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from labrig.contents import PlaceGap, Versus, versus_of
 from labrig.view._colours import floor_for_colours
 from labrig.view._explorer import surface_explorer
 from labrig.view._fields import capture_words, cloud, skin
@@ -35,7 +36,7 @@ def write_versus(result: "Result", folder: str | Path) -> Path:
 
 def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
     """What can be drawn of two models: `error`, `fit`, `captures`, a `surface NAME` each, and `where GROUP`."""
-    summary, units, names = result.summary, str(result.summary["units"]), _names(result.summary)
+    summary, units, names = versus_of(result), str(versus_of(result)["units"]), _names(versus_of(result))
     floor = float(summary["error"]["floor"])
     pictures: dict[str, Callable[[], Figure]] = {"error": partial(error_bars, result.waterfall, units)}
     markers = cloud(result.fields)
@@ -52,7 +53,7 @@ def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
 
 def versus_page(result: "Result") -> Page:
     """The page, figures included."""
-    summary, names = result.summary, _names(result.summary)
+    summary, names = versus_of(result), _names(versus_of(result))
     units = str(summary["units"])
     headline = versus_headline(summary)
     page = Page(f"labrig: {headline}")
@@ -71,19 +72,19 @@ def versus_page(result: "Result") -> Page:
     return page
 
 
-def _names(summary: dict[str, Any]) -> tuple[str, str]:
+def _names(summary: Versus) -> tuple[str, str]:
     first, second = (str(model["name"]) for model in summary["models"])
     return first, second
 
 
-def _by_group(summary: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
+def _by_group(summary: Versus) -> dict[str, list[PlaceGap]]:
     rows = [row for row in summary["where"] if row["low"] == row["low"]]
     groups = {group: [row for row in rows if row["group"] == group] for group in GROUPS}
     return {group: inside for group, inside in groups.items() if inside}
 
 
 def _opening(page: Page, result: "Result", headline: str) -> None:
-    summary, fields, names = result.summary, result.fields, _names(result.summary)
+    summary, fields, names = versus_of(result), result.fields, _names(versus_of(result))
     units = escape(str(summary["units"]))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
     run = Path(str(fields.attrs.get("run", ""))).name
@@ -119,12 +120,12 @@ def _surface(page: Page, result: "Result", names: tuple[str, str], units: str) -
         "The error of each marker over the run, per coordinate, in noise floors, with one scale for both models. Turn "
         "it with the mouse; pick a capture to see its shape.",
     )
-    floor = floor_for_colours(result.summary["error"]["floor"], markers.before_mm)
+    floor = floor_for_colours(versus_of(result)["error"]["floor"], markers.before_mm)
     captures = [capture_words(result.fields, n) for n in range(result.fields.sizes["capture"])]
     surface_explorer(page, markers, skin(markers.rest_mm), floor, units, names, captures, names)
 
 
-def _places(page: Page, summary: dict[str, Any], names: tuple[str, str], units: str) -> None:
+def _places(page: Page, summary: Versus, names: tuple[str, str], units: str) -> None:
     groups = _by_group(summary)
     if not groups:
         return

@@ -1,12 +1,12 @@
 """Two models on the same measurements, in words."""
 
 import math
-from typing import Any
 
+from labrig.contents import Gap, Versus
 from labrig.view._text import NO_BREAK, number, percent, with_unit
 
 
-def versus_headline(summary: dict[str, Any]) -> str:
+def versus_headline(summary: Versus) -> str:
     """Which model is nearer to the measurements and by how much, or that the run cannot tell."""
     first, second = (str(model["name"]) for model in summary["models"])
     if summary["better"] is None:
@@ -16,7 +16,7 @@ def versus_headline(summary: dict[str, Any]) -> str:
     return f"“{summary['better']}” is nearer to the measurements than “{other}”, by {gap}"
 
 
-def difference_words(summary: dict[str, Any]) -> str:
+def difference_words(summary: Versus) -> str:
     """The difference of the errors, with its interval."""
     first, second = (str(model["name"]) for model in summary["models"])
     found, units = summary["difference"], summary["units"]
@@ -28,7 +28,7 @@ def difference_words(summary: dict[str, Any]) -> str:
     return f"{said} ({percent(found['level'])} interval {ends}, from {found['blocks']} blocks of captures)."
 
 
-def interval_words(found: dict[str, Any]) -> tuple[str, str]:
+def interval_words(found: Gap) -> tuple[str, str]:
     """A difference and `low to high`, both to two digits of the interval's half width; without one, no interval."""
     low, high = found["low"], found["high"]
     half = (high - low) / 2
@@ -39,7 +39,7 @@ def interval_words(found: dict[str, Any]) -> tuple[str, str]:
     return value, f"{low} to {high}"
 
 
-def share_words(summary: dict[str, Any]) -> str:
+def share_words(summary: Versus) -> str:
     """What the difference means beside the noise floor."""
     floor, units = summary["error"]["floor"], summary["units"]
     errors = [float(model["error"]) for model in summary["models"]]

@@ -1,8 +1,10 @@
 """A verdict in words: what a colleague would write on top of the pictures."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
+from labrig.contents import Next, Summary
 from labrig.view._naming import (
     added,
     carries,
@@ -50,19 +52,20 @@ class Note:
     named: str = ""
 
 
-def has_improved(summary: dict[str, Any]) -> bool:
+def has_improved(summary: Summary) -> bool:
     """Whether there is a before and an after to show."""
     base, model = (summary.get("error", {}).get(which) for which in ("base", "model"))
     return base is not None and model is not None and model < 0.995 * base
 
 
-def fitted_anything(summary: dict[str, Any]) -> bool:
+def fitted_anything(summary: Summary) -> bool:
     """Whether effects were fitted at all: not in a comparison."""
     return "base" in summary.get("error", {})
 
 
-def note(summary: dict[str, Any]) -> Note:
+def note(content: Mapping[str, Any]) -> Note:
     """Put a diagnosis into words, or a comparison or an improvement, which have no verdict."""
+    summary = cast(Summary, content)
     verdict = str(summary.get("verdict", ""))
     if verdict not in VERDICTS and summary.get("effects"):
         return Note("improved model", _improved(summary), _where(summary), "", AFTER_IMPROVING)
@@ -89,8 +92,9 @@ class Lines:
     unnamed: str = ""
 
 
-def summary_words(summary: dict[str, Any]) -> Lines:
+def summary_words(content: Mapping[str, Any]) -> Lines:
     """What a command prints about a diagnosis, a comparison or an improvement."""
+    summary = cast(Summary, content)
     words = note(summary)
     if str(summary.get("verdict", "")) not in VERDICTS:
         return Lines(words.headline, words.verdict)
@@ -100,9 +104,9 @@ def summary_words(summary: dict[str, Any]) -> Lines:
     )
 
 
-def _headline(summary: dict[str, Any]) -> str:
+def _headline(summary: Summary) -> str:
     effects = [str(name) for name in summary.get("effects", [])]
-    match summary["verdict"]:
+    match summary.get("verdict"):
         case "nothing_missing":
             return "Nothing is missing: the model is as good as the measurements."
         case "identified":
@@ -129,10 +133,10 @@ def _either(effects: list[str]) -> str:
     return listed(effects, "or")
 
 
-def _why(summary: dict[str, Any]) -> str:
+def _why(summary: Summary) -> str:
     base, model, floor = (amount(summary, which) for which in ("base", "model", "floor"))
     floor_words = f"the noise floor is {floor}"
-    match summary["verdict"]:
+    match summary.get("verdict"):
         case "nothing_missing":
             return (
                 f"The model's error on held-out captures is {base}, and {floor_words}: nothing is left to explain. "
@@ -168,13 +172,13 @@ def _known(effect: str, what: str) -> str:
     return " ".join(str(getattr(known, what)).split()).rstrip(".") if known else ""
 
 
-def meanings(summary: dict[str, Any]) -> list[str]:
+def meanings(summary: Summary) -> list[str]:
     """One sentence on each effect that was found."""
     texts = [(str(name), _known(str(name), "meaning")) for name in summary.get("effects", [])]
     return [f"{capital(word(name))}: {text[0].lower()}{text[1:]}." for name, text in texts if text]
 
 
-def _explained(summary: dict[str, Any]) -> str:
+def _explained(summary: Summary) -> str:
     error = summary.get("error", {})
     base, model = error.get("base"), error.get("model")
     bottom = [value for value in (error.get("floor"), error.get("ceiling")) if value is not None]
@@ -183,7 +187,7 @@ def _explained(summary: dict[str, Any]) -> str:
     return percent(min(1.0, (base - model) / (base - max(bottom))))
 
 
-def _where(summary: dict[str, Any]) -> str:
+def _where(summary: Summary) -> str:
     """The two clearest places of the failure that stand out from the rest."""
     error = summary.get("error", {})
     usual = error.get("base", error.get("model")) or 0.0
@@ -215,30 +219,33 @@ def _where(summary: dict[str, Any]) -> str:
     return f"It fails most {' and '.join(sentences)}." if sentences else ""
 
 
-def _programme(planned: dict[str, Any]) -> str:
+def _programme(planned: Next) -> str:
     """A proposed programme in two sentences."""
-    names = list(dict.fromkeys(str(p["probe"]).replace(": ", ", ") for p in planned["programme"]))
+    names = list(dict.fromkeys(str(p["probe"]).replace(": ", ", ") for p in planned.get("programme", [])))
     separates = [str(name) for name in planned.get("separates", [])]
     what = f"tell {listed(separates)} apart" if len(separates) > 1 else "learn more"
-    minutes, captures = f"{planned['minutes']:.1f} min", counted(int(planned["captures"]), "capture")
+    minutes, captures = (
+        f"{planned.get('minutes', 0.0):.1f} min",
+        counted(int(planned.get("captures", 0)), "capture"),
+    )
     probes = "; ".join(names)
     return f"A programme of {minutes} and {captures} would {what}: {probes}. `labrig next` writes it for your rig."
 
 
-def next_experiment(summary: dict[str, Any]) -> str:
+def next_experiment(summary: Summary) -> str:
     """What to measure next, in a sentence; what follows from the verdict where no experiment was designed."""
     planned = summary.get("next_experiment") or {}
     if planned.get("programme"):
         return _programme(planned)
     probes = list(dict.fromkeys(str(probe).rstrip(".") for probe in planned.get("probes", [])))
     if probes:
-        known = summary.get("effects", []) if summary["verdict"] == "confounded" else []
+        known = summary.get("effects", []) if summary.get("verdict") == "confounded" else []
         separated = [str(name) for name in planned.get("separates", []) if name not in known]
         why = f"To tell {listed(separated)} apart: " if len(separated) > 1 else "To be sure: "
         if known and len(separated) == 1:
             why = f"To learn whether {listed(separated)} is there too: "
         return why + "; or ".join(probes) + ". `labrig next` makes a procedure of it."
-    match summary["verdict"]:
+    match summary.get("verdict"):
         case "nothing_missing":
             return "None needed. More repeats of the same set-points would reveal smaller effects."
         case "identified" | "multiple":
@@ -254,19 +261,19 @@ def next_experiment(summary: dict[str, Any]) -> str:
             return "Repeat the same set-points more often, with the same history before each."
 
 
-def _compared(summary: dict[str, Any]) -> str:
+def _compared(summary: Summary) -> str:
     return f"The model's error is {amount(summary, 'model')}; the noise floor is {amount(summary, 'floor')}."
 
 
-def _improved(summary: dict[str, Any]) -> str:
+def _improved(summary: Summary) -> str:
     base, model = amount(summary, "base"), amount(summary, "model")
-    effects = listed([str(name) for name in summary["effects"]])
+    effects = listed([str(name) for name in summary.get("effects", [])])
     if has_improved(summary):
         return f"With {effects} the held-out error falls from {base} to {model}."
     return f"Adding {effects} does not help: the held-out error goes from {base} to {model}."
 
 
-def _after_comparison(summary: dict[str, Any]) -> str:
+def _after_comparison(summary: Summary) -> str:
     error = summary.get("error", {})
     model, floor = error.get("model"), error.get("floor")
     if model is None or floor is None:

@@ -20,6 +20,7 @@ SHAPES = {"solve_ik", "train_forward", "train_sim2real", "validate"}
 """What needs a surface that can be solved for; the others are shown on a campaign of markers."""
 
 
+SLOW = {"investigate", "solve_ik"}
 FUNCTIONS = [name for name in labrig.__all__ if inspect.isfunction(getattr(labrig, name))]
 SHOWN = [name for name in labrig.__all__ if ">>>" in (getattr(labrig, name).__doc__ or "")]
 
@@ -88,7 +89,9 @@ def test_every_function_has_an_example() -> None:
     assert [name for name in FUNCTIONS if ">>>" not in (getattr(labrig, name).__doc__ or "")] == []
 
 
-@pytest.mark.parametrize("name", SHOWN)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in SHOWN]
+)
 def test_an_example_runs(
     name: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

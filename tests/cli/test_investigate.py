@@ -26,6 +26,7 @@ def test_a_budget_that_is_too_small(lab, labrig: Run) -> None:
     assert not (folder / "investigation").exists()
 
 
+@pytest.mark.slow
 def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     lab, labrig: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -45,7 +46,7 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
         return true_run(*arguments, **more)
 
     monkeypatch.setattr(_bench, "run", interrupted)
-    line = (*LINE, 7)
+    line = (*LINE, 5)
     code, _, err = labrig(*line)
     assert code == 130
     assert (
@@ -67,7 +68,7 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     assert state["state"] == "settled"
     assert "leak" in named
     assert state["confirmation"]["after"] < 0.3 * state["confirmation"]["before"]
-    assert state["minutes"] <= 7
+    assert state["minutes"] <= 5
     assert "with it the error falls from " in out
     new = yaml.safe_load((folder / "investigation" / "model.new.yaml").read_text())
     assert [e["name"] for e in new["effects"]] == named
@@ -83,6 +84,7 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     )
 
 
+@pytest.mark.slow
 def test_whatever_is_named_an_investigation_comes_to_its_end(lab, labrig: Run) -> None:
     """On a rig that creeps, what one run names is evaluated on all later ones: no round ends in an error."""
     folder = lab("creep")

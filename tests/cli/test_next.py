@@ -72,6 +72,7 @@ def test_bad_procedure_files(lab, labrig: Run, content: str, error: str) -> None
     assert err == f"labrig: {error}\n"
 
 
+@pytest.mark.slow
 def test_next_writes_a_procedure_that_settles(lab, labrig: Run) -> None:
     """On and off at one level leaves a loop's name open; the file that next writes runs, and the name is right."""
     folder = lab("hysteresis")

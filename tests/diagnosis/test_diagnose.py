@@ -8,6 +8,7 @@ import pytest
 
 from labrig.diagnosis import Result, compare, diagnose, write_json
 from labrig.effects._registry import shipped
+from tests.conftest import Lab
 
 LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
 GROUPS = {
@@ -54,11 +55,17 @@ def answer(result: Result) -> tuple[str, set[str]]:
     return result.summary["verdict"], set(result.summary["effects"])
 
 
-def test_the_file_is_of_the_documented_form(make_lab, tmp_path) -> None:
+@pytest.fixture(scope="module")
+def slip(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, dict[str, Any]]:
+    """A rig on which a marker slips, and what the diagnosis' file holds."""
+    folder = tmp_path_factory.mktemp("slip")
+    lab = Lab(folder, captures=40, long_s=LONG_S)
+    return lab, as_json(diagnose(lab.dataset(slipped(lab) + lab.noise()), lab.model()), folder)
+
+
+def test_the_file_is_of_the_documented_form(slip) -> None:
     """diagnosis.json has the keys that others rely on, of the right kinds, and nothing that is not JSON."""
-    lab = make_lab(captures=40, long_s=LONG_S)
-    result = diagnose(lab.dataset(slipped(lab) + lab.noise()), lab.model())
-    content = as_json(result, tmp_path)
+    _, content = slip
     documented = {"verdict", "effects", "probability", "rivals", "units", "error", "where", "ranking"}
     documented |= {"next_experiment", "warnings", "effects_considered"}
     assert set(content) >= documented
@@ -93,10 +100,9 @@ def test_the_file_is_of_the_documented_form(make_lab, tmp_path) -> None:
     assert not any("repeats" in w or "sessions" in w or "outlying" in w for w in content["warnings"])
 
 
-def test_each_effect_is_considered(make_lab, tmp_path) -> None:
+def test_each_effect_is_considered(slip) -> None:
     """The file says of every effect how probable it is, what that comes to, and how large it is, surest first."""
-    lab = make_lab(captures=40, long_s=LONG_S)
-    content = as_json(diagnose(lab.dataset(slipped(lab) + lab.noise()), lab.model()), tmp_path)
+    lab, content = slip
     considered = content["effects_considered"]
     assert {c["effect"] for c in considered} == set(shipped())
     assert [c["probability"] for c in considered] == sorted(
@@ -130,10 +136,9 @@ def test_the_waterfall_falls(make_lab) -> None:
     assert [steps[0], *steps[2:]] == pytest.approx([error[k] for k in ("base", "model", "ceiling", "floor")])
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_noise_is_nothing(make_lab, seed: int) -> None:
+def test_noise_is_nothing(make_lab) -> None:
     """A base that is right up to noise lacks nothing; the model is not changed."""
-    lab = make_lab(captures=40, seed=seed, long_s=LONG_S)
+    lab = make_lab(captures=40, long_s=LONG_S)
     result = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model())
     assert answer(result) == ("nothing_missing", set())
     assert result.improved is None

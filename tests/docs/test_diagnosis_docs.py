@@ -1,12 +1,9 @@
-"""The tutorial and the how-tos of the diagnosis: their files are written, their commands run, in their order.
+"""The how-tos of the diagnosis: their files are written, their commands run, in their order.
 
-A block whose first line is `# NAME` (with an ending) is a file; a block without a language holds commands;
-`text` blocks are output, or what the reader's own names stand in.
+The tutorial is followed in tests/cli/test_demo.py, on the demo that it begins with.
 """
 
 import re
-import shlex
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +13,8 @@ import yaml
 from labrig.diagnosis import diagnose
 from labrig.log import Mapping
 from labrig.model import read_model_file
+from tests.pages import DOCS, Run, blocks, follow
 
-DOCS = Path(__file__).parents[2] / "docs"
 PAGES = (
     "tutorial-hidden-effect.md",
     "how-to/your-data.md",
@@ -27,58 +24,10 @@ PAGES = (
     "reference/diagnosis.md",
 )
 
-Run = Callable[..., tuple[int, str, str]]
-
-
-def blocks(page: str) -> Iterator[tuple[str, str]]:
-    """Language and text of each fenced block of a page."""
-    for found in re.finditer(
-        r"^```(\w*)\n(.*?)^```$", (DOCS / page).read_text("utf-8"), re.MULTILINE | re.DOTALL
-    ):
-        yield found[1], found[2]
-
-
-def follow(page: str, labrig: Run, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
-    """Do what a page says; returns what each command printed."""
-    printed = {}
-    for language, text in blocks(page):
-        first, _, rest = text.partition("\n")
-        if re.fullmatch(r"# [\w./-]+\.\w+", first):
-            path = Path(first[2:])
-            path.parent.mkdir(exist_ok=True)
-            path.write_text(rest if path.suffix == ".csv" else text, encoding="utf-8")
-        elif language == "":
-            for line in text.splitlines():
-                command = line.partition("#")[0]
-                words = shlex.split(command)
-                if words[0] == "cd":
-                    monkeypatch.chdir(words[1])
-                    continue
-                assert words[0] == "labrig", line
-                if words[1] == "workbench":  # a page that stays open; tests/workbench opens it
-                    continue
-                code, out, err = labrig(*words[1:])
-                assert code == 0, (line, err)
-                printed[command.strip()] = out
-    return printed
-
 
 @pytest.fixture(autouse=True)
 def _desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-@pytest.mark.timeout(600)
-def test_the_tutorial(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each command does what the page says that it does."""
-    printed = follow("tutorial-hidden-effect.md", labrig, monkeypatch)
-    assert "identified: creep" in printed["labrig demo --hide creep --seed 3 --out lab"]
-    said = printed["labrig diagnose by-hand --model model.yaml"]
-    assert said.startswith("verdict: identified (one effect is missing)\ncreep, sure (")
-    assert printed["labrig reveal by-hand"] == "creep: 1 mm rms\n"
-    after = printed["labrig diagnose fresh --model better.yaml --out diagnosis-after"]
-    assert after.startswith("verdict: nothing_missing")
-    assert [e.name for e in read_model_file(Path("better.yaml")).effects] == ["creep"]
 
 
 def test_your_data(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:

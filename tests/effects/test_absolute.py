@@ -19,8 +19,8 @@ from labrig.effects._fields import contribution, frame_modes, overlap, term_widt
 from labrig.effects._registry import shipped
 from labrig.model import EffectEntry, FittedOn, Value, base_context, build_base, evaluate
 
-SESSIONS, EACH = 4, 12
-SMALL, FEW = 2 * EACH, 10
+SESSIONS, EACH = 4, 8
+SMALL, FEW = 2 * EACH, 9
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 EDGE = 3
 """Rows at the end of a run whose speed of motion is not yet known as well as later."""

@@ -34,19 +34,20 @@ def found(tmp_path_factory: pytest.TempPathFactory, told: list[str]) -> labrig.I
     """What came of a run that was there already, and two minutes on the rig."""
     folder = tmp_path_factory.mktemp("lab")
     make_lab(folder)
-    labrig.run("capture", folder / "rig.yaml", out=folder / "first", captures=24)
+    labrig.run("capture", folder / "rig.yaml", out=folder / "first", captures=16)
     run, model = labrig.open_run(folder / "first"), labrig.Model.load(folder / "model.yaml")
     return labrig.investigate(
         run, model, folder / "rig.yaml", out=folder / "asked", budget_min=2, reporter=told.append
     )
 
 
+@pytest.mark.slow
 def test_it_begins_with_the_runs_that_are_given(found: labrig.Investigation) -> None:
     """The first round is theirs and takes no time on the rig; what follows is measured, within the budget."""
     rounds = found.rounds
     assert rounds["programme"][0] == "given"
     assert rounds["minutes"][0] == 0
-    assert rounds["captures"][0] == 24
+    assert rounds["captures"][0] == 16
     assert rounds["run"][0] == str(found.folder.parent / "first")
     assert len(rounds) > 1
     assert 0 < found.minutes <= 2

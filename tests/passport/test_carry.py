@@ -175,3 +175,15 @@ def test_what_belongs_to_one_place_is_not_carried(rigs: Path) -> None:
         lab.improve(
             rigs / "b" / "run-6", rigs / "b" / "model.yaml", "marker_slip", prior=rigs / "a" / "fitted.yaml"
         )
+
+
+def test_weights_of_a_family_are_not_carried(rigs: Path, tmp_path: Path) -> None:
+    """A prior in which an effect is no formula is refused in one line, and nothing is written."""
+    content = yaml.safe_load((rigs / "a" / "fitted.yaml").read_text(encoding="utf-8"))
+    weights = {"weights": {"value": [0.1, 0.2], "sd": [0.1, 0.1], "per": ["lag 5.0", "lag 50.0"]}}
+    content["effects"][0] |= {"form": "family, retarded", "parameters": weights}
+    (rigs / "a" / "weighted.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
+    with pytest.raises(LabrigError, match="creep is there as the weights of a family"):
+        lab.improve(
+            rigs / "b" / "run-6", rigs / "b" / "model.yaml", "creep", prior=rigs / "a" / "weighted.yaml"
+        )

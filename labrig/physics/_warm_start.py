@@ -1,4 +1,4 @@
-"""Where to start a solve: what the shapes that are already solved suggest."""
+"""Warm starts of a solve: what the shapes that are already solved suggest."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from labrig.arrays import Floats
 
 _MODES = 64
 _SMOOTHING = 1e-3
-LEAST = 12
+LEAST_SHAPES = 12
 """Shapes below which the nearest one is a better start than any interpolation."""
 
 
 @dataclass(frozen=True)
-class Predictor:
+class StartPredictor:
     """A smooth interpolation of states over pressures: cubic radial functions and a plane, of the states' modes.
 
     `places` (N, C) pressures over their maxima; `weight` (N + 1 + C, K); `modes` (K, D) and `mean` (D,) of states.
@@ -26,7 +26,7 @@ class Predictor:
     mean: NDArray[np.float32]
 
     @classmethod
-    def fit(cls, places: Floats, states: NDArray[np.float32]) -> "Predictor":
+    def fit(cls, places: Floats, states: NDArray[np.float32]) -> "StartPredictor":
         """From solved states (N, D) at `places` (N, C)."""
         mean = states.mean(axis=0)
         off = (states - mean).astype(float)
@@ -50,7 +50,7 @@ class Predictor:
         return self.mean.astype(float) + (near @ self.weight) @ self.modes
 
 
-def nearest(place: Floats, places: list[Floats], states: list[Floats]) -> Floats | None:
+def nearest_state(place: Floats, places: list[Floats], states: list[Floats]) -> Floats | None:
     """The state at the nearest of the solved places, None if there is none."""
     if not places:
         return None

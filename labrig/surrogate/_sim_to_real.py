@@ -1,4 +1,4 @@
-"""labrig's own way from simulation to reality: the field between them, from markers, from scans, or from both."""
+"""labrig's own sim-to-real correction: the field between the two, from markers, from scans, or from both."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -33,7 +33,7 @@ _NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True)
-class Fixed:
+class Correction:
     """A corrected model, and how it did on held-out frames: distances, mm, `left_out` (n,)."""
 
     model: WarpedModel
@@ -41,7 +41,9 @@ class Fixed:
     facts: dict[str, Any]
 
 
-def fix(forward: ForwardModel, frames: Frames | None, shots: list[Shot], gain_sd: float = GAIN_SD) -> Fixed:
+def learn_correction(
+    forward: ForwardModel, frames: Frames | None, shots: list[Shot], gain_sd: float = GAIN_SD
+) -> Correction:
     """Learn the field from the markers of `frames`, from scans, or from both, in the simulator's frame."""
     marker_uv = forward.markers(frames.marker_names) if frames is not None else np.zeros((0, 2))
     scan_uv = _scan_places() if shots else np.zeros((0, 2))
@@ -81,7 +83,7 @@ def fix(forward: ForwardModel, frames: Frames | None, shots: list[Shot], gain_sd
     assert posterior is not None
     assert seen is not None
     errors, doubt = left_out(seen, covariance, places.precision, posterior)
-    return _fixed(forward, places, uv, pressure, posterior, seen, errors, doubt, len(marker_uv), matched)
+    return _correction(forward, places, uv, pressure, posterior, seen, errors, doubt, len(marker_uv), matched)
 
 
 def _settings(
@@ -177,7 +179,7 @@ def _put_scans(
         known[row, first:] = (normal[:, :, None] * normal[:, None, :]) * matched.found[shot][:, None, None]
 
 
-def _fixed(
+def _correction(
     forward: ForwardModel,
     places: Places,
     uv: Floats,
@@ -188,7 +190,7 @@ def _fixed(
     doubt: Floats,
     markers: int,
     matched: Matched | None,
-) -> Fixed:
+) -> Correction:
     settings, x, gain = posterior.settings, seen.x, 1.0 + posterior.theta
     kernel = settings.kernel(x.shape[1])
     still, moving = settings["still"] ** 2, settings["moving"] ** 2
@@ -208,7 +210,7 @@ def _fixed(
         model = replace(model, confidence=confidence_map(matched, distance[:, markers:], used[:, markers:]))
     facts = {"gain": gain.tolist(), "settings": settings.facts(), "set_points": len(x)}
     counted = used[:, :markers] if markers else used
-    return Fixed(model, distance[:, : counted.shape[1]][counted], facts)
+    return Correction(model, distance[:, : counted.shape[1]][counted], facts)
 
 
 def _coefficients(places: Places, weights: Floats, settings: Any) -> Floats:

@@ -1,0 +1,382 @@
+"""The content of the JSON files in which labrig keeps results, as those see it who read one.
+
+What an older version may not have written, or only some commands write, is not required; docs/reference says what each
+field means.
+"""
+
+from typing import TYPE_CHECKING, Any, NotRequired, Required, TypedDict, cast
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Result
+
+Errors = dict[str, float | None]
+"""Root mean square errors by name: `base`, `model`, `floor`, `ceiling`."""
+
+
+class RunNamed(TypedDict):
+    """A run that a result is about: its path, and what it is recognised by."""
+
+    run: str
+    id: str
+
+
+class Place(TypedDict):
+    """A place where a model fails: its error, its share of what is explainable, and whether it is `clear`."""
+
+    group: str
+    name: str
+    error: float
+    share: NotRequired[float]
+    clear: NotRequired[bool]
+
+
+class Considered(TypedDict):
+    """What a diagnosis says of one effect."""
+
+    effect: str
+    probability: float
+    call: str
+    size: NotRequired[float]
+    size_sd: NotRequired[float]
+    size_floors: NotRequired[float]
+    size_sd_floors: NotRequired[float]
+
+
+class Ranked(TypedDict):
+    """One effect, fitted by itself."""
+
+    effect: str
+    form: str
+    heldout_error: float
+    drop: float | None
+    se: NotRequired[float | None]
+    probability: NotRequired[float]
+    parameters: NotRequired[dict[str, Any]]
+
+
+class ProbeNamed(TypedDict):
+    """A probe of a programme, by its name."""
+
+    probe: str
+
+
+class Next(TypedDict, total=False):
+    """What to measure next, in short; with `programme` where one was proposed."""
+
+    separates: list[str]
+    probes: list[str]
+    programme: list[ProbeNamed]
+    minutes: float
+    captures: int
+    why: str
+
+
+class Summary(TypedDict, total=False):
+    """The content of diagnosis.json; of compare.json and improve.json those fields that they have."""
+
+    verdict: str
+    effects: list[str]
+    probability: float
+    rivals: list[str]
+    effects_considered: list[Considered]
+    units: Required[str]
+    error: Required[Errors]
+    where: Required[list[Place]]
+    drop: float
+    ranking: list[Ranked]
+    next_experiment: Next | None
+    carried_by: str | None
+    unnamed: dict[str, float]
+    floor: dict[str, Any]
+    warnings: list[str]
+    added: list[dict[str, Any]]
+    runs: list[RunNamed]
+    model: str | None
+
+
+def summary_of(result: "Result") -> Summary:
+    """What a diagnosis, a comparison with one model or an improvement says, with its shape."""
+    return cast(Summary, result.summary)
+
+
+class Compared(TypedDict):
+    """A model of a comparison, and its error."""
+
+    name: str
+    file: str | None
+    error: float
+
+
+class Gap(TypedDict):
+    """A difference between two models' errors, and its interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Difference(Gap):
+    """The whole difference: also its standard error, the blocks it is from, and the level of its interval."""
+
+    sd: float
+    blocks: int
+    level: float
+
+
+class PlaceGap(Gap):
+    """Both errors of a place, their difference, and the model that is nearer there."""
+
+    group: str
+    name: str
+    error: list[float]
+    better: str | None
+
+
+class Versus(TypedDict):
+    """The content of comparison.json: two models on the same measurements."""
+
+    units: str
+    models: list[Compared]
+    error: dict[str, float]
+    difference: Difference
+    better: str | None
+    where: list[PlaceGap]
+    warnings: list[str]
+
+
+def versus_of(result: "Result") -> Versus:
+    """What a comparison of two models says, with its shape."""
+    return cast(Versus, result.summary)
+
+
+class LookContent(TypedDict):
+    """A look at a campaign that goes on; errors that are not known are None."""
+
+    captures: int
+    minutes: float
+    verdict: str
+    effects: list[str]
+    probability: dict[str, float]
+    base: float | None
+    error: float | None
+    floor: float | None
+    ceiling: float | None
+    units: str
+
+
+class LiveAnswer(TypedDict, total=False):
+    """What the process of a live diagnosis says of a question: its look, what to measure next, or what went wrong."""
+
+    look: LookContent
+    points: list["ProgrammePoint"]
+    trouble: str
+
+
+class HistoryRun(TypedDict):
+    """A run of a rig's history; runs of one `kind` did the same programme."""
+
+    run: str
+    date: str
+    procedure: str
+    kind: str
+
+
+class Quantity(TypedDict):
+    """A reading over the runs that have it: the numbers of these `runs`, its values, and their standard deviations."""
+
+    group: str
+    name: str
+    unit: str
+    runs: list[int]
+    value: list[list[float]]
+    sd: list[float | None]
+
+
+class HistoryChange(TypedDict):
+    """A change of a quantity: from which run on, among which dates, and what it was before and is after."""
+
+    group: str
+    name: str
+    unit: str
+    shape: str
+    begins: int
+    date: str
+    earliest: str
+    latest: str
+    noticed: int
+    noticed_date: str
+    before: list[float]
+    after: list[float]
+    amount: list[float]
+    sd: float
+    odds: float
+    words: str
+    since_fit: bool
+
+
+class LeftOut(TypedDict):
+    """A run that is left out, and why."""
+
+    run: str
+    why: str
+
+
+class HistoryContent(TypedDict):
+    """The content of history.json."""
+
+    rig: str
+    model: str | None
+    fitted_until: str | None
+    alpha: float
+    runs: list[HistoryRun]
+    quantities: list[Quantity]
+    changes: list[HistoryChange]
+    unconfirmed: list[str]
+    left_out: list[LeftOut]
+
+
+class ProgrammePoint(TypedDict):
+    """A set-point of a programme, as the procedure `programme` takes it."""
+
+    hold_s: float
+    label: str
+    pressure_kpa: NotRequired[dict[str, float]]
+    repeat: NotRequired[str]
+    note: NotRequired[str]
+    by_hand: NotRequired[bool]
+
+
+class ProbeRow(TypedDict):
+    """A probe of a proposed experiment, and what it tells."""
+
+    probe: str
+    shows: str
+    separates: str
+    times: int
+    minutes: float
+    floors: NotRequired[float]
+    nats: NotRequired[float]
+    log10_bayes: NotRequired[float]
+
+
+class Expected(TypedDict):
+    """By what one explanation would be off if another is true."""
+
+    true: str
+    other: str
+    apart: float
+    floors: float
+    settles: bool
+    log10_bayes: NotRequired[float]
+
+
+class ByHand(TypedDict):
+    """What a person could do besides."""
+
+    effect: str
+    what: str
+    points: bool
+
+
+class Proposed(TypedDict):
+    """The content of next.json."""
+
+    verdict: str
+    separates: list[str]
+    units: str
+    minutes: float
+    captures: int
+    why: str
+    probes: list[ProbeRow]
+    expected: list[Expected]
+    by_hand: list[ByHand]
+    warnings: list[str]
+    floor: float
+    rig: NotRequired[str]
+    procedure: NotRequired[str]
+
+
+class Round(TypedDict):
+    """A round of an investigation."""
+
+    round: int
+    programme: str
+    run: str
+    minutes: float
+    captures: int
+    verdict: str
+    effects: list[str]
+    rivals: list[str]
+    probability: float | None
+    error: Errors
+    report: NotRequired[str]
+    given: NotRequired[list[str]]
+
+
+class Confirmation(TypedDict):
+    """Errors on captures that were recorded after the verdict."""
+
+    effects: list[str]
+    before: float
+    after: float
+    floor: float
+    drop: float
+    run: str
+
+
+class InvestigationContent(TypedDict):
+    """The content of investigation.json."""
+
+    state: str
+    conclusion: str
+    units: str
+    minutes: float
+    budget_min: float
+    rounds: list[Round]
+    confirmation: Confirmation | None
+    waterfall: list[Any]
+    model: str | None
+    warnings: list[str]
+    settings: dict[str, Any]
+
+
+class Distances(TypedDict):
+    """Distances in mm: mean, 95 %, the largest, and the mean with its sign."""
+
+    mean: float
+    p95: float
+    max: float
+    signed: float
+
+
+class Refined(TypedDict):
+    """A realisation that was corrected by its own scan."""
+
+    pressure_kpa: list[float]
+    realised_mm: Distances | None
+
+
+class Registered(TypedDict):
+    """How a scan was registered."""
+
+    rms_mm: float
+    share: float
+    sd_mm: float
+    iterations: int
+
+
+class Realisation(TypedDict):
+    """One target with one form of the model, as validation.json has it."""
+
+    target: str
+    model: str
+    path: str
+    pressure_kpa: list[float]
+    hardware_mm: Distances | None
+    predicted_mm: Distances | None
+    realised_mm: Distances | None
+    realised_against_predicted_mm: Distances | None
+    markers_against_predicted_mm: Distances | None
+    registration: Registered | None
+    refined: list[Refined]
+    scans: int

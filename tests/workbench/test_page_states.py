@@ -1,0 +1,128 @@
+"""The workbench in a real browser, with one server for all: jobs, addresses, keys, and what a page shows of them."""
+
+import pytest
+
+from tests.workbench.conftest import served
+from tests.workbench.test_page import _at, _error
+
+pytestmark = pytest.mark.usefixtures("browser")
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """A workbench that all tests of this file share: each has runs of its own."""
+    folder = tmp_path_factory.mktemp("shared") / "lab"
+    folder.mkdir()
+    with served(folder) as running:
+        yield running
+
+
+@pytest.fixture
+def compared(open_page, make_run, request):
+    """Makes a run of the test's own, and opens a page that has compared it."""
+
+    def opened():
+        run = make_run(request.node.originalname)
+        page = open_page()
+        page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
+        _error(page)
+        return run, page
+
+    return opened
+
+
+def test_reloading_in_the_middle_of_a_job_loses_nothing(compared):
+    """A page that is loaded again while a diagnosis runs shows it still running, and then what it found."""
+    run, page = compared()
+    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+    page.click("[data-start=diagnose]")
+    page.wait_for_selector(".empty progress")
+    page.reload()
+    page.wait_for_selector(".empty progress")
+    page.wait_for_selector(".effect.sure")
+
+
+def test_a_job_is_cancelled_from_the_page(compared, bench):
+    """Cancel ends the work, and the page says so and offers it again."""
+    run, page = compared()
+    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+    page.click("[data-start=diagnose]")
+    page.wait_for_selector(".empty progress")
+    page.click(".empty [data-cancel]")
+    page.wait_for_selector("text=The last one was cancelled")
+    page.wait_for_selector("[data-start=diagnose]")
+    assert bench.desk.jobs.all()[0].state == "cancelled"
+    assert not (bench.desk.folder / run / "model" / "diagnosis.json").exists()
+
+
+def test_two_pages_agree(compared, open_page):
+    """Work begun on one page is seen on another, and its result appears on both."""
+    run, first = compared()
+    pages = [first, open_page()]
+    for page in pages:
+        page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+        page.wait_for_selector("[data-start=diagnose]")
+    pages[0].click("[data-start=diagnose]")
+    pages[1].wait_for_selector("#jobs.busy")
+    for page in pages:
+        page.wait_for_selector(".effect.sure")
+    assert pages[0].inner_text("h1") == pages[1].inner_text("h1")
+
+
+def test_every_state_has_an_address_and_back_works(compared):
+    """A link leads to a run, a marker and an effect, and the browser's way back passes the same states."""
+    _, page = compared()
+    page.click("text=Where does it fail?")
+    page.click('.bars [data-bar^="marker|"]')
+    _at(page, "kind=marker")
+    marker = page.url
+    page.wait_for_selector("h2:has-text('Marker m')")
+    page.go_back()
+    page.wait_for_selector("h2:has-text('The whole run')")
+    page.goto("about:blank")
+    page.goto(marker)
+    page.wait_for_selector("h2:has-text('Marker m')")
+
+
+def test_the_keyboard_is_enough(compared):
+    """Steps are opened with Alt and their number, and captures stepped through with the arrows."""
+    run, page = compared()
+    page.keyboard.press("ArrowRight")
+    _at(page, "capture=")
+    first = page.inner_text("h2.which")
+    page.keyboard.press("ArrowRight")
+    assert page.inner_text("h2.which") != first
+    page.keyboard.press("Alt+3")
+    _at(page, "/where")
+    page.keyboard.press("Alt+1")
+    page.wait_for_selector(f"[data-run='{run}']")
+
+
+def test_the_scale_of_colours_is_dragged(compared):
+    """The scale stays as it is from capture to capture, and is dragged by its ends."""
+    _, page = compared()
+    ends = page.inner_text(".scale .ends")
+    page.click(".captures li:nth-child(2) button")
+    assert page.inner_text(".scale .ends") == ends
+    box = page.locator(".handle").nth(1).bounding_box()
+    page.mouse.move(box["x"] + 7, box["y"] + 10)
+    page.mouse.down()
+    page.mouse.move(box["x"] - 40, box["y"] + 10)
+    page.mouse.up()
+    _at(page, "scale=")
+    assert page.inner_text(".scale .ends") != ends
+
+
+@pytest.mark.slow
+def test_an_effect_that_does_not_help_says_so(compared, ask):
+    """An effect that is switched on and lowers nothing is marked, and is saved only all the same."""
+    run, page = compared()
+    ask("/api/which", {"run": run, "model": "model.yaml"})
+    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+    page.wait_for_selector(".effect.sure")
+    page.click("text=Add it and watch the error fall")
+    page.wait_for_selector("[data-refined=true]")
+    page.check("[data-effect=delay]")
+    page.wait_for_selector("[data-note=delay].useless")
+    page.wait_for_selector("text=delay does not help beside the others")
+    assert page.inner_text("[data-save]") == "Save all the same"
