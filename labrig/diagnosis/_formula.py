@@ -19,6 +19,8 @@ _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
 _ROUNDS = 2
 _KEPT = 12
+_QUOTED = 0.25
+"""And the error that is quoted may be larger by no more than this: the score forgives a share of what is explained."""
 _GOOD_ENOUGH = 0.1
 """A plainer form is good enough if it errs more than the best by no more than this share of the best's held-out error,
 and of what the best takes off the error; or only by chance."""
@@ -102,8 +104,10 @@ def _is_repeated(candidate: Candidate, before: Sequence[tuple[bool, Candidate]])
 
 def _plainest(options: Sequence[_Fitted], best: _Fitted) -> _Fitted:
     """The narrowest of those that are good enough beside `best`, of equally narrow ones the best."""
-    good = [f for f in options if _good_enough(f, best)]
-    return min(good or [best], key=lambda f: (f.columns.width, -f.score.gain))
+    for one in sorted(options, key=lambda f: (f.columns.width, -f.score.gain)):
+        if one is best or _good_enough(one, best):
+            return one
+    return best
 
 
 def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
@@ -112,14 +116,19 @@ def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
     The rule of L. Breiman et al., Classification and Regression Trees, 1984, here from the blocks' differences.
     """
     total = float(best.columns.streams.base_squares.sum())
-    before, best_left, left = np.sqrt(
-        np.maximum([total, total - best.score.gain, total - plain.score.gain], 0)
-    )
     lost = best.score.gains - plain.score.gains
     n = len(lost)
     chance = float(np.sqrt(n) * lost.std(ddof=1)) if n > 1 else 0.0
-    hardly = left - best_left <= _GOOD_ENOUGH * min(best_left, max(before - best_left, 0.0))
-    return bool(hardly or lost.sum() <= chance)
+    base, least, error = np.sqrt(np.maximum([total, total - best.score.gain, total - plain.score.gain], 0))
+    hardly = error - least <= _GOOD_ENOUGH * min(least, max(base - least, 0.0))
+    return bool(hardly or lost.sum() <= chance) and _quoted(plain) <= (1 + _QUOTED) * _quoted(best)
+
+
+def _quoted(chosen: Candidate | Fit) -> float:
+    """The held-out error as it is quoted."""
+    streams = chosen.columns.streams
+    whole = chosen if isinstance(chosen, Fit) else fit([chosen])
+    return float(np.sqrt(square_of(streams, streams.residual - whole.heldout)))
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from labrig.diagnosis._candidates import Fit, change_of
 from labrig.diagnosis._columns import coefficients
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
-from labrig.effects import Context, Effect, Part, Variant, contribution, is_family
+from labrig.effects import Context, Part, Variant, contribution
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -129,10 +129,7 @@ def signatures_of(
             _pressures(part.variant, each),
             part.variant.shape,
         )
-        by_formula = part.effect.sign
-        sign = (
-            Effect.sign(part.effect, context, shown) if is_family(shown.form) else by_formula(context, shown)
-        )
+        sign = part.effect.sign(context, shown)
         points = {f.name: getattr(sign, f.name) for f in fields(sign)}
         out.append(Signature(name, part.effect.signature, **points, chambers=_by_chamber(context, shown)))
     return out

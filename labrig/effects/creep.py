@@ -9,7 +9,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, lags, pressure
-from labrig.effects._sign import Part, Sign, by_chamber, of_step, shows
+from labrig.effects._sign import Part, Sign, along_own, by_chamber, of_step, shows
 from labrig.effects._skin import lag_behind
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -123,6 +123,8 @@ class Creep(Effect):
             held = of_step(context, part, growth=True)
             if shows(held):
                 return held
+        if "known" not in part.shape:  # a family's weights
+            return along_own(context, part, time, "time in hold", "s")
         rows, known = context.rows, part.shape["known"]
         count = next((n for name, n in ELEMENTS.items() if part.form.startswith(name)), LINKS)
         step = STEP if part.form == "spectrum" else DECADE

@@ -157,7 +157,8 @@ def join_contexts(run: Context, planned: Context) -> Context:
         for name, change in run.inside.items()
         if name in planned.inside
     }
-    return replace(run, rows=rows, inside=inside, _memo={}, **both)
+    displaced = np.concatenate([run.displacement, planned.displacement])
+    return replace(run, rows=rows, inside=inside, displaced=displaced, _memo={}, **both)
 
 
 def _as_the_run(planned: Rows, run: Rows) -> Rows:
