@@ -1,12 +1,13 @@
 """The fitted values of an effect in words: names, units, which chamber, how fast."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from labrig.contents import summary_of
 from labrig.view._naming import added
-from labrig.view._text import give_or_take, number, percent, with_unit, word
+from labrig.view._text import give_or_take, listed, number, percent, with_unit, word
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -16,6 +17,8 @@ _NAMED = 3  # chambers, markers ... of one parameter, where it has more than _FE
 _FEW = 4
 ROTATION = "about "
 _CLEAR = 2.0  # standard deviations from nothing
+_MINUTE_S = 60.0
+_LOST = 0.005  # of the full pressure: less is not spoken of
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,30 @@ def _values(entry: Mapping[str, Any], unit: str) -> str:
 
 def plain_words(effect: str, parameters: Mapping[str, Any]) -> str:
     """What the values come to, in a sentence; empty where they speak for themselves."""
+    if "weights" in parameters:
+        lost = _lost_words(parameters["weights"]) if effect == "leak" else ""
+        follows = (
+            "No formula follows it well enough; these are the largest weights of its family's functions:"
+        )
+        return f"{lost} {follows}".strip()
     return leak_words(parameters) if effect == "leak" else ""
+
+
+def _lost_words(weights: Mapping[str, Any]) -> str:
+    """Which chambers lose most of their full pressure in a minute, by the weights of a leak's family."""
+    loss: dict[str, float] = {}
+    for label, value in zip(weights.get("per") or [], flat(weights.get("value")), strict=False):
+        name, _, chamber = str(label).partition(" of ")
+        kind, tau, *_ = (*name.split(), "")
+        if kind == "lost":
+            loss[chamber] = loss.get(chamber, 0.0) - value * math.expm1(-_MINUTE_S / float(tau))
+    common = loss.pop("", 0.0)
+    each = {chamber: common + own for chamber, own in loss.items()} or {"Every chamber": common}
+    most = sorted(each, key=lambda chamber: -each[chamber])[:_NAMED]
+    said = [f"{name} loses {percent(each[name])}" for name in most if each[name] > _LOST]
+    if not said:
+        return "No single chamber leaks clearly."
+    return f"{listed(said)} of its full pressure in a minute."
 
 
 def leak_words(parameters: Mapping[str, Any]) -> str:

@@ -1,8 +1,9 @@
 """Fitted values in words."""
 
+import numpy as np
 import pytest
 
-from labrig.view._values import leak_words, values_words
+from labrig.view._values import leak_words, plain_words, values_words
 
 CHAMBERS = [f"c{i}" for i in range(1, 6)]
 
@@ -55,3 +56,25 @@ def test_of_many_chambers_the_largest():
 def test_a_leak_says_which_chamber_and_how_fast(parameters, said):
     """The chambers that leak are named, the fastest first, with the share that escapes and the time constant."""
     assert leak_words(parameters).replace("\u00a0", " ") == said
+
+
+def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
+    """Of a family's weights it is said what each chamber loses in a minute, the common part and its own together."""
+    per = [
+        "lost 60.0",
+        "lost 20.0 root",
+        "pocket 20.0",
+        "lost 60.0 of c1",
+        "lost 60.0 of c2",
+        "lost 60.0 of c3",
+    ]
+    weights = {"value": [0.10, 0.05, 3.0, 0.2, -0.10, -0.18], "sd": [0.01] * 6, "per": per, "unit": "1"}
+    said = plain_words("leak", {"weights": weights}).replace("\u00a0", " ")
+    minute, whole = 1 - np.exp(-1), 1 - np.exp(-3)
+    first, second = (round(100 * (own * minute + 0.05 * whole)) for own in (0.3, 0.0))
+    assert said.startswith(
+        f"c1 loses {first} % and c2 loses {second} % of its full pressure in a minute. No formula follows it"
+    )
+    assert plain_words("creep", {"weights": weights}).startswith("No formula follows it")
+    nothing = weights | {"value": [0.0] * 6}
+    assert plain_words("leak", {"weights": nothing}).startswith("No single chamber leaks clearly.")
