@@ -1,7 +1,7 @@
 """An effect's variant as columns of the regression, and the sums that scoring needs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -26,7 +26,7 @@ class Split:
 class Columns:
     """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields.
 
-    `prior` (Q,) is the precision that each coefficient has beforehand, 0 where it is free.
+    `prior` (Q,) is what the run says on average of coefficients that are equally likely beforehand, 0 of free ones.
     """
 
     streams: Streams
@@ -207,10 +207,10 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
     if streams.declared is not None:
         X, E = streams.partial(X), streams.partial(E)
     out = Columns(streams, X, used, E, np.zeros(X.shape[2] + E.shape[2]))
-    share = np.concatenate([np.full(_width(t, streams.n_patterns), t.prior) for t in _in_order(variant)])
-    if share.any():
-        power = np.diagonal(out.sums[0].sum(axis=0))
-        out = replace(out, prior=share * power[share > 0].mean())
+    held = [np.full(_width(t, streams.n_patterns), t.basis is not None) for t in _in_order(variant)]
+    alike = np.concatenate(held) if held else np.zeros(0, dtype=bool)
+    if alike.any():
+        np.copyto(out.prior, np.where(alike, np.diagonal(out.sums[0].sum(axis=0))[alike].mean(), 0.0))
     return out
 
 

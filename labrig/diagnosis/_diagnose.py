@@ -147,7 +147,7 @@ def result_of(
         "carried_by": verdict.carried_by or None,
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
-        "warnings": [*_warnings(ready, verdict), *_hidden(observations, verdict, unit_size, rows.unit[0])],
+        "warnings": [*_warnings(ready, verdict), *_said(observations, verdict, unit_size, rows.unit[0])],
     }
     return Result(
         summary=summary,
@@ -208,15 +208,19 @@ def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> dict[str, 
     return {"separates": names, "probes": [effects[n].experiment for n in names]}
 
 
-def _hidden(observations: Observations, verdict: Verdict, unit_size: float, unit: str) -> list[str]:
-    """What cannot be seen beside effects that are many times as large as the floor."""
-    if not verdict.effects or k.INEXACT * observations.to_explain < 1:
-        return []
-    least = k.INEXACT * observations.to_explain * unit_size
-    return [
-        f"beside {' and '.join(verdict.effects)}, nothing that is smaller than about {least:.2g} {unit} can be seen: "
-        "add it to the model, then diagnose that one on the same run"
+def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: str) -> list[str]:
+    """What cannot be seen beside effects that are many floors large, and what is there beside more without a name."""
+    out = [
+        f"{name} fits a part of it ({size * unit_size:.2g} {unit}), but more than that has no name"
+        for name, size in verdict.within.items()
     ]
+    least = k.INEXACT * observations.to_explain
+    if verdict.effects and least >= 1:
+        out.append(
+            f"beside {' and '.join(verdict.effects)}, nothing that is smaller than about {least * unit_size:.2g} "
+            f"{unit} can be seen: add it to the model, then diagnose that one on the same run"
+        )
+    return out
 
 
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:

@@ -13,7 +13,7 @@ from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._weights import family_forms
-from labrig.effects import Context, Effect, is_family
+from labrig.effects import Context, Effect
 
 _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
@@ -83,7 +83,7 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     if not found:
         return []
     bounded, best = found[0]
-    forms = [c for i, (_, c) in enumerate(found) if not _is_repeated(c, found[:i])]
+    forms = [c for _, c in found]
     alike = [c for ok, c in found if ok == bounded]
     plain = _plainest(alike, best)
     narrower = [c for c in alike if c.columns.width < plain.columns.width]
@@ -94,12 +94,6 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
             if _good_enough(moved, best):
                 return [moved, *forms]
     return [plain, *(c for c in forms if c is not plain)]
-
-
-def _is_repeated(candidate: Candidate, before: Sequence[tuple[bool, Candidate]]) -> bool:
-    """Whether it is a family of which a better one stands before it."""
-    form = candidate.variant.form
-    return is_family(form) and any(c.variant.form == form for _, c in before)
 
 
 def _plainest(options: Sequence[_Fitted], best: _Fitted) -> _Fitted:

@@ -1,6 +1,7 @@
 """Out-of-sample scores: what a set of columns explains of the blocks that it was not fitted to."""
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -8,6 +9,8 @@ from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns, Split
 
 RIDGES = (1e-6, 1e-3, 0.03, 0.3)
+PRIORS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+"""How strongly a family's prior holds its weights, as shares of what the run says of a weight on average."""
 
 
 @dataclass(frozen=True)
@@ -39,21 +42,26 @@ class Score:
 
 
 def score(columns: Columns) -> Score:
-    """Fit without each block, predict it, and keep the ridge that does best; narrow fits need none to choose."""
-    prior = columns.prior
-    ridges = RIDGES if (prior == 0).sum() > 3 else RIDGES[:1]
+    """Fit without each block, predict it, and keep the ridge, and the strength of the prior, that does best.
+
+    Narrow fits need no ridge to choose.
+    """
+    held = columns.prior > 0
+    ridges = RIDGES if (~held).sum() > 3 else RIDGES[:1]
+    tried = list(product(ridges, PRIORS if held.any() else PRIORS[:1]))
     if columns.streams.declared is None and columns.streams.calibrated is None:
         G, c = columns.sums
-        results = [_leave_out(G, c, ridge, prior) for ridge in ridges]
+        results = [_leave_out(G, c, ridge, strength * columns.prior) for ridge, strength in tried]
     else:
         folds = [columns.held_out(f) for f in range(columns.streams.n_groups)]
-        results = [_leave_out_each(folds, ridge, prior) for ridge in ridges]
+        results = [_leave_out_each(folds, ridge, strength * columns.prior) for ridge, strength in tried]
         G, c = columns.sums
     best = int(np.argmax([gains.sum() for gains, _ in results]))
     gains, fold_beta = results[best]
-    inverse = _inverse(G.sum(axis=0), ridges[best], prior)
+    ridge, strength = tried[best]
+    inverse = _inverse(G.sum(axis=0), ridge, strength * columns.prior)
     beta = inverse @ c.sum(axis=0)
-    return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridges[best])
+    return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridge)
 
 
 def _leave_out(G: Floats, c: Floats, ridge: float, prior: Floats) -> tuple[Floats, Floats]:

@@ -42,6 +42,8 @@ class Verdict:
     beside: Mapping[str, float] = field(default_factory=dict)
     """Unnamed structure beside the effects: how large, in floors, by what carries it."""
     warnings: tuple[str, ...] = ()
+    within: Mapping[str, float] = field(default_factory=dict)
+    """Effects that are there beside something larger without a name, where that is the verdict: their sizes, floors."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,11 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
     if nothing >= max(unknown, 0.5) or not (unknown or sure or possible):
         return Verdict("nothing_missing", (), nothing, (), considered, "", beside)
     if unknown >= 0.5:
-        return Verdict("unknown", (), unknown, (), considered, carried, beside)
+        there = {n: share(lambda a, n=n: a.counts(n) >= a.least) for n in effects}
+        within = {
+            n: sum(a.probability * a.counts(n) for a in answers) for n, p in there.items() if p >= k.SURE
+        }
+        return Verdict("unknown", (), unknown, (), considered, carried, beside, within=within)
     more = sum(
         a.probability * (1 - np.prod([1 - a.worth(n) for n in a.sizes if n not in sure])) for a in answers
     )

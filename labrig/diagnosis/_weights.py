@@ -7,6 +7,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.effects import (
+    WEIGHTS,
     Context,
     Effect,
     Space,
@@ -20,19 +21,16 @@ from labrig.effects import (
 
 DIRECTIONS = 24
 """Most directions that a family is weighted by: those in which its laws differ most on the run."""
-PRIORS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""How strongly the family's prior holds its weights, as shares of what the run says of a weight on average; left-out
-blocks choose."""
 
 
 def family_forms(effect: Effect, context: Context) -> Iterator[Variant]:
-    """The forms in which an effect's family is weighted, held by its prior loosely or tightly."""
+    """The forms in which an effect's family is weighted."""
     for space in weighable(effect, context):
         basis = _directions(space, context)[:, :DIRECTIONS]
         columns = columns_of_space(space, context) @ basis
         labels = tuple(labels_of(space, context.rows.chambers))
-        for prior in PRIORS if basis.shape[1] else ():
-            yield Variant(form_of(space), (Term("weights", "pressure", columns, labels, basis, prior),))
+        if basis.shape[1]:
+            yield Variant(form_of(space), (Term(WEIGHTS.name, "pressure", columns, labels, basis),))
 
 
 def _directions(space: Space, context: Context) -> Floats:

@@ -12,6 +12,8 @@ from labrig.arrays import Floats, Ints
 from labrig.effects._rows import Rows
 
 LINEAR = 0.03
+_DENSE = 100
+"""Fewer moments than this are no record: single rows, each of a set-point of its own."""
 _LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
 _FORCES = {"N", "mN", "kN", "N*m", "N m", "Nm", "mN*m", "Pa", "kPa", "MPa", "bar"}
 MOMENTS = "the moments of its actuations"
@@ -248,6 +250,41 @@ class Context:
                 at_start[e] = u[before] + (at_start[before] - u[before]) * decay
         event = self.rows.event
         return u[event] + (at_start[event] - u[event]) * np.exp(-self.elapsed_s / tau_s)[:, None]
+
+    def earlier(self, dead_s: float) -> Floats:
+        """The actuation of so many seconds ago, (F, C), vented before a session's first; needs `has_time`.
+
+        Held from one set-point to the next, of a record without holds in a straight line from sample to sample.
+        """
+        rows, out = self.rows, np.tile(self.vented, (len(self.base), 1))
+        then = rows.event_time_s[rows.event] + self.elapsed_s - dead_s
+        for s in np.unique(rows.event_session):
+            own = np.flatnonzero(rows.event_session == s)
+            mine = np.flatnonzero(rows.event_session[rows.event] == s)
+            at, when = rows.event_time_s[own], then[mine]
+            before = (
+                rows.event_actuation[own[0] - 1]
+                if rows.between_sessions == "held" and own[0]
+                else self.vented
+            )
+            last = np.searchsorted(at, when + 1e-9, side="right") - 1
+            u = np.vstack([before, rows.event_actuation[own]])[last + 1]
+            if self.sample_s:
+                after = np.minimum(last + 1, len(own) - 1)
+                share = (when - at[last]) / np.where(at[after] > at[last], at[after] - at[last], np.inf)
+                line = u + share[:, None] * (rows.event_actuation[own[after]] - u)
+                u = np.where((last >= 0)[:, None], line, u)
+            out[mine] = u
+        return out
+
+    @cached_property
+    def sample_s(self) -> float:
+        """The time from one row to the next in a record without holds; 0 where captures are held."""
+        gaps = (
+            np.diff(self.rows.event_time_s) if len(self.rows.capture) == self.rows.n_captures else np.zeros(0)
+        )
+        gaps = gaps[np.isfinite(gaps) & (gaps > 0)]
+        return float(np.median(gaps)) if len(gaps) > _DENSE else 0.0
 
     def gained(self, tau_s: float) -> Floats:
         """What a first-order lag of the actuation has gained since its actuation, (F, C): what seeps into a pocket."""

@@ -63,10 +63,8 @@ class Term:
     feature: Floats
     labels: tuple[str, ...] = ()
     basis: Floats | None = field(default=None, repr=False)
-    """What is saved, (labels, q): the values of the labels are this times the coefficients; else they are these."""
-    prior: float = 0.0
-    """By how much the coefficients are held at zero: what they are worth beforehand, against what the run says of them
-    on average; 0 where they are free."""
+    """What is saved, (labels, q): the values of the labels are this times the coefficients, which are equally likely
+    beforehand; else they are the coefficients, and these are free."""
 
     @classmethod
     def common(cls, parameter: str, change: Floats) -> "Term":

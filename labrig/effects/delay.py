@@ -7,11 +7,13 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, lags, pressure
+from labrig.effects._family import Feature, Space, acting, lags, pressure
 from labrig.effects._sign import Part, Sign, of_step
 from labrig.effects._skin import lag_behind
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
+SAMPLES = (1, 2, 3, 5, 8, 13, 21)
+"""Lags and dead times of a record without holds, in samples."""
 
 
 class Delay(Effect):
@@ -23,7 +25,8 @@ class Delay(Effect):
     acts_on = "pressure"
     parameters = (
         Parameter("share", "1", 0.4, 2.5, "chamber", "share of the change that lags; 1 is a plain lag"),
-        Parameter("tau_s", "s", 0.05, 30.0, meaning="time constant of the lag"),
+        Parameter("tau_s", "s", 0.0, 30.0, meaning="time constant of the lag"),
+        Parameter("dead_s", "s", 0.0, 30.0, meaning="dead time: nothing of the change is there before"),
     )
     reference = "K. Ogata, Modern Control Engineering, 5th ed. 2010, ch. 5 (first-order systems)"
     signature = "error proportional to the last change of pressure, fading fast within the hold"
@@ -33,7 +36,13 @@ class Delay(Effect):
         if not context.has_time or not context.shows(context.moves):
             return
         u, chambers = context.rows.actuation, context.rows.chambers
-        for tau in context.grid("tau_s", TAUS_S):
+        dt = context.sample_s
+        late = TAUS_S if not dt else tuple(dt * n for n in SAMPLES)
+        for dead in context.grid("dead_s", late):
+            past = context.earlier(dead) - u
+            if context.shows(np.any(past)):
+                yield Variant("dead time", (Term.common("share", past),), {"dead_s": dead})
+        for tau in context.grid("tau_s", (*(dt * n for n in SAMPLES if 0 < dt * n < TAUS_S[0]), *TAUS_S)):
             lag = context.relaxed(tau) - u
             yield Variant("first order", (Term.common("share", lag),), {"tau_s": tau})
             if len(chambers) > 1:
@@ -57,6 +66,10 @@ class Delay(Effect):
                 pressure(f"dead {tau}", gap * (q < 1), 0.3),
             ]
         yield Space("late", "delay", acting(out), 0.8)
+        if dt := context.sample_s:
+            yield Space(
+                "by samples", "delay by samples", acting(_by_samples(context, dt)), 0.8, absolute=False
+            )
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)
@@ -66,3 +79,11 @@ class Delay(Effect):
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS
+
+
+def _by_samples(context: Context, dt: float) -> list[Feature]:
+    """Dead times of some samples of a record, and lags that are shorter than those that all runs are asked for."""
+    u, span = context.rows.actuation, context.span
+    dead = [pressure(f"dead {n} samples", (context.earlier(n * dt) - u) / span) for n in SAMPLES]
+    short = [n for n in SAMPLES if n * dt < TAUS_S[0]]
+    return dead + [pressure(f"lag {n} samples", (context.relaxed(n * dt) - u) / span) for n in short]

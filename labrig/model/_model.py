@@ -1,6 +1,7 @@
 """A model at work: its base and its effects, predicting a campaign."""
 
 import os
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -26,7 +27,6 @@ from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_ba
 from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
 
-_ROUNDS = 3
 _OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
 
 
@@ -89,9 +89,10 @@ class Model:
         """The model made ready for rows like `fitted`; a base that is fitted to a run is fitted to them."""
         base = build_base(self.file, self.folder, fitted)
         if isinstance(base, StaticModel) and self.file.effects:
-            # the map was fitted as if there were no effects: fit it again to what they leave
-            for _ in range(_ROUNDS):
-                base.fit(fitted, fitted.values - self._change(base_context(base, fitted)))
+            # the effects act through the slopes that they were fitted with: those of the map without them
+            alone = copy(base)
+            base.fit(fitted, fitted.values - self._change(base_context(alone, fitted)))
+            return Predictor(self, base, alone)
         if isinstance(base, SimulatorModel):
             base.fit(fitted, fitted.values)
             if self.file.effects:
@@ -118,14 +119,22 @@ class Model:
 
 @dataclass(frozen=True)
 class Predictor:
-    """A model whose base is ready: it predicts any rows with the same chambers and observables."""
+    """A model whose base is ready: it predicts any rows with the same chambers and observables.
+
+    The effects act through `alone` where that is another one than `base`: a map as it was fitted without them.
+    """
 
     model: Model
     base: BaseModel
+    alone: BaseModel | None = None
 
     def context(self, rows: Rows) -> Context:
         """Predict the rows by base and effects, with the derivative by the actuation."""
-        return self.model._with_effects(base_context(self.base, rows))
+        context = base_context(self.base, rows)
+        if self.alone is None:
+            return self.model._with_effects(context)
+        change = self.model._change(base_context(self.alone, rows))
+        return replace(context, base=context.base + change, displaced=context.displacement, _memo={})
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""

@@ -88,6 +88,16 @@ def test_unknown() -> None:
         assert verdict.beside == {"history": pytest.approx(2 * LARGE * answers[0].probability)}
 
 
+def test_what_fits_a_part_of_the_unknown_is_said() -> None:
+    """Beside something larger without a name, an effect that is needed for a part is kept, with its size; no other."""
+    verdict = told(
+        answer(0.95, "leak", beside="?history", creep=SMALL), answer(0.05, "leak", "drift", beside="?history")
+    )
+    assert (verdict.verdict, verdict.effects) == ("unknown", ())
+    assert verdict.within == {"leak": pytest.approx(LARGE)}
+    assert told(answer(0.7, "leak", beside="?history"), answer(0.3, beside="?history")).within == {}
+
+
 @pytest.mark.parametrize("beside", ["?history", "?time"])
 def test_a_name_larger_than_what_has_none_keeps_it(beside: str) -> None:
     """A name stands beside unnamed structure that is smaller; how large that is, and what carries it, is said."""
