@@ -19,11 +19,11 @@ _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
 _ROUNDS = 2
 _KEPT = 12
-_QUOTED = 0.25
-"""And the error that is quoted may be larger by no more than this: the score forgives a share of what is explained."""
 _GOOD_ENOUGH = 0.1
 """A plainer form is good enough if it errs more than the best by no more than this share of the best's held-out error,
 and of what the best takes off the error; or only by chance."""
+_QUOTED = 0.25
+"""And the error that is quoted may be larger by no more than this: the score forgives a share of what is explained."""
 
 
 def fit_named(
