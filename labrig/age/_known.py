@@ -3,13 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.diagnosis import Floor, Observations, clean, noise_floor, observe
-from labrig.effects import Context, Rows, get
-from labrig.model import Model, Predictor, base_context, evaluate
+from labrig.effects import Context, Rows
+from labrig.model import Model, Predictor
 
 
 @dataclass(frozen=True)
@@ -43,13 +41,7 @@ class Known:
 
     def beside(self, rows: Rows) -> Beside:
         """The model's predictions of a run; raises `LabrigError` where the two do not fit together."""
-        plain = base_context(self._predictor(rows).base, rows)
-        changes = {
-            entry.name: evaluate(plain, get(entry.name, self.model.folder), entry)
-            for entry in self.model.file.effects
-        }
-        total = np.sum(list(changes.values()), axis=0) if changes else np.zeros_like(plain.base)
-        context = replace(plain, base=plain.base + total, _memo={})
+        context, changes = self._predictor(rows).parts(rows)
         residual, _ = clean(context)
         floor = noise_floor(context, residual)
         return Beside(context, residual, changes, floor, observe(context, residual, floor))

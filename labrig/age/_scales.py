@@ -55,9 +55,7 @@ def scales(beside: Beside) -> dict[str, tuple[float, float]]:
 
 def _gain(beside: Beside) -> dict[str, Floats]:
     """The whole displacement of the base, without that of the effects."""
-    context = beside.context
-    effects = np.sum(list(beside.changes.values()), axis=0) if beside.changes else 0.0
-    moved = context.base - effects - context.base_vented
+    moved = beside.context.displacement
     return {GAIN: moved} if np.ptp(moved) > 0 else {}
 
 

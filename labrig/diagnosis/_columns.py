@@ -1,7 +1,7 @@
 """An effect's variant as columns of the regression, and the sums that scoring needs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -209,9 +209,10 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
     out = Columns(streams, X, used, E, np.zeros(X.shape[2] + E.shape[2]))
     held = [np.full(_width(t, streams.n_patterns), t.basis is not None) for t in _in_order(variant)]
     alike = np.concatenate(held) if held else np.zeros(0, dtype=bool)
-    if alike.any():
-        np.copyto(out.prior, np.where(alike, np.diagonal(out.sums[0].sum(axis=0))[alike].mean(), 0.0))
-    return out
+    if not alike.any():
+        return out
+    said = np.diagonal(out.sums[0].sum(axis=0))[alike].mean()
+    return replace(out, prior=np.where(alike, said, 0.0))
 
 
 def join(parts: Sequence[Columns]) -> Columns:

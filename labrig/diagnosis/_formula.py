@@ -13,7 +13,7 @@ from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._score import score
 from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._weights import family_forms
-from labrig.effects import Context, Effect
+from labrig.effects import Context, Effect, is_family
 
 _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
@@ -80,6 +80,10 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
             candidate = Candidate(effect, variant, columns, scored)
             found.append((plausible(effect, variant, columns, scored), candidate))
     found.sort(key=lambda f: (not f[0], -f[1].score.gain))
+    formula = next((c for _, c in found if not is_family(c.variant.form)), None)
+    if formula is not None:  # a family has to be better by what is quoted, too
+        least = min(_quoted(formula), float(np.sqrt(square_of(streams, streams.residual - streams.nothing))))
+        found = [f for f in found if not is_family(f[1].variant.form) or _quoted(f[1]) < least]
     if not found:
         return []
     bounded, best = found[0]
@@ -88,8 +92,8 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     plain = _plainest(alike, best)
     narrower = [c for c in alike if c.columns.width < plain.columns.width]
     if narrower:  # off the search's grid a plainer one may be good enough
-        first, formula = min(narrower, key=lambda c: c.columns.width), narrower[0]
-        for one in (first, formula) if formula is not first else (first,):
+        plainest, likeliest = min(narrower, key=lambda c: c.columns.width), narrower[0]
+        for one in [plainest] if plainest is likeliest else [plainest, likeliest]:
             (moved,) = refined(streams, context, fit([one]), 0).parts
             if _good_enough(moved, best):
                 return [moved, *forms]

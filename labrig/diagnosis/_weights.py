@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from labrig.arrays import Floats
 from labrig.diagnosis._spectra import factor, prior_of
@@ -36,15 +37,9 @@ def family_forms(effect: Effect, context: Context) -> Iterator[Variant]:
 def _directions(space: Space, context: Context) -> Floats:
     """Principal directions (q, r) of the family's prior as it shows in the observables, most important first."""
     prior = prior_of(space)
-    shared = factor(prior.shared[: (a := len(prior.own)), :a])
-    each = factor(prior.own)
-    C = len(context.rows.chambers)
-    blocks = [shared] + ([each] * C if C > 1 else [])
-    L = np.zeros((sum(b.shape[0] for b in blocks), sum(b.shape[1] for b in blocks)))
-    row = column = 0
-    for b in blocks:
-        L[row : row + b.shape[0], column : column + b.shape[1]] = b
-        row, column = row + b.shape[0], column + b.shape[1]
+    own, C = len(prior.own), len(context.rows.chambers)
+    apart = [factor(prior.own)] * (C if C > 1 else 0)
+    L = np.asarray(block_diag(factor(prior.shared[:own, :own]), *apart), dtype=float)
     size = np.sqrt((context.jacobian**2).mean(axis=(0, 1)))
     seen = columns_of_space(space, context) * size[:, None]
     Z = seen.reshape(-1, seen.shape[2]) @ L

@@ -13,7 +13,7 @@ from labrig.effects._rows import Rows
 
 LINEAR = 0.03
 _DENSE = 100
-"""Fewer moments than this are no record: single rows, each of a set-point of its own."""
+"""Fewer moments than this are no record, but a table of set-points."""
 _LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
 _FORCES = {"N", "mN", "kN", "N*m", "N m", "Nm", "mN*m", "Pa", "kPa", "MPa", "bar"}
 MOMENTS = "the moments of its actuations"
@@ -280,11 +280,11 @@ class Context:
     @cached_property
     def sample_s(self) -> float:
         """The time from one row to the next in a record without holds; 0 where captures are held."""
-        gaps = (
-            np.diff(self.rows.event_time_s) if len(self.rows.capture) == self.rows.n_captures else np.zeros(0)
-        )
+        if len(self.rows.event_session) < _DENSE or self.elapsed_s.any():
+            return 0.0
+        gaps = np.diff(self.rows.event_time_s)
         gaps = gaps[np.isfinite(gaps) & (gaps > 0)]
-        return float(np.median(gaps)) if len(gaps) > _DENSE else 0.0
+        return float(np.median(gaps)) if len(gaps) else 0.0
 
     def gained(self, tau_s: float) -> Floats:
         """What a first-order lag of the actuation has gained since its actuation, (F, C): what seeps into a pocket."""

@@ -73,7 +73,7 @@ def open_rivals(
     """What a diagnosis leaves open, as explanations to tell apart; an empty list where nothing is open."""
     sets = _open_sets(effects, summary)
     found = {
-        n: [c for c in forms_of(streams, context, effects[n])[:FORMS] if _planned(c.variant.form)]
+        n: [c for c in forms_of(streams, context, effects[n]) if _planned(c.variant.form)][:FORMS]
         for n in {name for names, _ in sets for name in names}
     }
     able = [(names, p) for names, p in sets if all(found[n] for n in names)]

@@ -91,26 +91,23 @@ class Model:
         if isinstance(base, StaticModel) and self.file.effects:
             # the effects act through the slopes that they were fitted with: those of the map without them
             alone = copy(base)
-            base.fit(fitted, fitted.values - self._change(base_context(alone, fitted)))
+            base.fit(fitted, fitted.values - _sum(self._changes(base_context(alone, fitted))[1]))
             return Predictor(self, base, alone)
         if isinstance(base, SimulatorModel):
             base.fit(fitted, fitted.values)
             if self.file.effects:
-                base.fit(fitted, fitted.values - self._change(base_context(base, fitted)))
+                base.fit(fitted, fitted.values - _sum(self._changes(base_context(base, fitted))[1]))
         return Predictor(self, base)
 
-    def _change(self, context: Context) -> Floats:
-        return self._with_effects(context).base - context.base
-
-    def _with_effects(self, context: Context) -> Context:
-        """The context with all effects in its prediction, each as those before it turn it."""
-        change = np.zeros_like(context.base)
+    def _changes(self, context: Context) -> tuple[Context, dict[str, Floats]]:
+        """The context as the effects turn it, and what each of them changes in the prediction, (F, K)."""
+        changes: dict[str, Floats] = {}
         for entry in self.file.effects:
             effect = get(entry.name, self.folder)
-            change += evaluate(context, effect, entry)
+            changes[entry.name] = changes.get(entry.name, 0.0) + evaluate(context, effect, entry)
             values = {n: p.value for n, p in entry.parameters.items() if isinstance(p.value, float | int)}
             context = effect.carried(context, entry.form or "", values)
-        return replace(context, base=context.base + change, displaced=context.displacement, _memo={})
+        return context, changes
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
@@ -130,11 +127,17 @@ class Predictor:
 
     def context(self, rows: Rows) -> Context:
         """Predict the rows by base and effects, with the derivative by the actuation."""
+        return self.parts(rows)[0]
+
+    def parts(self, rows: Rows) -> tuple[Context, dict[str, Floats]]:
+        """The same, and what each effect changes in the prediction, (F, K), by its name."""
         context = base_context(self.base, rows)
-        if self.alone is None:
-            return self.model._with_effects(context)
-        change = self.model._change(base_context(self.alone, rows))
-        return replace(context, base=context.base + change, displaced=context.displacement, _memo={})
+        through, changes = self.model._changes(
+            context if self.alone is None else base_context(self.alone, rows)
+        )
+        context = through if self.alone is None else context
+        total = context.base + _sum(changes)
+        return replace(context, base=total, displaced=context.displacement, _memo={}), changes
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
@@ -245,3 +248,7 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
 
 def _lacking(effect: Effect, what: str) -> str:
     return f"effect {effect.name!r} needs {what}, which this run did not log (or not everywhere)"
+
+
+def _sum(changes: dict[str, Floats]) -> Floats | float:
+    return np.sum(list(changes.values()), axis=0) if changes else 0.0

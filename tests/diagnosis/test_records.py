@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from labrig.age._known import Known
 from labrig.diagnosis import diagnose, forms_of, prepared
 from labrig.diagnosis._candidates import plausible
 from labrig.diagnosis._unnamed import unnamed
@@ -117,8 +118,10 @@ def test_a_long_hose_answers_late(tmp_path: Any, dead_s: float) -> None:
     (entry,) = found.improved.file.effects
     assert entry.parameters["dead_s"].value == pytest.approx(dead_s, rel=0.1)
     assert found.summary["error"]["model"] < 0.06 * found.summary["error"]["base"]
-    left = found.improved.context(rows_of(record(u, y, "kPa", "mm"))).residual
+    rows = rows_of(record(u, y, "kPa", "mm"))
+    left = found.improved.context(rows).residual
     assert np.sqrt(np.mean(left**2)) < 0.06 * found.summary["error"]["base"]
+    assert Known(found.improved).beside(rows).context.base == pytest.approx(rows.values - left)
 
 
 def slipped(pull: np.ndarray) -> np.ndarray:

@@ -10,8 +10,9 @@ from labrig._errors import LabrigError
 from labrig.bench import draw
 from labrig.bench._files import write_model
 from labrig.bench._learner import capture_error
-from labrig.diagnosis import diagnose
-from labrig.effects import is_family, rows_of
+from labrig.diagnosis import diagnose, forms_of, prepared
+from labrig.diagnosis._candidates import Candidate, fit, square_of
+from labrig.effects import is_family, library, rows_of
 from labrig.model import Model
 
 
@@ -38,6 +39,25 @@ def test_the_error_falls_on_another_programme_as_far_as_was_found(tmp_path: Path
     left = error(saved, campaign.fresh)
     assert left == pytest.approx(error(found.improved, campaign.fresh), rel=1e-3)
     assert left < 0.6 * error(model, campaign.fresh)
+
+
+def test_a_family_is_better_by_what_is_quoted_too(tmp_path: Path) -> None:
+    """Nothing is shown as the weights of a family that errs more than the formula, or than the base, does."""
+    campaign = draw("single", 790003)
+    ready = prepared(rows_of(campaign.dataset), Model.load(write_model(campaign, tmp_path)))
+    streams, weighted = ready.streams, 0
+
+    def quoted(candidate: Candidate) -> float:
+        return square_of(streams, streams.residual - fit([candidate]).heldout)
+
+    for name in ("leak", "creep", "delay"):
+        first, *others = forms_of(streams, ready.context, library()[name])
+        formulas = [c for c in others if not is_family(c.variant.form)]
+        if is_family(first.variant.form):
+            weighted += 1
+            assert quoted(first) < quoted(formulas[0])
+            assert quoted(first) < square_of(streams, streams.residual - streams.nothing)
+    assert weighted >= 1
 
 
 def test_a_family_that_cannot_act_says_so(tmp_path: Path) -> None:

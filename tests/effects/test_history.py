@@ -186,3 +186,30 @@ def test_a_logged_position_has_a_speed(make_lab) -> None:
     speed, span = context.motion["rod"]
     assert speed[3:-3] == pytest.approx(2.0)
     assert span == pytest.approx(np.ptp(place))
+
+
+@given(PATHS, st.floats(0.1, 45.0), st.booleans())
+def test_what_was_commanded_earlier(path: list[float], dead_s: float, held: bool) -> None:
+    """So many seconds ago the set-point before that moment stood; before a session's first, what sessions leave."""
+    sessions = [int(i >= len(path) // 2) for i in range(len(path))]
+    context = context_of(path, sessions=sessions)
+    if held:
+        context = replace(context, rows=replace(context.rows, between_sessions="held"), _memo={})
+    for i, now in enumerate(np.arange(len(path)) * 10.0 + 3.0):
+        past = [k for k in range(i + 1) if sessions[k] == sessions[i] and k * 10.0 <= now - dead_s]
+        before = [k for k in range(i) if sessions[k] != sessions[i]] if held else []
+        expected = path[past[-1]] if past else path[before[-1]] if before else 0.0
+        assert context.earlier(dead_s)[i, 0] == pytest.approx(expected)
+    assert context.sample_s == 0.0
+
+
+def test_captures_of_one_row_are_no_record() -> None:
+    """Many captures with one row each, some seconds into their holds, are set-points; rows without holds a record."""
+    path, times = list(np.linspace(0, 60, 150)), np.arange(150) * 0.5
+    captures = context_of(path, times)
+    assert captures.sample_s == 0.0
+    rows = replace(captures.rows, hold_s=np.zeros(150), time_s=times)
+    record = replace(captures, rows=rows, _memo={})
+    assert record.sample_s == 0.5
+    line = np.interp(times - 0.7, times, path, left=0.0)
+    assert record.earlier(0.7)[2:, 0] == pytest.approx(line[2:])

@@ -9,6 +9,7 @@ import pytest
 from labrig import LabrigError
 from labrig.diagnosis import covariates, diagnose, prepare, rows_from
 from labrig.diagnosis._unnamed import unnamed
+from labrig.effects import is_family
 from labrig.experiment import Experiment, Limits, plan_next, propose_experiment
 from labrig.experiment._rivals import open_rivals
 from labrig.experiment._unknown import _covariates_of
@@ -183,6 +184,22 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     assert set(explanations([], creep=0.8)) == {"creep", "no effect"}
     assert set(explanations(["hysteresis"], creep=0.02, leak=0.05)) == {"hysteresis", "leak"}
     assert explanations(["hysteresis"], creep=0.002) == {}
+
+
+def test_rivals_are_formulas_where_families_fit_better(make_lab) -> None:
+    """Explanations are told apart by formulas: families, of which several may fit better, do not crowd them out."""
+    lab = make_lab(chambers=3, captures=40, rows_s=ROWS_S)
+    stopped = np.minimum(
+        lab.u, 30.0 + 0.2 * np.maximum(lab.u - 30.0, 0.0) + 3.0 * np.tanh((lab.u - 30.0) / 4)
+    )
+    streams, context, _, _ = prepare(rows_from(lab.dataset(lab.predict(stopped) + lab.noise())), lab.model())
+    calls = [{"effect": n, "probability": 0.4, "call": "possible"} for n in ("contact", "stiffening")]
+    summary = {"effects": [], "rivals": ["contact", "stiffening"], "effects_considered": calls}
+    rivals = open_rivals(streams, context, lab.model().library(), summary)
+    assert {r.title for r in rivals} == {"contact", "stiffening"}
+    forms = [part.variant.form for r in rivals for form in r.forms for part in form.parts]
+    assert not any(is_family(form) for form in forms)
+    assert min(len(r.forms) for r in rivals) == 4
 
 
 def test_more_time_tells_more(doubt) -> None:

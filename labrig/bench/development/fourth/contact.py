@@ -8,21 +8,29 @@ from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, moved, positions, reached
 
 
-class RoughStop(Law):
-    """Rough faces: peaks meet one after another, so that a stop resists with the exponential of how near a wall is.
-
-    J. A. Greenwood, J. B. P. Williamson, Contact of nominally flat surfaces, Proc. Royal Society A 295, 1966.
-    """
+class _Stop(Law):
+    """A stop before one wall or two, nearer than they came by a share that grows with the strength."""
 
     effect = "contact"
+    shares = (0.3, 0.8)
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
         self._which = random.permutation(count)[: int(random.integers(1, min(count, 2) + 1))]
         self._top = reached(self.rig, setting.path)[self._which]
-        self._nearer = random.uniform(0.3, 0.8, len(self._which))
-        self._rough = self._top * random.uniform(0.015, 0.05)
+        self._nearer = random.uniform(*self.shares, len(self._which))
+
+
+class RoughStop(_Stop):
+    """Rough faces: peaks meet one after another, so that a stop resists with the exponential of how near a wall is.
+
+    J. A. Greenwood, J. B. P. Williamson, Contact of nominally flat surfaces, Proc. Royal Society A 295, 1966.
+    """
+
+    def __init__(self, setting: Setting) -> None:
+        super().__init__(setting)
+        self._rough = self._top * setting.random.uniform(0.015, 0.05)
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
@@ -33,22 +41,18 @@ class RoughStop(Law):
         return out
 
 
-class AdhesiveStop(Law):
+class AdhesiveStop(_Stop):
     """Adhesion: a wall that has met a sticky stop stays on it until it is pulled back by some way, and then lets go.
 
     K. L. Johnson, K. Kendall, A. D. Roberts, Surface energy and the contact of elastic solids, Proc. Royal Society A
     324, 1971.
     """
 
-    effect = "contact"
+    shares = (0.4, 0.9)
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
-        random, count = setting.random, len(self.rig.chambers)
-        self._which = random.permutation(count)[: int(random.integers(1, min(count, 2) + 1))]
-        self._top = reached(self.rig, setting.path)[self._which]
-        self._nearer = random.uniform(0.4, 0.9, len(self._which))
-        self._sticks = self._top * random.uniform(0.05, 0.2)
+        self._sticks = self._top * setting.random.uniform(0.05, 0.2)
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
