@@ -68,6 +68,8 @@ def write_json(content: dict[str, Any], path: Path) -> None:
 
 def plain(value: Any) -> Any:
     """The same content in what JSON knows; NaN and infinities as None."""
+    if value is None or isinstance(value, str):
+        return value
     if isinstance(value, dict):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):

@@ -297,12 +297,13 @@ def _middle(x: Floats) -> Floats:
     """Per column: the median of five or more rows (spikes don't move it), else the mean; NaN if unseen."""
     if len(x) == 1:
         return x[0]
-    out = np.full(x.shape[1], np.nan)
-    good = np.isfinite(x).sum(axis=0)
-    few = (good > 0) & (good < 5)
-    many = good >= 5
+    seen = np.where(np.isfinite(x), x, np.nan)
+    count = np.isfinite(x).sum(axis=0)
+    ordered = np.sort(seen, axis=0)  # what was not seen stands behind
+    column = np.arange(x.shape[1])
+    lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(x) - 1)
+    out = 0.5 * (ordered[lower, column] + ordered[upper, column])
+    few = (count > 0) & (count < 5)
     if few.any():
-        out[few] = np.nanmean(x[:, few], axis=0)
-    if many.any():
-        out[many] = np.nanmedian(x[:, many], axis=0)
+        out[few] = np.nanmean(seen[:, few], axis=0)
     return out

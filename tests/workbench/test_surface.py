@@ -56,6 +56,38 @@ def test_the_names_follow_the_surface(open_page, make_run):
     assert sorted(names) == ["m0", "m1", "m2", "m3"]
 
 
+PAINTED = """canvas => {
+    const { width, height } = canvas;
+    const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+    const seen = [...Array(width * height).keys()].filter(n => data[4 * n + 3] > 0);
+    const ends = all => [all.reduce((a, b) => Math.min(a, b)), all.reduce((a, b) => Math.max(a, b))];
+    return { x: ends(seen.map(n => n % width)), y: ends(seen.map(n => Math.floor(n / width))), size: [width, height] };
+}"""
+
+
+def test_the_surface_is_drawn_flat_until_plotly_is_there(open_page, make_run):
+    """While the drawing library is under way a flat picture of the surface stands in its place, beside the verdict."""
+    page = open_page()
+    held = []
+    page.route("**/plotly.js", lambda route: held.append(route))
+    page.reload()
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", make_run())
+    page.wait_for_selector(".surface canvas.flat")
+    assert "error" in page.locator("h1").inner_text()
+    page.wait_for_function("performance.getEntriesByName('surface').length > 0")
+    painted = page.locator("canvas.flat").first.evaluate(PAINTED)
+    ends = list(zip((painted["x"], painted["y"]), painted["size"], strict=True))
+    for (low, high), size in ends:
+        assert 0 < low < high < size
+        assert abs((low + high) / 2 - size / 2) < size / 4
+    assert any(high - low > size / 3 for (low, high), size in ends)
+    for route in held:
+        route.continue_()
+    page.wait_for_selector("[data-drawn]")
+    assert page.locator("canvas.flat").count() == 0
+    assert page.locator(".surface .gl-container, .surface .svg-container").count() > 0
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("scale", ["1~16", "0.0001~0.0002"], ids=["pale", "darkest"])
 def test_names_can_be_read_on_and_beside_the_surface(open_page, make_run, theme, scale):

@@ -5,7 +5,7 @@
 
 import { complain, empty, fill, h, say } from "./dom.js";
 import * as jobs from "./jobs.js";
-import { later, plotly } from "./plot.js";
+import { plotlySoon } from "./plot.js";
 import * as rig from "./rig.js";
 import { get, takeRigToken } from "./server.js";
 
@@ -77,7 +77,7 @@ async function route() {
   wanted = state;
   const opening = import(`./step_${state.step}.js`);
   opening.catch(() => {}); // said below, where it is waited for
-  if (state.run) plotly().catch(complain); // while the server looks at the run
+  plotlySoon().catch(complain); // while the server looks at the run, or a person at the runs
   try {
     info = state.run ? await get("/api/run", { run: state.run, model: state.query.get("model") }) : null;
   } catch (error) {
@@ -108,7 +108,6 @@ async function route() {
   fill(root, place);
   try {
     const ends = await step.show(place, context(state, mine));
-    later(() => plotly().catch(() => {})); // before a run is chosen
     if (mine === shown) leave = ends || null;
     else if (ends) ends();
   } catch (error) {

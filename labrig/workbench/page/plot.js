@@ -1,18 +1,29 @@
 // Plotly, which the server has beside it, in the page's own colours.
 
+import { h } from "./dom.js";
+
+const SCRIPT = "/plotly.js";
 let loading = null;
 
 // Once the page itself is there: a large script must not hold it up.
 const loaded = () => new Promise((resolve) => (document.readyState === "complete" ? resolve() : addEventListener("load", resolve, { once: true })));
 
+const SOON_MS = 1000; // what is kept is on the screen by then
+
+// The script is fetched, and run a moment later: that holds the page up for a second.
+export async function plotlySoon() {
+  await loaded();
+  if (loading || document.querySelector(`link[href="${SCRIPT}"]`)) return;
+  document.head.append(h("link", { rel: "preload", as: "script", href: SCRIPT }));
+  await new Promise((resolve) => setTimeout(resolve, SOON_MS));
+  await plotly();
+}
+
 async function load() {
   await loaded();
   return new Promise((resolve, reject) => {
-    const script = document.createElement("script");
-    script.src = "/plotly.js";
-    script.onload = () => resolve(window.Plotly);
-    script.onerror = () => reject(new Error("the drawing library could not be loaded"));
-    document.head.append(script);
+    const failed = () => reject(new Error("the drawing library could not be loaded"));
+    document.head.append(h("script", { src: SCRIPT, onload: () => resolve(window.Plotly), onerror: failed }));
   });
 }
 

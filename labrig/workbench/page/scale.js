@@ -12,8 +12,8 @@ const log = Math.log2;
 export const shade = (value, [low, high]) =>
   value === null ? null : Math.min(1, Math.max(0, log(Math.max(value, 1e-12) / low) / log(high / low)));
 
-export function colourOf(value, range) {
-  const at = shade(value, range);
+// The colour of a share of the scale; grey where nothing was seen.
+export function colourAt(at) {
   if (at === null) return "#787e86";
   const k = Math.min(3, Math.floor(at * 4));
   const share = at * 4 - k;
@@ -21,6 +21,8 @@ export function colourOf(value, range) {
   const [a, b] = [parts(STOPS[k][1]), parts(STOPS[k + 1][1])];
   return `rgb(${a.map((x, i) => Math.round(x + share * (b[i] - x))).join(",")})`;
 }
+
+export const colourOf = (value, range) => colourAt(shade(value, range));
 
 export const fixed = (floor) => [floor, 16 * floor];
 
