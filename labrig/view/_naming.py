@@ -1,6 +1,7 @@
 """Sure, possible, not it: what a diagnosis says of each effect, in words."""
 
 from dataclasses import dataclass
+from math import inf, sqrt
 
 from labrig.contents import Summary
 from labrig.view._text import capital, give_or_take, listed, percent, with_unit, word
@@ -168,10 +169,17 @@ def carries(what: str) -> str:
 
 
 def unnamed_words(summary: Summary) -> str:
-    """What has no name, with its size, in a sentence; empty where nothing of it is worth a word."""
-    units, floor = str(summary.get("units", "")), (summary.get("error") or {}).get("floor") or 0.0
+    """What has no name, with its size, in a sentence; empty where nothing of it is worth a word.
+
+    Nothing is said to be larger than what the named effects leave of the held-out error above the floor.
+    """
+    error = summary.get("error") or {}
+    units, floor = str(summary.get("units", "")), error.get("floor") or 0.0
+    left = inf
+    if summary.get("verdict") in ("identified", "multiple") and error.get("model") is not None:
+        left = sqrt(max(error["model"] ** 2 - floor**2, 0.0))
     found = sorted((summary.get("unnamed") or {}).items(), key=lambda item: -item[1])
-    shown = [(what, size) for what, size in found if size > WORTH_SAYING * floor]
+    shown = [(what, min(size, left)) for what, size in found if min(size, left) > WORTH_SAYING * floor]
     if not shown:
         return ""
     parts = [f"{with_unit(f'{size:.2g}', units)} {carries(str(what))}" for what, size in shown]

@@ -108,7 +108,7 @@ def test_a_finished_run_says_what_can_be_done_with_it(lab: Path, labrig: Run) ->
 
 
 def test_runs_are_listed_from_where_one_is(lab: Path, labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Unexplained by any effect: those in ./runs, where there is none those in the current folder, or what to name."""
+    """Without a folder: the runs in ./runs, where there is none those in the current folder, or what to name."""
     assert labrig("runs") == (
         2,
         "",

@@ -18,7 +18,7 @@ SUMMARY = {
     ],
     "unnamed": {"history": 0.4},
     "units": "mm",
-    "error": {"base": 2.1, "model": 0.3, "floor": 0.1, "ceiling": None},
+    "error": {"base": 2.1, "model": 0.5, "floor": 0.1, "ceiling": None},
     "where": [],
     "ranking": [{"effect": "hysteresis", "form": "play", "heldout_error": 0.4, "drop": 0.9}],
     "warnings": [],

@@ -101,7 +101,8 @@ def test_the_probability_of_the_whole(make_summary, verdict, effects, whole):
 
 def test_what_has_no_name(make_summary):
     """Structure without a name is said in plain words with its size, the largest first; traces are not spoken of."""
-    more = {"unnamed": {"form": 0.21, "history": 0.432, "time": 0.004, "the weather": 0.1}}
+    unnamed = {"form": 0.21, "history": 0.432, "time": 0.004, "the weather": 0.1}
+    more = {"unnamed": unnamed, "error": {**ERROR, "model": 0.6}}
     said = summary_words(make_summary("identified", 0.9, more, creep=0.98)).unnamed
     assert said.replace("\u00a0", " ") == (
         "Unexplained by any effect: 0.43 mm depends on earlier pressures (history-dependent); 0.21 mm is a structural "
@@ -109,6 +110,17 @@ def test_what_has_no_name(make_summary):
         "carried by the weather."
     )
     assert summary_words(make_summary("identified", 0.9, creep=0.98)).unnamed == ""
+
+
+def test_nothing_unnamed_is_larger_than_what_is_left(make_summary):
+    """Beside named effects, what has no name is no larger than what the held-out error leaves above the floor."""
+    unnamed = {"nothing that was recorded": 0.13}
+    near = {"unnamed": unnamed, "error": {"base": 0.848, "model": 0.13, "floor": 0.126}}
+    said = summary_words(make_summary("identified", 0.99, near, creep=0.99)).unnamed
+    assert said.replace("\u00a0", " ") == "Unexplained by any effect: 0.032 mm follows no logged quantity."
+    at = {"unnamed": unnamed, "error": {"base": 0.848, "model": 0.126, "floor": 0.126}}
+    assert summary_words(make_summary("identified", 0.99, at, creep=0.99)).unnamed == ""
+    assert "0.13" in summary_words(make_summary("unknown", 0.99, near)).unnamed
 
 
 def test_unknown_beside_what_is_sure(make_summary):
