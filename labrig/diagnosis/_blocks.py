@@ -6,17 +6,18 @@ from labrig.arrays import Ints
 from labrig.effects import Context
 
 MAX_GROUPS = 12
-_SESSIONS_AS_GROUPS = 6
+_MANY_SESSIONS = 6
 _FEWEST_BLOCKS = 3
 _FEW_BLOCKS = 2
 _LONG_HOLD = 0.4
 
 
 def blocks_of(context: Context, index: Ints, use_means: bool) -> Ints:
-    """Which block each row is left out with: sessions where there are enough, else stretches of them.
+    """Which block each row is left out with: sessions where none can have a value of its own, else stretches of them.
 
     Beside a much longer session a short one has blocks of its own, three or more, so that what a follow-up
-    run says is heard. A stretch is one of captures, or of rows where a single hold is most of it all.
+    run says is heard. Of six sessions and more a block has one stretch of each. A stretch is one of captures, or of
+    rows where a single hold is most of it all.
     """
     rows = context.rows
     if not use_means:
@@ -25,15 +26,17 @@ def blocks_of(context: Context, index: Ints, use_means: bool) -> Ints:
         return np.minimum((place * MAX_GROUPS) // length, MAX_GROUPS - 1).astype(np.int64)
     n = int(index.max()) + 1
     sessions = np.unique(rows.session)
-    if len(sessions) >= min(_SESSIONS_AS_GROUPS, n):
+    if len(sessions) >= min(MAX_GROUPS, n):
         return (np.searchsorted(sessions, rows.session) * min(len(sessions), MAX_GROUPS)) // len(sessions)
     group = np.zeros(len(index), dtype=np.int64)
     first = 0
     members = [np.flatnonzero(rows.session == s) for s in sessions]
     sizes = [len(np.unique(index[m])) for m in members]
-    if min(sizes) * MAX_GROUPS >= _FEW_BLOCKS * n:
+    many = len(sessions) >= _MANY_SESSIONS
+    if not many and min(sizes) * MAX_GROUPS >= _FEW_BLOCKS * n:
         members, sizes = [np.arange(len(index))], [n]
-    for own, blocks in zip(members, _share_out(sizes), strict=True):
+    shares = [MAX_GROUPS // 2] * len(sessions) if many else _share_out(sizes)
+    for own, blocks in zip(members, shares, strict=True):
         captures, place = np.unique(index[own], return_inverse=True)
         longest = np.bincount(place).max() / len(own)
         if len(captures) < blocks or longest > _LONG_HOLD:
@@ -41,7 +44,7 @@ def blocks_of(context: Context, index: Ints, use_means: bool) -> Ints:
         else:
             length = len(captures)
         group[own] = first + (place * min(blocks, length)) // length
-        first += min(blocks, length)
+        first += 0 if many else min(blocks, length)
     return group
 
 

@@ -117,7 +117,7 @@ def _value(context: Context, effect: Effect, term: Term, value: Floats, sd: Floa
     unit = _unit(context, effect.parameter(term.parameter).unit)
     per: list[str] | None = None
     if term.kind == "pattern":
-        per = list(context.rows.observables)
+        per = list(term.labels or context.rows.observables)
     elif term.kind == "frame":
         per = ["x", "y", "z", "about x", "about y", "about z"]
     elif term.labels:

@@ -14,7 +14,7 @@ from labrig.effects import Context
 from labrig.effects.coupling import overlap
 
 _CLEAR = 1.3
-_KEPT = {"marker": 12, "observable": 12, "capture": 5, "pair of chambers": 8}
+_KEPT = {"marker": 12, "session": 12, "observable": 12, "capture": 5, "pair of chambers": 8}
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,8 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
             for low, high in pairwise(np.quantile(t, [0, 1 / 3, 2 / 3, 1])):
                 if high > low:
                     yield from by_rows(group, f"{low:.3g}-{high:.3g} s", (t >= low) & (t <= high))
+    for s, name in enumerate(rows.sessions):
+        yield from by_rows("session", name, rows.session == s)
     if len(rows.chambers) > 1 and context.moves:
         near = overlap(context)
         for i, j in combinations(range(len(rows.chambers)), 2):

@@ -21,6 +21,7 @@ class Parameter:
     """One physical quantity of an effect: its unit, its bounds, and whether each chamber has its own.
 
     `least`: what it is at least where the effect acts at all. A fitted value far below is another law's misfit.
+    One for each session is saved by the session's name, and is nothing in sessions that it was not fitted to.
     `given`: it is read off the run and saved, not fitted. `turns`: where a displacement is commanded and a force
     measured, its bounds change their signs (what yields under a load relaxes under a stretch). A unit may have
     "actuation", "observable" or "motion" (of a logged position) in it, which stand for the run's.
@@ -30,7 +31,7 @@ class Parameter:
     unit: str
     low: float = -np.inf
     high: float = np.inf
-    per: Literal["one", "chamber", "marker"] = "one"
+    per: Literal["one", "chamber", "marker", "session"] = "one"
     meaning: str = ""
     least: float = 0.0
     given: bool = False
@@ -80,9 +81,9 @@ class Term:
         return cls(parameter, "pressure", feature, chambers)
 
     @classmethod
-    def pattern(cls, parameter: str, feature: Floats) -> "Term":
+    def pattern(cls, parameter: str, feature: Floats, labels: tuple[str, ...] = ()) -> "Term":
         """A free pattern over the observables for each column of `feature` (F,) or (F, q)."""
-        return cls(parameter, "pattern", feature.reshape(len(feature), -1))
+        return cls(parameter, "pattern", feature.reshape(len(feature), -1), labels)
 
     @classmethod
     def field(cls, parameter: str, change: Floats, labels: tuple[str, ...] = ()) -> "Term":

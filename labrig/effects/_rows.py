@@ -41,7 +41,8 @@ class Rows:
     `event` (F,) indices; `hold_s`, `time_s` (F,), NaN where unknown; `event_actuation` (E, C),
     `event_time_s`, `event_session` (E,); `low`, `high` (C,) limits of the actuation; `unit`, `marker`,
     `axis` (K,), the last two -1 where an observable is no marker's; `rest_mm` (M, 3) or None;
-    `repeat` (captures,) labels; `start_s` when the run began, by a clock that runs of one rig share, or NaN.
+    `repeat` (captures,) labels; `session_keys` (sessions,) names of the sessions that are no other run's, where the
+    run has an identity; `start_s` when the run began, by a clock that runs of one rig share, or NaN.
     """
 
     chambers: tuple[str, ...]
@@ -71,6 +72,7 @@ class Rows:
     between_sessions: str
     warnings: tuple[str, ...] = ()
     start_s: float = float("nan")
+    session_keys: tuple[str, ...] = ()
 
     @property
     def n_captures(self) -> int:
@@ -199,6 +201,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
         warnings=tuple(str(w) for w in dataset.attrs.get("warnings", ())),
         start_s=float(dataset.attrs.get("start_s", np.nan)),
+        session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
     )
 
 
@@ -231,6 +234,7 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     for name, offset in offsets.items():
         joined[name] = np.concatenate([getattr(p, name) + o for p, o in zip(parts, offset[:-1], strict=True)])
     joined["sessions"] = tuple(f"{i + 1}:{s}" for i, p in enumerate(parts) for s in p.sessions)
+    joined["session_keys"] = tuple(key for p in parts for key in p.session_keys or p.sessions)
     joined["repeat"] = tuple(f"{i + 1}:{r}" if r else "" for i, p in enumerate(parts) for r in p.repeat)
     joined["low"] = np.min([p.low for p in parts], axis=0)
     joined["high"] = np.max([p.high for p in parts], axis=0)
@@ -241,6 +245,11 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     }
     joined["warnings"] = tuple(w for p in parts for w in p.warnings)
     return Rows(**joined)
+
+
+def _keys(sessions: Sequence[str], run: str) -> tuple[str, ...]:
+    """Sessions that are only counted (0, 1, ...) are told from those of another run by the run."""
+    return tuple(f"{run[:8]}/{name}" if run and name.isdigit() else name for name in sessions)
 
 
 def _later(parts: Sequence[Rows]) -> list[float]:

@@ -9,6 +9,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
 from labrig.effects._fields import distortions, frame_modes, scale_mode, strain_modes
+from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_capture
 from labrig.effects._turn import carried, turn_of, turned
 
@@ -38,6 +39,12 @@ class Frame(Effect):
             )
             for a in "xyz"
         ),
+        Parameter(
+            "shift_in_session",
+            "mm, rad",
+            per="session",
+            meaning="translation along x, y, z and rotation about them, another in each session",
+        ),
         Parameter("turned", "1", 0.9, 1.1, meaning="how much of that turn there is"),
         Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
     )
@@ -52,6 +59,12 @@ class Frame(Effect):
             yield Variant(
                 "rigid, and of another scale", (rigid, Term.field("scale", scale_mode(context)[..., None]))
             )
+
+            if (each := in_sessions(context)) is not None:
+                modes = frame_modes(context)[..., None, :] * each[:, None, :, None]
+                change = modes.reshape(*context.base.shape, -1)
+                names = labels(context, ("x", "y", "z", "about x", "about y", "about z"))
+                yield Variant(f"rigid{IN_EACH}", (Term.field("shift_in_session", change, names),))
 
         if (turn := _large_turn(context)) is not None:
             shape = {

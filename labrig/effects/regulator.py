@@ -7,6 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
+from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_chamber
 
 
@@ -22,6 +23,8 @@ class Regulator(Effect):
             "gain", "1", -0.9, 9.0, "chamber", "error of the gain: true = (1 + gain) commanded + offset"
         ),
         Parameter("offset", "actuation", per="chamber", meaning="pressure held when zero is commanded"),
+        Parameter("gain_in_session", "1", -0.9, 9.0, "session", "error of the gain, another in each session"),
+        Parameter("offset_in_session", "actuation", per="session", meaning="pressure held at zero, likewise"),
         Parameter("dead_band", "1", 0.0, 1.5, meaning="share of the dead band's pressure that is lost"),
         Parameter("band", "1", 0.0, 0.5, meaning="width of the dead band, fraction of the range"),
         Parameter("sensor", "1", 0.2, 1.8, meaning="share of the measured error that reaches the surface"),
@@ -47,6 +50,13 @@ class Regulator(Effect):
             if len(chambers) > 1:
                 terms = (Term.per_chamber("gain", u, chambers), Term.per_chamber("offset", one, chambers))
                 yield Variant(f"gain and offset per chamber{form}", terms)
+        if (each := in_sessions(context)) is not None:
+            gain = Term("gain_in_session", "pressure", u[:, :, None] * each[:, None], labels(context))
+            zero = np.ones_like(u)[:, :, None] * each[:, None]
+            offset = Term("offset_in_session", "pressure", zero, labels(context))
+            yield Variant(f"gain{IN_EACH}", (gain,))
+            yield Variant(f"offset{IN_EACH}", (offset,))
+            yield Variant(f"gain and offset{IN_EACH}", (gain, offset))
         for band in context.grid("band", (0.03, 0.08)):
             lost = -np.clip(u, -band * context.span, band * context.span)
             yield Variant("dead band", (Term.common("dead_band", lost),), {"band": band})
@@ -77,6 +87,11 @@ class Regulator(Effect):
         ]
         out += [*steps, *hats]
         yield Space("settled", "regulator", acting(out), 0.4)
+        if (each := in_sessions(context)) is not None:
+            for name, values in (("gain", x), ("zero", np.ones_like(x))):
+                own = [pressure(f"session {s}", values * there[:, None]) for s, there in enumerate(each.T)]
+                spectrum = f"regulator {name} by session"
+                yield Space(f"{name} by session", spectrum, acting(own), 0.8, absolute=False)
 
     def covariate(self, context: Context) -> tuple[str, str, np.ndarray]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

@@ -7,9 +7,10 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, field, motion_scale, pattern
+from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern
 from labrig.effects._fields import smooth_places
 from labrig.effects._inside import inside
+from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, along_own
 
 
@@ -22,6 +23,12 @@ class RestShape(Effect):
     acts_on = "mechanics"
     parameters = (
         Parameter("offset", "observable", meaning="constant error, for each observable"),
+        Parameter(
+            "offset_in_session",
+            "observable",
+            per="session",
+            meaning="constant error, another in each session",
+        ),
         Parameter("core", "mm", -10.0, 10.0, meaning="surplus of the simulator's core, along its normals"),
     )
     reference = "Y. Tian et al., RSS 2024, arXiv 2405.08935 (rest shape as source of the sim-to-real gap)"
@@ -31,14 +38,22 @@ class RestShape(Effect):
     def variants(self, context: Context) -> Iterator[Variant]:
         yield from inside(context, core="core_offset")
         yield Variant("offset", (Term.pattern("offset", np.ones(len(context.base))),))
+        if (each := in_sessions(context)) is not None:
+            own = Term.pattern("offset_in_session", each, labels(context))
+            yield Variant(f"offset{IN_EACH}", (own,))
 
     def family(self, context: Context) -> Iterator[Space]:
         """A constant offset of each observable; offsets that are smooth over the body are more probable."""
-        always = np.ones(len(context.base))
-        scale = motion_scale(context)
-        smooth = [always[:, None] * scale * shape for shape in smooth_places(context).T]
-        fields = [field(f"smooth {i}", values, 0.1) for i, values in enumerate(smooth)]
-        yield Space("shape", "rest_shape", (pattern("rest", always, 0.2), *fields))
+        smooth = [motion_scale(context) * shape for shape in smooth_places(context).T]
+
+        def shapes(name: str, there: Floats) -> list[Feature]:
+            whole = [field(f"smooth {i}{name}", there[:, None] * shape, 0.1) for i, shape in enumerate(smooth)]
+            return [pattern(f"rest{name}", there, 0.2), *whole]
+
+        yield Space("shape", "rest_shape", tuple(shapes("", np.ones(len(context.base)))))
+        if (each := in_sessions(context)) is not None:
+            own = [f for s, there in enumerate(each.T) for f in shapes(f" session {s}", there)]
+            yield Space("by session", "rest_shape by session", acting(own))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))

@@ -16,15 +16,17 @@ from labrig.effects import (
     Context,
     Effect,
     Rows,
+    Term,
     Variant,
     contribution,
     get,
     is_family,
     library,
     weighted,
+    without_value,
 )
 from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_base, jacobian, solo_deflection
-from labrig.model._file import EffectEntry, ModelFile, read_model_file, write_model_file
+from labrig.model._file import EffectEntry, ModelFile, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
 
 _OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
@@ -99,6 +101,22 @@ class Model:
                 base.fit(fitted, fitted.values - _sum(self._changes(base_context(base, fitted))[1]))
         return Predictor(self, base)
 
+    def unsaid(self, context: Context) -> list[str]:
+        """Of which sessions the effects have no value of their own, in words."""
+        out = []
+        for entry in self.file.effects:
+            effect = get(entry.name, self.folder)
+            own = {n: v.per for n, v in entry.parameters.items() if v.per and n != WEIGHTS.name}
+            for name, known in own.items():
+                if effect.parameter(name).per != "session":
+                    continue
+                if new := without_value(context, tuple(known)):
+                    out.append(
+                        f"{entry.name}: {name} is another in each session, and has no value for "
+                        f"{', '.join(new)}: nothing is taken off there"
+                    )
+        return out
+
     def _changes(self, context: Context) -> tuple[Context, dict[str, Floats]]:
         """The context as the effects turn it, and what each of them changes in the prediction, (F, K)."""
         changes: dict[str, Floats] = {}
@@ -137,7 +155,8 @@ class Predictor:
         )
         context = through if self.alone is None else context
         total = context.base + _sum(changes)
-        return replace(context, base=total, displaced=context.displacement, _memo={}), changes
+        rows = replace(rows, warnings=(*rows.warnings, *self.model.unsaid(context)))
+        return replace(context, rows=rows, base=total, displaced=context.displacement, _memo={}), changes
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
@@ -182,7 +201,7 @@ def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
     variant = find_variant(context, effect, entry)
     coefficients = []
     for term in variant.terms:
-        value = np.asarray(entry.parameters[term.parameter].value, dtype=float)
+        value = _of_this_run(effect, term, entry.parameters[term.parameter])
         width = context.base.shape[1] if term.kind == "pattern" else 1
         shape = (6,) if term.kind == "frame" else (term.feature.shape[-1], width)
         size = int(np.prod(shape))
@@ -193,6 +212,16 @@ def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
         value = np.broadcast_to(value.reshape(-1), (size,)).reshape(shape)
         coefficients.append(value if term.kind == "pattern" else value.reshape(-1))
     return contribution(context, variant, coefficients)
+
+
+def _of_this_run(effect: Effect, term: Term, saved: Value) -> Floats:
+    """The values of a term; of what is another in each session nothing where the session has none."""
+    value = np.asarray(saved.value, dtype=float)
+    if effect.parameter(term.parameter).per != "session" or not saved.per:
+        return value
+    at = {label: i for i, label in enumerate(saved.per)}
+    value = value.reshape(len(saved.per), -1)
+    return np.stack([value[at[n]] if n in at else np.zeros(value.shape[1]) for n in term.labels])
 
 
 def as_fitted(context: Context, entry: EffectEntry) -> Context:

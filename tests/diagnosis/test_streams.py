@@ -180,12 +180,18 @@ def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_
 
 
 def test_blocks_are_sessions_or_stretches(make_lab) -> None:
-    """Six sessions are left out one by one; fewer are cut into stretches of neighbouring captures."""
-    many = make_lab(captures=36, sessions=6)
+    """Twelve sessions are left out one by one; six by a stretch of each; one is cut into stretches of neighbours."""
+    many = make_lab(captures=36, sessions=12)
     streams, context = prepared(many, many.predict(many.u) + many.noise())
+    assert streams.n_groups == 12
+    for g in range(12):
+        assert len(np.unique(context.rows.session[streams.row_group == g])) == 1
+    some = make_lab(captures=72, sessions=6)
+    streams, context = prepared(some, some.predict(some.u) + some.noise())
     assert streams.n_groups == 6
     for g in range(6):
-        assert len(np.unique(context.rows.session[streams.row_group == g])) == 1
+        own = np.unique(context.rows.capture[streams.row_group == g])
+        assert own.tolist() == [12 * s + 2 * g + k for s in range(6) for k in (0, 1)]
     one = make_lab(captures=36)
     streams, context = prepared(one, one.predict(one.u) + one.noise())
     assert streams.n_groups == 12
