@@ -175,9 +175,9 @@ def unnamed_words(summary: Summary) -> str:
     """
     error = summary.get("error") or {}
     units, floor = str(summary.get("units", "")), error.get("floor") or 0.0
-    left = inf
-    if summary.get("verdict") in ("identified", "multiple") and error.get("model") is not None:
-        left = sqrt(max(error["model"] ** 2 - floor**2, 0.0))
+    left, after = inf, error.get("model")
+    if summary.get("verdict") in ("identified", "multiple") and after is not None:
+        left = sqrt(max(after**2 - floor**2, 0.0))
     found = sorted((summary.get("unnamed") or {}).items(), key=lambda item: -item[1])
     shown = [(what, min(size, left)) for what, size in found if min(size, left) > WORTH_SAYING * floor]
     if not shown:
