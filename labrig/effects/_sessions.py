@@ -4,6 +4,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
+from labrig.effects._rows import Rows
 
 MOST_SESSIONS = 11
 """Of more sessions than this none has a value of its own: whole sessions are left out in turn then."""
@@ -12,14 +13,24 @@ IN_EACH = ", in each session"
 
 
 def in_sessions(context: Context) -> Floats | None:
-    """Which rows lie in which session, (F, sessions) of 0 and 1; None where there is one session, or too many.
+    """Which rows lie in which session, (F, sessions) of 0 and 1.
 
-    Where a saved effect is evaluated, one session is enough.
+    None where there is one session, or too many, or where something that was recorded (a payload, a mounting angle)
+    tells the sessions apart: what it does can't be told from what is another in each. Where a saved effect is
+    evaluated, they are always there.
     """
-    count = len(context.rows.sessions)
-    if not context.shows(1 < count <= min(MOST_SESSIONS, context.rows.n_captures / _FEWEST)):
+    rows = context.rows
+    count = len(rows.sessions)
+    enough = 1 < count <= min(MOST_SESSIONS, rows.n_captures / _FEWEST)
+    if not context.shows(enough and not any(_tells_apart(rows, c.values) for c in rows.covariates.values())):
         return None
-    return (context.rows.session[:, None] == np.arange(count)).astype(float)
+    return (rows.session[:, None] == np.arange(count)).astype(float)
+
+
+def _tells_apart(rows: Rows, values: Floats) -> bool:
+    """Whether values (F,) stay the same within each session and do not in all."""
+    within = max(float(np.ptp(values[rows.session == s])) for s in np.unique(rows.session))
+    return bool(np.isfinite(within) and within < 1e-9 * (1e-12 + np.ptp(values)))
 
 
 def keys(context: Context) -> tuple[str, ...]:

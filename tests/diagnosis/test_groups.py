@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from labrig.diagnosis import compare, diagnose
-from labrig.effects import rows_of
+from labrig.effects import library, rows_of
 from labrig.effects._rows import join_rows
 from labrig.model import Model, write_model_file
 
@@ -100,6 +100,21 @@ def test_a_day_of_which_nothing_is_known(make_lab, tmp_path) -> None:
     only = dataset.isel(capture=lab.session == 1, event=lab.session == 1)
     only = only.assign_coords(event_of=("capture", np.arange(only.sizes["capture"])))
     assert not any("no value" in w for w in compare(only, model).summary["warnings"])
+
+
+def test_what_was_recorded_goes_before_the_session(make_lab) -> None:
+    """Where a payload tells the sessions apart nothing is another in each of them; a temperature does not."""
+    lab = make_lab(captures=24, sessions=DAYS)
+    loads = np.array([0.0, 0.2, 0.4, 0.2])[lab.session]
+    warm = 20.0 + lab.session + 0.1 * np.arange(24)
+
+    def forms(covariates) -> set[str]:
+        rows = rows_of(lab.dataset(lab.predict(lab.u), covariates))
+        context = replace(lab.model().context(rows), saved=False)
+        return {v.form for name in ("frame", "regulator") for v in library()[name].variants(context)}
+
+    assert not any(form.endswith("in each session") for form in forms({"payload": ("kg", loads)}))
+    assert sum(form.endswith("in each session") for form in forms({"air": ("degC", warm)})) == 4
 
 
 def test_counted_sessions_are_those_of_their_run(make_lab) -> None:
