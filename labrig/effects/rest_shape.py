@@ -47,7 +47,9 @@ class RestShape(Effect):
         smooth = [motion_scale(context) * shape for shape in smooth_places(context).T]
 
         def shapes(name: str, there: Floats) -> list[Feature]:
-            whole = [field(f"smooth {i}{name}", there[:, None] * shape, 0.1) for i, shape in enumerate(smooth)]
+            whole = [
+                field(f"smooth {i}{name}", there[:, None] * shape, 0.1) for i, shape in enumerate(smooth)
+            ]
             return [pattern(f"rest{name}", there, 0.2), *whole]
 
         yield Space("shape", "rest_shape", tuple(shapes("", np.ones(len(context.base)))))
