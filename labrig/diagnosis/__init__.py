@@ -13,8 +13,8 @@ from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import Prepared, prepare, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
+from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._result import Result, Signature, plain, write_json
-from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._versus import versus
 
 __all__ = [
@@ -28,9 +28,9 @@ __all__ = [
     "Observations",
     "Opened",
     "Prepared",
+    "Regression",
     "Result",
     "Signature",
-    "Streams",
     "Trial",
     "capture_means",
     "clean",

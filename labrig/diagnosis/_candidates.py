@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis._columns import Columns, coefficients, join, order_of
+from labrig.diagnosis._design_matrix import DesignMatrix, coefficients, join, order_of
+from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import Score, score
-from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Term, Variant, contribution
 
 
@@ -19,7 +19,7 @@ class Candidate:
 
     effect: Effect
     variant: Variant
-    columns: Columns
+    columns: DesignMatrix
     score: Score
 
 
@@ -28,7 +28,7 @@ class Fit:
     """Several effects fitted together."""
 
     parts: tuple[Candidate, ...]
-    columns: Columns
+    columns: DesignMatrix
     score: Score
 
     @property
@@ -42,12 +42,12 @@ class Fit:
 
     @cached_property
     def heldout(self) -> Floats:
-        """Prediction of each stream row by the fit that did not see its block, (S, K)."""
-        streams = self.columns.streams
-        out = np.zeros_like(streams.residual)
-        for g, own in enumerate(streams.blocks):
+        """Prediction of each row by the fit that did not see its block, (S, K)."""
+        regression = self.columns.regression
+        out = np.zeros_like(regression.residual)
+        for g, own in enumerate(regression.blocks):
             out[own] = self.columns.field(self.score.fold_beta[g], own)
-        return out + streams.nothing
+        return out + regression.nothing
 
 
 def fit(parts: Sequence[Candidate]) -> Fit:
@@ -56,14 +56,14 @@ def fit(parts: Sequence[Candidate]) -> Fit:
     return Fit(tuple(parts), columns, score(columns))
 
 
-def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score) -> bool:
+def plausible(effect: Effect, variant: Variant, columns: DesignMatrix, scored: Score) -> bool:
     """Whether the fitted values lie within their physical bounds, or within two standard errors of them.
 
     Of a parameter with one value per chamber the mean counts, weighted by what each says; of a chain each link.
     """
     q = columns.X.shape[2]
     at_x, at_e = 0, q
-    n_patterns = columns.streams.n_patterns
+    n_patterns = columns.regression.n_patterns
     for term in variant.terms:
         r = (
             6
@@ -75,7 +75,7 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         own = slice(start, start + r)
         at_e, at_x = (at_e + r, at_x) if in_fields else (at_e, at_x + r)
         parameter = effect.parameter(term.parameter)
-        low, high = parameter.bounds(columns.streams.context)
+        low, high = parameter.bounds(columns.regression.context)
         one_sided = low >= 0 or high <= 0
         if term.kind == "pattern" and one_sided and not _along(columns, scored.beta[own], term, low >= 0):
             return False
@@ -90,7 +90,7 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
         weight = np.where(live, 1 / np.where(live, variance, 1.0), 0.0)
         jack = scored.fold_beta[:, own]
         if (
-            term.labels and term.labels != columns.streams.context.rows.chambers
+            term.labels and term.labels != columns.regression.context.rows.chambers
         ):  # links of a chain: each counts
             apart = np.sqrt((len(jack) - 1) * jack.var(axis=0))
             outside = (scored.beta[own] < low - 2 * apart) | (scored.beta[own] > high + 2 * apart)
@@ -105,7 +105,7 @@ def plausible(effect: Effect, variant: Variant, columns: Columns, scored: Score)
     return True
 
 
-def _as_large(columns: Columns, scored: Score, own: slice, least: float) -> bool:
+def _as_large(columns: DesignMatrix, scored: Score, own: slice, least: float) -> bool:
     """Whether the values, where they act, are at least so large, or within two standard errors of it."""
     weight = acting(columns, scored.beta, own)
     each = scored.fold_beta[:, own] @ weight
@@ -114,26 +114,26 @@ def _as_large(columns: Columns, scored: Score, own: slice, least: float) -> bool
     return float(scored.beta[own] @ weight) >= least - 2 * sd
 
 
-def acting(columns: Columns, beta: Floats, own: slice | Ints) -> Floats:
+def acting(columns: DesignMatrix, beta: Floats, own: slice | Ints) -> Floats:
     """Weights that sum to one: how much each of the `own` columns, times its coefficient, changes the observables."""
     weight = np.diag(columns.sums[0].sum(axis=0))[own] * beta[own] ** 2
     return weight / max(float(weight.sum()), 1e-300)
 
 
-def _along(columns: Columns, beta: Floats, term: Term, forward: bool) -> bool:
+def _along(columns: DesignMatrix, beta: Floats, term: Term, forward: bool) -> bool:
     """Whether a free pattern points the way in which the base itself moves, chamber by chamber, or against it."""
-    streams = columns.streams
-    pattern = beta.reshape(-1, streams.n_patterns) @ streams.patterns
-    reach = streams.context.jacobian.mean(axis=0).T
+    regression = columns.regression
+    pattern = beta.reshape(-1, regression.n_patterns) @ regression.patterns
+    reach = regression.context.jacobian.mean(axis=0).T
     if len(pattern) != len(reach) or not np.abs(reach).any():
         return True
-    return bool(((pattern * reach / streams.floor.row**2).sum() > 0) == forward)
+    return bool(((pattern * reach / regression.floor.row**2).sum() > 0) == forward)
 
 
-def mean_square(streams: Streams, left: Floats) -> Floats:
+def mean_square(regression: Regression, left: Floats) -> Floats:
     """Mean square of what is left (S, K), per observable (K,), captures counting alike; NaN if never seen."""
-    seen = streams.weight > 0
-    n_means = int(streams.index.max()) + 1 if streams.use_means else 0
+    seen = regression.weight > 0
+    n_means = int(regression.index.max()) + 1 if regression.use_means else 0
     total = np.zeros(left.shape[1])
     for rows in (slice(0, n_means), slice(n_means, len(left))):
         each = seen[rows]
@@ -143,9 +143,9 @@ def mean_square(streams: Streams, left: Floats) -> Floats:
     return np.where(seen.any(axis=0), total, np.nan)
 
 
-def square_of(streams: Streams, left: Floats) -> float:
+def square_of(regression: Regression, left: Floats) -> float:
     """Mean square of what is left over the observables that errors are quoted for."""
-    return float(np.nanmean(mean_square(streams, left)[streams.counted]))
+    return float(np.nanmean(mean_square(regression, left)[regression.counted]))
 
 
 def change_of(context: Context, chosen: Fit) -> Floats:

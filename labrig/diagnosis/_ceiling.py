@@ -11,7 +11,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial.distance import cdist
 
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis._streams import Streams
+from labrig.diagnosis._regression import Regression
 from labrig.effects import Context
 
 _MOST_ROWS = 700
@@ -36,10 +36,12 @@ class Ceiling:
         return float(self.gains.sum())
 
 
-def ceiling(streams: Streams, context: Context, left: Floats, only: str | None = None) -> dict[str, Ceiling]:
+def ceiling(
+    regression: Regression, context: Context, left: Floats, only: str | None = None
+) -> dict[str, Ceiling]:
     """Learn what is `left` (S, K) from each set of covariates, or from one; the best ridge of each, by name."""
     sets = {name: x for name, x in covariates(context).items() if only in (None, name)}
-    target = _scores(streams, left)
+    target = _scores(regression, left)
     rows = np.arange(len(context.base))
     if len(rows) > _MOST_ROWS:
         rows = np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).astype(int))
@@ -50,19 +52,21 @@ def ceiling(streams: Streams, context: Context, left: Floats, only: str | None =
             alike.append(_additive(features, features[rows]))
         for matrix in alike:
             for ridge in _RIDGES:
-                field = streams.lift(_heldout(streams, matrix, ridge, target, rows)) @ streams.patterns
-                gains = _gains(streams, left, field)
+                field = (
+                    regression.lift(_heldout(regression, matrix, ridge, target, rows)) @ regression.patterns
+                )
+                gains = _gains(regression, left, field)
                 if name not in out or gains.sum() > out[name].gain:
                     out[name] = Ceiling(name, gains, field)
     return out
 
 
-def _heldout(streams: Streams, kernel: Floats, ridge: float, target: Floats, rows: Ints) -> Floats:
+def _heldout(regression: Regression, kernel: Floats, ridge: float, target: Floats, rows: Ints) -> Floats:
     """What kernel ridge regression on `rows` predicts of each block without it, (F, r)."""
     predicted = np.zeros_like(target)
-    for g in range(streams.n_groups):
-        train = streams.row_group[rows] != g
-        test = streams.row_group == g
+    for g in range(regression.n_groups):
+        train = regression.row_group[rows] != g
+        test = regression.row_group == g
         if not train.any() or not test.any():
             continue
         K = kernel[rows[train]][:, train]
@@ -71,25 +75,25 @@ def _heldout(streams: Streams, kernel: Floats, ridge: float, target: Floats, row
     return predicted
 
 
-def _gains(streams: Streams, left: Floats, field: Floats) -> Floats:
-    each = streams.square(left) - streams.square(left - field)
-    return np.array([each[own].sum() for own in streams.blocks])
+def _gains(regression: Regression, left: Floats, field: Floats) -> Floats:
+    each = regression.square(left) - regression.square(left - field)
+    return np.array([each[own].sum() for own in regression.blocks])
 
 
-def _scores(streams: Streams, left: Floats) -> Floats:
+def _scores(regression: Regression, left: Floats) -> Floats:
     """What is left of each row along the free patterns, (F, r), least squares over what was seen."""
-    V = streams.patterns
-    H = np.einsum("rk,sk,qk->srq", V, streams.weight, V, optimize=True)
-    b = (streams.weight * left) @ V.T
+    V = regression.patterns
+    H = np.einsum("rk,sk,qk->srq", V, regression.weight, V, optimize=True)
+    b = (regression.weight * left) @ V.T
     ridge = 1e-6 * np.trace(H, axis1=1, axis2=2).max(initial=1e-12) * np.eye(len(V))
     z = np.linalg.solve(H + ridge, b[:, :, None])[:, :, 0]
-    n = int(streams.index.max()) + 1
-    out = np.zeros((len(streams.index), len(V)))
-    if streams.use_means:
-        out += z[:n][streams.index]
-        out[streams.keep] += z[n:]
+    n = int(regression.index.max()) + 1
+    out = np.zeros((len(regression.index), len(V)))
+    if regression.use_means:
+        out += z[:n][regression.index]
+        out[regression.keep] += z[n:]
     else:
-        out[streams.keep] = z
+        out[regression.keep] = z
     return out
 
 

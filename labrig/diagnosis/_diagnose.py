@@ -72,7 +72,7 @@ def verdict_on(
     observations: Observations, ready: Prepared, effects: dict[str, Effect], tolerance: float | None = None
 ) -> Verdict:
     """Which effects are missing, by the evidence of everything that these observations might say."""
-    floor = float(np.sqrt(np.mean(ready.floor.row[ready.streams.counted] ** 2)))
+    floor = float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
     least = (tolerance or 0.0) / floor if floor > 0 else 0.0
     few = underpowered(observations, tuple(effects), least, ready.context.rows.unit[0], floor)
     if few is not None and len(observations.values) < k.FEWEST_OBSERVATIONS:
@@ -106,21 +106,21 @@ def result_of(
     ready: Prepared, observations: Observations, verdict: Verdict, model: Model, effects: dict[str, Effect]
 ) -> Result:
     """The verdict with everything that its report shows: formulas, errors, where, the improved model."""
-    streams, context, rows = ready.streams, ready.context, ready.context.rows
+    regression, context, rows = ready.regression, ready.context, ready.context.rows
     chosen = _chosen(ready, verdict, effects)
     errors = _errors(ready, chosen)
     entries = (
-        [entry_of(streams, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
+        [entry_of(regression, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
         if chosen
         else []
     )
     improved = model
     for entry in entries:
         improved = improved.with_effect(entry)
-    found = alone(streams, context, verdict, effects)
-    places = where(context, ready.residual, ready.floor, streams.counted)
+    found = alone(regression, context, verdict, effects)
+    places = where(context, ready.residual, ready.floor, regression.counted)
     # a floor of one capture's mean, in the units of the observables that errors are quoted for
-    unit_size = float(np.sqrt(np.mean(observations.unit[streams.counted] ** 2)))
+    unit_size = float(np.sqrt(np.mean(observations.unit[regression.counted] ** 2)))
     summary: dict[str, Any] = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
@@ -138,11 +138,11 @@ def result_of(
             }
             for c in verdict.considered
         ],
-        "units": rows.unit[int(streams.counted[0])],
+        "units": rows.unit[int(regression.counted[0])],
         "error": errors.as_dict(),
         "where": places,
         "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
-        "ranking": ranking_of(streams, found, verdict, errors.base, max(errors.floor, errors.ceiling)),
+        "ranking": ranking_of(regression, found, verdict, errors.base, max(errors.floor, errors.ceiling)),
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
@@ -164,7 +164,7 @@ def _chosen(ready: Prepared, verdict: Verdict, effects: dict[str, Effect]) -> Fi
     names = [*verdict.effects, *verdict.rivals[:1]]
     if verdict.verdict not in {"identified", "multiple", "confounded"} or not names:
         return None
-    return fit_named(ready.streams, ready.context, [effects[n] for n in names])
+    return fit_named(ready.regression, ready.context, [effects[n] for n in names])
 
 
 def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Candidate]]) -> dict[str, Fit]:
@@ -178,16 +178,18 @@ def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Ca
 
 
 def _errors(ready: Prepared, chosen: Fit | None) -> _Errors:
-    streams = ready.streams
-    base_left = streams.residual - streams.nothing
-    base = square_of(streams, base_left)
-    left = streams.residual - chosen.heldout if chosen else base_left
-    now = square_of(streams, left)
+    regression = ready.regression
+    base_left = regression.residual - regression.nothing
+    base = square_of(regression, base_left)
+    left = regression.residual - chosen.heldout if chosen else base_left
+    now = square_of(regression, left)
     learner: Ceiling | None = max(
-        ceiling(streams, ready.context, left).values(), key=lambda c: c.gain, default=None
+        ceiling(regression, ready.context, left).values(), key=lambda c: c.gain, default=None
     )
-    lowest = min(base, now) if learner is None else min(base, now, square_of(streams, left - learner.heldout))
-    floor = float(np.mean(ready.floor.row[streams.counted] ** 2))
+    lowest = (
+        min(base, now) if learner is None else min(base, now, square_of(regression, left - learner.heldout))
+    )
+    floor = float(np.mean(ready.floor.row[regression.counted] ** 2))
     return _Errors(*(float(np.sqrt(max(v, 0.0))) for v in (base, now, floor, lowest)))
 
 
@@ -195,8 +197,8 @@ def _waterfall(ready: Prepared, chosen: Fit | None, errors: _Errors) -> list[tup
     steps = [("base", errors.base)]
     for i in range(len(chosen.parts) if chosen else 0):
         part = fit(chosen.parts[: i + 1])  # type: ignore[union-attr]
-        left: Floats = ready.streams.residual - part.heldout
-        steps.append((f"+ {part.names[-1]}", float(np.sqrt(square_of(ready.streams, left)))))
+        left: Floats = ready.regression.residual - part.heldout
+        steps.append((f"+ {part.names[-1]}", float(np.sqrt(square_of(ready.regression, left)))))
     return [*steps, ("ceiling", errors.ceiling), ("floor", errors.floor)]
 
 

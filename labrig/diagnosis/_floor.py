@@ -14,7 +14,7 @@ _FEWEST_PAIRS = 3
 
 @dataclass(frozen=True)
 class Floor:
-    """Noise of each observable, (K,), in two streams: of a capture's mean, and within its hold.
+    """Noise of each observable, (K,), of two kinds: of a capture's mean, and within its hold.
 
     `how` says in words where it comes from; `repeats` holds, in units, what each kind of repeat differs
     by (None where there are none): within a capture, same history, opposite history, early against late.
@@ -29,7 +29,7 @@ class Floor:
 
     @property
     def row(self) -> Floats:
-        """Noise of one row: both streams together, (K,)."""
+        """Noise of one row: both together, (K,)."""
         return np.sqrt(self.mean**2 + self.within**2)
 
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, square_of
-from labrig.diagnosis._columns import columns_of
+from labrig.diagnosis._design_matrix import columns_of
 from labrig.diagnosis._parameters import refined
+from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.diagnosis._streams import Streams
 from labrig.diagnosis._weights import family_forms
 from labrig.effects import Context, Effect, is_family
 
@@ -27,7 +27,7 @@ _QUOTED = 0.25
 
 
 def fit_named(
-    streams: Streams,
+    regression: Regression,
     context: Context,
     effects: Sequence[Effect],
     *,
@@ -41,7 +41,7 @@ def fit_named(
 
     Raises `LabrigError` when one of them has no form that can act on this run.
     """
-    known = forms or partial(forms_of, streams, context)
+    known = forms or partial(forms_of, regression, context)
     forms_of_each = [known(effect)[:_KEPT] for effect in effects]
     for effect, own in zip(effects, forms_of_each, strict=True):
         if not own:
@@ -62,11 +62,11 @@ def fit_named(
                 chosen = _plainest(options, best) if last else max(options, key=lambda f: f.score.gain)
     for i, effect in enumerate(effects):
         if start is None and effect.name != "marker_slip":
-            chosen = refined(streams, context, chosen, i)
+            chosen = refined(regression, context, chosen, i)
     return chosen
 
 
-def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candidate]:
+def forms_of(regression: Regression, context: Context, effect: Effect) -> list[Candidate]:
     """The forms of one effect, best first: the plainest that is good enough, then by what they explain of left-out
     blocks; those within their physical bounds before the others. The plainest, and the best of those that are plainer
     than a family or a chain, are moved off the search's grid first: these fill the gaps of a grid that one lag falls
@@ -74,7 +74,7 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     """
     found = []
     for variant in (*effect.variants(context), *family_forms(effect, context)):
-        columns = columns_of(streams, variant)
+        columns = columns_of(regression, variant)
         if columns.width:
             scored = score(columns)
             candidate = Candidate(effect, variant, columns, scored)
@@ -82,7 +82,9 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     found.sort(key=lambda f: (not f[0], -f[1].score.gain))
     formula = next((c for _, c in found if not is_family(c.variant.form)), None)
     if formula is not None:  # a family has to be better by what is quoted, too
-        least = min(_quoted(formula), float(np.sqrt(square_of(streams, streams.residual - streams.nothing))))
+        least = min(
+            _quoted(formula), float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
+        )
         found = [f for f in found if not is_family(f[1].variant.form) or _quoted(f[1]) < least]
     if not found:
         return []
@@ -94,7 +96,7 @@ def forms_of(streams: Streams, context: Context, effect: Effect) -> list[Candida
     if narrower:  # off the search's grid a plainer one may be good enough
         plainest, likeliest = min(narrower, key=lambda c: c.columns.width), narrower[0]
         for one in [plainest] if plainest is likeliest else [plainest, likeliest]:
-            (moved,) = refined(streams, context, fit([one]), 0).parts
+            (moved,) = refined(regression, context, fit([one]), 0).parts
             if _good_enough(moved, best):
                 return [moved, *forms]
     return [plain, *(c for c in forms if c is not plain)]
@@ -113,7 +115,7 @@ def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
 
     The rule of L. Breiman et al., Classification and Regression Trees, 1984, here from the blocks' differences.
     """
-    total = float(best.columns.streams.base_squares.sum())
+    total = float(best.columns.regression.base_squares.sum())
     lost = best.score.gains - plain.score.gains
     n = len(lost)
     chance = float(np.sqrt(n) * lost.std(ddof=1)) if n > 1 else 0.0
@@ -124,21 +126,21 @@ def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
 
 def _quoted(chosen: Candidate | Fit) -> float:
     """The held-out error as it is quoted."""
-    streams = chosen.columns.streams
+    regression = chosen.columns.regression
     whole = chosen if isinstance(chosen, Fit) else fit([chosen])
-    return float(np.sqrt(square_of(streams, streams.residual - whole.heldout)))
+    return float(np.sqrt(square_of(regression, regression.residual - whole.heldout)))
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:
     """By how much the i-th effect lowers the held-out mean square beside the others, and its standard error."""
-    streams = chosen.columns.streams
+    regression = chosen.columns.regression
     rest = [p for j, p in enumerate(chosen.parts) if j != i]
     before = fit(rest) if rest else None
-    left = streams.residual - (before.heldout if before else streams.nothing)
-    now = streams.residual - chosen.heldout
-    each = streams.square(left) - streams.square(now)
-    gains = np.bincount(streams.group, weights=each)
-    fall = square_of(streams, left) - square_of(streams, now)
+    left = regression.residual - (before.heldout if before else regression.nothing)
+    now = regression.residual - chosen.heldout
+    each = regression.square(left) - regression.square(now)
+    gains = np.bincount(regression.group, weights=each)
+    fall = square_of(regression, left) - square_of(regression, now)
     n = len(gains)
     relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else np.inf
     return fall, abs(fall) * relative

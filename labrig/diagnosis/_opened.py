@@ -78,30 +78,30 @@ class Opened:
     @property
     def units(self) -> str:
         """Those that errors are quoted in."""
-        return self.ready.context.rows.unit[int(self.ready.streams.counted[0])]
+        return self.ready.context.rows.unit[int(self.ready.regression.counted[0])]
 
     @cached_property
     def places(self) -> list[dict[str, Any]]:
         """Where the model as it stands fails."""
         ready = self.ready
-        return where(ready.context, ready.residual, ready.floor, ready.streams.counted)
+        return where(ready.context, ready.residual, ready.floor, ready.regression.counted)
 
     @property
     def floor_square(self) -> float:
         """The mean square of the noise."""
-        return float(np.mean(self.ready.floor.row[self.ready.streams.counted] ** 2))
+        return float(np.mean(self.ready.floor.row[self.ready.regression.counted] ** 2))
 
     def forms(self, effect: Effect) -> list[Candidate]:
         """The forms of an effect, best first; found once."""
         if effect.name not in self._forms:
-            self._forms[effect.name] = forms_of(self.ready.streams, self.ready.context, effect)
+            self._forms[effect.name] = forms_of(self.ready.regression, self.ready.context, effect)
         return self._forms[effect.name]
 
     def compare(self) -> Result:
         """Errors of the model as it stands, without any fit of effects: how large, and where."""
-        ready, streams = self.ready, self.ready.streams
+        ready, regression = self.ready, self.ready.regression
         error = {
-            "model": np.sqrt(square_of(streams, streams.residual)),
+            "model": np.sqrt(square_of(regression, regression.residual)),
             "floor": np.sqrt(self.floor_square),
         }
         summary: dict[str, Any] = {
@@ -132,27 +132,27 @@ class Opened:
         for effect in effects:
             if any(entry.name == effect.name for entry in self.model.file.effects):
                 raise LabrigError(f"the model has {effect.name!r} already; remove its entry to fit it again")
-        ready, streams, context = self.ready, self.ready.streams, self.ready.context
+        ready, regression, context = self.ready, self.ready.regression, self.ready.context
         chosen = fit_named(
-            streams, context, effects, forms=self.forms, start=None if refine else dict(self._last)
+            regression, context, effects, forms=self.forms, start=None if refine else dict(self._last)
         )
         self._last |= {part.effect.name: part for part in chosen.parts}
-        base = float(np.sqrt(square_of(streams, streams.residual - streams.nothing)))
-        now = float(np.sqrt(square_of(streams, streams.residual - chosen.heldout)))
+        base = float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
+        now = float(np.sqrt(square_of(regression, regression.residual - chosen.heldout)))
         floor = float(np.sqrt(self.floor_square))
         least = (SMALLEST_FLOORS**2) * self.floor_square
         falls = tuple(
             Fall(effect.name, *fall_of(chosen, i, self._fit), least, self.units)
             for i, effect in enumerate(effects)
         )
-        entries = [entry_of(streams, context, chosen, i, refine=False) for i in range(len(effects))]
+        entries = [entry_of(regression, context, chosen, i, refine=False) for i in range(len(effects))]
         improved = self.model
         for entry in entries:
             improved = improved.with_effect(entry)
         steps = [("base", base)]
         for i in range(len(effects)):
             part = self._fit(chosen.parts[: i + 1])
-            square = square_of(streams, streams.residual - part.heldout)
+            square = square_of(regression, regression.residual - part.heldout)
             steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
         summary: dict[str, Any] = {
             "units": self.units,

@@ -6,20 +6,22 @@ import numpy as np
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._candidates import Candidate, Fit, fit
-from labrig.diagnosis._columns import coefficients, columns_of, order_of
+from labrig.diagnosis._design_matrix import coefficients, columns_of, order_of
+from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, Effect, Term, Variant, centre_of
 from labrig.model import EffectEntry, FittedOn, Value
 
 _ROUNDS = 10
 
 
-def entry_of(streams: Streams, context: Context, chosen: Fit, i: int, *, refine: bool = True) -> EffectEntry:
+def entry_of(
+    regression: Regression, context: Context, chosen: Fit, i: int, *, refine: bool = True
+) -> EffectEntry:
     """The i-th effect of a fit as an entry of a model file; `refine` moves it off the search's grid."""
     part = chosen.parts[i]
     if refine and part.variant.shape and part.effect.name != "marker_slip":
-        chosen = refined(streams, context, chosen, i)
+        chosen = refined(regression, context, chosen, i)
         part = chosen.parts[i]
     each = coefficients(part.columns, part.variant, chosen.own(i))
     order = _own_order(chosen, i)
@@ -69,7 +71,7 @@ def _unit(context: Context, unit: str) -> str:
     return re.sub("|".join(own), lambda found: own[found[0]], unit)
 
 
-def refined(streams: Streams, context: Context, chosen: Fit, i: int) -> Fit:
+def refined(regression: Regression, context: Context, chosen: Fit, i: int) -> Fit:
     """Move what is not linear in the i-th effect (time constants, widths) to where the joint fit is best."""
     for name in chosen.parts[i].variant.shape:
         start = chosen.parts[i].variant.shape[name]
@@ -83,7 +85,9 @@ def refined(streams: Streams, context: Context, chosen: Fit, i: int) -> Fit:
         best = chosen
         for _ in range(_ROUNDS):
             inner, outer = b - ratio * (b - a), a + ratio * (b - a)
-            tried = [_with_shape(streams, context, chosen, i, name, float(np.exp(v))) for v in (inner, outer)]
+            tried = [
+                _with_shape(regression, context, chosen, i, name, float(np.exp(v))) for v in (inner, outer)
+            ]
             gains = [f.score.gain if f else -np.inf for f in tried]
             if gains[0] > gains[1]:
                 b = outer
@@ -97,13 +101,13 @@ def refined(streams: Streams, context: Context, chosen: Fit, i: int) -> Fit:
 
 
 def _with_shape(
-    streams: Streams, context: Context, chosen: Fit, i: int, name: str, value: float
+    regression: Regression, context: Context, chosen: Fit, i: int, name: str, value: float
 ) -> Fit | None:
     part = chosen.parts[i]
     shape = {**part.variant.shape, name: value}
     for variant in part.effect.variants(context.pin(shape)):
         if variant.form == part.variant.form:
-            columns = columns_of(streams, variant)
+            columns = columns_of(regression, variant)
             moved = Candidate(part.effect, variant, columns, score(columns))
             return fit([*chosen.parts[:i], moved, *chosen.parts[i + 1 :]])
     return None

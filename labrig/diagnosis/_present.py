@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.diagnosis._candidates import Fit, change_of
-from labrig.diagnosis._columns import coefficients
+from labrig.diagnosis._design_matrix import coefficients
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
 from labrig.effects import Context, Part, Variant, contribution
@@ -83,33 +83,35 @@ def _of_markers(context: Context, square: Floats) -> Floats:
 def whole_change(context: Context, chosen: Fit) -> Floats:
     """What the effects, and the base's own parameters fitted again beside them, change in the prediction, (F, K)."""
     change = change_of(context, chosen)
-    if chosen.columns.streams.declared is not None:
+    if chosen.columns.regression.declared is not None:
         change = change + _refit(context, chosen, change)
-    if chosen.columns.streams.calibrated is not None:
+    if chosen.columns.regression.calibrated is not None:
         change = change + _recalibrated(context, chosen, change)
     return change
 
 
 def _refit(context: Context, chosen: Fit, change: Floats) -> Floats:
     """What the base's own parameters, fitted again beside the effects, change in the prediction, (F, K)."""
-    streams = chosen.columns.streams
-    assert streams.declared is not None
+    regression = chosen.columns.regression
+    assert regression.declared is not None
     left, _ = capture_means(context.residual - change, context.rows.capture)
-    columns = streams.declared[: len(left)] if streams.use_means else np.zeros((len(left), 1))
+    columns = regression.declared[: len(left)] if regression.use_means else np.zeros((len(left), 1))
     beta = np.linalg.lstsq(columns, np.nan_to_num(left), rcond=1e-9)[0]
-    return (columns @ beta)[streams.index]
+    return (columns @ beta)[regression.index]
 
 
 def _recalibrated(context: Context, chosen: Fit, change: Floats) -> Floats:
     """What the base's calibrated parameters, fitted again beside the effects, change in the prediction, (F, K)."""
-    streams = chosen.columns.streams
-    assert streams.calibrated is not None
-    if not streams.use_means:
+    regression = chosen.columns.regression
+    assert regression.calibrated is not None
+    if not regression.use_means:
         return np.zeros_like(change)
-    seen = replace(streams, declared=None).calibration(None)
+    seen = replace(regression, declared=None).calibration(None)
     assert seen is not None
-    off = seen.fitted(streams.residual - streams.lift(change), np.ones(len(streams.source), dtype=bool))
-    return (seen.fields[: int(streams.index.max()) + 1] @ off)[streams.index]
+    off = seen.fitted(
+        regression.residual - regression.lift(change), np.ones(len(regression.source), dtype=bool)
+    )
+    return (seen.fields[: int(regression.index.max()) + 1] @ off)[regression.index]
 
 
 def signatures_of(

@@ -10,7 +10,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._outliers import clean
-from labrig.diagnosis._streams import Streams, build_streams
+from labrig.diagnosis._regression import Regression, regression_of
 from labrig.effects import Context, Rows, join_rows, rows_of
 from labrig.model import Model
 
@@ -35,9 +35,9 @@ class Prepared:
     calibrated: Floats | None
 
     @cached_property
-    def streams(self) -> Streams:
+    def regression(self) -> Regression:
         """The same as a regression problem, for the formulas."""
-        return build_streams(self.context, self.floor, self.residual, self.declared, self.calibrated)
+        return regression_of(self.context, self.floor, self.residual, self.declared, self.calibrated)
 
 
 def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
@@ -62,7 +62,7 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     return Prepared(context, residual, floor, dropped, declared, calibrated)
 
 
-def prepare(rows: Rows, model: Model) -> tuple[Streams, Context, Floor, int]:
+def prepare(rows: Rows, model: Model) -> tuple[Regression, Context, Floor, int]:
     """The regression problem of a campaign, its context, its floor, and how many outlying values were dropped."""
     ready = prepared(rows, model)
-    return ready.streams, ready.context, ready.floor, ready.dropped
+    return ready.regression, ready.context, ready.floor, ready.dropped

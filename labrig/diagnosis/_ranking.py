@@ -8,7 +8,7 @@ import numpy as np
 from labrig.diagnosis._candidates import Candidate, fit, square_of
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._parameters import entry_of
-from labrig.diagnosis._streams import Streams
+from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._verdict import Verdict
 from labrig.effects import Context, Effect
 
@@ -16,12 +16,12 @@ _SHOWN = 5
 
 
 def alone(
-    streams: Streams, context: Context, verdict: Verdict, effects: Mapping[str, Effect]
+    regression: Regression, context: Context, verdict: Verdict, effects: Mapping[str, Effect]
 ) -> dict[str, list[Candidate]]:
     """The forms of the likeliest effects, each fitted by itself, best first."""
     found = {}
     for considered in verdict.considered[:_SHOWN]:
-        forms = forms_of(streams, context, effects[considered.effect])
+        forms = forms_of(regression, context, effects[considered.effect])
         if forms:
             found[considered.effect] = forms
     return found
@@ -34,17 +34,22 @@ def drop_of(base: float, now: float, reachable: float) -> float:
 
 
 def ranking_of(
-    streams: Streams, found: Mapping[str, list[Candidate]], verdict: Verdict, base: float, reachable: float
+    regression: Regression,
+    found: Mapping[str, list[Candidate]],
+    verdict: Verdict,
+    base: float,
+    reachable: float,
 ) -> list[dict[str, Any]]:
     """Each effect alone, smallest held-out error first, with its probability beside all others."""
     probability = {c.effect: c.probability for c in verdict.considered}
     out = []
     for name, forms in found.items():
         one = fit([forms[0]])
-        left = streams.residual - one.heldout
-        error = float(np.sqrt(max(square_of(streams, left), 0.0)))
+        left = regression.residual - one.heldout
+        error = float(np.sqrt(max(square_of(regression, left), 0.0)))
         gains = np.bincount(
-            streams.group, weights=streams.square(streams.residual - streams.nothing) - streams.square(left)
+            regression.group,
+            weights=regression.square(regression.residual - regression.nothing) - regression.square(left),
         )
         n = len(gains)
         relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else None
@@ -60,7 +65,7 @@ def ranking_of(
                 "parameters": {
                     key: value.model_dump(exclude_none=True)
                     for key, value in entry_of(
-                        streams, streams.context, one, 0, refine=False
+                        regression, regression.context, one, 0, refine=False
                     ).parameters.items()
                 },
             }

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.diagnosis._columns import Columns, Split
+from labrig.diagnosis._design_matrix import DesignMatrix, Split
 
 RIDGES = (1e-6, 1e-3, 0.03, 0.3)
 PRIORS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
@@ -41,7 +41,7 @@ class Score:
         )
 
 
-def score(columns: Columns) -> Score:
+def score(columns: DesignMatrix) -> Score:
     """Fit without each block, predict it, and keep the ridge, and the strength of the prior, that does best.
 
     Narrow fits need no ridge to choose.
@@ -49,11 +49,11 @@ def score(columns: Columns) -> Score:
     held = columns.prior > 0
     ridges = RIDGES if (~held).sum() > 3 else RIDGES[:1]
     tried = list(product(ridges, PRIORS if held.any() else PRIORS[:1]))
-    if columns.streams.declared is None and columns.streams.calibrated is None:
+    if columns.regression.declared is None and columns.regression.calibrated is None:
         G, c = columns.sums
         results = [_leave_out(G, c, ridge, strength * columns.prior) for ridge, strength in tried]
     else:
-        folds = [columns.held_out(f) for f in range(columns.streams.n_groups)]
+        folds = [columns.held_out(f) for f in range(columns.regression.n_groups)]
         results = [_leave_out_each(folds, ridge, strength * columns.prior) for ridge, strength in tried]
         G, c = columns.sums
     best = int(np.argmax([gains.sum() for gains, _ in results]))

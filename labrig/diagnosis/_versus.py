@@ -36,11 +36,11 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     names = names_of_models(first, second)
     rows = rows_from(runs)
     both = [prepared(rows, first), prepared(rows, second)]
-    streams = both[0].streams
+    regression = both[0].regression
     residual = _same_cells(both)
     lost = int((np.isfinite(both[0].context.residual) & ~np.isfinite(residual[0])).sum())
-    counted, group = streams.counted, streams.row_group
-    sums = [_sums(left[:, counted], both[0], group, streams.use_means) for left in residual]
+    counted, group = regression.counted, regression.row_group
+    sums = [_sums(left[:, counted], both[0], group, regression.use_means) for left in residual]
     whole = difference(sums[0], sums[1])
     floors = [float(np.sqrt(np.mean(one.floor.row[counted] ** 2))) for one in both]
     floor = both[int(np.argmin(floors))].floor
@@ -117,7 +117,7 @@ def _where(
     of: Prepared, residual: Sequence[Floats], group: NDArray[np.int64], names: tuple[str, str]
 ) -> list[dict[str, Any]]:
     """Both errors in each place, and the difference, with an interval that allows for the places of one group."""
-    counted = of.streams.counted
+    counted = of.regression.counted
     cells = [left[:, counted] ** 2 for left in residual]
     blocks = int(group.max()) + 1
     there = [place for place in places(of.context, counted) if place.group != "capture"]

@@ -98,7 +98,7 @@ def propose_experiment(
     if not minutes > 0:
         raise LabrigError(f"an experiment of {minutes:g} min: give it some time")
     rows = _some(rows_from(runs))
-    streams, context, _, _ = prepare(rows, model)
+    regression, context, _, _ = prepare(rows, model)
     if context.moves and not context.jacobian.any():
         raise LabrigError(
             "the model predicts the same at all pressures: it can't say which programme would tell effects apart; "
@@ -112,13 +112,13 @@ def propose_experiment(
     verdict = str(found["verdict"])
     if verdict == "nothing_missing":
         raise LabrigError("the verdict is nothing_missing: it leaves nothing to settle")
-    rivals = open_rivals(streams, context, effects, found) if verdict in NAMED else []
+    rivals = open_rivals(regression, context, effects, found) if verdict in NAMED else []
     if verdict != "confounded" and verdict in NAMED and not rivals:
         raise LabrigError(
             f"the verdict is {verdict} and no other effect comes near: there is nothing to settle; check it on a "
             "fresh programme (labrig run capture, with another seed)"
         )
-    problem = Problem(streams, context, model.predictor(rows), rivals, limits)
+    problem = Problem(regression, context, model.predictor(rows), rivals, limits)
     # what was measured decides where the scattered points fall: proposed again, they fall elsewhere, for a set-point
     # that is visited again and again says no more (see PER_CONDITION of the diagnosis)
     seeds = canonical(context, limits.rest, seed=len(np.unique(rows.capture)))
@@ -183,10 +183,10 @@ def _named(
     if (apart / goals).max(initial=0.0) < _TOO_LITTLE:
         raise _nothing_tells(found, problem.rivals, effects, minutes)
     titles = [r.title for r in problem.rivals]
-    floor = float(np.sqrt(np.mean(problem.streams.floor.row[problem.counted] ** 2)))
-    per_capture = len(points) * problem.streams.residual.shape[1]
+    floor = float(np.sqrt(np.mean(problem.regression.floor.row[problem.counted] ** 2)))
+    per_capture = len(points) * problem.regression.residual.shape[1]
     # the errors of one capture hang together: as many numbers count as there are patterns that stand clear
-    cautious = 0.5 / np.log(10) * problem.streams.n_patterns / problem.streams.residual.shape[1]
+    cautious = 0.5 / np.log(10) * problem.regression.n_patterns / problem.regression.residual.shape[1]
     expected: list[Expected] = [
         {
             "true": titles[m],
@@ -215,7 +215,7 @@ def _named(
                 "floors": float(
                     np.sqrt(
                         np.average(alone, weights=judge.matters)
-                        / (len(own) * problem.streams.residual.shape[1])
+                        / (len(own) * problem.regression.residual.shape[1])
                     )
                 ),
                 "log10_bayes": float(cautious * np.average(alone, weights=judge.matters)),
@@ -300,7 +300,7 @@ def _experiment(
         "why": why,
         "probes": sorted(probes, key=lambda p: -p.get("log10_bayes", p.get("nats", 0.0))),
         "expected": expected,
-        "floor": float(np.sqrt(np.mean(problem.streams.floor.row[problem.counted] ** 2))),
+        "floor": float(np.sqrt(np.mean(problem.regression.floor.row[problem.counted] ** 2))),
         "by_hand": by_hand(names, effects),
         "warnings": warnings,
     }

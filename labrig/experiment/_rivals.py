@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.diagnosis import Candidate, Fit, Streams, fit, forms_of
+from labrig.diagnosis import Candidate, Fit, Regression, fit, forms_of
 from labrig.effects import Context, Effect, Rows, Term, Variant, frame_modes, is_family, join_rows
 
 FORMS = 4
@@ -68,12 +68,12 @@ def same_form(context: Context, effect: Effect, variant: Variant) -> Variant | N
 
 
 def open_rivals(
-    streams: Streams, context: Context, effects: Mapping[str, Effect], summary: Mapping[str, Any]
+    regression: Regression, context: Context, effects: Mapping[str, Effect], summary: Mapping[str, Any]
 ) -> list[Rival]:
     """What a diagnosis leaves open, as explanations to tell apart; an empty list where nothing is open."""
     sets = _open_sets(effects, summary)
     found = {
-        n: [c for c in forms_of(streams, context, effects[n]) if _planned(c.variant.form)][:FORMS]
+        n: [c for c in forms_of(regression, context, effects[n]) if _planned(c.variant.form)][:FORMS]
         for n in {name for names, _ in sets for name in names}
     }
     able = [(names, p) for names, p in sets if all(found[n] for n in names)]

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis import Streams
+from labrig.diagnosis import Regression
 from labrig.effects import Context, Term
 from labrig.experiment._plan import Limits, Planned, Point, planned_rows
 from labrig.experiment._rivals import Form, Rival, fields_of_terms, join_contexts
@@ -84,7 +84,7 @@ class Layout:
 class Problem:
     """A run with its open explanations, ready to be asked what a programme would tell."""
 
-    streams: Streams
+    regression: Regression
     context: Context
     predictor: Predictor
     rivals: list[Rival]
@@ -93,7 +93,7 @@ class Problem:
     _last: tuple[list[Floats], Sums] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        floor, s = self.streams.floor, self.streams
+        floor, s = self.regression.floor, self.regression
         within = s.within_holds
         sizes = [
             float(np.sqrt(np.mean(s.residual[rows] ** 2))) if rows.any() else 0.0
@@ -106,7 +106,7 @@ class Problem:
     @cached_property
     def counted(self) -> Ints:
         """The observables that figures are quoted for."""
-        return self.streams.counted
+        return self.regression.counted
 
     @cached_property
     def keeps_time(self) -> bool:
@@ -130,13 +130,13 @@ class Problem:
             for form in rival.forms:
                 features = form.features(joint) or _none(joint, form)
                 terms += features
-                width = sum(_width(t, self.streams) for t in features)
+                width = sum(_width(t, self.regression) for t in features)
                 own.append(np.arange(at, at + width))
                 at += width
             columns.append(own)
         run = self._run_sums(joint, terms, at)
         n_run = len(self.context.rows.capture)
-        ahead = fields_of_terms(joint, terms, self.streams.patterns, slice(n_run, None)) if terms else None
+        ahead = fields_of_terms(joint, terms, self.regression.patterns, slice(n_run, None)) if terms else None
         declared = self.predictor.declared(planned.rows)
         sums, points = [], []
         for number, programme in enumerate(programmes):
@@ -150,7 +150,7 @@ class Problem:
 
     def _run_sums(self, joint: Context, terms: list[Term], width: int) -> Sums:
         """Sums over the run; those of last time where the columns are still the same."""
-        s, n_run = self.streams, len(self.context.rows.capture)
+        s, n_run = self.regression, len(self.context.rows.capture)
         features = [t.feature[:n_run] for t in terms]
         if self._last is not None and _same(self._last[0], features):
             return self._last[1]
@@ -172,7 +172,7 @@ class Problem:
         width: int,
     ) -> Sums:
         own = np.flatnonzero((planned.owner == number) & (planned.point == place))
-        K = self.streams.residual.shape[1]
+        K = self.regression.residual.shape[1]
         Z = np.zeros((len(own), K, width + 1))
         if fields is not None:
             Z[:, :, :width] = fields[own]
@@ -201,11 +201,11 @@ def _same(before: list[Floats], now: list[Floats]) -> bool:
     )
 
 
-def _width(term: Term, streams: Streams) -> int:
+def _width(term: Term, regression: Regression) -> int:
     if term.kind == "frame":
         return 6
     q = term.feature.shape[-1]
-    return q * streams.n_patterns if term.kind == "pattern" else q
+    return q * regression.n_patterns if term.kind == "pattern" else q
 
 
 def _sums(Z: Floats, weight: Floats, declared: Floats | None) -> Sums:

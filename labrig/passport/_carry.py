@@ -141,10 +141,10 @@ def _result(
     before, now = opened.compare(), Opened(list(runs), improved).compare()
     base, floor = float(before.summary["error"]["model"]), float(before.summary["error"]["floor"])
     after = float(now.summary["error"]["model"])
-    streams = opened.ready.streams
-    fitted = streams.declared is not None or streams.calibrated is not None
+    regression = opened.ready.regression
+    fitted = regression.declared is not None or regression.calibrated is not None
     if len(change) == len(opened.ready.residual) and not fitted:  # else all captures had a part in the values
-        after = float(np.sqrt(square_of(streams, streams.residual - streams.lift(change))))
+        after = float(np.sqrt(square_of(regression, regression.residual - regression.lift(change))))
     kept = ("base", "base_everywhere", "error_before")
     fields = now.fields.assign({name: before.fields[name] for name in kept if name in before.fields})
     summary: dict[str, Any] = {

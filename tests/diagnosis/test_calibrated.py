@@ -11,9 +11,9 @@ import yaml
 
 from labrig._errors import LabrigError
 from labrig.diagnosis import compare, diagnose, improve, prepare
-from labrig.diagnosis._columns import columns_of, join
+from labrig.diagnosis._design_matrix import columns_of, join
+from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.diagnosis._streams import Streams
 from labrig.effects import get, rows_of
 from labrig.model import Model
 from labrig.physics import ShellSurface, load_shell
@@ -23,34 +23,35 @@ SOFTER = 0.85
 
 
 @pytest.fixture(params=["alone", "beside a static map"])
-def streams(make_lab, request) -> Streams:
+def regression(make_lab, request) -> Regression:
     """A rig that leaks, of a base with two calibrated parameters of which the rig has other values."""
     lab = make_lab(captures=40, chambers=3, long_s=LONG_S)
     u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
     made, context, _, _ = prepare(rows_of(lab.dataset(lab.predict(u) + lab.noise())), lab.model())
     fields = np.stack([context.displacement, context.displacement**2], axis=-1)
-    streams = replace(made, calibrated=made.lift(fields))
+    regression = replace(made, calibrated=made.lift(fields))
     if request.param == "alone":
-        return streams
-    beside = streams.beside_static()
+        return regression
+    beside = regression.beside_static()
     assert beside is not None
     return beside
 
 
 @pytest.mark.parametrize("names", [["leak"], ["frame"], ["leak", "coupling"]])
-def test_scores_are_those_of_refits_of_everything(streams: Streams, names: list[str]) -> None:
+def test_scores_are_those_of_refits_of_everything(regression: Regression, names: list[str]) -> None:
     """The gain of each left-out block is what effect and calibration, fitted to the others together, explain of it
     beyond a calibration alone."""
-    variants = [next(iter(get(name).variants(streams.context))) for name in names]
-    columns = join([columns_of(streams, variant) for variant in variants])
+    variants = [next(iter(get(name).variants(regression.context))) for name in names]
+    columns = join([columns_of(regression, variant) for variant in variants])
     fast = score(columns)
-    assert streams.calibrated is not None
-    w = streams.weight
-    modes = streams.modes[:, columns.used][streams.source]
-    for g in range(streams.n_groups):
-        train, test = streams.group != g, streams.group == g
+    assert regression.calibrated is not None
+    w = regression.weight
+    modes = regression.modes[:, columns.used][regression.source]
+    for g in range(regression.n_groups):
+        train, test = regression.group != g, regression.group == g
         left, X, E, own = (
-            streams.partial(a, g) for a in (streams.residual, columns.X, columns.E, streams.calibrated)
+            regression.partial(a, g)
+            for a in (regression.residual, columns.X, columns.E, regression.calibrated)
         )
         every = np.concatenate([np.einsum("suq,suk->skq", X, modes), E, own], axis=2)
         n = columns.width
@@ -66,15 +67,18 @@ def test_scores_are_those_of_refits_of_everything(streams: Streams, names: list[
         assert fast.gains[g] == pytest.approx(gain, rel=1e-3, abs=1e-3 * np.abs(fast.gains).max())
 
 
-def test_nothing_is_what_a_calibration_alone_explains(streams: Streams) -> None:
+def test_nothing_is_what_a_calibration_alone_explains(regression: Regression) -> None:
     """What the base leaves is counted from a calibration that has not seen the block."""
-    assert streams.calibrated is not None
-    left = streams.residual - streams.nothing
-    for g, own in enumerate(streams.blocks):
-        target, fields = streams.partial(streams.residual, g), streams.partial(streams.calibrated, g)
-        w = np.sqrt(streams.weight)[streams.group != g]
-        A = (w[..., None] * fields[streams.group != g]).reshape(-1, 2)
-        beta = np.linalg.lstsq(A, (w * target[streams.group != g]).ravel(), rcond=None)[0]
+    assert regression.calibrated is not None
+    left = regression.residual - regression.nothing
+    for g, own in enumerate(regression.blocks):
+        target, fields = (
+            regression.partial(regression.residual, g),
+            regression.partial(regression.calibrated, g),
+        )
+        w = np.sqrt(regression.weight)[regression.group != g]
+        A = (w[..., None] * fields[regression.group != g]).reshape(-1, 2)
+        beta = np.linalg.lstsq(A, (w * target[regression.group != g]).ravel(), rcond=None)[0]
         assert left[own] == pytest.approx((target - fields @ beta)[own], abs=1e-4 * np.abs(left).max())
 
 

@@ -88,7 +88,7 @@ def test_only_a_stretch_relaxes(tmp_path: Any, units: tuple[str, str], physical:
     y = 12.0 * relaxed(x) + 0.1 * np.random.default_rng(2).normal(size=ROWS)
     ready = prepared(rows_of(record(x, y, *units)), model_of(tmp_path))
     creep = get("creep")
-    formulas = [c for c in forms_of(ready.streams, ready.context, creep) if not is_family(c.variant.form)]
+    formulas = [c for c in forms_of(ready.regression, ready.context, creep) if not is_family(c.variant.form)]
     for one in formulas[:3]:
         assert plausible(creep, one.variant, one.columns, one.score) is physical
 
@@ -100,7 +100,7 @@ def test_the_plainest_formula_that_is_good_enough_stands_first(tmp_path: Any, se
     y = 12.0 * np.convolve(np.diff(x, prepend=0.0), 0.6 + 0.4 * np.exp(-t / 5.0))[:ROWS]
     y = y + 0.3 * np.random.default_rng(seed).normal(size=ROWS)
     ready = prepared(rows_of(record(x, y, "mm", "N")), model_of(tmp_path))
-    first, *others = forms_of(ready.streams, ready.context, get("creep"))
+    first, *others = forms_of(ready.regression, ready.context, get("creep"))
     assert first.variant.shape["tau_s"] == pytest.approx(5.0, rel=0.2)
     assert first.columns.width == min(c.columns.width for c in (first, *others))
     assert any(c.columns.width > first.columns.width for c in others)

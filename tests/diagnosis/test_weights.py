@@ -45,18 +45,18 @@ def test_a_family_is_better_by_what_is_quoted_too(tmp_path: Path) -> None:
     """Nothing is shown as the weights of a family that errs more than the formula, or than the base, does."""
     campaign = draw("single", 790003)
     ready = prepared(rows_of(campaign.dataset), Model.load(write_model(campaign, tmp_path)))
-    streams, weighted = ready.streams, 0
+    regression, weighted = ready.regression, 0
 
     def quoted(candidate: Candidate) -> float:
-        return square_of(streams, streams.residual - fit([candidate]).heldout)
+        return square_of(regression, regression.residual - fit([candidate]).heldout)
 
     for name in ("leak", "creep", "delay"):
-        first, *others = forms_of(streams, ready.context, library()[name])
+        first, *others = forms_of(regression, ready.context, library()[name])
         formulas = [c for c in others if not is_family(c.variant.form)]
         if is_family(first.variant.form):
             weighted += 1
             assert quoted(first) < quoted(formulas[0])
-            assert quoted(first) < square_of(streams, streams.residual - streams.nothing)
+            assert quoted(first) < square_of(regression, regression.residual - regression.nothing)
     assert weighted >= 1
 
 

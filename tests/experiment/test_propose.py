@@ -164,7 +164,7 @@ def test_what_is_sure_stands_beside_each_that_is_possible(doubt) -> None:
 def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     """Explanations weigh as the diagnosis says; the only name is told from the next one, or at least from none."""
     run, model, _ = doubt
-    streams, context, _, _ = prepare(rows_from(run), model)
+    regression, context, _, _ = prepare(rows_from(run), model)
 
     def explanations(sure: list[str], **possible: float) -> dict[str, float]:
         calls = [("not it", "possible")[p >= 0.1] for p in possible.values()]
@@ -174,7 +174,7 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
         ]
         rivals = [c["effect"] for c in considered if c["call"] == "possible" and not sure]
         summary = {"effects": sure, "rivals": rivals, "effects_considered": considered}
-        out = open_rivals(streams, context, model.library(), summary)
+        out = open_rivals(regression, context, model.library(), summary)
         return {r.title: pytest.approx(r.probability) for r in out}
 
     assert explanations([], creep=0.6, friction=0.2) == {"creep": 0.75, "friction": 0.25}
@@ -192,10 +192,12 @@ def test_rivals_are_formulas_where_families_fit_better(make_lab) -> None:
     stopped = np.minimum(
         lab.u, 30.0 + 0.2 * np.maximum(lab.u - 30.0, 0.0) + 3.0 * np.tanh((lab.u - 30.0) / 4)
     )
-    streams, context, _, _ = prepare(rows_from(lab.dataset(lab.predict(stopped) + lab.noise())), lab.model())
+    regression, context, _, _ = prepare(
+        rows_from(lab.dataset(lab.predict(stopped) + lab.noise())), lab.model()
+    )
     calls = [{"effect": n, "probability": 0.4, "call": "possible"} for n in ("contact", "stiffening")]
     summary = {"effects": [], "rivals": ["contact", "stiffening"], "effects_considered": calls}
-    rivals = open_rivals(streams, context, lab.model().library(), summary)
+    rivals = open_rivals(regression, context, lab.model().library(), summary)
     assert {r.title for r in rivals} == {"contact", "stiffening"}
     forms = [part.variant.form for r in rivals for form in r.forms for part in form.parts]
     assert not any(is_family(form) for form in forms)

@@ -1,4 +1,4 @@
-"""Formulas as regressions: streams, columns and leave-block-out gains do what their slow counterparts do."""
+"""Formulas as regressions: regression, columns and leave-block-out gains do what their slow counterparts do."""
 
 from typing import Any
 
@@ -7,10 +7,10 @@ import pytest
 
 from labrig.diagnosis import prepare
 from labrig.diagnosis._candidates import Candidate, fit, plausible
-from labrig.diagnosis._columns import Columns, coefficients, columns_of, join, order_of
+from labrig.diagnosis._design_matrix import DesignMatrix, coefficients, columns_of, join, order_of
 from labrig.diagnosis._formula import forms_of
+from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.diagnosis._streams import Streams
 from labrig.effects import Context, get, join_rows, rows_of
 from labrig.effects._fields import contribution
 from labrig.effects._registry import shipped
@@ -18,14 +18,14 @@ from labrig.effects._registry import shipped
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 
 
-def prepared(lab: Any, values: np.ndarray, model: Any = None) -> tuple[Streams, Context]:
-    """Streams and context of what a lab measured."""
-    streams, context, _, _ = prepare(rows_of(lab.dataset(values)), model or lab.model())
-    return streams, context
+def prepared(lab: Any, values: np.ndarray, model: Any = None) -> tuple[Regression, Context]:
+    """The regression and the context of what a lab measured."""
+    regression, context, _, _ = prepare(rows_of(lab.dataset(values)), model or lab.model())
+    return regression, context
 
 
 @pytest.fixture
-def leaking(make_lab) -> tuple[Streams, Context]:
+def leaking(make_lab) -> tuple[Regression, Context]:
     """Thirty captures of a rig that leaks."""
     lab = make_lab(captures=30, long_s=LONG_S)
     u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
@@ -34,33 +34,33 @@ def leaking(make_lab) -> tuple[Streams, Context]:
     return prepared(lab, values)
 
 
-def dense(columns: Columns) -> np.ndarray:
-    """Columns over streams and observables, (S, K, Q), one at a time."""
+def dense(columns: DesignMatrix) -> np.ndarray:
+    """Columns over the regression's rows and observables, (S, K, Q), one at a time."""
     return np.stack([columns.field(e) for e in np.eye(columns.width)], axis=2)
 
 
 def test_lifting_takes_means_and_deviations(leaking) -> None:
     """A feature of rows becomes its mean over each capture, then what differs from it, row by row."""
-    streams, context = leaking
+    regression, context = leaking
     capture = context.rows.capture
     feature = np.random.default_rng(0).normal(size=(len(capture), 2))
-    lifted = streams.lift(feature)
+    lifted = regression.lift(feature)
     means = np.array([feature[capture == c].mean(axis=0) for c in range(30)])
     assert lifted[:30] == pytest.approx(means)
-    assert lifted[30:] == pytest.approx((feature - means[capture])[streams.keep])
-    assert streams.source[:30].tolist() == list(range(30))
-    assert streams.source[30:].tolist() == capture[streams.keep].tolist()
+    assert lifted[30:] == pytest.approx((feature - means[capture])[regression.keep])
+    assert regression.source[:30].tolist() == list(range(30))
+    assert regression.source[30:].tolist() == capture[regression.keep].tolist()
 
 
 def test_a_short_follow_up_run_has_blocks_of_its_own(make_lab) -> None:
     """Beside forty captures six more are three of the twelve blocks, none of them shared."""
     long, short = make_lab(captures=40), make_lab(captures=6, seed=1)
     runs = [rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())) for lab in (long, short)]
-    streams, context, _, _ = prepare(join_rows(runs), long.model())
-    later = context.rows.session[np.searchsorted(context.rows.capture, streams.source)] == 1
-    assert streams.n_groups == 12
-    assert len(set(streams.group[later])) == 3
-    assert not set(streams.group[later]) & set(streams.group[~later])
+    regression, context, _, _ = prepare(join_rows(runs), long.model())
+    later = context.rows.session[np.searchsorted(context.rows.capture, regression.source)] == 1
+    assert regression.n_groups == 12
+    assert len(set(regression.group[later])) == 3
+    assert not set(regression.group[later]) & set(regression.group[~later])
 
 
 def test_a_long_hold_is_left_out_in_parts(make_lab) -> None:
@@ -71,51 +71,51 @@ def test_a_long_hold_is_left_out_in_parts(make_lab) -> None:
     keep = [0, *(c for c in range(20) if int(data["hold_s"][c].notnull().sum()) == 1)]
     longest = int(np.argmax(data["hold_s"].notnull().sum("time").values))
     data = data.isel(capture=sorted({longest, *keep}))
-    streams, context, _, _ = prepare(rows_of(data), lab.model())
+    regression, context, _, _ = prepare(rows_of(data), lab.model())
     counts = np.bincount(context.rows.capture)
     assert counts.max() > 0.4 * counts.sum()
-    assert len(set(streams.row_group[context.rows.capture == counts.argmax()])) > 3
+    assert len(set(regression.row_group[context.rows.capture == counts.argmax()])) > 3
 
 
 def test_what_was_not_seen_has_no_weight(leaking) -> None:
     """An occluded marker counts for nothing in its capture, and for something elsewhere."""
-    streams, _ = leaking
-    hidden = streams.source == 4
-    assert (streams.weight[hidden][:, 3:6] == 0).all()
-    assert (streams.weight[~hidden] > 0).mean() > 0.97
-    assert np.isfinite(streams.residual).all()
+    regression, _ = leaking
+    hidden = regression.source == 4
+    assert (regression.weight[hidden][:, 3:6] == 0).all()
+    assert (regression.weight[~hidden] > 0).mean() > 0.97
+    assert np.isfinite(regression.residual).all()
 
 
 @pytest.mark.parametrize("name", sorted(shipped()))
 def test_columns_are_the_effect_itself(leaking, name: str) -> None:
-    """A form's columns, with any coefficients, change the streams as the form itself changes the rows."""
-    streams, context = leaking
+    """A form's columns, with any coefficients, change the regression as the form itself changes the rows."""
+    regression, context = leaking
     rng = np.random.default_rng(0)
     for variant in list(get(name).variants(context))[:4]:
-        columns = columns_of(streams, variant)
+        columns = columns_of(regression, variant)
         beta = rng.normal(size=columns.width)
         change = contribution(context, variant, coefficients(columns, variant, beta))
-        wanted = streams.lift(change)
-        # the streams take the base's derivative, and the frame's lever, at the beginning of each capture
+        wanted = regression.lift(change)
+        # its rows take the base's derivative, and the frame's lever, at the beginning of each capture
         assert columns.field(beta) == pytest.approx(wanted, abs=0.02 * np.abs(wanted).max() + 1e-9)
 
 
 @pytest.mark.parametrize("name", ["leak", "contact", "frame", "coupling"])
 def test_scores_are_those_of_refits(leaking, name: str) -> None:
     """The gain of each left-out block is what a weighted ridge fit of all other blocks explains of it."""
-    streams, context = leaking
-    columns = columns_of(streams, next(iter(get(name).variants(context))))
+    regression, context = leaking
+    columns = columns_of(regression, next(iter(get(name).variants(context))))
     fast = score(columns)
-    X, w = dense(columns), streams.weight
+    X, w = dense(columns), regression.weight
     gram = np.einsum("skq,sk,skr->qr", X, w, X)
-    for g in range(streams.n_groups):
-        train, test = streams.group != g, streams.group == g
+    for g in range(regression.n_groups):
+        train, test = regression.group != g, regression.group == g
         G = np.einsum("skq,sk,skr->qr", X[train], w[train], X[train])
-        c = np.einsum("skq,sk,sk->q", X[train], w[train], streams.residual[train])
+        c = np.einsum("skq,sk,sk->q", X[train], w[train], regression.residual[train])
         beta = np.linalg.solve(G + fast.ridge * np.diag(np.diag(G)), c)
         assert fast.fold_beta[g] == pytest.approx(beta, rel=1e-6, abs=1e-12)
-        left = streams.residual[test] - X[test] @ beta
-        gain = (w[test] * (streams.residual[test] ** 2 - left**2)).sum()
+        left = regression.residual[test] - X[test] @ beta
+        gain = (w[test] * (regression.residual[test] ** 2 - left**2)).sum()
         assert fast.gains[g] == pytest.approx(gain, rel=1e-6, abs=1e-6 * np.abs(fast.gains).max())
     assert columns.sums[0].sum(axis=0) == pytest.approx(gram)
 
@@ -128,23 +128,23 @@ def test_the_base_is_refitted_beside_the_effect(make_lab, degree: int) -> None:
     lab = make_lab(captures=40, chambers=2, bent=0.0, long_s=LONG_S)
     u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
     (lab.folder / "static.yaml").write_text(f"base: {{kind: static, degree: {degree}}}\n")
-    streams, context = prepared(lab, lab.predict(u) + lab.noise(), Model.load(lab.folder / "static.yaml"))
-    assert streams.declared is not None
+    regression, context = prepared(lab, lab.predict(u) + lab.noise(), Model.load(lab.folder / "static.yaml"))
+    assert regression.declared is not None
     variant = next(iter(get("leak").variants(context)))
-    fast = score(columns_of(streams, variant))
-    feature = streams.lift(variant.terms[0].feature)
-    raw = np.einsum("scq,sck->skq", feature, streams.modes[streams.source][:, :2])
-    D, w = streams.declared, streams.weight
+    fast = score(columns_of(regression, variant))
+    feature = regression.lift(variant.terms[0].feature)
+    raw = np.einsum("scq,sck->skq", feature, regression.modes[regression.source][:, :2])
+    D, w = regression.declared, regression.weight
 
     def without(block: int, target: np.ndarray) -> np.ndarray:
         """What a map fitted to the other blocks leaves of the target, rows weighted by their best observable."""
-        own = np.sqrt(w.max(axis=1)) * (streams.group != block)
+        own = np.sqrt(w.max(axis=1)) * (regression.group != block)
         beta = np.linalg.lstsq(D * own[:, None], target * own[:, None], rcond=None)[0]
         return target - D @ beta
 
-    for g in range(streams.n_groups):
-        train, test = streams.group != g, streams.group == g
-        r, x = without(g, streams.residual), without(g, raw[:, :, 0])
+    for g in range(regression.n_groups):
+        train, test = regression.group != g, regression.group == g
+        r, x = without(g, regression.residual), without(g, raw[:, :, 0])
         G, c = (w * x**2)[train].sum(), (w * x * r)[train].sum()
         beta = c / (G * (1 + fast.ridge))
         gain = (w * (r**2 - (r - beta * x) ** 2))[test].sum()
@@ -153,9 +153,9 @@ def test_the_base_is_refitted_beside_the_effect(make_lab, degree: int) -> None:
 
 def test_effects_side_by_side_keep_their_own_columns(leaking) -> None:
     """Joined columns give the sum of the parts, and `order_of` finds each part's own."""
-    streams, context = leaking
+    regression, context = leaking
     variants = [next(iter(get(n).variants(context))) for n in ("regulator", "frame", "tension")]
-    parts = [columns_of(streams, v) for v in variants]
+    parts = [columns_of(regression, v) for v in variants]
     whole, order = join(parts), order_of(parts)
     assert sorted(np.concatenate(order).tolist()) == list(range(whole.width))
     rng = np.random.default_rng(0)
@@ -163,7 +163,7 @@ def test_effects_side_by_side_keep_their_own_columns(leaking) -> None:
     each = sum(p.field(beta[o]) for p, o in zip(parts, order, strict=True))
     assert whole.field(beta) == pytest.approx(each)
     both = fit([Candidate(get("leak"), v, p, score(p)) for v, p in zip(variants, parts, strict=True)])
-    assert both.heldout.shape == streams.residual.shape
+    assert both.heldout.shape == regression.residual.shape
 
 
 @pytest.mark.parametrize(("stopped", "is_one"), [(0.6, True), (0.03, False)])
@@ -172,9 +172,11 @@ def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_
     lab = make_lab(captures=60, markers=6)
     u = lab.u
     u[:, :, 0] -= stopped * np.maximum(u[:, :, 0] - 40.0, 0.0) ** 1.2
-    streams, context, _, _ = prepare(rows_of(lab.dataset(lab.predict(u) + 0.01 * lab.noise())), lab.model())
+    regression, context, _, _ = prepare(
+        rows_of(lab.dataset(lab.predict(u) + 0.01 * lab.noise())), lab.model()
+    )
     contact = get("contact")
-    forms = {c.variant.key: c for c in forms_of(streams, context, contact)}
+    forms = {c.variant.key: c for c in forms_of(regression, context, contact)}
     best = forms["one chamber limit=0.7 chamber=0"]
     assert plausible(contact, best.variant, best.columns, best.score) is is_one
 
@@ -182,19 +184,19 @@ def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_
 def test_blocks_are_sessions_or_stretches(make_lab) -> None:
     """Twelve sessions are left out one by one; six by a stretch of each; one is cut into stretches of neighbours."""
     many = make_lab(captures=36, sessions=12)
-    streams, context = prepared(many, many.predict(many.u) + many.noise())
-    assert streams.n_groups == 12
+    regression, context = prepared(many, many.predict(many.u) + many.noise())
+    assert regression.n_groups == 12
     for g in range(12):
-        assert len(np.unique(context.rows.session[streams.row_group == g])) == 1
+        assert len(np.unique(context.rows.session[regression.row_group == g])) == 1
     some = make_lab(captures=72, sessions=6)
-    streams, context = prepared(some, some.predict(some.u) + some.noise())
-    assert streams.n_groups == 6
+    regression, context = prepared(some, some.predict(some.u) + some.noise())
+    assert regression.n_groups == 6
     for g in range(6):
-        own = np.unique(context.rows.capture[streams.row_group == g])
+        own = np.unique(context.rows.capture[regression.row_group == g])
         assert own.tolist() == [12 * s + 2 * g + k for s in range(6) for k in (0, 1)]
     one = make_lab(captures=36)
-    streams, context = prepared(one, one.predict(one.u) + one.noise())
-    assert streams.n_groups == 12
-    assert (np.diff(streams.row_group) >= 0).all()
+    regression, context = prepared(one, one.predict(one.u) + one.noise())
+    assert regression.n_groups == 12
+    assert (np.diff(regression.row_group) >= 0).all()
     for capture in range(36):
-        assert len(np.unique(streams.row_group[context.rows.capture == capture])) == 1
+        assert len(np.unique(regression.row_group[context.rows.capture == capture])) == 1

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis._streams import Streams, solve_calibrated
+from labrig.diagnosis._regression import Regression, solve_calibrated
 from labrig.effects import Term, Variant
 
 
@@ -23,13 +23,13 @@ class Split:
 
 
 @dataclass(frozen=True)
-class Columns:
-    """Q columns over S stream rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields.
+class DesignMatrix:
+    """Q columns over S rows: `X` (S, u, q) over the modes `used` (u,), then `E` (S, K, Q - q) as fields.
 
     `prior` (Q,) is what the run says on average of coefficients that are equally likely beforehand, 0 of free ones.
     """
 
-    streams: Streams
+    regression: Regression
     X: Floats
     used: Ints
     E: Floats
@@ -47,11 +47,11 @@ class Columns:
 
     @cached_property
     def _whole(self) -> tuple[Floats, Floats]:
-        return self._sums(self.X, self.E, self.streams.residual, self.streams.projected, None)
+        return self._sums(self.X, self.E, self.regression.residual, self.regression.projected, None)
 
     def held_out(self, fold: int) -> "Split":
         """The sums over all blocks but `fold`, and over that one, the base's own parameters fitted without it."""
-        s = self.streams
+        s = self.regression
         if s.declared is not None and s.calibrated is None and not self.X.shape[2] and not s.as_features:
             return self._fields_held_out(fold)
         if s.declared is None:
@@ -69,8 +69,8 @@ class Columns:
         blocks, the sums of Z - D B are Z'Z - Z'D B - B'D'Z + B'D'D B, for each observable with its own weights.
         """
         square, cross, common = self._field_sums
-        gram = self.streams.declared_sums
-        B = self.streams.declared_inverses[fold] @ (common.sum(axis=0) - common[fold])
+        gram = self.regression.declared_sums
+        B = self.regression.declared_inverses[fold] @ (common.sum(axis=0) - common[fold])
 
         def of(square: Floats, cross: Floats, gram: Floats) -> Floats:
             n = B.shape[-1]
@@ -86,7 +86,7 @@ class Columns:
         """Per block, of the fields and the residual Z (S, K, Q + 1): Z'WZ (G, Q + 1, Q + 1), and D'WZ for each
         observable (G, K, d, Q + 1) with its own weights W and with the common ones.
         """
-        s = self.streams
+        s = self.regression
         Z = np.concatenate([self.E, s.residual[:, :, None]], axis=2)
         square, cross, common = [], [], []
         for own, (weighted, alike) in zip(s.blocks, s.declared_weighted, strict=True):
@@ -120,7 +120,7 @@ class Columns:
     def _sums(
         self, X: Floats, E: Floats, residual: Floats, g: Floats, fold: int | None
     ) -> tuple[Floats, Floats]:
-        s = self.streams
+        s = self.regression
         q, n = X.shape[2], X.shape[2] + E.shape[2]
         calibration = s.calibration(fold)
         width = n + (calibration.fields.shape[2] if calibration else 0)
@@ -158,28 +158,28 @@ class Columns:
         return G, c
 
     def field(self, beta: Floats, rows: Any = slice(None)) -> Floats:
-        """What the columns predict with coefficients `beta` (Q,), over streams (or `rows` of them) and observables."""
+        """What the columns predict with coefficients `beta` (Q,), over its rows (or some `rows`) and observables."""
         q = self.X.shape[2]
         short = self.X[rows] @ beta[:q]
-        modes = self.streams.modes[:, self.used]
-        out = np.einsum("su,suk->sk", short, modes[self.streams.source[rows]], optimize=True)
-        calibration = self.streams.calibration(None)
+        modes = self.regression.modes[:, self.used]
+        out = np.einsum("su,suk->sk", short, modes[self.regression.source[rows]], optimize=True)
+        calibration = self.regression.calibration(None)
         if calibration:
             out += calibration.fields[rows] @ (self._answer @ beta)
         return out + self.E[rows] @ beta[q:]
 
 
-def columns_of(streams: Streams, variant: Variant) -> Columns:
+def columns_of(regression: Regression, variant: Variant) -> DesignMatrix:
     """Lay out a variant's terms; patterns are spread over the directions that stand clear of the noise."""
-    C = streams.context.jacobian.shape[2]
+    C = regression.context.jacobian.shape[2]
     frame_at = C
-    pattern_at = C + (6 if streams.has_frame else 0)
-    total = streams.modes.shape[1]
-    S, K = streams.residual.shape
+    pattern_at = C + (6 if regression.has_frame else 0)
+    total = regression.modes.shape[1]
+    S, K = regression.residual.shape
     parts: list[Floats] = []
     fields: list[Floats] = []
     for term in variant.terms:
-        lifted = streams.lift(term.feature)
+        lifted = regression.lift(term.feature)
         if term.kind == "field":
             fields.append(lifted)
             continue
@@ -190,7 +190,7 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
             part = np.zeros((S, total, 6))
             part[:, range(frame_at, frame_at + 6), range(6)] = lifted[:, None]
         else:
-            r = streams.n_patterns
+            r = regression.n_patterns
             part = np.zeros((S, total, lifted.shape[1] * r))
             for j in range(lifted.shape[1]):
                 part[:, range(pattern_at, pattern_at + r), range(j * r, (j + 1) * r)] = lifted[:, [j]]
@@ -199,15 +199,19 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
     used = np.flatnonzero(np.abs(X).sum(axis=(0, 2)) > 0) if parts else np.zeros(0, dtype=np.int64)
     E = np.concatenate(fields, axis=2) if fields else np.zeros((S, K, 0))
     X = X[:, used]
-    nonlinear = not streams.as_features and not streams.constant_modes.all()
-    if streams.declared is not None and X.shape[2] and (nonlinear or not streams.constant_modes[used].all()):
-        moved = np.einsum("suq,suk->skq", X, streams.modes[:, used][streams.source], optimize=True)
+    nonlinear = not regression.as_features and not regression.constant_modes.all()
+    if (
+        regression.declared is not None
+        and X.shape[2]
+        and (nonlinear or not regression.constant_modes[used].all())
+    ):
+        moved = np.einsum("suq,suk->skq", X, regression.modes[:, used][regression.source], optimize=True)
         E = np.concatenate([moved, E], axis=2)
         X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)
-    if streams.declared is not None:
-        X, E = streams.partial(X), streams.partial(E)
-    out = Columns(streams, X, used, E, np.zeros(X.shape[2] + E.shape[2]))
-    held = [np.full(_width(t, streams.n_patterns), t.basis is not None) for t in _in_order(variant)]
+    if regression.declared is not None:
+        X, E = regression.partial(X), regression.partial(E)
+    out = DesignMatrix(regression, X, used, E, np.zeros(X.shape[2] + E.shape[2]))
+    held = [np.full(_width(t, regression.n_patterns), t.basis is not None) for t in _in_order(variant)]
     alike = np.concatenate(held) if held else np.zeros(0, dtype=bool)
     if not alike.any():
         return out
@@ -215,12 +219,12 @@ def columns_of(streams: Streams, variant: Variant) -> Columns:
     return replace(out, prior=np.where(alike, said, 0.0))
 
 
-def join(parts: Sequence[Columns]) -> Columns:
+def join(parts: Sequence[DesignMatrix]) -> DesignMatrix:
     """Put several effects' columns side by side. Fields come last, so use `order_of` to find a part's own."""
     if len(parts) == 1:
         return parts[0]
     used = np.unique(np.concatenate([p.used for p in parts]))
-    S = len(parts[0].streams.source)
+    S = len(parts[0].regression.source)
     blocks = []
     for p in parts:
         block = np.zeros((S, len(used), p.X.shape[2]))
@@ -229,10 +233,10 @@ def join(parts: Sequence[Columns]) -> Columns:
         blocks.append(block)
     E = np.concatenate([p.E for p in parts], axis=2)
     prior = [p.prior[: p.X.shape[2]] for p in parts] + [p.prior[p.X.shape[2] :] for p in parts]
-    return Columns(parts[0].streams, np.concatenate(blocks, axis=2), used, E, np.concatenate(prior))
+    return DesignMatrix(parts[0].regression, np.concatenate(blocks, axis=2), used, E, np.concatenate(prior))
 
 
-def order_of(parts: Sequence[Columns]) -> list[Ints]:
+def order_of(parts: Sequence[DesignMatrix]) -> list[Ints]:
     """For each part, where its own columns stand among those of `join(parts)`."""
     x_at, e_at = 0, sum(p.X.shape[2] for p in parts)
     out = []
@@ -244,16 +248,18 @@ def order_of(parts: Sequence[Columns]) -> list[Ints]:
     return out
 
 
-def coefficients(columns: Columns, variant: Variant, beta: Floats) -> list[Floats]:
+def coefficients(columns: DesignMatrix, variant: Variant, beta: Floats) -> list[Floats]:
     """Split a variant's coefficients by term; a pattern's become one row (K,) for each of its columns."""
-    streams = columns.streams
-    patterns = streams.patterns
+    regression = columns.regression
+    patterns = regression.patterns
     found: dict[int, Floats] = {}
     at = 0
     for term in _in_order(variant):
-        n = _width(term, streams.n_patterns)
+        n = _width(term, regression.n_patterns)
         own = beta[at : at + n]
-        found[id(term)] = (own.reshape(-1, streams.n_patterns) @ patterns) if term.kind == "pattern" else own
+        found[id(term)] = (
+            (own.reshape(-1, regression.n_patterns) @ patterns) if term.kind == "pattern" else own
+        )
         at += n
     return [found[id(term)] for term in variant.terms]
 

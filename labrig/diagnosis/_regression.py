@@ -1,7 +1,7 @@
-"""The regression problem: rows become two streams, observables become a few modes.
+"""The regression problem: rows become means and deviations, observables a few modes.
 
 Each capture gives its mean over the hold and, where the hold has several rows, the deviations from it;
-each stream is weighted by its own noise, so that what changes within a hold (creep, leak) and what differs
+both are weighted by their own noise, so that what changes within a hold (creep, leak) and what differs
 between captures are both seen at their true worth. An effect's column is then a short vector over the
 modes (chambers through the Jacobian, rigid motions of the frame, free patterns), and everything that
 scoring needs are sums over rows of mode-by-mode products: no step depends on the number of observables.
@@ -39,7 +39,7 @@ class Calibration:
     products: Floats
 
     def fitted(self, left: Floats, train: NDArray[np.bool_]) -> Floats:
-        """The parameters (D,) that explain most of what is `left` (S, K) in some stream rows."""
+        """The parameters (D,) that explain most of what is `left` (S, K) in some rows."""
         size = self.fields.shape[2]
         weighted = self.weighted[train].reshape(-1, size)
         gram = self.fields[train].reshape(-1, size).T @ weighted
@@ -47,8 +47,8 @@ class Calibration:
 
 
 @dataclass(frozen=True)
-class Streams:
-    """Weighted rows ready for regression; S stream rows, m modes, K observables.
+class Regression:
+    """The regression problem: S weighted rows, which are means and deviations; m modes, K observables.
 
     `weight` (S, K) is 1 / noise^2, 0 where nothing was seen; `residual` (S, K); `modes` (captures, m, K);
     `group` (S,) is which block is left out with it; `source` (S,) its capture, as an index. The base's own parameters
@@ -81,7 +81,7 @@ class Streams:
         return int(self.group.max()) + 1
 
     def lift(self, feature: Floats) -> Floats:
-        """Carry a feature of the rows (F, ...) to the streams (S, ...): means, then deviations."""
+        """Carry a feature of the rows (F, ...) to the regression's rows (S, ...): means, then deviations."""
         n = int(self.index.max()) + 1
         count = np.bincount(self.index, minlength=n).reshape(-1, *[1] * (feature.ndim - 1))
         mean = np.zeros((n, *feature.shape[1:]))
@@ -92,7 +92,7 @@ class Streams:
 
     @cached_property
     def products(self) -> Floats:
-        """Mode-by-mode products of each stream row, (S, m, m)."""
+        """Mode-by-mode products of each row, (S, m, m)."""
         M = self.modes
         out = np.empty((len(self.source), M.shape[1], M.shape[1]))
         for i, c in enumerate(self.source):
@@ -141,7 +141,7 @@ class Streams:
 
     @property
     def within_holds(self) -> NDArray[np.bool_]:
-        """Which stream rows are deviations within a hold, (S,)."""
+        """Which rows are deviations within a hold, (S,)."""
         n = int(self.index.max()) + 1 if self.use_means else 0
         return np.arange(len(self.source)) >= n
 
@@ -160,10 +160,10 @@ class Streams:
 
     @cached_property
     def blocks(self) -> list[Ints]:
-        """The stream rows of each left-out block."""
+        """The rows of each left-out block."""
         return [np.flatnonzero(self.group == g) for g in range(self.n_groups)]
 
-    def beside_static(self) -> "Streams | None":
+    def beside_static(self) -> "Regression | None":
         """The same with a smooth static map of the pressures as the base's own; None with too few captures.
 
         Its powers of each pressure, up to the third where there are captures enough, explain what they can
@@ -264,7 +264,7 @@ class Streams:
         return [(residual, self.project(residual)) for residual in left]
 
     def project(self, residual: Floats) -> Floats:
-        """Products of modes and residuals of each stream row, (S, m), for residuals (S, K)."""
+        """Products of modes and residuals of each row, (S, m), for residuals (S, K)."""
         return np.einsum("smk,sk->sm", self.modes[self.source], self.weight * residual, optimize=True)
 
     def square(self, residual: Floats) -> Floats:
@@ -279,13 +279,13 @@ def solve_calibrated(gram: Floats, right: Floats) -> Floats:
     return np.asarray(np.linalg.solve(gram + np.diag(ridge), right), dtype=float)
 
 
-def build_streams(
+def regression_of(
     context: Context,
     floor: Floor,
     residual: Floats,
     declared: Floats | None,
     calibrated: Floats | None = None,
-) -> Streams:
+) -> Regression:
     """Lay out the regression for what the base leaves, `residual` (F, K), outliers already NaN.
 
     `declared` (F, D) and `calibrated` (F, K, D) are the base's own parameters, refitted beside every effect.
@@ -327,7 +327,7 @@ def build_streams(
     if has_frame:
         modes.append(np.moveaxis(frame_modes(context)[first], 2, 1))
     modes.append(np.broadcast_to(patterns, (n, *patterns.shape)))
-    streams = Streams(
+    regression = Regression(
         context=context,
         floor=floor,
         residual=np.where(np.isfinite(stacked), stacked, 0.0),
@@ -343,7 +343,7 @@ def build_streams(
         declared=declared,
         row_group=group_of_row,
     )
-    return streams if calibrated is None else replace(streams, calibrated=streams.lift(calibrated))
+    return regression if calibrated is None else replace(regression, calibrated=regression.lift(calibrated))
 
 
 def _blurred(noise: Floats, residual: Floats) -> Floats:
