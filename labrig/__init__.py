@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 
 if TYPE_CHECKING:
+    from labrig.api._check import check
     from labrig.api._compare import Comparison, ModelComparison, compare
     from labrig.api._diagnose import Diagnosis, diagnose
     from labrig.api._history import History, history
@@ -49,6 +50,7 @@ _LAZY = {
     "ModelComparison": "labrig.api._compare",
     "Proposal": "labrig.api._propose",
     "Validation": "labrig.api._validate",
+    "check": "labrig.api._check",
     "compare": "labrig.api._compare",
     "diagnose": "labrig.api._diagnose",
     "history": "labrig.api._history",
@@ -79,6 +81,7 @@ __all__ = [
     "Proposal",
     "Validation",
     "__version__",
+    "check",
     "compare",
     "diagnose",
     "history",

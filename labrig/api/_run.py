@@ -65,7 +65,7 @@ def run(
     from labrig.rig import clock_of, connect
 
     config = rig_of(rig)
-    chosen = _procedure(procedure, parameters)
+    chosen = made(procedure, parameters)
     folder = Path(out) if out is not None else new_folder(chosen)
     clock = clock_of(config, realtime)
     context: dict[str, Any] = {"rig_file": str(Path(rig).resolve())} if isinstance(rig, str | Path) else {}
@@ -90,7 +90,8 @@ def _live(model: Place | None, until: str, budget: str, adapt: bool) -> "Setting
     return Settings(str(path.resolve()), until=until, budget=budget, adapt=adapt)
 
 
-def _procedure(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedure":
+def made(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedure":
+    """A procedure that is named, or made already, with its parameters; raises `LabrigError` where one is wrong."""
     from labrig._fields import check_fields
     from labrig.api._procedures import find_procedure
     from labrig.campaign import Procedure
@@ -107,9 +108,9 @@ def _procedure(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedu
     return check_fields(kind, parameters, f"procedure {given}")
 
 
-def new_folder(procedure: "Procedure") -> Path:
+def new_folder(procedure: "Procedure", runs: Path = Path("runs")) -> Path:
     """runs/20261120-0312-capture, or with a number behind it where that exists."""
-    base = Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{procedure.procedure_name()}"
+    base = runs / f"{datetime.now():%Y%m%d-%H%M%S}-{procedure.procedure_name()}"
     folder, number = base, 1
     while folder.exists():
         number += 1

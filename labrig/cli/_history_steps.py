@@ -37,15 +37,16 @@ def say_if_changed(rig: str, model: Path, folder: Path) -> None:
 def do_check(rig: Path, model: Path, runs: Path, out: Path, arguments: list[str], realtime: bool) -> None:
     """Run the check, tag it, and say what it and the runs before it say."""
     import labrig
+    from labrig.api._check import TAG
     from labrig.api._procedures import read_procedure
     from labrig.api._run import new_folder
     from labrig.catalogue import tag
     from labrig.cli._run_steps import Request, do_run
 
     config, known = labrig.load_rig(rig), labrig.Model.load(model)
-    folder = runs / new_folder(read_procedure("check", arguments)).name
+    folder = new_folder(read_procedure("check", arguments), runs)
     do_run("check", arguments, Request(rig, folder, 0, realtime, False, False))
-    tag(folder, ["check"])
+    tag(folder, [TAG])
     found = labrig.history(config, known, runs=runs)
     print_check(found)
     typer.echo(f"report: {found.save(out)}")
