@@ -47,6 +47,9 @@ def capture_means(values: Floats, capture: Ints) -> tuple[Floats, Ints]:
 def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
     """Estimate the floor from repeats and from the spectrum's bulk, and take the lower.
 
+    No lower than what rounding to the recorded steps leaves, a twelfth of their square (B. Widrow, I. Kollar,
+    Quantization Noise, Cambridge 2008).
+
     `residual` (F, K) is what the base leaves (its declared parameters fitted, which took `lost` degrees
     of freedom). Observables of one unit share one floor.
     """
@@ -78,6 +81,9 @@ def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
         size = usable[how]
         if not np.isfinite(size) or size <= 0:
             size, how = (inside if inside > 0 else _tiny(residual[:, own])), "the noise within a capture"
+        step = float(np.sqrt(np.mean(rows.resolution[own] ** 2) / 12)) if len(rows.resolution) else 0.0
+        if step > size:
+            size, how = step, "the steps in which it was recorded"
         mean[own] = size
         within[own] = inside if inside > 0 else 0.0
         hows.append(how if same is not None else f"{how} (no same-history repeats)")

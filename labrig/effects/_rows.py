@@ -5,7 +5,7 @@ averages, so each is condensed to a handful of bins, denser at its beginning whe
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +23,9 @@ TRANSIENT_S = 1.0
 
 _ROW_BUDGET = 1500
 _MAX_BINS, _MIN_BINS = 120, 4
+_LOOKED_AT = 5000  # values of an observable, for the step in which it was recorded
+_ALIKE = 3  # so many values there must be for each different one
+_OFF_GRID = 0.02
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,8 @@ class Rows:
     `event` (F,) indices; `hold_s`, `time_s` (F,), NaN where unknown; `event_actuation` (E, C),
     `event_time_s`, `event_session` (E,); `low`, `high` (C,) limits of the actuation; `unit`, `marker`,
     `axis` (K,), the last two -1 where an observable is no marker's; `rest_mm` (M, 3) or None;
-    `repeat` (captures,) labels; `session_keys` (sessions,) names of the sessions that are no other run's, where the
+    `repeat` (captures,) labels; `resolution` (K,) the step in which an observable was recorded, 0 where there is none
+    to be seen; `session_keys` (sessions,) names of the sessions that are no other run's, where the
     run has an identity; `start_s` when the run began, by a clock that runs of one rig share, or NaN.
     """
 
@@ -73,6 +77,7 @@ class Rows:
     warnings: tuple[str, ...] = ()
     start_s: float = float("nan")
     session_keys: tuple[str, ...] = ()
+    resolution: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def n_captures(self) -> int:
@@ -201,6 +206,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
         warnings=tuple(str(w) for w in dataset.attrs.get("warnings", ())),
         start_s=float(dataset.attrs.get("start_s", np.nan)),
+        resolution=resolution_of(values.reshape(-1, values.shape[2])),
         session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
     )
 
@@ -234,6 +240,7 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     for name, offset in offsets.items():
         joined[name] = np.concatenate([getattr(p, name) + o for p, o in zip(parts, offset[:-1], strict=True)])
     joined["sessions"] = tuple(f"{i + 1}:{s}" for i, p in enumerate(parts) for s in p.sessions)
+    joined["resolution"] = np.max([p.resolution for p in parts], axis=0)
     joined["session_keys"] = tuple(key for p in parts for key in p.session_keys or p.sessions)
     joined["repeat"] = tuple(f"{i + 1}:{r}" if r else "" for i, p in enumerate(parts) for r in p.repeat)
     joined["low"] = np.min([p.low for p in parts], axis=0)
@@ -245,6 +252,22 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     }
     joined["warnings"] = tuple(w for p in parts for w in p.warnings)
     return Rows(**joined)
+
+
+def resolution_of(values: Floats) -> Floats:
+    """The step of each observable's values (N, K): what all of them are a multiple of, where many are alike; else 0."""
+    out = np.zeros(values.shape[1])
+    for k, column in enumerate(values.T):
+        own = column[np.isfinite(column)]
+        own = own[:: max(1, len(own) // _LOOKED_AT)]
+        seen = np.unique(own)
+        if not 2 < len(seen) <= len(own) / _ALIKE:
+            continue
+        steps = np.diff(seen)
+        multiple = steps / steps.min()
+        if np.abs(multiple - np.round(multiple)).max() < _OFF_GRID:
+            out[k] = steps.min()
+    return out
 
 
 def _keys(sessions: Sequence[str], run: str) -> tuple[str, ...]:

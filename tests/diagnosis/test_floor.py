@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from labrig.diagnosis import diagnose
 from labrig.diagnosis._floor import capture_means, noise_floor
 from labrig.effects import rows_of
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
@@ -149,3 +150,14 @@ def test_means_of_captures_skip_what_was_not_seen() -> None:
     means, captures = capture_means(values, np.array([0, 0, 7, 7]))
     assert captures.tolist() == [0, 7]
     assert means == pytest.approx(np.array([[2.0, np.nan], [5.0, 3.0]]), nan_ok=True)
+
+
+@pytest.mark.parametrize("step", [0.5, 2.0])
+def test_a_coarse_sensor_hides_nothing(make_lab, step) -> None:
+    """Where repeats are alike to the last digit, the floor is what rounding to the recorded steps leaves."""
+    lab = make_lab(captures=60, seed=1, force=True)
+    values = lab.predict(lab.u) + 0.001 * lab.random.normal(size=(60, 3, 1))
+    found = diagnose(lab.dataset(step * np.round(values / step)), lab.model())
+    assert found.summary["verdict"] == "nothing_missing"
+    assert found.summary["floor"]["how"].startswith("the steps in which it was recorded")
+    assert found.summary["error"]["floor"] == pytest.approx(step / np.sqrt(12), rel=0.25)

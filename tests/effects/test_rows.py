@@ -5,9 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
 
 from labrig._errors import LabrigError
 from labrig.effects import join_rows, rows_of
+from labrig.effects._rows import resolution_of
 
 MakeLab = Callable[..., object]
 
@@ -164,3 +167,12 @@ def test_a_run_with_nothing_in_it_is_refused(make_lab) -> None:
         == "today: the run has no observables; name some under 'observables:'"
     )
     assert complaint(data * np.nan) == "today: no observable was seen in any capture"
+
+
+@given(st.floats(1e-3, 10.0), st.integers(4, 30), st.floats(-100.0, 100.0))
+def test_the_step_in_which_something_was_recorded(step: float, levels: int, zero: float) -> None:
+    """Values that are all some multiple of a step from one another have that step; those of a continuum have none."""
+    random = np.random.default_rng(0)
+    coarse = zero + step * random.integers(0, levels, 200)
+    fine = zero + step * levels * random.random(200)
+    assert resolution_of(np.stack([coarse, fine, np.full(200, zero)], axis=1)) == pytest.approx([step, 0, 0])
