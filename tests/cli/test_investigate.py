@@ -82,17 +82,3 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
         f"labrig: investigation is finished (settled): see {Path('investigation/report.html')}, or begin anew in "
         "another folder\n",
     )
-
-
-@pytest.mark.slow
-def test_whatever_is_named_an_investigation_comes_to_its_end(lab, labrig: Run) -> None:
-    """On a rig that creeps, what one run names is evaluated on all later ones: no round ends in an error."""
-    folder = lab("creep")
-    code, out, err = labrig(*LINE, 5)
-    assert code == 0, err
-    state = kept(folder)
-    assert state["state"] in {"settled", "open", "out of budget"}
-    assert state["conclusion"] in out
-    assert state["minutes"] <= 5
-    assert len(state["rounds"]) >= 2
-    assert not any("can't act" in warning for warning in state["warnings"])

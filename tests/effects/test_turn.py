@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from labrig.bench import draw
 from labrig.bench._files import write_model
-from labrig.diagnosis import diagnose
+from labrig.diagnosis import compare, diagnose
 from labrig.effects import rows_of
 from labrig.model import Model
 
@@ -27,15 +27,16 @@ def seen_from(data: xr.Dataset, angle_deg: float) -> xr.Dataset:
 
 
 @pytest.mark.parametrize("angle_deg", [12.0, 96.0, 178.0])
-def test_a_frame_turned_by_much_is_solved_exactly(angle_deg: float, tmp_path: Path) -> None:
+def test_a_frame_turned_by_much_is_solved_exactly(make_lab, angle_deg: float) -> None:
     """Frame alone is sure, the error falls to the floor, and on another programme of the same rig too."""
-    campaign = draw("null", 1)
-    found = diagnose(seen_from(campaign.dataset, angle_deg), Model.load(write_model(campaign, tmp_path)))
+    lab, other = make_lab(captures=40), make_lab(captures=30, seed=1)
+    found = diagnose(seen_from(lab.dataset(lab.predict(lab.u) + lab.noise()), angle_deg), lab.model())
     assert found.summary["effects"] == ["frame"]
     assert found.summary["error"]["model"] < 1.3 * found.summary["error"]["floor"]
     assert found.improved is not None
-    fresh = diagnose(seen_from(campaign.fresh, angle_deg), found.improved)
-    assert fresh.summary["error"]["base"] < 1.3 * fresh.summary["error"]["floor"]
+    later = seen_from(other.dataset(other.predict(other.u) + other.noise()), angle_deg)
+    left = compare(later, found.improved).summary["error"]
+    assert left["model"] < 1.3 * left["floor"]
 
 
 def test_what_is_small_beside_the_turn_is_named_after_it(tmp_path: Path) -> None:
@@ -50,14 +51,14 @@ def test_what_is_small_beside_the_turn_is_named_after_it(tmp_path: Path) -> None
     assert diagnose(turned, first.improved).summary["effects"] == ["leak"]
 
 
-def test_a_model_with_a_frame_says_what_the_base_moves_and_not_where_it_is(tmp_path: Path) -> None:
+def test_a_model_with_a_frame_says_what_the_base_moves_and_not_where_it_is(make_lab) -> None:
     """A frame in the model leaves displacements as they were, and turns them and their slopes."""
-    campaign = draw("null", 1)
-    plain = Model.load(write_model(campaign, tmp_path))
-    turned = seen_from(campaign.dataset, 40.0)
+    lab = make_lab(captures=40)
+    plain, measured = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
+    turned = seen_from(measured, 40.0)
     better = diagnose(turned, plain).improved
     assert better is not None
-    before, after = plain.context(rows_of(campaign.dataset)), better.context(rows_of(turned))
+    before, after = plain.context(rows_of(measured)), better.context(rows_of(turned))
     turn = Rotation.from_rotvec(np.deg2rad(40.0) * AXIS / np.linalg.norm(AXIS))
     moved = turn.apply(before.displacement.reshape(-1, 3)).reshape(before.displacement.shape)
     assert np.abs(after.displacement - moved).max() < 0.01 * np.abs(moved).max()

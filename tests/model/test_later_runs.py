@@ -62,7 +62,9 @@ def poor(make_lab: Any, captures: int = 1, timed: bool = True, **rig: Any) -> Co
 def entry_of(context: Context, effect: Effect, variant: Variant) -> EffectEntry:
     """A form as `improve` would save it, with values of 0.1."""
     K = context.base.shape[1]
-    values = {t.parameter: Value(value=[0.1] * term_width(t, K)) for t in variant.terms}
+    values = {
+        t.parameter: Value(value=[0.1] * term_width(t, K), per=list(t.labels) or None) for t in variant.terms
+    }
     values |= {name: Value(value=value) for name, value in variant.shape.items()}
     on = fitted_on(context, effect, variant)
     return EffectEntry(name=effect.name, form=variant.form, fitted_on=on, parameters=values)
