@@ -206,7 +206,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
         warnings=tuple(str(w) for w in dataset.attrs.get("warnings", ())),
         start_s=float(dataset.attrs.get("start_s", np.nan)),
-        resolution=resolution_of(values.reshape(-1, values.shape[2])),
+        resolution=resolution_of(values.reshape(-1, values.shape[2]), _levels(commanded, hold.shape[1])),
         session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
     )
 
@@ -254,20 +254,37 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
     return Rows(**joined)
 
 
-def resolution_of(values: Floats) -> Floats:
-    """The step of each observable's values (N, K): what all of them are a multiple of, where many are alike; else 0."""
+def resolution_of(values: Floats, level: Ints | None = None) -> Floats:
+    """The step of each observable's values (N, K): what all of them are a multiple of, where many are alike; else 0.
+
+    `level` (N,) numbers the set-points, where they are few and return: what is the same at each of them, without any
+    noise, is in steps because they are.
+    """
     out = np.zeros(values.shape[1])
     for k, column in enumerate(values.T):
-        own = column[np.isfinite(column)]
-        own = own[:: max(1, len(own) // _LOOKED_AT)]
-        seen = np.unique(own)
+        known = np.flatnonzero(np.isfinite(column))
+        known = known[:: max(1, len(known) // _LOOKED_AT)]
+        own = column[known]
+        seen, code = np.unique(own, return_inverse=True)
         if not 2 < len(seen) <= len(own) / _ALIKE:
             continue
+        if level is not None:
+            at = level[known]
+            if len(np.unique(at * len(seen) + code)) == len(np.unique(at)):
+                continue
         steps = np.diff(seen)
         multiple = steps / steps.min()
         if np.abs(multiple - np.round(multiple)).max() < _OFF_GRID:
             out[k] = steps.min()
     return out
+
+
+def _levels(commanded: Floats, rows: int) -> Ints | None:
+    """The number (captures * rows,) of each row's set-point; None where some chamber has many different ones."""
+    different = max(len(np.unique(own)) for own in commanded.T)
+    if different > len(commanded) / _ALIKE:
+        return None
+    return np.repeat(np.unique(commanded, axis=0, return_inverse=True)[1].reshape(-1), rows).astype(np.int64)
 
 
 def _keys(sessions: Sequence[str], run: str) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ def told(content: Any) -> str:
     """Values as JSON text; what is no number becomes null."""
     try:
         return json.dumps(content, default=plain, allow_nan=False, separators=(",", ":"))
-    except ValueError:  # a NaN somewhere: all is looked through, which takes long
+    except (TypeError, ValueError):  # a NaN, or a key of numpy's: all is looked through, which takes long
         return json.dumps(plain(content), allow_nan=False, separators=(",", ":"))
 
 

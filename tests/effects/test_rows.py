@@ -176,3 +176,13 @@ def test_the_step_in_which_something_was_recorded(step: float, levels: int, zero
     coarse = zero + step * random.integers(0, levels, 200)
     fine = zero + step * levels * random.random(200)
     assert resolution_of(np.stack([coarse, fine, np.full(200, zero)], axis=1)) == pytest.approx([step, 0, 0])
+
+
+def test_what_returns_without_noise_is_not_coarse() -> None:
+    """Five set-points that come again and again, each with its own value: in steps because the set-points are."""
+    level = np.arange(60) % 5
+    exact = 3.0 * level
+    assert resolution_of(exact[:, None], level) == pytest.approx([0.0])
+    coarse = exact + 0.5 * (np.arange(60) % 3)
+    assert resolution_of(coarse[:, None], level) == pytest.approx([0.5])
+    assert resolution_of(exact[:, None]) == pytest.approx([3.0])
