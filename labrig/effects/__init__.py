@@ -6,13 +6,14 @@ from labrig.effects._family import Space, acting, field, motion_scale, pattern, 
 from labrig.effects._fields import centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._registry import USER_FOLDER, get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, join_rows, rows_of
-from labrig.effects._sessions import without_value
+from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._template import write_template
 from labrig.effects._weights import columns_of_space, form_of, is_family, labels_of, weighable, weighted
 
 __all__ = [
+    "MOST_SESSIONS",
     "TRANSIENT_S",
     "USER_FOLDER",
     "WEIGHTS",

@@ -2,13 +2,13 @@
 
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.effects import Rows
+from labrig.effects import MOST_SESSIONS, Rows
 from labrig.model._deflection import GRID, Deflection
 from labrig.model._file import FmuBase, ModelFile, OdeBase, PythonBase, StaticBase, SurrogateBase
 from labrig.model._memory import MemoryModel
@@ -73,26 +73,60 @@ class PythonModel:
 
 
 class StaticModel:
-    """A polynomial of the pressures for each observable, fitted to the rows by robust least squares."""
+    """A polynomial of the pressures for each observable, fitted to the rows by robust least squares.
+
+    With a map for each session slopes, and what is said of sessions that it was not fitted to, are those of one map for
+    all of them.
+    """
 
     kind = "static"
 
     def __init__(self, spec: StaticBase, rows: Rows) -> None:
         self._degree = spec.degree
         self._low, self._span = rows.low, rows.high - rows.low
+        self._in_each = bool(spec.in_each_session)
+        if self._in_each and len(rows.sessions) > MOST_SESSIONS:
+            raise LabrigError(
+                f"base: a map for each session (in_each_session) is for {MOST_SESSIONS} sessions at most, and this run "
+                f"has {len(rows.sessions)}"
+            )
         self.fit(rows, rows.values)
 
     def fit(self, rows: Rows, values: Floats) -> None:
         """Fit the map to `values` (F, K), captures counting alike; NaN are left out."""
-        X = self.declared(rows.actuation)
         captures = np.bincount(rows.capture, minlength=rows.n_captures)
         weight = np.sqrt(1.0 / captures[rows.capture])
-        columns = [robust_fit(X, values[:, k], weight) for k in range(values.shape[1])]
-        self._coefficients = np.stack(columns, axis=1)
+        X = self.declared(rows.actuation)
+
+        def fitted(own: Any) -> Floats:
+            columns = [robust_fit(X[own], values[own, k], weight[own]) for k in range(values.shape[1])]
+            return np.stack(columns, axis=1)
+
+        self._coefficients = fitted(slice(None))
+        each = enumerate(rows.session_keys or rows.sessions) if self._in_each else ()
+        there = {key: rows.session == s for s, key in each}
+        self._own = {key: fitted(own) for key, own in there.items() if own.any()}
 
     def predict(self, actuation: Floats) -> Floats:
         """Evaluate the fitted map."""
         return self.declared(actuation) @ self._coefficients
+
+    def predict_rows(self, rows: Rows) -> Floats:
+        """Predict rows (F, K), each by the map of its own session."""
+        X, out = self.declared(rows.actuation), self.predict(rows.actuation)
+        for s, key in enumerate(rows.session_keys or rows.sessions):
+            if key in self._own:
+                own = rows.session == s
+                out[own] = X[own] @ self._own[key]
+        return out
+
+    def declared_rows(self, rows: Rows) -> Floats:
+        """The regressors of rows, (F, D); with a map for each session, those of each session for themselves."""
+        X = self.declared(rows.actuation)
+        if not self._in_each:
+            return X
+        each = rows.session[:, None] == np.unique(rows.session)
+        return (each[:, :, None] * X[:, None]).reshape(len(X), -1)
 
     def declared(self, actuation: Floats) -> Floats:
         """The monomials up to the degree, of each chamber's fraction of its range, (F, D)."""

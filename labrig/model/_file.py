@@ -59,10 +59,11 @@ class FmuBase(_Strict):
 
 
 class StaticBase(_Strict):
-    """A polynomial map from the pressures to each observable, fitted to the run."""
+    """A polynomial map from the pressures to each observable, fitted to the run, or to each of its sessions."""
 
     kind: Literal["static"]
     degree: int = Field(1, ge=0, le=3)
+    in_each_session: bool | None = None
 
 
 class SimulatorBase(_Strict):

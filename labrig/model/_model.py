@@ -129,7 +129,7 @@ class Model:
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
-        return build_base(self.file, self.folder, rows).declared(rows.actuation)
+        return _declared(build_base(self.file, self.folder, rows), rows)
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ class Predictor:
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
-        return self.base.declared(rows.actuation)
+        return _declared(self.base, rows)
 
     def calibrated(self, rows: Rows) -> Floats | None:
         """Fields (F, K, D) by which the base's calibrated parameters change the prediction, or None."""
@@ -175,7 +175,8 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
         inside: dict[str, Floats] = {}
     else:
         unique, inverse = np.unique(rows.actuation, axis=0, return_inverse=True)
-        predicted = base.predict(unique)[inverse.reshape(-1)]
+        by_map = isinstance(base, StaticModel)
+        predicted = base.predict_rows(rows) if by_map else base.predict(unique)[inverse.reshape(-1)]
         slope = jacobian(base, rows.actuation, rows.low, rows.high)
         by_unique = base.inside(unique) if isinstance(base, SimulatorModel) else {}
         inside = {name: by[inverse.reshape(-1)] for name, by in by_unique.items()}
@@ -277,6 +278,10 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
 
 def _lacking(effect: Effect, what: str) -> str:
     return f"effect {effect.name!r} needs {what}, which this run did not log (or not everywhere)"
+
+
+def _declared(base: BaseModel, rows: Rows) -> Floats | None:
+    return base.declared_rows(rows) if isinstance(base, StaticModel) else base.declared(rows.actuation)
 
 
 def _sum(changes: dict[str, Floats]) -> Floats | float:

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from labrig._errors import LabrigError
 from labrig.diagnosis import compare, diagnose
 from labrig.effects import library, rows_of
 from labrig.effects._rows import join_rows
 from labrig.model import Model, write_model_file
+from labrig.model._bases import StaticModel
+from labrig.model._file import StaticBase
 
 DAYS = 4
 
@@ -115,6 +118,48 @@ def test_what_was_recorded_goes_before_the_session(make_lab) -> None:
 
     assert not any(form.endswith("in each session") for form in forms({"payload": ("kg", loads)}))
     assert sum(form.endswith("in each session") for form in forms({"air": ("degC", warm)})) == 4
+
+
+def specimens(lab):
+    """Straight answers, of another size and from another place in each session."""
+    random = np.random.default_rng(1)
+    size, place = random.uniform(0.8, 1.2, DAYS), 2.0 * random.normal(size=(DAYS, len(lab.rest)))
+    moved = (lab.predict(lab.u) - lab.rest) * size[lab.session][:, None, None]
+    return lab.rest + moved + place[lab.session][:, None]
+
+
+def test_a_map_for_each_session(make_lab, tmp_path) -> None:
+    """Four specimens, a straight line for each: nothing is missing; one line for all of them fails."""
+    lab = make_lab(captures=80, sessions=DAYS, bent=0.0)
+    dataset = lab.dataset(specimens(lab) + lab.noise(0.02, 0.05))
+    (tmp_path / "each.yaml").write_text("base: {kind: static, in_each_session: true}")
+    (tmp_path / "one.yaml").write_text("base: {kind: static}")
+    found = diagnose(dataset, Model.load(tmp_path / "each.yaml"))
+    assert found.summary["verdict"] == "nothing_missing"
+    one = compare(dataset, Model.load(tmp_path / "one.yaml")).summary["error"]
+    assert found.summary["error"]["base"] < 0.05 * one["model"]
+    rows = rows_of(dataset)
+    declared = Model.load(tmp_path / "each.yaml").declared(rows)
+    assert declared is not None
+    assert np.linalg.matrix_rank(declared) == declared.shape[1] == DAYS * 4
+
+
+def test_a_map_of_another_session(make_lab, tmp_path) -> None:
+    """Of a session that it was not fitted to a base with a map for each says what one map for all of them says."""
+    lab = make_lab(captures=80, sessions=DAYS, bent=0.0)
+    rows = rows_of(lab.dataset(specimens(lab)))
+    spec = {each: StaticBase(kind="static", degree=1, in_each_session=each) for each in (False, True)}
+    known = rows.thin(rows.session < 3)
+    each, one = StaticModel(spec[True], known), StaticModel(spec[False], known)
+    said, all_alike = each.predict_rows(rows), one.predict(rows.actuation)
+    assert said[rows.session == 3] == pytest.approx(all_alike[rows.session == 3])
+    assert said[rows.session < 3] == pytest.approx(rows.values[rows.session < 3])
+    many = make_lab(captures=48, sessions=12)
+    with pytest.raises(LabrigError) as caught:
+        StaticModel(spec[True], rows_of(many.dataset(many.predict(many.u))))
+    assert str(caught.value) == (
+        "base: a map for each session (in_each_session) is for 11 sessions at most, and this run has 12"
+    )
 
 
 def test_counted_sessions_are_those_of_their_run(make_lab) -> None:

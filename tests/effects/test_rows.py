@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.effects import join_rows, rows_of
 from labrig.effects._rows import resolution_of
 
@@ -181,8 +182,8 @@ def test_the_step_in_which_something_was_recorded(step: float, levels: int, zero
 def test_what_returns_without_noise_is_not_coarse() -> None:
     """Five set-points that come again and again, each with its own value: in steps because the set-points are."""
     level = np.arange(60) % 5
-    exact = 3.0 * level
+    exact: Floats = np.array(3.0 * level)
     assert resolution_of(exact[:, None], level) == pytest.approx([0.0])
-    coarse = exact + 0.5 * (np.arange(60) % 3)
+    coarse: Floats = np.array(exact + 0.5 * (np.arange(60) % 3))
     assert resolution_of(coarse[:, None], level) == pytest.approx([0.5])
     assert resolution_of(exact[:, None]) == pytest.approx([3.0])

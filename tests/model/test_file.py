@@ -78,7 +78,7 @@ def test_the_smallest_model(path: Path) -> None:
         ("base: {kind: python}\n", ", line 1: base: file: is missing"),
         (
             "base: {kind: static, file: x.py}\n",
-            ", line 1: base: file: there is no such field; there are kind, degree",
+            ", line 1: base: file: there is no such field; there are kind, degree, in_each_session",
         ),
         (
             "base: {kind: static}\neffect: []\n",
