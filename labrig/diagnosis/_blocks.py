@@ -3,9 +3,9 @@
 import numpy as np
 
 from labrig.arrays import Ints
-from labrig.effects import Context
+from labrig.effects import MOST_SESSIONS, Context
 
-MAX_GROUPS = 12
+MAX_GROUPS = MOST_SESSIONS + 1
 _MANY_SESSIONS = 6
 _FEWEST_BLOCKS = 3
 _FEW_BLOCKS = 2
@@ -26,7 +26,7 @@ def blocks_of(context: Context, index: Ints, use_means: bool) -> Ints:
         return np.minimum((place * MAX_GROUPS) // length, MAX_GROUPS - 1).astype(np.int64)
     n = int(index.max()) + 1
     sessions = np.unique(rows.session)
-    if len(sessions) >= min(MAX_GROUPS, n):
+    if len(sessions) > MOST_SESSIONS or len(sessions) == n:
         return (np.searchsorted(sessions, rows.session) * min(len(sessions), MAX_GROUPS)) // len(sessions)
     group = np.zeros(len(index), dtype=np.int64)
     first = 0

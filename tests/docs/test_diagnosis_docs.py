@@ -62,10 +62,15 @@ def test_an_effect_of_your_own(labrig: Run, monkeypatch: pytest.MonkeyPatch, mak
 
 
 def test_the_model_of_the_reference_is_one() -> None:
-    """The example file is read without complaint."""
-    text = next(t for language, t in blocks("reference/model.md") if language == "yaml")
+    """The example file, and each entry that the page shows, is read without complaint."""
+    text, *entries = (t for language, t in blocks("reference/model.md") if language == "yaml")
     Path("model.yaml").write_text(text)
     assert [e.name for e in read_model_file(Path("model.yaml")).effects] == ["leak"]
+    named = []
+    for entry in (e for e in entries if e.startswith("- name")):
+        Path("model.yaml").write_text(f"base: {{kind: static}}\neffects:\n{entry}")
+        named += [e.name for e in read_model_file(Path("model.yaml")).effects]
+    assert named == ["leak", "regulator"]
 
 
 def test_the_reference_names_every_field_of_a_mapping() -> None:

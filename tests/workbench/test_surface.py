@@ -109,6 +109,21 @@ def test_names_can_be_read_on_and_beside_the_surface(open_page, make_run, theme)
             assert _contrast(ink, shown["behind"]) > 1.6
 
 
+def test_another_capture_is_another_surface(open_page, make_run):
+    """With each capture the markers of both surfaces stand elsewhere; back again they are where they were."""
+    page = open_page()
+    _compared(page, make_run())
+    place = "all => all.filter(e => e.data).map(e => [e.data[0].x, e.data[0].marker.color].join())"
+    seen = []
+    for capture in ("2", "5", "2"):
+        page.click(f"[data-capture='{capture}']")
+        page.wait_for_selector(f"[data-drawn='{capture}'] .surface[data-names=all]")
+        seen.append(page.locator(".surface:visible").evaluate_all(place))
+    assert len(seen[0]) == len(seen[1]) == 2
+    assert all(one != other for one, other in zip(seen[0], seen[1], strict=True))
+    assert seen[2] == seen[0]
+
+
 def _views(folder: Path) -> list[Path]:
     return list((folder / ".workbench" / "views").glob("*.json"))
 
