@@ -32,7 +32,7 @@ def stretch(
 MEASURED = (
     StreamSet(
         "cylinder",
-        "Zillen 2021",
+        "Zillen et al. 2021",
         stretch("cylinder", "position_mm", "force_n"),
         ("position", "mm"),
         ("force", "N"),
@@ -42,7 +42,7 @@ MEASURED = (
     ),
     StreamSet(
         "vhb4910",
-        "Zhao 2025",
+        "Zhao, GitHub",
         stretch("vhb4910", "extension_mm", "force_n"),
         ("extension", "mm"),
         ("force", "N"),
