@@ -47,7 +47,7 @@ class LiftedWeight(_InTheWay):
 
 
 class AirCushion(_InTheWay):
-    """Pocket of air: the wall closes off a pocket, whose pressure rises as Mariotte's law has it; it never gets through.
+    """Pocket of air: the wall closes off a pocket, whose pressure rises by Mariotte's law; it never gets through.
 
     E. Mariotte, De la nature de l'air, Michallet, Paris, 1679.
     """

@@ -57,9 +57,10 @@ class LeastResistance(Law):
 
 
 class BendTwist(Law):
-    """Bend-twist coupling: two chambers that bend the body together twist it about its length, which neither does alone.
+    """Bend-twist coupling: two chambers that bend a body together also twist it, which neither does alone.
 
-    R. M. Jones, Mechanics of Composite Materials, McGraw-Hill, 1975. The twist goes with the product of the two.
+    R. M. Jones, Mechanics of Composite Materials, McGraw-Hill, 1975. The twist goes with the product of the two; of a
+    body that is seen from above only the sideways sweep of it shows.
     """
 
     effect = "coupling"
@@ -74,6 +75,9 @@ class BendTwist(Law):
             along = 1 - along
         field = np.cross(axis, self.rig.rest_mm - centre) / radius * along[:, None]
         twist = spread(self.rig, field)
+        if float(np.sqrt(np.mean(twist**2))) < 0.05:  # it turns out of what is measured
+            aside = np.cross(axis, [0.0, 0.0, 1.0])
+            twist = spread(self.rig, along[:, None] ** 2 * aside)
         self._twist = twist / max(float(np.sqrt(np.mean(twist**2))), 1e-9)
         size = np.triu(near * random.uniform(0.5, 1.5, near.shape), 1)
         self._pairs = size / size.max() * random.choice([-1.0, 1.0], near.shape)

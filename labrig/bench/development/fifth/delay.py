@@ -59,9 +59,9 @@ class TrapezoidProfile(Law):
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
         self._cross_s = some(
-            random, count, 1.5, 3.5, random.uniform(0.6, 1.0)
+            random, count, 2.5, 6.0, random.uniform(0.6, 1.0)
         )  # full scale at the highest speed
-        self._speeds_up_s = random.uniform(0.3, 1.2)
+        self._speeds_up_s = random.uniform(0.5, 1.8)
 
     def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         if strength <= 0:

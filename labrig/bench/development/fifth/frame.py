@@ -92,7 +92,7 @@ class StretchedPrint(Law):
 
 
 class MetalNearTracker(Law):
-    """Metal near a magnetic tracker: all seems pushed along one way, by the fourth power of how far it is from the source.
+    """Metal near a magnetic tracker: all seems pushed one way, by the fourth power of its distance from the source.
 
     M. A. Nixon, B. C. McCallum, W. R. Fright, N. B. Price, The effects of metals and interfering fields on
     electromagnetic trackers, Presence 7, 1998.

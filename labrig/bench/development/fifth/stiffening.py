@@ -21,8 +21,9 @@ class LevelsOff(Law):
         self._hardens = some(random, count, 0.1, 0.35, 0.85)
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
-        hardens = np.maximum(strength * self._hardens, 1e-9)
-        return np.sign(deflection) * -np.expm1(-hardens * np.abs(deflection)) / hardens
+        hardens = strength * self._hardens
+        levels = -np.expm1(-hardens * np.abs(deflection)) / np.maximum(hardens, 1e-9)
+        return np.where(hardens > 1e-9, np.sign(deflection) * levels, deflection)
 
 
 class SecondOrder(Law):
