@@ -354,6 +354,40 @@ def test_the_cells_of_a_cushion_share_one_weight() -> None:
     np.testing.assert_allclose(total, total[0])
 
 
+def test_a_cell_of_a_comb_takes_its_neighbours_along() -> None:
+    """One full cell alone rises by less than with all the others, and a vented neighbour rises with it."""
+    rig, _ = case("fifth", "comb")
+    alone = rig.deflection(np.diag(rig.high_kpa))
+    assert (np.diag(alone) < 0.8).all()
+    assert alone.min() > 0
+    assert (np.sort(alone, axis=1)[:, -2] > 0.05).all()
+
+
+def test_a_loose_weight_is_waited_for_and_then_taken_along() -> None:
+    """Beyond what it weighs a wall lacks the same, however far it goes; before it meets the weight it lacks nothing."""
+    rig, path = case("fifth", "lens")
+    law = LAWS["LiftedWeight"][1](Setting(rig, path, np.random.default_rng(1)))
+    free = np.linspace(0, 1.5, 200)[:, None]
+    lacks = (free - law.wall(path, free, free, 0.5))[:, 0]
+    assert (np.diff(lacks) >= -1e-12).all()
+    assert lacks[5] == 0
+    assert lacks[-1] == pytest.approx(lacks[-40])
+    assert lacks[-1] > 0.02
+
+
+def test_a_stale_frame_is_what_was_seen_before_the_actuation() -> None:
+    """In a few actuations the rows are between the truth and the last one before; in all the others they are right."""
+    law, path = law_on("StaleFrames", "hand")
+    rig = law.rig
+    values = rig.settled(path.kpa)
+    off = law.seen(path, rig.deflection(path.kpa), values, 50.0) - values
+    touched = np.unique(path.event[np.abs(off).max(axis=1) > 1e-9])
+    assert 0 < len(touched) < 0.5 * (path.event.max() + 1)
+    first = path.event == touched[0]
+    before = values[np.flatnonzero(first)[0] - 1]
+    np.testing.assert_allclose((values + off)[first], np.broadcast_to(before, values[first].shape), atol=0.5)
+
+
 def test_spectra_are_learnt_from_both_portions() -> None:
     """Of one campaign of each portion the spectra are those of both of its effects, and its own where alone."""
     (ours, ours_example), (theirs, theirs_example) = (

@@ -7,61 +7,51 @@ from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import body_mm, direction, moved, positions, reached
 
 
-class _InTheWay(Law):
-    """Something before one wall or two, from a share of their way on, which comes nearer with the strength."""
+class LiftedWeight(Law):
+    """Loose weight: something heavy lies before a wall, which waits until it can carry it, and then takes it along.
+
+    P. Varignon, Nouvelle mécanique ou statique, Jombert, Paris, 1725. A tool left on the rig does this, or a lid. The
+    stronger the law, the heavier it is.
+    """
 
     effect = "contact"
-    shares = (0.3, 0.8)
+
+    def __init__(self, setting: Setting) -> None:
+        super().__init__(setting)
+        random, count = setting.random, len(self.rig.chambers)
+        self._which = random.permutation(count)[: int(random.integers(1, min(count, 2) + 1))]
+        top = reached(self.rig, setting.path)[self._which]
+        self._meets = top * random.uniform(0.1, 0.6, len(self._which))
+        self._weighs = top * random.uniform(0.15, 0.5)
+
+    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
+        out = deflection.copy()
+        out[:, self._which] -= np.clip(out[:, self._which] - self._meets, 0.0, strength * self._weighs)
+        return out
+
+
+class AirCushion(Law):
+    """Pocket of air: the wall closes off a pocket, whose pressure rises by Mariotte's law; it never gets through.
+
+    E. Mariotte, De la nature de l'air, Michallet, Paris, 1679.
+    """
+
+    effect = "contact"
 
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
         self._which = random.permutation(count)[: int(random.integers(1, min(count, 2) + 1))]
         self._top = reached(self.rig, setting.path)[self._which]
-        self._nearer = random.uniform(*self.shares, len(self._which))
-
-    def _meets(self, strength: float) -> Floats:
-        """The deflections at which these walls meet it."""
-        return self._top * np.exp(-strength * self._nearer)
-
-
-class LiftedWeight(_InTheWay):
-    """Loose weight: something heavy lies before a wall, which waits until it can carry it, and then takes it along.
-
-    P. Varignon, Nouvelle mécanique ou statique, Jombert, Paris, 1725. A tool left on the rig does this, or a lid.
-    """
-
-    shares = (0.5, 1.2)
-
-    def __init__(self, setting: Setting) -> None:
-        super().__init__(setting)
-        self._weighs = self._top * setting.random.uniform(0.15, 0.5)
+        self._nearer = random.uniform(0.3, 0.8, len(self._which))
+        self._deep = self._top * random.uniform(0.1, 0.5)
+        self._presses = random.uniform(0.5, 2.0)  # against the wall's own stiffness
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
             return deflection
         out = deflection.copy()
-        past = out[:, self._which] - self._meets(strength)
-        out[:, self._which] -= np.clip(past, 0.0, self._weighs)
-        return out
-
-
-class AirCushion(_InTheWay):
-    """Pocket of air: the wall closes off a pocket, whose pressure rises by Mariotte's law; it never gets through.
-
-    E. Mariotte, De la nature de l'air, Michallet, Paris, 1679.
-    """
-
-    def __init__(self, setting: Setting) -> None:
-        super().__init__(setting)
-        self._deep = self._top * setting.random.uniform(0.1, 0.5)
-        self._presses = setting.random.uniform(0.5, 2.0)  # against the wall's own stiffness
-
-    def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
-        if strength <= 0:
-            return deflection
-        out = deflection.copy()
-        past = np.maximum(out[:, self._which] - self._meets(strength), 0.0)
+        past = np.maximum(out[:, self._which] - self._top * np.exp(-strength * self._nearer), 0.0)
         # x + presses deep x / (deep - x) = past
         half = 0.5 * (self._deep * (1 + self._presses) + past)
         goes = half - np.sqrt(np.maximum(half**2 - past * self._deep, 0.0))
@@ -83,10 +73,12 @@ class TautHose(Law):
         rig, path, random, radius = self.rig, setting.path, setting.random, body_mm(self.rig)[1]
         assert rig.rest_mm is not None
         seen = positions(rig, rig.settled(path.kpa[path.row][::5]))
-        away_mm = np.linalg.norm(seen - rig.rest_mm, axis=2)
-        far = away_mm.max(axis=0)
+        away = seen - rig.rest_mm
+        away_mm = np.linalg.norm(away, axis=2)
+        far = np.median(away_mm, axis=0)
         held = int(random.choice(np.argsort(far)[-max(2, len(far) // 4) :]))
-        way = seen[int(np.argmax(away_mm[:, held])), held] - rig.rest_mm[held]
+        often = away_mm[:, held] >= np.quantile(away_mm[:, held], 0.6)
+        way = away[often, held].mean(axis=0)
         toward = way / max(float(np.linalg.norm(way)), 1e-9) + 0.5 * direction(random)
         toward /= np.linalg.norm(toward)
         self._end_mm = rig.rest_mm[held] - toward * radius * random.uniform(0.8, 2.5)

@@ -19,7 +19,7 @@ def _begins(path: Path) -> list[tuple[int, int]]:
 
 
 class LateMessages(Law):
-    """Network: each command waits in a queue, mostly hardly at all and now and then for seconds, by a gamma law.
+    """Network: each command waits in a queue, mostly a little and now and then long, by a gamma law.
 
     J. Nilsson, Real-Time Control Systems with Delays, PhD thesis, Lund Institute of Technology, 1998.
     """
@@ -29,8 +29,8 @@ class LateMessages(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random = setting.random
-        wait_s = random.gamma(random.uniform(0.8, 2.0), random.uniform(0.8, 1.6), _MANY)
-        self._wait_s = np.minimum(wait_s, 5.0)
+        often_s = random.gamma(random.uniform(0.8, 2.0), random.uniform(0.3, 0.9), _MANY)
+        self._wait_s = np.minimum(random.uniform(0.8, 1.8) + often_s, 5.0)
         self._soft_s = random.uniform(0.1, 0.3)
 
     def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:

@@ -22,7 +22,7 @@ class StaleFrames(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random = setting.random
-        seldom = random.random(_MANY) < random.uniform(0.05, 0.15)
+        seldom = random.random(_MANY) < random.uniform(0.1, 0.25)
         self._stale = seldom * random.uniform(0.1, 0.8, _MANY)
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
