@@ -70,7 +70,9 @@ class Face(Rig):
         self.high_kpa = random.uniform(15, 50) * random.uniform(0.7, 1.3, count)
         self.marker_names, self.observables = markers(seen)
         self.noise = float(random.uniform(0.03, 0.07))
-        place = np.sqrt((np.arange(seen) + 0.5) / seen)[:, None] * _direction(2.39996 * np.arange(seen))
+        place = np.sqrt((np.arange(seen) + 0.5) / seen)[:, None] * _direction(
+            2.39996 * np.arange(seen, dtype=np.float64)
+        )
         place = place + random.normal(0, 0.03, place.shape)
         wide_mm, tall_mm = random.uniform(55, 75), random.uniform(75, 100)
         deep_mm = 45 * (1 - 0.6 * np.sum(place**2, axis=1))
@@ -120,7 +122,7 @@ class Balloon(Rig):
         self.noise = float(random.uniform(0.02, 0.05))
         height = np.linspace(-0.92, 0.92, seen) + random.normal(0, 0.02, seen)
         height = np.clip(height, -0.97, 0.97)
-        round_ = np.sqrt(1 - height**2)[:, None] * _direction(2.39996 * np.arange(seen))
+        round_ = np.sqrt(1 - height**2)[:, None] * _direction(2.39996 * np.arange(seen, dtype=np.float64))
         self._radius_mm, self._slender = random.uniform(8, 18), random.uniform(1.0, 2.2)
         self._unit, self._height = round_, height
         self._grows = np.array([random.uniform(0.5, 1.2), random.uniform(0.1, 0.5)])  # around, along
