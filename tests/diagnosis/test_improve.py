@@ -214,3 +214,21 @@ def test_a_run_that_is_not_there(make_lab, labrig, monkeypatch) -> None:
     assert (code, out) == (2, "")
     assert err.startswith("labrig: none")
     assert err.count("\n") == 1
+
+
+def test_a_chamber_that_loses_a_vacuum_too(make_lab):
+    """Where set-points have both signs, a leak is drawn as a share of pressures that are not near ambient."""
+    lab = make_lab(chambers=2, bent=0.0, rows_s=(3.0, 10.0, 20.0))
+    lab.commanded[:] = (lab.commanded - 50.0).round(-1)
+    assert (lab.commanded[:, 1] == 0).any()
+    left = lab.u.copy()
+    left[:, :, 1] *= np.exp(-lab.hold_s / 60.0)
+    data = lab.dataset(lab.predict(left) + lab.noise())
+    data["chamber_min"][:] = -50.0
+    data["chamber_max"][:] = 50.0
+    result = improve(data, lab.model(), ["leak"])
+    (signature,) = result.signatures
+    assert set(signature.group) == {"c2"}
+    assert signature.y_unit == "%"
+    assert np.isfinite(signature.measured).all()
+    assert -100 < signature.fitted.min() < -20
