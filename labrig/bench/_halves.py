@@ -13,6 +13,7 @@ HALVES = ("development", "exam")
 PORTIONS = {
     "third": "labrig.bench.development.third",
     "fourth": "labrig.bench.development.fourth",
+    "fifth": "labrig.bench.development.fifth",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)

@@ -21,7 +21,7 @@ def draw_campaign(
     ] = "single",
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam, third or fourth.")
+        str, typer.Option(help="Whose rigs and laws: development, exam, third, fourth or fifth.")
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
@@ -39,7 +39,8 @@ def draw_campaign(
 def blind(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, third or fourth.")
+        str,
+        typer.Option(help="Whose rigs and laws: development, exam, both of them, third, fourth or fifth."),
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
     count: Annotated[
@@ -117,13 +118,14 @@ def learn(
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
     third: Annotated[int, typer.Option(min=0, help="Campaigns of the third portion beside them.")] = 0,
     fourth: Annotated[int, typer.Option(min=0, help="Campaigns of the fourth portion beside them.")] = 0,
+    fifth: Annotated[int, typer.Option(min=0, help="Campaigns of the fifth portion beside them.")] = 0,
 ) -> None:
     """Learn how large which member of each effect's family is, from the laws of the development half."""
     from labrig.bench import learn_all, write_spectra
 
     check_file(out, "--out")
-    how = f"labrig bench learn --n {count} --seed {seed} --third {third} --fourth {fourth}"
-    counts = {"development": count, "third": third, "fourth": fourth}
+    how = f"labrig bench learn --n {count} --seed {seed} --third {third} --fourth {fourth} --fifth {fifth}"
+    counts = {"development": count, "third": third, "fourth": fourth, "fifth": fifth}
     write_spectra(learn_all({half: range(seed, seed + n) for half, n in counts.items()}), out, how)
     typer.echo(f"{out}: learnt from {sum(counts.values())} campaigns")
 
@@ -167,7 +169,8 @@ def stopping(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
     count: Annotated[int, typer.Option("--n", min=1, help="Campaigns.")] = 200,
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam, both of them, third or fourth.")
+        str,
+        typer.Option(help="Whose rigs and laws: development, exam, both of them, third, fourth or fifth."),
     ] = "both",
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,

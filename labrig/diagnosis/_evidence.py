@@ -13,7 +13,8 @@ from labrig.diagnosis._design import DECLARED, Design, gram
 
 _NEGLIGIBLE = 1e-3
 """How little the data may say about a direction of a free pattern, against its prior, for it to be left out."""
-_POTRI = get_lapack_funcs(("potri",), dtype=np.float64)[0]
+_JITTER = 1e-12
+_POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 EVEN = (DECLARED, "?place")
 """Free patterns that spread evenly over the observables, wherever the base moves them."""
 DECLARED_FLOORS = 300.0
@@ -148,11 +149,17 @@ class State:
 
     @cached_property
     def _inverse(self) -> tuple[Floats, Floats, float]:
-        precision = self.sums.A + np.diag(self.sd**-2.0 + self.sums.grain)
-        L = np.linalg.cholesky(precision)
-        half = _POTRI(L, lower=1)[0]
-        cov = np.tril(half) + np.tril(half, -1).T
+        precision = self.sums.A.copy()
+        precision[np.diag_indices_from(precision)] += self.sd**-2.0 + self.sums.grain
+        L, wrong = _POTRF(
+            precision.T, lower=1, overwrite_a=1
+        )  # the transpose: as LAPACK lays it out, without a copy
+        if wrong:
+            raise np.linalg.LinAlgError("the precision is not positive definite")
         logdet = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(self.sd).sum())
+        lower = _POTRI(L, lower=1, overwrite_c=1)[0]  # zero above the diagonal
+        cov = lower + lower.T
+        cov[np.diag_indices_from(cov)] /= 2
         return cov, cov @ self.sums.b, logdet
 
     @property
@@ -168,18 +175,20 @@ class State:
         _, mean, logdet = self._inverse
         return self.sums.square - float(self.sums.b @ mean), self.sums.logdet + logdet
 
-    def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> tuple[float, float]:
-        """The same two when the columns of some blocks have larger prior sds."""
+    def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> "RaisedState":
+        """The same state when the columns of some blocks have larger prior sds."""
+        quad, logdet = self.parts()
+        if not slices:
+            return RaisedState(self, np.zeros((0, len(self.mean))), self.mean, quad, logdet)
         index = np.concatenate([np.arange(s.start, s.stop) for s in slices])
         wanted = np.concatenate([np.full(s.stop - s.start, sd) for s, sd in zip(slices, sds, strict=True)])
-        cov, mean, _ = self._inverse
-        quad, logdet = self.parts()
         delta = np.sqrt(np.maximum(self.sd[index] ** -2.0 - wanted**-2.0, 0.0))
-        M = np.eye(len(index)) - delta[:, None] * cov[np.ix_(index, index)] * delta
-        L = np.linalg.cholesky(M + 1e-12 * np.eye(len(M)))
-        z = solve_triangular(L, delta * mean[index], lower=True)
-        more = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(wanted / self.sd[index]).sum())
-        return quad - float(z @ z), logdet + more
+        rows = delta[:, None] * self.covariance[index]
+        L = np.linalg.cholesky((1 + _JITTER) * np.eye(len(index)) - rows[:, index] * delta)
+        half = solve_triangular(L, rows, lower=True, check_finite=False)
+        z = solve_triangular(L, delta * self.mean[index], lower=True, check_finite=False)
+        more = 2 * float(np.log(np.diag(L)).sum() + np.log(wanted / self.sd[index]).sum())
+        return RaisedState(self, half, self.mean + z @ half, quad - float(z @ z), logdet + more)
 
     def fitted(self, slices: Sequence[slice], sds: Sequence[float]) -> "State":
         """The state itself with those blocks raised, for posterior means."""
@@ -187,6 +196,38 @@ class State:
         for s, value in zip(slices, sds, strict=True):
             sd[s] = value
         return State(self.sums, sd)
+
+
+@dataclass(frozen=True)
+class RaisedState:
+    """A state with some blocks raised: what they add to its covariance (half' half) and mean, y' C^-1 y, log det C."""
+
+    state: State
+    half: Floats
+    mean: Floats
+    quad: float
+    logdet: float
+
+    def parts(self) -> tuple[float, float]:
+        """The quadratic form y' C^-1 y and log det C."""
+        return self.quad, self.logdet
+
+    def further(self, at: slice, sds: Floats) -> tuple[Floats, Floats]:
+        """The quadratic form and log det (n,) when one more block is raised to each of some prior sds (n,).
+
+        Both are read off one Cholesky factor of the block, bordered by its mean and the quadratic form as it stands.
+        """
+        half, mean, was = self.half[:, at], self.mean[at], self.state.sd[at.start]
+        q = len(mean)
+        delta = np.sqrt(np.maximum(was**-2.0 - sds**-2.0, 0.0))
+        M = np.zeros((len(sds), q + 1, q + 1))
+        M[:, :q, :q] = -(delta**2)[:, None, None] * (self.state.covariance[at, at] + half.T @ half)
+        M[:, range(q), range(q)] += 1 + _JITTER
+        M[:, q, :q] = delta[:, None] * mean
+        M[:, q, q] = self.quad
+        pivots = np.diagonal(np.linalg.cholesky(M), axis1=1, axis2=2)
+        more = 2 * np.log(pivots[:, :q]).sum(axis=1) + 2 * q * np.log(sds / was)
+        return np.asarray(pivots[:, q] ** 2, dtype=float), np.asarray(self.logdet + more, dtype=float)
 
 
 def free_fit(sums: Sums, variance: Floats, columns: Floats) -> Floats:

@@ -25,14 +25,13 @@ def noise_scale(design: Design) -> float:
     """
     n, r = design.observations.n_captures, design.V.shape[1]
     values = (design.observations.values @ design.V)[:n].reshape(-1)
-    covariance = _everything(design, n, r)
-    power, U = np.linalg.eigh(covariance)
-    power, square = np.maximum(power, 0.0), (U.T @ values) ** 2
+    power, square, rest = _along(_everything(design, n, r), values)
     few = min(1.0 / np.sqrt(max(design.observations.floor.freedom, 1)), 2 * k.FLOOR_SPREAD)
     log = np.empty(len(_SCALES))
     for i, scale in enumerate(_SCALES):
         variance = np.square(_SIZES)[:, None] * power + scale**2
         evidence = -0.5 * (np.log(variance) + square / variance).sum(axis=1)
+        evidence -= 0.5 * ((n * r - len(power)) * np.log(scale**2) + rest / scale**2)
         log[i] = (
             np.logaddexp.reduce(evidence)
             - 0.5 * (np.log(scale) / (few if scale > 1 else k.FLOOR_SPREAD)) ** 2
@@ -42,17 +41,24 @@ def noise_scale(design: Design) -> float:
 
 
 def _everything(design: Design, n: int, r: int) -> Floats:
-    """The covariance (n r, n r) of means when every owner acts at one floor."""
+    """Columns (n r, q) of unit prior variance for the means when every owner acts at one floor."""
     W = design.W.reshape(-1, r, design.W.shape[1])[:n].reshape(n * r, -1).astype(float)
     owners = [b.owner for b in design.blocks]
-    total = np.zeros((n * r, n * r))
-    for block in design.blocks:
-        own = W[:, block.at]
-        total += own @ own.T / owners.count(block.owner)
-    for free in design.free:
-        G = free.G[:n]
-        total += np.kron(G @ G.T, np.diag(design.spread))
-    return total / (len(set(owners)) + len(design.free))
+    columns = [W[:, block.at] / np.sqrt(owners.count(block.owner)) for block in design.blocks]
+    columns += [np.kron(free.G[:n], np.diag(np.sqrt(design.spread))) for free in design.free]
+    return np.concatenate(columns, axis=1) / np.sqrt(len(set(owners)) + len(design.free))
+
+
+def _along(columns: Floats, values: Floats) -> tuple[Floats, Floats, float]:
+    """The variances along the columns' principal axes, the values' squares along them, and the square beside them."""
+    if columns.shape[1] < columns.shape[0]:
+        power, turn = np.linalg.eigh(columns.T @ columns)
+        keep = power > 1e-12 * max(power[-1], 1e-300)
+        power, along = power[keep], turn[:, keep].T @ (columns.T @ values) / np.sqrt(power[keep])
+    else:
+        power, turn = np.linalg.eigh(columns @ columns.T)
+        power, along = np.maximum(power, 0.0), turn.T @ values
+    return power, along**2, max(float(values @ values - along @ along), 0.0)
 
 
 def rescaled(floor: Floor, scale: float) -> Floor:

@@ -1,6 +1,5 @@
 """The posterior: every set of up to three effects, beside what has no name, with its probability."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -11,6 +10,7 @@ from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import (
     DECLARED_FLOORS,
+    RaisedState,
     State,
     Sums,
     beside_free,
@@ -46,7 +46,6 @@ OF_BASE = frozenset({"?" + FORM, "?" + LEVER})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""
-_LOOKED_AT = 2
 
 
 class Search:
@@ -69,10 +68,6 @@ class Search:
         self.states: dict = {}
         self.found: dict[frozenset[str], list[tuple[float, Raised, float]]] = {}
         self.seen: set = set()
-
-    def log_evidence(self, parts: tuple[float, float]) -> float:
-        quad, logdet = parts
-        return -0.5 * (quad + logdet)
 
     def state(self, background: Raised, slow: float) -> State:
         key = (background, slow)
@@ -106,51 +101,42 @@ class Search:
 
     def score(self, background: Raised, slow: float, raised: Raised) -> float:
         """Log evidence and prior of one form of one set."""
-        state = self.state(background, slow)
+        return self.keep(background, slow, raised, self.raise_blocks(background, slow, raised).parts())
+
+    def raise_blocks(self, background: Raised, slow: float, raised: Raised) -> RaisedState:
+        """The state of a background with the blocks of a set raised."""
+        ats = [self.design.blocks[b].at for _, b, _ in raised]
+        return self.state(background, slow).raised(ats, [s for _, _, s in raised])
+
+    def keep(self, background: Raised, slow: float, raised: Raised, parts: tuple[float, float]) -> float:
+        """Remember a form of a set by its score."""
+        quad, logdet = parts
         whole = tuple(sorted([*background, *raised]))
-        if raised:
-            parts = state.raised([self.design.blocks[b].at for _, b, _ in raised], [s for _, _, s in raised])
-        else:
-            parts = state.parts()
-        value = self.log_evidence(parts) + self.prior(whole)
+        value = -0.5 * (quad + logdet) + self.prior(whole)
         if (whole, slow) not in self.seen:
             self.seen.add((whole, slow))
             owners = frozenset(o for o, _, size in whole if size not in self.traces)
             self.found.setdefault(owners, []).append((value, whole, slow))
         return value
 
-    def forms(
-        self, background: Raised, slow: float, start: Raised, owner: str
-    ) -> Iterable[tuple[str, int, float]]:
-        """The forms of an owner that are worth a look beside a set: its best spaces, at every size."""
-        size = self.sizes[len(self.sizes) // 2]
-        blocks = self.blocks[owner]
-        if len(blocks) > _LOOKED_AT:
-            value = {
-                b: self.score(background, slow, tuple(sorted([*start, (owner, b, size)]))) for b in blocks
-            }
-            blocks = sorted(blocks, key=lambda b: -value[b])[:_LOOKED_AT]
-        for block in blocks:
-            for size in (*self.traces, *self.sizes):
-                yield owner, block, size
-
     def extend(self, background: Raised, slow: float, start: Raised) -> list[tuple[float, Raised]]:
         """The best form of each further owner beside a set, as a part of its own and as a trace."""
         out = []
         have = {o for o, _, _ in start}
         full = sum(size not in self.traces for _, _, size in start) >= k.MOST_EFFECTS
+        sizes = self.traces if full else (*self.traces, *self.sizes)
+        begun = self.raise_blocks(background, slow, start)
         for owner in self.owners:
             if owner in have:
                 continue
             best: dict[bool, tuple[float, Raised]] = {}
-            for form in self.forms(background, slow, start, owner):
-                trace = form[2] in self.traces
-                if full and not trace:
-                    continue
-                raised = tuple(sorted([*start, form]))
-                value = self.score(background, slow, raised)
-                if trace not in best or value > best[trace][0]:
-                    best[trace] = (value, raised)
+            for block in self.blocks[owner]:
+                quads, logdets = begun.further(self.design.blocks[block].at, np.array(sizes))
+                for size, parts in zip(sizes, zip(quads, logdets, strict=True), strict=True):
+                    raised = tuple(sorted([*start, (owner, block, size)]))
+                    value, trace = self.keep(background, slow, raised, parts), size in self.traces
+                    if trace not in best or value > best[trace][0]:
+                        best[trace] = (value, raised)
             out += best.values()
         return out
 

@@ -67,7 +67,8 @@ def test_plans_name_what_they_do_not_know() -> None:
     with pytest.raises(LabrigError, match=r"^bench: there is no class 'unlisted' \(known: null, "):
         plan(["unlisted"], 1, 0)
     with pytest.raises(
-        LabrigError, match=r"^bench: there is no half 'all' \(known: development, exam, third, fourth\)$"
+        LabrigError,
+        match=r"^bench: there is no half 'all' \(known: development, exam, third, fourth, fifth\)$",
     ):
         plan(["pair"], 1, 0, ["all"])
 

@@ -232,9 +232,10 @@ def test_names_that_do_not_exist() -> None:
     with pytest.raises(LabrigError, match=r"^bench: there is no class 'force' \(known: null, null-slow, "):
         draw("force", 0)
     with pytest.raises(
-        LabrigError, match=r"^bench: there is no half 'fifth' \(known: development, exam, third, fourth\)"
+        LabrigError,
+        match=r"^bench: there is no half 'sixth' \(known: development, exam, third, fourth, fifth\)",
     ):
-        draw("null", 0, "fifth")
+        draw("null", 0, "sixth")
 
 
 def test_only_what_is_plain_is_pickled() -> None:

@@ -22,10 +22,11 @@ from labrig.bench._nature import (
 from labrig.bench._path import make_path
 from labrig.bench._programmes import CONFOUNDED_DESIGNS, DESIGNS, make_plan
 from labrig.bench.development import DEVELOPMENT
+from labrig.bench.development.fifth import FIFTH
 from labrig.bench.development.fourth import FOURTH
 from labrig.bench.development.third import THIRD
 
-PORTIONS = (THIRD, FOURTH)
+PORTIONS = (THIRD, FOURTH, FIFTH)
 
 
 def laws_of(half: Half) -> list[type[Law]]:
@@ -34,10 +35,10 @@ def laws_of(half: Half) -> list[type[Law]]:
 
 
 LAWS = {law.__name__: (half, law) for half in PORTIONS for law in laws_of(half)}
-SEVERAL = {"third": "trunk", "fourth": "tower"}
+SEVERAL = {"third": "trunk", "fourth": "tower", "fifth": "walker"}
 """A rig of each portion with six chambers or more, and markers."""
-OTHER = {"third": "sheet", "fourth": "cuff"}
-BENT = {"third": "wing", "fourth": "bell"}
+OTHER = {"third": "sheet", "fourth": "cuff", "fifth": "snake"}
+BENT = {"third": "wing", "fourth": "bell", "fifth": "face"}
 
 
 def named(effect: str) -> list[str]:
@@ -152,8 +153,9 @@ def test_a_rig_rests_when_vented_and_moves_when_full(kind: type[Rig]) -> None:
     [
         (THIRD, {1, 12}, 100, {"mm", "N", "kPa", "deg"}, {"sheet"}),
         (FOURTH, {2, 8}, 90, {"mm", "N", "V", "deg"}, set()),
+        (FIFTH, {1, 12}, 120, {"mm", "N", "dpt", "deg", "um/m"}, {"snake"}),
     ],
-    ids=["third", "fourth"],
+    ids=["third", "fourth", "fifth"],
 )
 def test_rigs_are_as_unlike_as_laboratories(
     half: Half, chambers: set[int], most: int, units: set[str], both_ways: set[str]
@@ -277,7 +279,7 @@ def test_delay_is_over_at_the_end_of_a_long_hold(name: str) -> None:
 def test_friction_is_behind_whichever_way_it_comes_from(name: str) -> None:
     """The same set-point is reached from below and from above with different shapes, and stays as it is in a hold."""
     half, law = LAWS[name]
-    rig, _ = case(half.name, {"third": "boom", "fourth": "bell"}[half.name])
+    rig, _ = case(half.name, {"third": "boom", "fourth": "bell", "fifth": "face"}[half.name])
     plan = make_plan("one_level", np.random.default_rng(0), rig.high_kpa, 4)
     for level in (0.0, 0.5, 1.0, 0.5):
         plan.capture(level * rig.high_kpa, 6.0, 4)
@@ -350,6 +352,40 @@ def test_the_cells_of_a_cushion_share_one_weight() -> None:
     rig, path = case("fourth", "cushion")
     total = rig.settled(path.kpa).sum(axis=1)
     np.testing.assert_allclose(total, total[0])
+
+
+def test_a_cell_of_a_comb_takes_its_neighbours_along() -> None:
+    """One full cell alone rises by less than with all the others, and a vented neighbour rises with it."""
+    rig, _ = case("fifth", "comb")
+    alone = rig.deflection(np.diag(rig.high_kpa))
+    assert (np.diag(alone) < 0.8).all()
+    assert alone.min() > 0
+    assert (np.sort(alone, axis=1)[:, -2] > 0.05).all()
+
+
+def test_a_loose_weight_is_waited_for_and_then_taken_along() -> None:
+    """Beyond what it weighs a wall lacks the same, however far it goes; before it meets the weight it lacks nothing."""
+    rig, path = case("fifth", "lens")
+    law = LAWS["LiftedWeight"][1](Setting(rig, path, np.random.default_rng(1)))
+    free = np.linspace(0, 1.5, 200)[:, None]
+    lacks = (free - law.wall(path, free, free, 0.5))[:, 0]
+    assert (np.diff(lacks) >= -1e-12).all()
+    assert lacks[5] == 0
+    assert lacks[-1] == pytest.approx(lacks[-40])
+    assert lacks[-1] > 0.02
+
+
+def test_a_stale_frame_is_what_was_seen_before_the_actuation() -> None:
+    """In a few actuations the rows are between the truth and the last one before; in all the others they are right."""
+    law, path = law_on("StaleFrames", "hand")
+    rig = law.rig
+    values = rig.settled(path.kpa)
+    off = law.seen(path, rig.deflection(path.kpa), values, 50.0) - values
+    touched = np.unique(path.event[np.abs(off).max(axis=1) > 1e-9])
+    assert 0 < len(touched) < 0.5 * (path.event.max() + 1)
+    first = path.event == touched[0]
+    before = values[np.flatnonzero(first)[0] - 1]
+    np.testing.assert_allclose((values + off)[first], np.broadcast_to(before, values[first].shape), atol=0.5)
 
 
 def test_spectra_are_learnt_from_both_portions() -> None:

@@ -91,9 +91,23 @@ def test_raised_is_the_gaussian_evidence(seed: int, small: float, one: float, tw
     state = state_of(design, sd)
     before, dense = log_evidence(state.parts()), log_density(design, covariance(design, sd))
     for numbers, sizes in (([0], [one]), ([1], [two]), ([0, 1], [one, two]), ([0, 1, 2], [one, two, 1.0])):
-        fast = log_evidence(state.raised([design.blocks[i].at for i in numbers], sizes)) - before
+        fast = log_evidence(state.raised([design.blocks[i].at for i in numbers], sizes).parts()) - before
         slow = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes))) - dense
         assert fast == pytest.approx(slow, abs=1e-3)
+
+
+@given(SEEDS, st.floats(0.01, 0.5), st.floats(0.6, 50.0), st.floats(0.6, 50.0))
+@settings(max_examples=40, deadline=None)
+def test_one_more_block_at_several_sizes(seed: int, small: float, one: float, two: float) -> None:
+    """Raising one more block to several sizes at once gives what raising it to each by itself gives."""
+    design = tiny(seed)
+    state = state_of(design, np.full(7, small))
+    at = [block.at for block in design.blocks]
+    for begun in ([], [0], [0, 1]):
+        before = state.raised([at[i] for i in begun], [one] * len(begun))
+        for quad, logdet, size in zip(*before.further(at[2], np.array([two, 1.0])), (two, 1.0), strict=True):
+            alone = state.raised([*(at[i] for i in begun), at[2]], [one] * len(begun) + [size]).parts()
+            assert (quad, logdet) == pytest.approx(alone, rel=1e-6, abs=1e-6)
 
 
 def test_the_evidence_is_absolute() -> None:
@@ -116,7 +130,7 @@ def test_beside_free_is_the_kronecker_product(seed: int, one: float, two: float)
     state = State(beside_free(Sums.of(design), variance), sd)
     for numbers, sizes in (([], []), ([1], [4.0]), ([0, 1], [1.0, 2.0])):
         wanted = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes), variance))
-        parts = state.raised([design.blocks[i].at for i in numbers], sizes) if numbers else state.parts()
+        parts = state.raised([design.blocks[i].at for i in numbers], sizes).parts()
         assert log_evidence(parts) - S * R / 2 * np.log(2 * np.pi) == pytest.approx(wanted, abs=2e-3)
 
 
@@ -177,9 +191,9 @@ def test_the_order_of_blocks_does_not_matter(seed: int, order: list[int]) -> Non
     )
     other = replace(design, W=design.W[:, columns], blocks=blocks)
     sd = np.linspace(0.1, 0.4, 7)
-    one = state_of(design, sd).raised([b.at for b in design.blocks[:2]], [2.0, 5.0])
+    one = state_of(design, sd).raised([b.at for b in design.blocks[:2]], [2.0, 5.0]).parts()
     again = [other.blocks[order.index(i)].at for i in (1, 0)]
-    two = state_of(other, sd[columns]).raised(again, [5.0, 2.0])
+    two = state_of(other, sd[columns]).raised(again, [5.0, 2.0]).parts()
     assert log_evidence(one) == pytest.approx(log_evidence(two), abs=1e-3)
 
 
@@ -197,7 +211,9 @@ def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
     variance = free_variances(design, {DECLARED: 2.0})
     one, two = (State(beside_free(Sums.of(d), variance), np.full(7, 0.3)) for d in (design, other))
     at = [design.blocks[0].at]
-    assert log_evidence(one.raised(at, [3.0])) == pytest.approx(log_evidence(two.raised(at, [3.0])), abs=1e-3)
+    assert log_evidence(one.raised(at, [3.0]).parts()) == pytest.approx(
+        log_evidence(two.raised(at, [3.0]).parts()), abs=1e-3
+    )
 
 
 def test_a_search_scores_by_evidence_and_prior() -> None:
