@@ -116,6 +116,19 @@ def play_of(context: Context, drive: Floats, width: float, rest: float | Floats)
     return state[context.rows.event]
 
 
+def ball_of(context: Context, drive: Floats, radius: float) -> Floats:
+    """The vector play on a drive (E, C), at the rows (F, C): one point, dragged by a ball of `radius` a root of C.
+
+    P. Krejci, Hysteresis, Convexity and Dissipation in Hyperbolic Equations, Gakkotosho, Tokyo, 1996.
+    """
+    state, reach = np.zeros_like(drive), radius * np.sqrt(drive.shape[1])
+    for e, before in enumerate(context.started):
+        last = state[before] if before >= 0 else np.zeros(drive.shape[1])
+        behind = drive[e] - last
+        state[e] = drive[e] - behind * min(1.0, reach / max(float(np.linalg.norm(behind)), 1e-12))
+    return state[context.rows.event]
+
+
 def lags(context: Context, taus: tuple[float, ...], first: float) -> list[Feature]:
     """Lags behind the pressure and behind the walls, s; of those up to `first` less is expected."""
     x, u, span = context.rows.fraction, context.rows.actuation, context.span

@@ -36,3 +36,15 @@ def lag_behind(context: Context, tau_s: float) -> Floats:
     """How far a first-order lag of each observable stays behind it, (F, K)."""
     drive = at_events(context)
     return context.lagged(tau_s, drive) - drive[context.rows.event]
+
+
+def body_behind(context: Context, width: float) -> Floats:
+    """How far the body stays behind, all of it, where a play of `width` holds its main way of moving back, (F, K)."""
+    drive, scale = at_events(context), motion_scale(context)
+    _, _, ways = np.linalg.svd(drive / scale, full_matrices=False)
+    along = drive / scale @ ways[0]
+    half, state = width * np.sqrt(len(scale)), np.zeros(len(along))
+    for e, before in enumerate(context.started):
+        last = state[before] if before >= 0 else 0.0
+        state[e] = np.maximum(along[e] - half, np.minimum(along[e] + half, last))
+    return (state - along)[context.rows.event][:, None] * ways[0] * scale

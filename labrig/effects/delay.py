@@ -65,6 +65,8 @@ class Delay(Effect):
                 pressure(f"second order {tau}", gap * (1 + q) * np.exp(-q), 0.5),
                 pressure(f"dead {tau}", gap * (q < 1), 0.3),
             ]
+        for whole_s in (2.0, 4.0, 8.0):
+            out.append(pressure(f"filling {whole_s}", _filling(context, whole_s), 0.3))
         yield Space("late", "delay", acting(out), 0.8)
         if dt := context.sample_s:
             yield Space(
@@ -79,6 +81,28 @@ class Delay(Effect):
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS
+
+
+def _filling(context: Context, whole_s: float) -> Floats:
+    """How far each chamber stays behind, (F, C), where its flow goes with the root of what is left: orifice flow.
+
+    The whole range takes `whole_s`, a ninth of it a third of that; see J. F. Blackburn, G. Reethof, J. L. Shearer,
+    Fluid Power Control, MIT Press 1960.
+    """
+    rows, t = context.rows, context.rows.event_time_s
+    drive = rows.event_actuation / context.span
+    begin = np.zeros_like(drive)  # what is left to go when an event begins
+
+    def after(left: Floats, gone_s: Floats | float) -> Floats:
+        return np.sign(left) * np.maximum(np.sqrt(np.abs(left)) - gone_s / whole_s, 0.0) ** 2
+
+    for e, before in enumerate(context.started):
+        if before < 0:
+            begin[e] = context.vented / context.span - drive[e]
+        else:
+            last = drive[before] + after(begin[before], max(t[e] - t[before], 0.0))
+            begin[e] = last - drive[e]
+    return after(begin[rows.event], context.elapsed_s[:, None])
 
 
 def _by_samples(context: Context, dt: float) -> list[Feature]:

@@ -1,21 +1,25 @@
 """Hysteresis: the surface lags behind its pressures, however slowly they change."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, play_of, pressure
+from labrig.effects._family import Space, acting, ball_of, field, play_of, pressure
 from labrig.effects._sign import Part, Sign, by_chamber
-from labrig.effects._skin import play_behind
+from labrig.effects._skin import body_behind, play_behind
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
 CHAIN = (0.01, 0.02, 0.04)
 LINKS, STEP = 5, 2.0
 """A spectrum of widths (Prandtl-Ishlinskii): so many, each so many times the one before."""
+
+PARTS = (-1.0, 0.33, 0.67, 2.0)
+"""Bounds of low, medium and high loads, shares of the range, where loops may differ."""
 
 
 class Hysteresis(Effect):
@@ -66,7 +70,10 @@ class Hysteresis(Effect):
             yield Variant("spectrum", (Term("spectrum", "pressure", lags, labels),), {"width": r})
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Play operators (Prandtl-Ishlinskii) of pressure and wall deflection, narrow to wide, with a static part."""
+        """Play operators (Prandtl-Ishlinskii) of pressure and wall deflection, narrow to wide, with a static part.
+
+        Also plays of a part of the range, and of all chambers together.
+        """
         if not context.moves:
             return
         x, u, span, d, slope = (
@@ -88,6 +95,25 @@ class Hysteresis(Effect):
                         0.7,
                     )
                 )
+        events = (context.rows.event_actuation - context.vented) / span
+        for low, high in pairwise(
+            PARTS
+        ):  # a Preisach plane: loops of their own at low, medium, and high loads
+            part = np.clip(events, low, high)
+            now = part[context.rows.event]
+            out += [
+                pressure(
+                    f"play {r} of {low:.2f} to {high:.2f}",
+                    play_of(context, part, r, np.clip(0.0, low, high)) - now,
+                    0.5,
+                )
+                for r in (0.06, 0.2)
+            ]
+        if len(context.rows.chambers) > 1:
+            out += [
+                pressure(f"play {r} of all", ball_of(context, events, r) - events[context.rows.event], 0.5)
+                for r in (0.06, 0.15, 0.35)
+            ]
         out += [
             pressure("settled", x, 0.1),
             pressure("settled2", x * x, 0.1),
@@ -97,7 +123,8 @@ class Hysteresis(Effect):
             out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
         yield Space("play", "hysteresis", acting(out), 0.8)
         skin = [field(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
-        yield Space("in the skin", "hysteresis skin", acting(skin))
+        body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]
+        yield Space("in the skin", "hysteresis skin", acting(skin + body))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))
