@@ -80,6 +80,52 @@ def from_heavy_markers(context: Context) -> np.ndarray:
     return to_rows(context, down[:, None] * sag_mm[None, :, None])
 
 
+def held_back_as_a_whole(context: Context) -> np.ndarray:
+    """The body is held back along one way by a Bouc-Wen force, dz = dx (1 - |z|^2 (0.6 + 0.4 sign(dx z))), by steps."""
+    _, _, ways = np.linalg.svd(context.displacement, full_matrices=False)
+    along = context.displacement @ ways[0] / np.linalg.norm(context.displacement @ ways[0]) * np.sqrt(40 * 3)
+    first = np.searchsorted(context.rows.event, np.arange(len(context.rows.event_actuation)))
+    drive = along[first]
+    z, last, force = 0.0, 0.0, np.empty(len(drive))
+    for e, now in enumerate(drive):
+        for dx in np.full(200, (now - last) / 200 / 0.3):
+            z += dx * (1 - z**2 * (0.6 + 0.4 * np.sign(dx * z)))
+        force[e], last = z, now
+    return -2.0 * force[context.rows.event][:, None] * ways[0]
+
+
+def loops_at_medium_loads(context: Context) -> np.ndarray:
+    """A crowd of relays (Preisach) whose thresholds lie between a third and two thirds of the range."""
+    random = np.random.default_rng(5)
+    on, wide = random.uniform(0.45, 0.67, 300), random.uniform(0.03, 0.12, 300)
+    state, u = np.zeros((300, len(context.rows.chambers))), context.rows.event_actuation / context.span
+    out = np.empty_like(u)
+    for e, x in enumerate(u):
+        state = np.where(x > on[:, None], 1.0, np.where(x < (on - wide)[:, None], 0.0, state))
+        out[e] = state.mean(axis=0)
+    static = np.clip((u - 0.42) / 0.22, 0, 1)
+    lost = (out - static)[context.rows.event] * context.span
+    return np.einsum("fkc,fc->fk", context.jacobian, lost)
+
+
+def through_a_narrow_hole(context: Context) -> np.ndarray:
+    """Chambers fill through a hole, dp/dt = sign(u - p) sqrt(|u - p|) c, by steps."""
+    rows, c = context.rows, 2.0
+    p, late = np.zeros(rows.actuation.shape[1]), np.zeros_like(rows.actuation)
+    for e, command in enumerate(rows.event_actuation):
+        own = np.flatnonzero(rows.event == e)
+        end = rows.event_time_s[e + 1] if e + 1 < len(rows.event_time_s) else rows.event_time_s[e] + 60.0
+        t = 0.0
+        for wanted, row in [*((context.elapsed_s[r], r) for r in own), (end - rows.event_time_s[e], -1)]:
+            while t < wanted:
+                dt = min(0.02, wanted - t)
+                left = command - p
+                p, t = p + np.sign(left) * np.minimum(np.sqrt(np.abs(left)) * c * dt, np.abs(left)), t + dt
+            if row >= 0:
+                late[row] = p - command
+    return np.einsum("fkc,fc->fk", context.jacobian, late)
+
+
 TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
 
 
@@ -91,6 +137,9 @@ TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
         ("leak", into_a_pocket, "lost", 0.97, {}),
         ("frame", through_a_lens, "distorted", 0.98, {}),
         ("gravity", from_heavy_markers, "anywhere", 0.99, TILT),
+        ("hysteresis", held_back_as_a_whole, "in the skin", 0.9, {}),
+        ("hysteresis", loops_at_medium_loads, "play", 0.9, {}),
+        ("delay", through_a_narrow_hole, "late", 0.99, {}),
     ],
 )
 def test_a_law_of_the_kind_lies_in_a_space(make_lab, effect, change, kind, least, extra) -> None:
