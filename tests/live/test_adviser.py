@@ -53,7 +53,7 @@ def test_a_settled_campaign_ends_vented_and_says_why(config: RigConfig, tmp_path
     )
     assert said_so[-1] == (
         "diagnosis: the campaign ends here, vented: settled: sure of creep 0.95; all other effects are out "
-        "(each of them 2 % for what was not seen yet)"
+        "(each of them 1 % for what was not seen yet)"
     )
     answers = [done.result.content for done in read_completed(tmp_path / "run") if isinstance(done.step, Ask)]
     assert [answer["look"]["captures"] for answer in answers if "look" in answer] == looker.asked

@@ -29,13 +29,13 @@ def test_a_settled_verdict_that_stands_while_the_campaign_doubles_ends_it() -> N
     looks = [look(8, creep=0.5), *(look(n, creep=0.9 + n / 1000, leak=0.01) for n in (12, 16, 20, 24))]
     assert stops(SETTLED, *looks[:-1]) is None
     assert stops(SETTLED, *looks) == (
-        "settled: sure of creep 0.92; all other effects are out (each of them 2 % for what was not seen yet)"
+        "settled: sure of creep 0.92; all other effects are out (each of them 1 % for what was not seen yet)"
     )
 
 
 def test_at_a_stop_no_effect_is_less_probable_than_what_stopping_misses() -> None:
     """What is stated at a stop is what was found, and for what is out the share that was there all the same."""
-    assert SETTLED.at_a_stop(look(24, creep=0.95, leak=0.0)) == {"creep": 0.95, "leak": 0.02}
+    assert SETTLED.at_a_stop(look(24, creep=0.95, leak=0.0)) == {"creep": 0.95, "leak": 0.01}
 
 
 @pytest.mark.parametrize(
