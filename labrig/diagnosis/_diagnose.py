@@ -12,9 +12,10 @@ from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
-from labrig.diagnosis._formula import fit_named
+from labrig.diagnosis._formula import fall_of, fit_named
 from labrig.diagnosis._noise_scale import FEW, noise_scale, rescaled
 from labrig.diagnosis._observations import Observations, observe
+from labrig.diagnosis._opened import Fall
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -147,7 +148,11 @@ def result_of(
         "carried_by": verdict.carried_by or None,
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
-        "warnings": [*_warnings(ready, verdict), *_said(observations, verdict, unit_size, rows.unit[0])],
+        "warnings": [
+            *_warnings(ready, verdict),
+            *_said(observations, verdict, unit_size, rows.unit[0]),
+            *_doubted(ready, chosen, verdict),
+        ],
     }
     return Result(
         summary=summary,
@@ -223,6 +228,24 @@ def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: 
             f"{unit} can be seen: add it to the model, then diagnose that one on the same run"
         )
     return out
+
+
+def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]:
+    """Effects that are sure by the evidence, and whose formula helps no more than chance where it was not fitted."""
+    regression = ready.regression
+    least = k.SMALLEST_FLOORS**2 * float(np.mean(ready.floor.row[regression.counted] ** 2))
+    units = ready.context.rows.unit[int(regression.counted[0])]
+    falls = [
+        Fall(name, *fall_of(chosen, i), least, units)
+        for i, name in enumerate(chosen.names if chosen else ())
+        if chosen and name in verdict.effects
+    ]
+    return [
+        f"with {fall.effect} added, the held-out error falls no more than by chance ({fall.words}): no formula of it "
+        "follows what is seen, so doubt the name until another run says it again"
+        for fall in falls
+        if not fall.helps
+    ]
 
 
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:

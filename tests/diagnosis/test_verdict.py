@@ -1,5 +1,6 @@
 """The verdict: what hand-made answers come to, with their probabilities; and when too little was measured."""
 
+import re
 from types import SimpleNamespace
 from typing import Any, cast, get_args
 
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis import diagnose
+from labrig.diagnosis._diagnose import observed, result_of
+from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._verdict import Answer, Considered, Verdict, decide, detectable_floors, underpowered
 
@@ -205,3 +208,22 @@ def test_a_drop_is_never_more_than_all(base: float, now: float, reachable: float
         assert drop_of(base, now, reachable) == pytest.approx(1.0)
     if now > base > reachable:
         assert drop_of(base, now, reachable) < 0
+
+
+@pytest.mark.parametrize(("hidden", "doubted"), [(0.0, True), (0.03, False)])
+def test_a_name_whose_formula_helps_nothing_is_doubted(make_lab, hidden: float, doubted: bool) -> None:
+    """A leak that the evidence is sure of is doubted where adding it lowers the held-out error no more than chance."""
+    lab = make_lab(captures=40, long_s=(3.0, 4.0, 6.0, 10.0, 20.0, 40.0))
+    left = np.maximum(np.sqrt(lab.u) - hidden * lab.hold_s[:, :, None], 0.0) ** 2
+    model = lab.model()
+    ready = prepared(rows_from(lab.dataset(lab.predict(left) + lab.noise())), model)
+    ready, observations = observed(ready, model.library())
+    said = result_of(ready, observations, Verdict("identified", ("leak",), 1.0), model, model.library())
+    notes = [note for note in said.summary["warnings"] if note.startswith("with leak added")]
+    assert bool(notes) == doubted
+    if notes:
+        assert re.fullmatch(
+            r"with leak added, the held-out error falls no more than by chance \(by -?[\d.e-]+ mm, needed [\d.]+ mm\): "
+            r"no formula of it follows what is seen, so doubt the name until another run says it again",
+            notes[0],
+        )
