@@ -215,28 +215,55 @@ class _Layout:
         self.dtype = V.dtype
         J = context.jacobian * context.span / observations.unit[None, :, None]
         first = observations.first
-        self.JV = np.einsum("nkc,kr->nrc", J[first].astype(self.dtype), V)[observations.index]
+        self.moves = np.einsum("nkc,kr->nrc", J[first].astype(self.dtype), V)  # of each capture
         self.T = observations.whiten.astype(self.dtype)
 
     def columns(self, space: Space, spectra: dict | None) -> Floats | None:
         """Whitened columns (S r, q), of one floor in all, rotated to principal axes."""
-        raw = self.raw(space, spectra)
-        if raw is None:
+        if not space.features:
             return None
-        F, r, _ = raw.shape
-        K = len(self.observations.unit)
-        flat = raw.reshape(F * r, -1)
-        total = float(np.einsum("ij,ij->", flat, flat, dtype=np.float64)) / (F * K)
+        if all(f.kind == "pressure" for f in space.features):
+            return self.through_pressures(space, spectra)
+        raw = self.raw(space, spectra)
+        flat = raw.reshape(-1)
+        U = self.axes(space, float(np.einsum("i,i->", flat, flat, dtype=np.float64)), W := self.lift(raw))
+        return None if U is None else W @ U
+
+    def axes(self, space: Space, square: float, W: Floats) -> Floats | None:
+        """The principal axes (q, p) of whitened columns whose rows have this square, for one floor in all."""
+        total = square / (len(self.observations.index) * len(self.observations.unit))
         if total <= 0:
             return None
-        W = self.lift(raw)
         power, U = np.linalg.eigh(gram(W) / total)
         keep = power > max(self._said(), _LEAST_SHARE * power.sum())
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
-        if not keep.any():
-            return None
-        U = U[:, keep][:, ::-1] / np.sqrt(total)
-        return W @ U.astype(self.dtype)
+        return (U[:, keep][:, ::-1] / np.sqrt(total)).astype(self.dtype) if keep.any() else None
+
+    def through_pressures(self, space: Space, spectra: dict | None) -> Floats | None:
+        """The same for changes of pressures alone.
+
+        How they move the observables is one matrix (r, C) all through a capture. So only the pressures are whitened,
+        and the axes are found in the chambers' own coordinates, where these are fewer.
+        """
+        prior, capture = prior_of(space, spectra), self.observations.capture
+        shared, own = factor(prior.shared).astype(self.dtype), factor(prior.own).astype(self.dtype)
+        P = np.stack([f.values for f in space.features], axis=2).astype(self.dtype)  # (F, C, a)
+        F, C, a = P.shape
+        if C == 1:
+            own = own[:, :0]
+        both = np.einsum("nrc,nrd->ncd", self.moves, self.moves)[self.observations.index]
+        rows, alone = P @ shared, np.einsum("fcc->fc", both)
+        square = float(np.einsum("fcq,fcq->", both @ rows, rows, dtype=np.float64))
+        square += float(np.einsum("fc,fcq->", alone, (P @ own) ** 2, dtype=np.float64))
+        lifted = np.asarray(self.T @ P.reshape(F, C * a)).reshape(-1, C, a)
+        Z = np.zeros((len(lifted), C, shared.shape[1] + C * own.shape[1]), dtype=self.dtype)
+        Z[:, :, : shared.shape[1]] = lifted @ shared
+        for c in range(C):
+            start = shared.shape[1] + c * own.shape[1]
+            Z[:, c, start : start + own.shape[1]] = lifted[:, c] @ own
+        fewer = np.linalg.qr(self.moves, mode="r") if self.moves.shape[1] > C else self.moves
+        U = self.axes(space, square, (fewer[capture] @ Z).reshape(-1, Z.shape[2]))
+        return None if U is None else (self.moves[capture] @ (Z @ U)).reshape(-1, U.shape[1])
 
     def _said(self) -> float:
         """The power of a direction of which the data say as much as its prior, at the size of all to explain."""
@@ -246,7 +273,7 @@ class _Layout:
         """How many columns a space may keep: a free pattern takes one for each direction."""
         return _FREE_COLUMNS if any(f.kind == "pattern" for f in space.features) else 0
 
-    def raw(self, space: Space, spectra: dict | None) -> Floats | None:
+    def raw(self, space: Space, spectra: dict | None) -> Floats:
         """Columns (F, r, q) in floors, each of unit prior variance."""
         prior = prior_of(space, spectra)
         unit, V = self.observations.unit, self.V
@@ -257,11 +284,12 @@ class _Layout:
         shared = []
         if pressures:
             P = np.stack(pressures, axis=2).astype(self.dtype)  # (F, C, a)
-            shared.append(np.einsum("nrc,nca->nra", self.JV, P, optimize=True))
+            moves = self.moves[self.observations.index]
+            shared.append(moves @ P)
             own = factor(prior.own).astype(self.dtype)
             if own.shape[1] and P.shape[1] > 1:
                 each = P @ own
-                out.append((self.JV[:, :, :, None] * each[:, None]).reshape(len(P), V.shape[1], -1))
+                out.append((moves[:, :, :, None] * each[:, None]).reshape(len(P), V.shape[1], -1))
         if fields:
             shared.append(np.stack([(f / unit).astype(self.dtype) @ V for f in fields], axis=2))
         if shared:
@@ -275,7 +303,7 @@ class _Layout:
             wide = np.zeros((len(Q), r, Q.shape[1], r), dtype=self.dtype)
             wide[:, np.arange(r), :, np.arange(r)] = Q[None]
             out.append(wide.reshape(len(Q), r, -1))
-        return np.concatenate(out, axis=2) if out else None
+        return np.concatenate(out, axis=2)
 
     def lift(self, raw: Floats) -> Floats:
         """Rows (F, r, q) to observations (S r, q)."""
