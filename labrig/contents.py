@@ -4,10 +4,7 @@ What an older version may not have written, or only some commands write, is not 
 field means.
 """
 
-from typing import TYPE_CHECKING, Any, NotRequired, Required, TypedDict, cast
-
-if TYPE_CHECKING:
-    from labrig.diagnosis import Result
+from typing import Any, NotRequired, Required, TypedDict
 
 Errors = dict[str, float | None]
 """Root mean square errors by name: `base`, `model`, `floor`, `ceiling`."""
@@ -94,11 +91,6 @@ class Summary(TypedDict, total=False):
     model: str | None
 
 
-def summary_of(result: "Result") -> Summary:
-    """What a diagnosis, a comparison with one model or an improvement says, with its shape."""
-    return cast(Summary, result.summary)
-
-
 class Compared(TypedDict):
     """A model of a comparison, and its error."""
 
@@ -142,11 +134,6 @@ class Versus(TypedDict):
     better: str | None
     where: list[PlaceGap]
     warnings: list[str]
-
-
-def versus_of(result: "Result") -> Versus:
-    """What a comparison of two models says, with its shape."""
-    return cast(Versus, result.summary)
 
 
 class LookContent(TypedDict):

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 from labrig._errors import LabrigError
 from labrig.api._answer import Answer
 from labrig.api._inputs import model_of, runs_of
-from labrig.contents import versus_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,12 +73,12 @@ class ModelComparison(Answer):
         """Which model is nearer and by how much, or that this run cannot tell."""
         from labrig.view import versus_headline
 
-        return versus_headline(versus_of(self._result))
+        return versus_headline(self._result.summary)
 
     def __repr__(self) -> str:
         from labrig.view import difference_words
 
-        return f"{super().__repr__()}\n{difference_words(versus_of(self._result))}"
+        return f"{super().__repr__()}\n{difference_words(self._result.summary)}"
 
     def _repr_html_(self) -> str:
         from html import escape
@@ -91,7 +90,7 @@ class ModelComparison(Answer):
         errors = DataFrame([self.error]).to_html(index=False, float_format="{:.3g}".format, border=0)
         clear = self.where[self.where["better"].notna()].head(5)
         places = clear.to_html(index=False, float_format="{:.3g}".format, border=0) if len(clear) else ""
-        said = f"<p><b>{escape(self.headline())}</b></p><p>{escape(difference_words(versus_of(self._result)))}</p>"
+        said = f"<p><b>{escape(self.headline())}</b></p><p>{escape(difference_words(self._result.summary))}</p>"
         return f"{said}<p>error, {escape(self.units)} rms</p>{errors}{places}"
 
     def _pictures(self) -> "dict[str, Callable[[], dict[str, Any]]]":

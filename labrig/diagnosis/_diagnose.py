@@ -121,7 +121,7 @@ def result_of(
     places = where(context, ready.residual, ready.floor, regression.counted)
     # a floor of one capture's mean, in the units of the observables that errors are quoted for
     unit_size = float(np.sqrt(np.mean(observations.unit[regression.counted] ** 2)))
-    summary: dict[str, Any] = {
+    summary: Summary = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "probability": verdict.probability,

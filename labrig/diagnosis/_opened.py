@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class Opened:
         return self.ready.context.rows.unit[int(self.ready.regression.counted[0])]
 
     @cached_property
-    def places(self) -> list[dict[str, Any]]:
+    def places(self) -> list[Place]:
         """Where the model as it stands fails."""
         ready = self.ready
         return where(ready.context, ready.residual, ready.floor, ready.regression.counted)
@@ -104,7 +104,7 @@ class Opened:
             "model": np.sqrt(square_of(regression, regression.residual)),
             "floor": np.sqrt(self.floor_square),
         }
-        summary: dict[str, Any] = {
+        summary: Summary = {
             "units": self.units,
             "error": error,
             "where": self.places,
@@ -154,7 +154,7 @@ class Opened:
             part = self._fit(chosen.parts[: i + 1])
             square = square_of(regression, regression.residual - part.heldout)
             steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
-        summary: dict[str, Any] = {
+        summary: Summary = {
             "units": self.units,
             "effects": [e.name for e in effects],
             "error": {"base": base, "model": now, "floor": floor},

@@ -14,7 +14,7 @@ from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._paired import LEVEL, Difference, Sums, by_block, difference
 from labrig.diagnosis._present import fields_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
-from labrig.diagnosis._result import Result
+from labrig.diagnosis._result import VersusResult
 from labrig.diagnosis._where import places
 from labrig.model import Model
 
@@ -26,7 +26,7 @@ _EXPLAINED = 0.5
 """A value that one model misses by less than this share of what the other misses it by is no mistake."""
 
 
-def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> Result:
+def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> VersusResult:
     """Errors of two models as they stand over the same cells, and their difference with a 95 % interval.
 
     In the fields `base` is the first model's prediction and `model` the second's. A difference is the first model's
@@ -45,7 +45,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     floors = [float(np.sqrt(np.mean(one.floor.row[counted] ** 2))) for one in both]
     floor = both[int(np.argmin(floors))].floor
     errors = [one.rms() for one in sums]
-    summary: dict[str, Any] = {
+    summary: Versus = {
         "units": both[0].context.rows.unit[int(counted[0])],
         "models": [
             {"name": name, "file": None if model.path is None else model.path.as_posix(), "error": error}
@@ -64,7 +64,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     if "error_after" in fields:
         fields["error_after"] = other["error_before"]
     steps = [(names[0], errors[0]), (names[1], errors[1]), (FLOOR, min(floors))]
-    return Result(summary, fields, steps, [], summary["where"])
+    return VersusResult(summary, fields, steps, [], summary["where"])
 
 
 def names_of_models(first: Model, second: Model) -> tuple[str, str]:

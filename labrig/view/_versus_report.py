@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.contents import PlaceGap, Versus, versus_of
+from labrig.contents import PlaceGap, Versus
 from labrig.view._colours import floor_for_colours
 from labrig.view._explorer import surface_explorer
 from labrig.view._fields import capture_words, cloud, skin
@@ -36,7 +36,7 @@ def write_versus(result: "Result", folder: str | Path) -> Path:
 
 def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
     """What can be drawn of two models: `error`, `fit`, `captures`, a `surface NAME` each, and `where GROUP`."""
-    summary, units, names = versus_of(result), str(versus_of(result)["units"]), _names(versus_of(result))
+    summary, units, names = result.summary, str(result.summary["units"]), _names(result.summary)
     floor = float(summary["error"]["floor"])
     pictures: dict[str, Callable[[], Figure]] = {"error": partial(error_bars, result.waterfall, units)}
     markers = cloud(result.fields)
@@ -53,7 +53,7 @@ def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
 
 def versus_page(result: "Result") -> Page:
     """The page, figures included."""
-    summary, names = versus_of(result), _names(versus_of(result))
+    summary, names = result.summary, _names(result.summary)
     units = str(summary["units"])
     headline = versus_headline(summary)
     page = Page(f"labrig: {headline}")
@@ -84,7 +84,7 @@ def _by_group(summary: Versus) -> dict[str, list[PlaceGap]]:
 
 
 def _opening(page: Page, result: "Result", headline: str) -> None:
-    summary, fields, names = versus_of(result), result.fields, _names(versus_of(result))
+    summary, fields, names = result.summary, result.fields, _names(result.summary)
     units = escape(str(summary["units"]))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
     run = Path(str(fields.attrs.get("run", ""))).name
@@ -120,7 +120,7 @@ def _surface(page: Page, result: "Result", names: tuple[str, str], units: str) -
         "The error of each marker over the run, per coordinate, in noise floors, with one scale for both models. Turn "
         "it with the mouse; pick a capture to see its shape.",
     )
-    floor = floor_for_colours(versus_of(result)["error"]["floor"], markers.before_mm)
+    floor = floor_for_colours(result.summary["error"]["floor"], markers.before_mm)
     captures = [capture_words(result.fields, n) for n in range(result.fields.sizes["capture"])]
     surface_explorer(page, markers, skin(markers.rest_mm), floor, units, names, captures, names)
 
