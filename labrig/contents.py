@@ -6,8 +6,14 @@ field means.
 
 from typing import Any, NotRequired, Required, TypedDict
 
-Errors = dict[str, float | None]
-"""Root mean square errors by name: `base`, `model`, `floor`, `ceiling`."""
+
+class Errors(TypedDict, total=False):
+    """Root mean square errors: those that a command has; a file has null for what is not a number."""
+
+    base: float
+    model: float
+    floor: float
+    ceiling: float
 
 
 class RunNamed(TypedDict):
@@ -15,6 +21,20 @@ class RunNamed(TypedDict):
 
     run: str
     id: str
+
+
+class About(TypedDict):
+    """What a result is about: the runs that were recorded, and the model's file."""
+
+    runs: list[RunNamed]
+    model: str | None
+
+
+class FloorSource(TypedDict):
+    """Where the noise floor comes from: in words, and what each kind of repeat differs by."""
+
+    how: str
+    repeats: dict[str, float | None]
 
 
 class Place(TypedDict):
@@ -52,9 +72,12 @@ class Ranked(TypedDict):
 
 
 class ProbeNamed(TypedDict):
-    """A probe of a programme, by its name."""
+    """A probe of a programme, by its name, and what it separates in what time."""
 
     probe: str
+    separates: NotRequired[str]
+    times: NotRequired[int]
+    minutes: NotRequired[float]
 
 
 class Next(TypedDict, total=False):
@@ -66,6 +89,22 @@ class Next(TypedDict, total=False):
     minutes: float
     captures: int
     why: str
+
+
+class CarriedOver(TypedDict):
+    """An effect's values that were carried over: of the prior, of the runs, and of both together."""
+
+    sources: list[str]
+    z: float
+    prior: list[float]
+    prior_sd: list[float]
+    data: list[float]
+    data_sd: list[float]
+    value: list[float]
+    sd: list[float]
+    runs: list[int]
+    shrunk: list[float]
+    between_runs: list[float]
 
 
 class Summary(TypedDict, total=False):
@@ -84,9 +123,10 @@ class Summary(TypedDict, total=False):
     next_experiment: Next | None
     carried_by: str | None
     unnamed: dict[str, float]
-    floor: dict[str, Any]
+    floor: FloorSource
     warnings: list[str]
     added: list[dict[str, Any]]
+    prior: CarriedOver
     runs: list[RunNamed]
     model: str | None
 
@@ -133,7 +173,9 @@ class Versus(TypedDict):
     difference: Difference
     better: str | None
     where: list[PlaceGap]
+    floor: NotRequired[FloorSource]
     warnings: list[str]
+    runs: NotRequired[list[RunNamed]]
 
 
 class LookContent(TypedDict):
@@ -295,7 +337,7 @@ class Round(TypedDict):
     effects: list[str]
     rivals: list[str]
     probability: float | None
-    error: Errors
+    error: Errors | dict[str, None]
     report: NotRequired[str]
     given: NotRequired[list[str]]
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from labrig._errors import LabrigError
-from labrig.api._answer import Answer
+from labrig.api._answer import ModelAnswer
 from labrig.api._inputs import model_of, runs_of
 from labrig.contents import Summary
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from labrig.model import Model
 
 
-class Diagnosis(Answer):
+class Diagnosis(ModelAnswer):
     """What is missing from a model.
 
     `verdict` is nothing_missing, identified, multiple, confounded, unknown or underpowered; `effects` has a row for

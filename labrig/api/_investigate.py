@@ -82,7 +82,7 @@ class Investigation:
     @property
     def error(self) -> dict[str, float]:
         """Root mean square errors by name, of all runs together, in `units`."""
-        return {name: float(v) for name, v in self._diagnosis["error"].items() if v is not None}
+        return {name: float(v) for name, v in self._diagnosis["error"].items() if isinstance(v, float | int)}
 
     @property
     def minutes(self) -> float:

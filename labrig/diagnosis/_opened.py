@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._constants import SMALLEST_FLOORS
@@ -100,9 +101,9 @@ class Opened:
     def compare(self) -> Result:
         """Errors of the model as it stands, without any fit of effects: how large, and where."""
         ready, regression = self.ready, self.ready.regression
-        error = {
-            "model": np.sqrt(square_of(regression, regression.residual)),
-            "floor": np.sqrt(self.floor_square),
+        error: Errors = {
+            "model": float(np.sqrt(square_of(regression, regression.residual))),
+            "floor": float(np.sqrt(self.floor_square)),
         }
         summary: Summary = {
             "units": self.units,
@@ -115,7 +116,7 @@ class Opened:
         return Result(
             summary=summary,
             fields=fields_of(ready.context, ready.residual, None),
-            waterfall=[("model", float(error["model"])), ("floor", float(error["floor"]))],
+            waterfall=[("model", error["model"]), ("floor", error["floor"])],
             signatures=[],
             where=self.places,
         )

@@ -2,13 +2,15 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig import contents
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.contents import PlaceGap, Versus
 from labrig.diagnosis._about import about
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._paired import LEVEL, Difference, Sums, by_block, difference
@@ -115,7 +117,7 @@ def _sums(left: Floats, of: Prepared, group: NDArray[np.int64], use_means: bool)
 
 def _where(
     of: Prepared, residual: Sequence[Floats], group: NDArray[np.int64], names: tuple[str, str]
-) -> list[dict[str, Any]]:
+) -> list[PlaceGap]:
     """Both errors in each place, and the difference, with an interval that allows for the places of one group."""
     counted = of.regression.counted
     cells = [left[:, counted] ** 2 for left in residual]
@@ -123,7 +125,7 @@ def _where(
     there = [place for place in places(of.context, counted) if place.group != "capture"]
     there = [place for place in there if np.isfinite(place.of(cells[0])).any()]
     many = {name: sum(place.group == name for place in there) for name in {place.group for place in there}}
-    out = []
+    out: list[PlaceGap] = []
     for place in there:
         sums = [by_block([(place.of(square), group[place.rows])], blocks) for square in cells]
         pooled = [Sums(s.square.sum(axis=2, keepdims=True), s.count.sum(axis=2, keepdims=True)) for s in sums]
@@ -133,14 +135,16 @@ def _where(
                 "group": place.group,
                 "name": place.name,
                 "error": [one.rms() for one in pooled],
-                **{key: value for key, value in _plain(found).items() if key in ("value", "low", "high")},
+                "value": found.value,
+                "low": found.low,
+                "high": found.high,
                 "better": None if found.nearer is None else names[found.nearer],
             }
         )
     return sorted(out, key=lambda entry: -abs(entry["value"]))
 
 
-def _plain(found: Difference) -> dict[str, Any]:
+def _plain(found: Difference) -> contents.Difference:
     return {
         "value": found.value,
         "low": found.low,

@@ -22,19 +22,19 @@ from labrig.view._versus_figure import differences
 from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
 
 if TYPE_CHECKING:
-    from labrig.diagnosis import Result
+    from labrig.diagnosis import VersusResult
 
 _COLOURS = (BEFORE, AFTER)
 
 
-def write_versus(result: "Result", folder: str | Path) -> Path:
+def write_versus(result: "VersusResult", folder: str | Path) -> Path:
     """Write `report.html` into `folder` (made if it is missing), in one piece, and return its path."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     return write_page(versus_page(result), folder / REPORT_NAME)
 
 
-def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
+def versus_pictures(result: "VersusResult") -> dict[str, Callable[[], Figure]]:
     """What can be drawn of two models: `error`, `fit`, `captures`, a `surface NAME` each, and `where GROUP`."""
     summary, units, names = result.summary, str(result.summary["units"]), _names(result.summary)
     floor = float(summary["error"]["floor"])
@@ -51,7 +51,7 @@ def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
     return pictures
 
 
-def versus_page(result: "Result") -> Page:
+def versus_page(result: "VersusResult") -> Page:
     """The page, figures included."""
     summary, names = result.summary, _names(result.summary)
     units = str(summary["units"])
@@ -83,7 +83,7 @@ def _by_group(summary: Versus) -> dict[str, list[PlaceGap]]:
     return {group: inside for group, inside in groups.items() if inside}
 
 
-def _opening(page: Page, result: "Result", headline: str) -> None:
+def _opening(page: Page, result: "VersusResult", headline: str) -> None:
     summary, fields, names = result.summary, result.fields, _names(result.summary)
     units = escape(str(summary["units"]))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
@@ -109,7 +109,7 @@ def _opening(page: Page, result: "Result", headline: str) -> None:
         page.add(f'<div class="warnings"><h3>Notes</h3>{lines}</div>')
 
 
-def _surface(page: Page, result: "Result", names: tuple[str, str], units: str) -> None:
+def _surface(page: Page, result: "VersusResult", names: tuple[str, str], units: str) -> None:
     markers = cloud(result.fields)
     if markers is None:
         page.section("Measured against predicted", "On the dotted line a model is exact.")

@@ -18,14 +18,14 @@ from labrig.view import (
 )
 
 if TYPE_CHECKING:
-    from labrig.diagnosis import Result
+    from labrig.diagnosis import Result, VersusResult
 
 
 MOST = 600
 """Captures that a page is given shapes of; of more, evenly many and the worst."""
 
 
-def shape_of(result: "Result") -> dict[str, Any] | None:
+def shape_of(result: "Result | VersusResult") -> dict[str, Any] | None:
     """The surface as a figure at rest, and what moves it: the skin's weights (V, M), the ends of the chambers' lines.
 
     None where a run has no geometry.
@@ -59,7 +59,7 @@ def errors_of(result: "Result") -> dict[str, Any]:
     return content
 
 
-def captures_of(result: "Result") -> dict[str, Any]:
+def captures_of(result: "Result | VersusResult") -> dict[str, Any]:
     """Every capture: in words, its error before and after, and of markers where they were and should be."""
     fields = result.fields
     before, after = residuals(fields)

@@ -39,7 +39,7 @@ def found_in(pair: Pair) -> tuple[str, ...]:
     """The effects that are sure, and the likeliest of those that are alternatives; none without a diagnosis."""
     if not pair.has("diagnosis.json"):
         return ()
-    found = pair.read("diagnosis.json")
+    found = pair.diagnosis()
     return (*found["effects"], *found["rivals"][:1])
 
 
