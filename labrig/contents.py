@@ -178,29 +178,6 @@ class Versus(TypedDict):
     runs: NotRequired[list[RunNamed]]
 
 
-class LookContent(TypedDict):
-    """A look at a campaign that goes on; errors that are not known are None."""
-
-    captures: int
-    minutes: float
-    verdict: str
-    effects: list[str]
-    probability: dict[str, float]
-    base: float | None
-    error: float | None
-    floor: float | None
-    ceiling: float | None
-    units: str
-
-
-class LiveAnswer(TypedDict, total=False):
-    """What the process of a live diagnosis says of a question: its look, what to measure next, or what went wrong."""
-
-    look: LookContent
-    points: list["ProgrammePoint"]
-    trouble: str
-
-
 class HistoryRun(TypedDict):
     """A run of a rig's history; runs of one `kind` did the same programme."""
 

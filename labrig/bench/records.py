@@ -2,7 +2,8 @@
 
 from typing import Any, NotRequired, TypedDict
 
-from labrig.contents import Errors, LookContent
+from labrig.contents import Errors
+from labrig.run_contents import LookContent
 
 
 class RigRecipe(TypedDict):

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from labrig.contents import Errors, LookContent, Summary
+from labrig.contents import Errors, Summary
+from labrig.run_contents import LookContent
 
 
 @dataclass(frozen=True)
