@@ -330,6 +330,19 @@ class Confirmation(TypedDict):
     run: str
 
 
+class InvestigationSettings(TypedDict):
+    """What an investigation was asked for."""
+
+    rig: str
+    model: str
+    budget_min: float
+    out: str
+    seed: int
+    highest: float
+    realtime: bool
+    runs: list[str]
+
+
 class InvestigationContent(TypedDict):
     """The content of investigation.json."""
 
@@ -343,46 +356,4 @@ class InvestigationContent(TypedDict):
     waterfall: list[Any]
     model: str | None
     warnings: list[str]
-    settings: dict[str, Any]
-
-
-class Distances(TypedDict):
-    """Distances in mm: mean, 95 %, the largest, and the mean with its sign."""
-
-    mean: float
-    p95: float
-    max: float
-    signed: float
-
-
-class Refined(TypedDict):
-    """A realisation that was corrected by its own scan."""
-
-    pressure_kpa: list[float]
-    realised_mm: Distances | None
-
-
-class Registered(TypedDict):
-    """How a scan was registered."""
-
-    rms_mm: float
-    share: float
-    sd_mm: float
-    iterations: int
-
-
-class Realisation(TypedDict):
-    """One target with one form of the model, as validation.json has it."""
-
-    target: str
-    model: str
-    path: str
-    pressure_kpa: list[float]
-    hardware_mm: Distances | None
-    predicted_mm: Distances | None
-    realised_mm: Distances | None
-    realised_against_predicted_mm: Distances | None
-    markers_against_predicted_mm: Distances | None
-    registration: Registered | None
-    refined: list[Refined]
-    scans: int
+    settings: InvestigationSettings

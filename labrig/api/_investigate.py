@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from labrig.investigation import Reporter
     from labrig.model import Model
+    from labrig.view import Figure as Drawn
 
 
 @dataclass(frozen=True, repr=False)
@@ -151,7 +152,7 @@ class Investigation:
             raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(figures)}")
         return Figure(figures[wanted]())
 
-    def _figures(self) -> dict[str, Callable[[], dict[str, Any]]]:
+    def _figures(self) -> "dict[str, Callable[[], Drawn]]":
         from labrig.view import investigation_pictures
 
         return investigation_pictures(self._content)
