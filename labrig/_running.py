@@ -18,10 +18,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from labrig._errors import LabrigError
 from labrig._user_folder import cache_folder
+from labrig.run_contents import Asking, Facts
 
 LOOPBACK = "127.0.0.1"
 SILENT_S = 3.0
@@ -31,7 +32,14 @@ _BEAT_S = 0.5
 _SLOW_S = 5.0
 _LONGEST = 65536
 
-Answer = Callable[[dict[str, Any]], Any]
+Answer = Callable[[Asking], Any]
+
+
+class _Said(TypedDict, total=False):
+    """An answer: its value, or why there is none."""
+
+    value: Any
+    error: str
 
 
 class GoneError(LabrigError):
@@ -50,7 +58,7 @@ class Note:
     pid: int
     port: int
     key: str = field(repr=False)
-    facts: dict[str, Any]
+    facts: Facts
     path: Path
 
     def ask(self, do: str, timeout_s: float = 5.0, **request: Any) -> Any:
@@ -110,7 +118,7 @@ class Reception:
     A `LabrigError` that it raises becomes the answer; any other error, too, with its name.
     """
 
-    def __init__(self, what: str, facts: dict[str, Any], answer: Answer) -> None:
+    def __init__(self, what: str, facts: Facts, answer: Answer) -> None:
         self._key = secrets.token_hex(16)
         handler = type("Handler", (_Handler,), {"key": self._key, "answer": staticmethod(answer)})
         self._server = _Server((LOOPBACK, 0), handler)
@@ -160,7 +168,7 @@ class _Handler(socketserver.BaseRequestHandler):
             return
         if not known:
             return
-        said: list[dict[str, Any]] = []
+        said: list[_Said] = []
         work = threading.Thread(target=self._work, args=(request, said), name="labrig answer", daemon=True)
         work.start()
         while True:
@@ -170,7 +178,7 @@ class _Handler(socketserver.BaseRequestHandler):
             self.request.sendall(b"\n")
         self.request.sendall(json.dumps(said[0]).encode() + b"\n")
 
-    def _work(self, request: dict[str, Any], said: list[dict[str, Any]]) -> None:
+    def _work(self, request: Asking, said: list[_Said]) -> None:
         try:
             said.append({"value": self.answer(request)})
         except LabrigError as error:

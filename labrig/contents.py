@@ -4,13 +4,16 @@ What an older version may not have written, or only some commands write, is not 
 field means.
 """
 
-from typing import TYPE_CHECKING, Any, NotRequired, Required, TypedDict, cast
+from typing import Any, NotRequired, Required, TypedDict
 
-if TYPE_CHECKING:
-    from labrig.diagnosis import Result
 
-Errors = dict[str, float | None]
-"""Root mean square errors by name: `base`, `model`, `floor`, `ceiling`."""
+class Errors(TypedDict, total=False):
+    """Root mean square errors: those that a command has; a file has null for what is not a number."""
+
+    base: float
+    model: float
+    floor: float
+    ceiling: float
 
 
 class RunNamed(TypedDict):
@@ -18,6 +21,20 @@ class RunNamed(TypedDict):
 
     run: str
     id: str
+
+
+class About(TypedDict):
+    """What a result is about: the runs that were recorded, and the model's file."""
+
+    runs: list[RunNamed]
+    model: str | None
+
+
+class FloorSource(TypedDict):
+    """Where the noise floor comes from: in words, and what each kind of repeat differs by."""
+
+    how: str
+    repeats: dict[str, float | None]
 
 
 class Place(TypedDict):
@@ -55,9 +72,12 @@ class Ranked(TypedDict):
 
 
 class ProbeNamed(TypedDict):
-    """A probe of a programme, by its name."""
+    """A probe of a programme, by its name, and what it separates in what time."""
 
     probe: str
+    separates: NotRequired[str]
+    times: NotRequired[int]
+    minutes: NotRequired[float]
 
 
 class Next(TypedDict, total=False):
@@ -69,6 +89,22 @@ class Next(TypedDict, total=False):
     minutes: float
     captures: int
     why: str
+
+
+class CarriedOver(TypedDict):
+    """An effect's values that were carried over: of the prior, of the runs, and of both together."""
+
+    sources: list[str]
+    z: float
+    prior: list[float]
+    prior_sd: list[float]
+    data: list[float]
+    data_sd: list[float]
+    value: list[float]
+    sd: list[float]
+    runs: list[int]
+    shrunk: list[float]
+    between_runs: list[float]
 
 
 class Summary(TypedDict, total=False):
@@ -87,16 +123,12 @@ class Summary(TypedDict, total=False):
     next_experiment: Next | None
     carried_by: str | None
     unnamed: dict[str, float]
-    floor: dict[str, Any]
+    floor: FloorSource
     warnings: list[str]
     added: list[dict[str, Any]]
+    prior: CarriedOver
     runs: list[RunNamed]
     model: str | None
-
-
-def summary_of(result: "Result") -> Summary:
-    """What a diagnosis, a comparison with one model or an improvement says, with its shape."""
-    return cast(Summary, result.summary)
 
 
 class Compared(TypedDict):
@@ -141,35 +173,9 @@ class Versus(TypedDict):
     difference: Difference
     better: str | None
     where: list[PlaceGap]
+    floor: NotRequired[FloorSource]
     warnings: list[str]
-
-
-def versus_of(result: "Result") -> Versus:
-    """What a comparison of two models says, with its shape."""
-    return cast(Versus, result.summary)
-
-
-class LookContent(TypedDict):
-    """A look at a campaign that goes on; errors that are not known are None."""
-
-    captures: int
-    minutes: float
-    verdict: str
-    effects: list[str]
-    probability: dict[str, float]
-    base: float | None
-    error: float | None
-    floor: float | None
-    ceiling: float | None
-    units: str
-
-
-class LiveAnswer(TypedDict, total=False):
-    """What the process of a live diagnosis says of a question: its look, what to measure next, or what went wrong."""
-
-    look: LookContent
-    points: list["ProgrammePoint"]
-    trouble: str
+    runs: NotRequired[list[RunNamed]]
 
 
 class HistoryRun(TypedDict):
@@ -308,7 +314,7 @@ class Round(TypedDict):
     effects: list[str]
     rivals: list[str]
     probability: float | None
-    error: Errors
+    error: Errors | dict[str, None]
     report: NotRequired[str]
     given: NotRequired[list[str]]
 
@@ -324,6 +330,19 @@ class Confirmation(TypedDict):
     run: str
 
 
+class InvestigationSettings(TypedDict):
+    """What an investigation was asked for."""
+
+    rig: str
+    model: str
+    budget_min: float
+    out: str
+    seed: int
+    highest: float
+    realtime: bool
+    runs: list[str]
+
+
 class InvestigationContent(TypedDict):
     """The content of investigation.json."""
 
@@ -337,46 +356,4 @@ class InvestigationContent(TypedDict):
     waterfall: list[Any]
     model: str | None
     warnings: list[str]
-    settings: dict[str, Any]
-
-
-class Distances(TypedDict):
-    """Distances in mm: mean, 95 %, the largest, and the mean with its sign."""
-
-    mean: float
-    p95: float
-    max: float
-    signed: float
-
-
-class Refined(TypedDict):
-    """A realisation that was corrected by its own scan."""
-
-    pressure_kpa: list[float]
-    realised_mm: Distances | None
-
-
-class Registered(TypedDict):
-    """How a scan was registered."""
-
-    rms_mm: float
-    share: float
-    sd_mm: float
-    iterations: int
-
-
-class Realisation(TypedDict):
-    """One target with one form of the model, as validation.json has it."""
-
-    target: str
-    model: str
-    path: str
-    pressure_kpa: list[float]
-    hardware_mm: Distances | None
-    predicted_mm: Distances | None
-    realised_mm: Distances | None
-    realised_against_predicted_mm: Distances | None
-    markers_against_predicted_mm: Distances | None
-    registration: Registered | None
-    refined: list[Refined]
-    scans: int
+    settings: InvestigationSettings

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.age._known import Beside, Known
 from labrig.age._places import place_readings
-from labrig.age._reading import Reading, reading
+from labrig.age._reading import Reading, ReadingContent, reading
 from labrig.age._scales import GAIN, scales
 from labrig.age._sensors import lost_readings, sensor_readings
 from labrig.diagnosis import write_json
@@ -28,6 +28,16 @@ if TYPE_CHECKING:
 KEPT = "readings.json"
 _VERSION = 1
 _MOST_MODELS = 6
+
+
+class Kept(TypedDict, total=False):
+    """What is kept beside a run for one model: what was read of it, or why it `failed`, from which state of the log."""
+
+    stamp: str
+    began: str
+    kind: str
+    readings: list[ReadingContent]
+    failed: str
 
 
 @dataclass(frozen=True)
@@ -71,25 +81,28 @@ def read_run(folder: Path, name: str, known: Known, key: str) -> RunReadings:
     content = kept(folder)
     found = content.get(key)
     if found is None or found.get("stamp") != stamp:
-        try:
-            run = open_run(folder)
-            found = {"stamp": stamp, **_content(run, folder, known)}
-        except LabrigError as error:
-            found = {"stamp": stamp, "failed": str(error)}
+        found = _read(folder, known, stamp)
         _keep(folder, {**{k: v for k, v in content.items() if k != key}, key: found})
     if "failed" in found:
         raise LabrigError(str(found["failed"]))
     return from_content(name, found)
 
 
-def from_content(name: str, found: dict[str, Any]) -> RunReadings:
+def _read(folder: Path, known: Known, stamp: str) -> Kept:
+    try:
+        return _content(open_run(folder), folder, known, stamp)
+    except LabrigError as error:
+        return {"stamp": stamp, "failed": str(error)}
+
+
+def from_content(name: str, found: Kept) -> RunReadings:
     """Readings from what is kept beside a run."""
     readings = tuple(Reading.of(each) for each in found["readings"])
     began = datetime.fromisoformat(str(found["began"]))
     return RunReadings(name, began.timestamp(), str(found["kind"]), readings)
 
 
-def kept(folder: Path) -> dict[str, Any]:
+def kept(folder: Path) -> dict[str, Kept]:
     """What is kept beside a run, by `model_key`; empty where there is nothing that can be read."""
     try:
         content = json.loads((folder / KEPT).read_text(encoding="utf-8"))
@@ -98,12 +111,12 @@ def kept(folder: Path) -> dict[str, Any]:
     return content if isinstance(content, dict) else {}
 
 
-def is_current(folder: Path, found: dict[str, Any]) -> bool:
+def is_current(folder: Path, found: Kept) -> bool:
     """Whether what is kept was read from the log as it is now."""
     return found.get("stamp") == _stamp(folder) and "failed" not in found
 
 
-def _keep(folder: Path, content: dict[str, Any]) -> None:
+def _keep(folder: Path, content: dict[str, Kept]) -> None:
     """Write what is kept, whole or not at all; a folder that can't be written to is read again the next time."""
     newest = dict(list(content.items())[-_MOST_MODELS:])
     try:
@@ -118,9 +131,10 @@ def _stamp(folder: Path) -> str:
     return f"{run_id(folder)} {sizes}"
 
 
-def _content(run: "Dataset", folder: Path, known: Known) -> dict[str, Any]:
+def _content(run: "Dataset", folder: Path, known: Known, stamp: str) -> Kept:
     facts = read_run_yaml(folder) if (folder / "run.yaml").exists() else {}
     return {
+        "stamp": stamp,
         "began": datetime.fromtimestamp(_began_s(run, facts), UTC).isoformat(),
         "kind": _kind(run, facts),
         "readings": [each.content() for each in readings_of(run, known) if each is not None],

@@ -1,8 +1,8 @@
 """What one run says of its rig: readings, each a value with its standard deviation."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+from typing import TypedDict
 
 import numpy as np
 
@@ -23,6 +23,16 @@ LOGARITHMIC = {"error", "floor"}
 """Groups of positive values that scatter in proportion to themselves: they are compared as logarithms."""
 
 
+class ReadingContent(TypedDict):
+    """A reading as plain values."""
+
+    group: str
+    name: str
+    value: list[float]
+    sd: float | None
+    unit: str
+
+
 @dataclass(frozen=True)
 class Reading:
     """A value of a run, with the standard deviation `sd` of each of its components; None where nothing says it.
@@ -41,15 +51,21 @@ class Reading:
         """What the same reading of another run has too."""
         return self.group, self.name
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> ReadingContent:
         """The reading as plain values."""
-        return asdict(self) | {"value": list(self.value)}
+        return {
+            "group": self.group,
+            "name": self.name,
+            "value": list(self.value),
+            "sd": self.sd,
+            "unit": self.unit,
+        }
 
     @classmethod
-    def of(cls, content: dict[str, Any]) -> "Reading":
+    def of(cls, content: ReadingContent) -> "Reading":
         """A reading from what `content` gave."""
-        kept = {name: content[name] for name in ("group", "name", "sd", "unit")}
-        return cls(value=tuple(content["value"]), **kept)
+        value = tuple(content["value"])
+        return cls(content["group"], content["name"], value, content["sd"], content["unit"])
 
 
 def reading(group: str, name: str, value: float | Sequence[float], sd: float, unit: str) -> Reading | None:

@@ -3,17 +3,21 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from labrig._errors import LabrigError
 from labrig.api._inputs import Place
+from labrig.contents import Summary, Versus
 
 if TYPE_CHECKING:
     from pandas import DataFrame
     from plotly.graph_objects import Figure
     from xarray import Dataset
 
-    from labrig.diagnosis import Result
+    from labrig.diagnosis import Result, VersusResult
+    from labrig.view import Figure as Drawn
+
+Found = TypeVar("Found", "Result", "VersusResult")
 
 
 def drawn(pictures: "Mapping[str, Callable[[], Any]]", picture: str) -> "Figure":
@@ -27,15 +31,15 @@ def drawn(pictures: "Mapping[str, Callable[[], Any]]", picture: str) -> "Figure"
 
 
 @dataclass(frozen=True, repr=False)
-class Answer:
-    """Base of `Comparison`, `Diagnosis` and `Improvement`.
+class Answer(Generic[Found]):
+    """Base of what says something of runs and models.
 
     `error` are root mean squares by name (`model`, `floor`, ...), per coordinate, in `units`; `where` has a row for
     each place; `fields` are the means over each hold (capture, observable) of what was `measured` and predicted.
     """
 
     name: ClassVar[str] = ""
-    _result: "Result" = field(repr=False)
+    _result: Found = field(repr=False)
 
     @property
     def units(self) -> str:
@@ -45,17 +49,13 @@ class Answer:
     @property
     def error(self) -> dict[str, float]:
         """Root mean square errors by name, in `units`."""
-        return {
-            name: float(value) for name, value in self._result.summary["error"].items() if value is not None
-        }
+        errors = self._result.summary["error"]
+        return {name: float(value) for name, value in errors.items() if isinstance(value, float)}
 
     @property
     def where(self) -> "DataFrame":
-        """Where the model fails: `group`, `name`, `error` in `units`, `share` of the whole, `clear` of the noise."""
-        from pandas import DataFrame
-
-        columns = ["group", "name", "error", "share", "clear"]
-        return DataFrame(self._result.where, columns=columns)
+        """A row for each place, the worst first."""
+        raise NotImplementedError
 
     @property
     def fields(self) -> "Dataset":
@@ -65,9 +65,7 @@ class Answer:
     @property
     def values(self) -> list[str]:
         """What was fitted of each effect, one line each, with standard deviations."""
-        from labrig.view import value_lines
-
-        return list(value_lines(self._result))
+        return []
 
     @property
     def warnings(self) -> list[str]:
@@ -75,7 +73,7 @@ class Answer:
         return [str(line) for line in self._result.summary.get("warnings", [])]
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Summary | Versus:
         """All of it as plain values: the content of the JSON file that `save` writes."""
         return self._result.summary
 
@@ -102,13 +100,47 @@ class Answer:
 
     def headline(self) -> str:
         """What came out, in one sentence."""
-        from labrig.view import note
-
-        return note(self._result.summary).headline
+        raise NotImplementedError
 
     def __repr__(self) -> str:
         errors = ", ".join(f"{name} {value:.3g}" for name, value in self.error.items())
         return f"{type(self).__name__}: {self.headline()}\nerror, {self.units} rms: {errors}"
+
+    def _pictures(self) -> "dict[str, Callable[[], Drawn]]":
+        raise NotImplementedError
+
+    def _write_report(self, folder: Path) -> Path:
+        raise NotImplementedError
+
+
+class ModelAnswer(Answer["Result"]):
+    """Base of what says something of one model: `Comparison`, `Diagnosis` and `Improvement`."""
+
+    @property
+    def where(self) -> "DataFrame":
+        """Where the model fails: `group`, `name`, `error` in `units`, `share` of the whole, `clear` of the noise."""
+        from pandas import DataFrame
+
+        columns = ["group", "name", "error", "share", "clear"]
+        return DataFrame(self._result.where, columns=columns)
+
+    @property
+    def values(self) -> list[str]:
+        """What was fitted of each effect, one line each, with standard deviations."""
+        from labrig.view import value_lines
+
+        return list(value_lines(self._result))
+
+    @property
+    def summary(self) -> Summary:
+        """All of it as plain values: the content of the JSON file that `save` writes."""
+        return self._result.summary
+
+    def headline(self) -> str:
+        """What came out, in one sentence."""
+        from labrig.view import note
+
+        return note(self._result.summary).headline
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the sentence, the errors, and the worst places."""
@@ -122,7 +154,7 @@ class Answer:
         more = self._html_more()
         return f"<p><b>{escape(self.headline())}</b></p><p>error, {escape(self.units)} rms</p>{errors}{more}{places}"
 
-    def _pictures(self) -> "dict[str, Callable[[], dict[str, Any]]]":
+    def _pictures(self) -> "dict[str, Callable[[], Drawn]]":
         from labrig.view import pictures_of
 
         return pictures_of(self._result)

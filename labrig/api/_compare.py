@@ -5,25 +5,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 from labrig._errors import LabrigError
-from labrig.api._answer import Answer
+from labrig.api._answer import Answer, ModelAnswer
 from labrig.api._inputs import model_of, runs_of
-from labrig.contents import versus_of
+from labrig.contents import Versus
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pandas import DataFrame
 
+    from labrig.diagnosis import VersusResult  # noqa: F401 - ruff does not look into the base class
     from labrig.model import Model
+    from labrig.view import Figure
 
 
-class Comparison(Answer):
+class Comparison(ModelAnswer):
     """How far a model is from measurements, and where: `error["model"]` against `error["floor"]`."""
 
     name: ClassVar[str] = "compare"
 
 
-class ModelComparison(Answer):
+class ModelComparison(Answer["VersusResult"]):
     """Two models on the same measurements: which is nearer, by how much, and where.
 
     `models` are their names, `error` has one entry for each and the `floor`; `difference` is the first model's error
@@ -32,6 +34,11 @@ class ModelComparison(Answer):
     """
 
     name: ClassVar[str] = "comparison"
+
+    @property
+    def summary(self) -> Versus:
+        """All of it as plain values: the content of comparison.json."""
+        return self._result.summary
 
     @property
     def models(self) -> list[str]:
@@ -74,12 +81,12 @@ class ModelComparison(Answer):
         """Which model is nearer and by how much, or that this run cannot tell."""
         from labrig.view import versus_headline
 
-        return versus_headline(versus_of(self._result))
+        return versus_headline(self._result.summary)
 
     def __repr__(self) -> str:
         from labrig.view import difference_words
 
-        return f"{super().__repr__()}\n{difference_words(versus_of(self._result))}"
+        return f"{super().__repr__()}\n{difference_words(self._result.summary)}"
 
     def _repr_html_(self) -> str:
         from html import escape
@@ -91,10 +98,12 @@ class ModelComparison(Answer):
         errors = DataFrame([self.error]).to_html(index=False, float_format="{:.3g}".format, border=0)
         clear = self.where[self.where["better"].notna()].head(5)
         places = clear.to_html(index=False, float_format="{:.3g}".format, border=0) if len(clear) else ""
-        said = f"<p><b>{escape(self.headline())}</b></p><p>{escape(difference_words(versus_of(self._result)))}</p>"
+        said = (
+            f"<p><b>{escape(self.headline())}</b></p><p>{escape(difference_words(self._result.summary))}</p>"
+        )
         return f"{said}<p>error, {escape(self.units)} rms</p>{errors}{places}"
 
-    def _pictures(self) -> "dict[str, Callable[[], dict[str, Any]]]":
+    def _pictures(self) -> "dict[str, Callable[[], Figure]]":
         from labrig.view import versus_pictures
 
         return versus_pictures(self._result)

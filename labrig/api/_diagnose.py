@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from labrig._errors import LabrigError
-from labrig.api._answer import Answer
+from labrig.api._answer import ModelAnswer
 from labrig.api._inputs import model_of, runs_of
-from labrig.contents import Summary, summary_of
+from labrig.contents import Summary
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from labrig.model import Model
 
 
-class Diagnosis(Answer):
+class Diagnosis(ModelAnswer):
     """What is missing from a model.
 
     `verdict` is nothing_missing, identified, multiple, confounded, unknown or underpowered; `effects` has a row for
@@ -43,7 +43,7 @@ class Diagnosis(Answer):
 
         `size_sd` in `units`, `size_floors` and `size_sd_floors` in noise floors.
         """
-        return effects_table(summary_of(self._result))
+        return effects_table(self._result.summary)
 
     @property
     def improved(self) -> "Model | None":

@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from labrig._errors import LabrigError
-from labrig.api._answer import Answer
+from labrig.api._answer import ModelAnswer
 from labrig.api._inputs import model_of, names_of, runs_of
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from labrig.model import Model
 
 
-class Improvement(Answer):
+class Improvement(ModelAnswer):
     """A model with effects added: `error["base"]` before, `error["model"]` after, on held-out captures."""
 
     name: ClassVar[str] = "improve"
@@ -47,8 +47,8 @@ class Improvement(Answer):
         from pandas import DataFrame
 
         columns = ["prior", "prior_sd", "data", "data_sd", "value", "sd"]
-        told = self.summary.get("prior", {})
-        return DataFrame({name: told.get(name, []) for name in columns})
+        told = self.summary.get("prior")
+        return DataFrame({name: told[name] if told else [] for name in columns})
 
 
 def improve(

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from labrig.investigation import Reporter
     from labrig.model import Model
+    from labrig.view import Figure as Drawn
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,7 +83,7 @@ class Investigation:
     @property
     def error(self) -> dict[str, float]:
         """Root mean square errors by name, of all runs together, in `units`."""
-        return {name: float(v) for name, v in self._diagnosis["error"].items() if v is not None}
+        return {name: float(v) for name, v in self._diagnosis["error"].items() if isinstance(v, float | int)}
 
     @property
     def minutes(self) -> float:
@@ -151,7 +152,7 @@ class Investigation:
             raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(figures)}")
         return Figure(figures[wanted]())
 
-    def _figures(self) -> dict[str, Callable[[], dict[str, Any]]]:
+    def _figures(self) -> "dict[str, Callable[[], Drawn]]":
         from labrig.view import investigation_pictures
 
         return investigation_pictures(self._content)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
 from labrig.api._inputs import Place
-from labrig.contents import Realisation
+from labrig.shape_contents import Realisation
 
 if TYPE_CHECKING:
     from pandas import DataFrame

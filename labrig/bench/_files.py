@@ -38,7 +38,7 @@ def write_campaign(campaign: Campaign, folder: Path) -> None:
 
 def write_model(campaign: Campaign, folder: Path) -> Path:
     """Write model.yaml, and base.py if the base is a Python function; returns the path of model.yaml."""
-    base: dict[str, Any] = {"kind": "static", "degree": 1}
+    base: dict[str, str | int] = {"kind": "static", "degree": 1}
     if campaign.base is not None:
         _replace(folder / "base.py", _BASE_FILE.format(recipe=repr(campaign.base)))
         base = {"kind": "python", "file": "base.py", "function": "predict"}
@@ -53,7 +53,7 @@ def table(dataset: "xr.Dataset") -> "pd.DataFrame":
 
     hold = dataset["hold_s"].values
     capture, row = np.nonzero(np.isfinite(hold))
-    columns: dict[str, Any] = {
+    columns: dict[str, np.ndarray | list[str] | list[int]] = {
         "t": np.round(dataset["time_s"].values[capture, row], 3),
         "capture": capture + 1,
         "h": np.round(hold[capture, row], 3),
@@ -94,7 +94,7 @@ def _silent_events(dataset: "xr.Dataset") -> "pd.DataFrame":
 
     heard = set(dataset["event_of"].values.tolist())
     silent = [e for e in range(dataset.sizes["event"]) if e not in heard]
-    columns: dict[str, Any] = {
+    columns: dict[str, np.ndarray | list[str] | list[int]] = {
         "t": np.round(dataset["event_time_s"].values[silent], 3),
         "capture": [dataset.sizes["capture"] + 1 + k for k in range(len(silent))],
         "h": np.zeros(len(silent)),

@@ -19,6 +19,7 @@ from labrig.bench._files import write_model
 from labrig.bench._halves import DRAWN_FROM
 from labrig.bench._judge import is_false_alarm, is_near, is_right, wrongly_sure
 from labrig.bench.records import Answer, Answered, Fresh, Judged, Record, Truth
+from labrig.contents import Errors
 
 RECORDS = "campaigns.jsonl"
 _TIED_TO_A_SESSION = ("drift", "marker_slip")  # what happened in one campaign says nothing of the next
@@ -102,13 +103,24 @@ def _ask(campaign: Campaign, path: Path) -> Answered:
     }
     if (considered := summary.get("effects_considered")) is not None:
         answer["effects_considered"] = [
-            {k: entry.get(k) for k in ("effect", "probability", "size", "size_sd")} for entry in considered
+            {
+                "effect": entry["effect"],
+                "probability": entry["probability"],
+                "size": entry.get("size"),
+                "size_sd": entry.get("size_sd"),
+            }
+            for entry in considered
         ]
     answer["ranking"] = [
-        {k: entry.get(k) for k in ("effect", "heldout_error", "drop", "probability")}
+        {
+            "effect": entry["effect"],
+            "heldout_error": entry["heldout_error"],
+            "drop": entry["drop"],
+            "probability": entry.get("probability"),
+        }
         for entry in (summary.get("ranking") or [])[:5]
     ]
-    error = summary.get("error") or {}
+    error = summary.get("error") or Errors()
     best = max(error.get("floor") or 0.0, error.get("ceiling") or 0.0)
     said: Answered = {"answer": answer, "drop": _drop(error.get("base"), error.get("model"), best)}
     tied = set(campaign.truth["effects"]) & set(_TIED_TO_A_SESSION)

@@ -5,7 +5,7 @@ import json
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from labrig.bench._judge import is_right
 from labrig.bench._programmes import Plan
 from labrig.bench._report import markdown, write_section
 from labrig.bench.records import SettleRecord, SettleTruth, Settling, WholeTruth
+from labrig.contents import Summary
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,13 +81,13 @@ def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) 
     return _answer(summary, strategy, taken, minutes, settled=False)
 
 
-def _names_it(campaign: Campaign, summary: dict[str, Any]) -> bool:
+def _names_it(campaign: Campaign, summary: Summary) -> bool:
     """Whether a diagnosis identifies what is hidden, and nothing else."""
     truth: WholeTruth = {**campaign.truth, "verdict": "identified"}
     return is_right(truth, {"verdict": summary["verdict"], "effects": summary["effects"]})
 
 
-def _answer(summary: dict[str, Any], strategy: str, captures: int, minutes: float, settled: bool) -> Settling:
+def _answer(summary: Summary, strategy: str, captures: int, minutes: float, settled: bool) -> Settling:
     return {
         "strategy": strategy,
         "settled": settled,
@@ -103,7 +104,7 @@ def _holds(
     campaign: Campaign,
     runs: "list[xr.Dataset]",
     model: "Model",
-    summary: dict[str, Any],
+    summary: Summary,
     seed: int,
     taken: int,
 ) -> list[tuple[Floats, float]]:

@@ -9,7 +9,7 @@ import numpy as np
 from labrig.bench._intervals import bootstrap, wilson
 from labrig.bench._judge import POSSIBLE, SURE, calibration_error, is_right, wrongly_sure
 from labrig.bench._report import markdown, write_section
-from labrig.bench.records import Answer, StoppingRecord, WatchedLook
+from labrig.bench.records import Answer, JudgedEffect, StoppingRecord, WatchedLook
 
 if TYPE_CHECKING:
     from labrig.live import Look
@@ -118,7 +118,9 @@ def _row(
 
 
 def _answer(look: WatchedLook) -> Answer:
-    considered = [{"effect": name, "probability": p} for name, p in look["probability"].items()]
+    considered: list[JudgedEffect] = [
+        {"effect": name, "probability": p} for name, p in look["probability"].items()
+    ]
     return {
         "verdict": look["verdict"],
         "effects": look["effects"],

@@ -2,7 +2,8 @@
 
 from typing import Any, NotRequired, TypedDict
 
-from labrig.contents import LookContent
+from labrig.contents import Errors
+from labrig.run_contents import LookContent
 
 
 class RigRecipe(TypedDict):
@@ -56,6 +57,24 @@ class WholeTruth(Truth):
     base: BaseRecipe
 
 
+class JudgedEffect(TypedDict):
+    """What is judged of an effect that a diagnosis considered."""
+
+    effect: str
+    probability: float
+    size: NotRequired[float | None]
+    size_sd: NotRequired[float | None]
+
+
+class JudgedAlone(TypedDict):
+    """What is judged of an effect that was fitted by itself."""
+
+    effect: str
+    heldout_error: float
+    drop: float | None
+    probability: float | None
+
+
 class Answer(TypedDict):
     """What is judged of a diagnosis, or of another method's answer."""
 
@@ -63,9 +82,9 @@ class Answer(TypedDict):
     effects: list[str]
     rivals: NotRequired[list[Any] | None]
     probability: NotRequired[float | None]
-    error: NotRequired[dict[str, float | None] | None]
-    effects_considered: NotRequired[list[dict[str, Any]]]
-    ranking: NotRequired[list[dict[str, Any]]]
+    error: NotRequired[Errors | None]
+    effects_considered: NotRequired[list[JudgedEffect]]
+    ranking: NotRequired[list[JudgedAlone]]
     error_text: NotRequired[str]
 
 

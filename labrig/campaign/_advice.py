@@ -1,9 +1,10 @@
 """Who may change the course of a run: it asks between its steps, and never waits for more than an answer."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from labrig.campaign._procedure import RigInfo, Steps
 from labrig.campaign._steps import Ask
+from labrig.run_contents import Advice
 
 
 class Adviser(Protocol):
@@ -17,7 +18,7 @@ class Adviser(Protocol):
         """
         ...
 
-    def advise(self, ask: Ask, spent_s: float) -> dict[str, Any]:
+    def advise(self, ask: Ask, spent_s: float) -> Advice:
         """The answer, as plain values, at once; `spent_s` is the time that the steps so far took, s.
 
         Its `say` becomes an event of the log, its `trouble` a warning.

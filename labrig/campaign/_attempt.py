@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from labrig.campaign._execute import execute
 from labrig.campaign._follow import Miss, misses, reached_kpa
 from labrig.campaign._session import Session
 from labrig.campaign._steps import Completed, Record, Recording, Result, Scan, Scanned, Step
+from labrig.run_contents import StepResult
 from labrig_drivers import DeviceError
 
 
@@ -18,7 +18,7 @@ class Attempt:
     """What becomes of a step: `done` with its result, what of it goes into the log, and whether it counts."""
 
     done: Completed
-    logged: dict[str, Any]
+    logged: StepResult
     counts: bool = True
 
 
@@ -39,7 +39,9 @@ def attempt(
         result, logged = execute(session, step)
         missed = _misses(session, step)
         if isinstance(step, Record | Scan):
-            logged |= _pressures(session)
+            commanded = np.asarray(session.commanded_kpa, float).tolist()
+            logged["commanded_kpa"] = commanded
+            logged["reached_kpa"] = reached_kpa(session.held.samples, len(commanded))
         done = Completed(index, step, result, started_s, session.now_s())
         if not missed:
             return Attempt(done, logged)
@@ -66,11 +68,6 @@ def _misses(session: Session, step: Step) -> list[Miss]:
         return []
     sag = isinstance(step, Record) and step.sag
     return misses(session.held.samples, session.commanded_kpa, session.rig.config, sag=sag)
-
-
-def _pressures(session: Session) -> dict[str, Any]:
-    commanded = np.asarray(session.commanded_kpa, float).tolist()
-    return {"commanded_kpa": commanded, "reached_kpa": reached_kpa(session.held.samples, len(commanded))}
 
 
 def _marked(result: Result, missed: list[Miss]) -> Result:

@@ -32,6 +32,7 @@ from labrig.campaign._steps import (
 )
 from labrig.log import Topic, to_ns
 from labrig.rig import RigConfig
+from labrig.run_contents import Advice, StepResult
 from labrig_drivers import DeviceError, MarkerFrame, PressureSample, RealClock
 
 _STILLNESS_S = 0.5
@@ -59,7 +60,7 @@ def limit_errors(step: Step, config: RigConfig) -> list[str]:
     return errors
 
 
-def execute(session: Session, step: Step, reason: str = "actuate") -> tuple[Result, dict[str, Any]]:
+def execute(session: Session, step: Step, reason: str = "actuate") -> tuple[Result, StepResult]:
     """Carry out a step; returns its result, and what of it goes into the log."""
     for kind, action in _ACTIONS.items():
         if isinstance(step, kind):
@@ -67,7 +68,7 @@ def execute(session: Session, step: Step, reason: str = "actuate") -> tuple[Resu
     raise LabrigError(f"a procedure yielded {step!r}, which is no step; see labrig.campaign")
 
 
-def _actuate(session: Session, step: Actuate, reason: str) -> tuple[Result, dict[str, Any]]:
+def _actuate(session: Session, step: Actuate, reason: str) -> tuple[Result, StepResult]:
     target = np.array(step.pressure_kpa, float)
     started_s = session.now_s()
     session.log_command(started_s, target, event=True, reason=reason)
@@ -83,7 +84,7 @@ def _actuate(session: Session, step: Actuate, reason: str) -> tuple[Result, dict
         session.wait_until(session.now_s() + session.tick_s)
 
 
-def _settle(session: Session, step: Settle, _reason: str) -> tuple[Result, dict[str, Any]]:
+def _settle(session: Session, step: Settle, _reason: str) -> tuple[Result, StepResult]:
     started_s = session.now_s()
     session.wait_until(started_s + step.duration_s)
     speeds = _marker_speeds(session.held.frames, session.now_s() - _STILLNESS_S)
@@ -96,7 +97,12 @@ def _settle(session: Session, step: Settle, _reason: str) -> tuple[Result, dict[
         fastest_mm_s=float(np.nanmax(speeds)) if known else math.nan,
         pressure_error_kpa=float(np.nanmax(error)) if np.isfinite(error).any() else math.nan,
     )
-    return result, dict(vars(result))
+    return result, {
+        "took_s": result.took_s,
+        "speed_mm_s": result.speed_mm_s,
+        "fastest_mm_s": result.fastest_mm_s,
+        "pressure_error_kpa": result.pressure_error_kpa,
+    }
 
 
 def _marker_speeds(frames: list[MarkerFrame], since_s: float) -> Floats:
@@ -120,7 +126,7 @@ def _marker_speeds(frames: list[MarkerFrame], since_s: float) -> Floats:
     return np.where(count >= 3, np.linalg.norm(slope, axis=1), np.nan)
 
 
-def _record(session: Session, step: Record, _reason: str) -> tuple[Result, dict[str, Any]]:
+def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepResult]:
     while True:
         started_s = session.now_s()
         session.wait_until(started_s + step.duration_s)
@@ -141,8 +147,13 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, dict[
         ),
     )
     seen = float(result.seen.mean()) if result.seen.size else None
-    summary = {"frames": len(frames), "frame_ns": _span(frames), "samples": len(samples)}
-    return result, {**summary, "sample_ns": _span(samples), "seen": seen}
+    return result, {
+        "frames": len(frames),
+        "frame_ns": _span(frames),
+        "samples": len(samples),
+        "sample_ns": _span(samples),
+        "seen": seen,
+    }
 
 
 def _logged_times(measurements: Sequence[MarkerFrame | PressureSample]) -> Floats:
@@ -155,7 +166,7 @@ def _span(measurements: Sequence[MarkerFrame | PressureSample]) -> list[int] | N
     return [to_ns(measurements[0].time_s), to_ns(measurements[-1].time_s)] if measurements else None
 
 
-def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str, Any]]:
+def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, StepResult]:
     scanner = session.rig.scanner
     if scanner is None:
         raise LabrigError(f"rig {session.rig.config.name} has no scanner")
@@ -171,7 +182,13 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str,
         registration_error_mm=math.nan if scan.registration_error_mm is None else scan.registration_error_mm,
         folder=session.folder,
     )
-    facts = {name: value for name, value in vars(result).items() if name not in ("folder", "missed")}
+    facts: StepResult = {
+        "files": list(result.files),
+        "sha256": result.sha256,
+        "vertices": result.vertices,
+        "triangles": result.triangles,
+        "registration_error_mm": result.registration_error_mm,
+    }
     if session.log is not None:
         with session.signals.shield():
             session.log.write(
@@ -181,7 +198,7 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, dict[str,
                 min_mm=vertices.min(axis=0).tolist() if len(vertices) else [],
                 max_mm=vertices.max(axis=0).tolist() if len(vertices) else [],
             )
-    return result, {**facts, "files": list(result.files)}
+    return result, facts
 
 
 def _while_polling(session: Session, call: Callable[[], Any], limit_s: float) -> Any:
@@ -209,12 +226,12 @@ def _while_polling(session: Session, call: Callable[[], Any], limit_s: float) ->
     return future.result()
 
 
-def _note(session: Session, step: Note, _reason: str) -> tuple[Result, dict[str, Any]]:
+def _note(session: Session, step: Note, _reason: str) -> tuple[Result, StepResult]:
     session.event(step.text)
     return None, {}
 
 
-def _vent(session: Session, _step: Vent, reason: str) -> tuple[Result, dict[str, Any]]:
+def _vent(session: Session, _step: Vent, reason: str) -> tuple[Result, StepResult]:
     result = vent(session, "vent" if reason == "actuate" else reason)
     return result, {"pressure_kpa": list(result.pressure_kpa), "took_s": result.took_s}
 
@@ -231,10 +248,10 @@ def vent(session: Session, reason: str = "vent") -> Vented:
     return Vented(tuple(float(value) for value in report.pressure_kpa), report.took_s)
 
 
-def _ask(session: Session, step: Ask, _reason: str) -> tuple[Result, dict[str, Any]]:
+def _ask(session: Session, step: Ask, _reason: str) -> tuple[Result, StepResult]:
     """Advice that fails is none: the run goes on as it was planned."""
     try:
-        content = json.loads(json.dumps(session.advise(step)))  # the same as a resumed run reads
+        content: Advice = json.loads(json.dumps(session.advise(step)))  # the same as a resumed run reads
     except Exception as error:
         content = {"trouble": f"no advice: {type(error).__name__}: {error}"}
     for what, level in (("say", "INFO"), ("trouble", "WARNING")):
@@ -243,7 +260,7 @@ def _ask(session: Session, step: Ask, _reason: str) -> tuple[Result, dict[str, A
     return Answered(content), {"content": content}
 
 
-_ACTIONS: dict[type[Step], Callable[[Session, Any, str], tuple[Result, dict[str, Any]]]] = {
+_ACTIONS: dict[type[Step], Callable[[Session, Any, str], tuple[Result, StepResult]]] = {
     Actuate: _actuate,
     Settle: _settle,
     Record: _record,

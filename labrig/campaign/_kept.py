@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.campaign._steps import Actuate, Completed, Record, Recording, Vent
+from labrig.run_contents import CaptureFacts, NewCaptures
 
 MOST = 20_000
 """Captures that are kept; a run of 34 markers needs some 15 MB for so many."""
@@ -23,7 +24,7 @@ class Kept:
 
     chambers: int
     actuations: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
-    facts: list[dict[str, Any]] = field(default_factory=list)
+    facts: list[CaptureFacts] = field(default_factory=list)
     values: list[NDArray[np.float32]] = field(default_factory=list)
 
     def vented(self, time_s: float) -> None:
@@ -61,7 +62,7 @@ class Kept:
         )
         self.values.append(np.concatenate([commanded, pressure, position.ravel()]).astype(np.float32))
 
-    def since(self, capture: int, actuation: int) -> dict[str, Any]:
+    def since(self, capture: int, actuation: int) -> NewCaptures:
         """What came after so many captures and actuations, as plain values; of many captures a part."""
         plain = listed(self.values[capture : capture + _AT_ONCE], 3)
         facts = self.facts[capture : capture + len(plain)]

@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -32,6 +32,18 @@ _DRY_TICK_S = 0.25
 _VENT_S = 1.0
 _SCAN_S = 20.0
 _MOST_STEPS = 1_000_000
+
+
+class PlanFacts(TypedDict):
+    """What must be the same when a run is resumed."""
+
+    procedure: str
+    parameters: dict[str, Any]
+    seed: int
+    rig_name: str
+    limits: list[Any]
+    markers: list[str]
+    steps_sha256: str
 
 
 @dataclass
@@ -101,7 +113,7 @@ def _into_limits(step: Actuate, config: RigConfig) -> tuple[float, ...]:
     return tuple(np.clip(np.nan_to_num(wanted), low, high).tolist())
 
 
-def plan_facts(procedure: Procedure, config: RigConfig, seed: int, plan: Plan) -> dict[str, Any]:
+def plan_facts(procedure: Procedure, config: RigConfig, seed: int, plan: Plan) -> PlanFacts:
     """What must be the same when a run is resumed, as plain values."""
     return {
         "procedure": procedure.procedure_name(),

@@ -19,6 +19,7 @@ from labrig.campaign._procedure import Procedure, RigInfo
 from labrig.campaign._session import Control
 from labrig.campaign._steps import Answered, Completed, Step
 from labrig.rig import RigConfig, link_of
+from labrig.run_contents import Asking, Facts, RunState, RunStatus, VentContent
 from labrig_drivers import Clock, MarkerFrame, PressureSample, RealClock
 
 KEPT_S = 120.0
@@ -44,14 +45,14 @@ class Reachable(Observer):
         self._control, self._folder = control, folder
         self._real = isinstance(clock, RealClock)
         self._lock = threading.Lock()
-        self._facts: dict[str, Any] = {
+        self._facts: Facts = {
             "folder": str(folder.resolve()),
             "procedure": procedure.procedure_name(),
             "rig": config.name,
             "rig_folder": str(config.folder.resolve()),
             "link": link_of(config),
         }
-        self._state: dict[str, Any] = {
+        self._state: RunState = {
             "chambers": [c.name for c in config.chambers],
             "limits_kpa": [[c.min_kpa, c.max_kpa] for c in config.chambers],
         }
@@ -82,11 +83,9 @@ class Reachable(Observer):
     def started(self, rig: RigInfo, rest_mm: Any) -> None:
         """Keep what the rig is."""
         with self._lock:
-            self._state |= {
-                "chambers": list(rig.chamber_names),
-                "markers": list(rig.marker_names),
-                "rest_mm": None if rest_mm is None else _plain(rest_mm),
-            }
+            self._state["chambers"] = list(rig.chamber_names)
+            self._state["markers"] = list(rig.marker_names)
+            self._state["rest_mm"] = None if rest_mm is None else _plain(rest_mm)
 
     def step_started(self, index: int, step: Step) -> None:
         """Keep the step."""
@@ -139,7 +138,7 @@ class Reachable(Observer):
             self._state["ended"] = reason
         self._finished.set()
 
-    def _answer(self, request: dict[str, Any]) -> Any:
+    def _answer(self, request: Asking) -> Any:
         do, why = request.get("do"), str(request.get("why") or "another process on this computer")
         if do == "status":
             return self._status(float(request.get("since_s") or 0.0), int(request.get("event") or 0))
@@ -161,19 +160,19 @@ class Reachable(Observer):
             )
         return {"paused": self._control.paused}
 
-    def _vent(self) -> dict[str, Any]:
+    def _vent(self) -> VentContent:
         if not self._finished.wait(_END_S):
             raise LabrigError(f"the run does not end within {_END_S:g} s: is it in a procedure's own code?")
         if self._vented is None:
             raise LabrigError("the run has ended without a confirmed vent")
         return {"pressure_kpa": [np.nan if value is None else value for value in self._vented]}
 
-    def _status(self, since_s: float, event: int) -> dict[str, Any]:
+    def _status(self, since_s: float, event: int) -> RunStatus:
         frame, sample = self._frame, self._sample
         with self._lock:
             new = [entry for entry in self._history if entry[0] > since_s]
             events = [entry for entry in self._events if entry[0] > event]
-            state = dict(self._state)
+            state = self._state.copy()
         return {
             **self._facts,
             **state,

@@ -27,6 +27,7 @@ from labrig.campaign._steps import (
     step_from_dict,
 )
 from labrig.log import LoadedSegment, RunSeries, Topic, load_segments, run_series, sessions
+from labrig.run_contents import StepResult
 
 
 def read_completed(folder: Path) -> list[Completed]:
@@ -66,7 +67,7 @@ def _done(loaded: LoadedSegment, series: RunSeries, folder: Path) -> list[Comple
     return completed
 
 
-def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int, folder: Path) -> Result:
+def _result(step: Step, values: Any, series: RunSeries, index: int, folder: Path) -> Result:
     if isinstance(step, Actuate):
         return Actuated(values["time_s"], tuple(step.pressure_kpa))
     if isinstance(step, Settle):
@@ -86,7 +87,7 @@ def _result(step: Step, values: dict[str, Any], series: RunSeries, index: int, f
     return None
 
 
-def _recording(values: dict[str, Any], series: RunSeries, index: int) -> Recording:
+def _recording(values: StepResult, series: RunSeries, index: int) -> Recording:
     frames = series.frames.during(*_span(values["frame_ns"]))
     samples = series.pressures.during(*_span(values["sample_ns"]))
     if len(frames.time_ns) != values["frames"] or len(samples.time_ns) != values["samples"]:

@@ -5,7 +5,7 @@ import os
 import platform
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import yaml
 
@@ -16,9 +16,18 @@ from labrig._git import git_commit
 from labrig.campaign._plan import Plan, plan_facts, sha256_of
 from labrig.campaign._procedure import Procedure
 from labrig.rig import Rig
+from labrig_drivers import Identity
 
 _NUMBERS = ("address", "version", "serial")
 """What devices say of themselves that does not change from one connection to the next."""
+
+
+class DeviceSaid(TypedDict):
+    """What a device said of itself."""
+
+    kind: str
+    description: str
+    details: dict[str, str]
 
 
 def run_facts(
@@ -40,17 +49,18 @@ def run_facts(
         "start_s": rig.clock.now_s(),
         "operator": _operator(),
         "rig": rig.config.to_dict(),
-        "identity": {
-            role: {
-                "kind": identity.kind,
-                "description": identity.description,
-                "details": dict(identity.details),
-            }
-            for role, identity in rig.identity.items()
-        },
+        "identity": {role: _said(identity) for role, identity in rig.identity.items()},
         "versions": {"labrig": __version__, "python": platform.python_version(), "system": platform.system()},
         "git_commit": git_commit(),
         **context,
+    }
+
+
+def _said(identity: Identity) -> DeviceSaid:
+    return {
+        "kind": identity.kind,
+        "description": identity.description,
+        "details": dict(identity.details),
     }
 
 
@@ -88,7 +98,7 @@ def check_resumable(folder: Path, old: dict[str, Any], new: dict[str, Any]) -> N
         )
 
 
-def _who(identity: dict[str, Any]) -> dict[str, str]:
+def _who(identity: dict[str, DeviceSaid]) -> dict[str, str]:
     """What of the devices must stay the same: their kinds and numbers, not the ports that they are found at."""
     known = {}
     for role, of_role in identity.items():

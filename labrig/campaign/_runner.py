@@ -25,6 +25,7 @@ from labrig.campaign._steps import Actuate, Ask, Completed, Record, Result, Sett
 from labrig.campaign._walk import Walk
 from labrig.log import Layout, LogWriter, last_logged_s, read_run_yaml, segment_path, segment_paths
 from labrig.rig import Rig
+from labrig.run_contents import Advice
 from labrig_drivers import Clock, DeviceError, RealClock, VentNotConfirmedError, VentReport
 
 _PROGRESS_S = 0.5
@@ -233,7 +234,7 @@ class _Run:
         self.spent_s += done.ended_s - done.started_s
         return done.result
 
-    def _advise(self, ask: Ask) -> dict[str, Any]:
+    def _advise(self, ask: Ask) -> Advice:
         return {} if self.adviser is None else self.adviser.advise(ask, self.spent_s)
 
     def _restore(self, next_step: Step) -> None:

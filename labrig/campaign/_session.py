@@ -5,7 +5,6 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from labrig.campaign._signals import SignalGuard
 from labrig.campaign._steps import Ask, Completed, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import Rig
+from labrig.run_contents import Advice, StepResult
 from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
 
 _LOG_THERE_S = 1.0
@@ -100,7 +100,7 @@ class Session:
         now_s = self.clock.now_s()
         self._last_sample_s = self._last_frame_s = self._log_seen_s = now_s
         self.on_tick: Callable[[], None] = _nothing
-        self.advise: Callable[[Ask], dict[str, Any]] = _no_advice
+        self.advise: Callable[[Ask], Advice] = _no_advice
 
     def now_s(self) -> float:
         """The time now on the run's clock."""
@@ -212,7 +212,7 @@ class Session:
                 self.log.event(self.now_s(), text, level)
         self.observation.tell("event", self.now_s(), text, level)
 
-    def step_message(self, completed: Completed, state: str, result: dict[str, Any] | None = None) -> None:
+    def step_message(self, completed: Completed, state: str, result: StepResult | None = None) -> None:
         """Log a step's STARTED, DONE or FAILED; DONE makes everything so far durable."""
         import json
 
@@ -261,7 +261,7 @@ def _nothing() -> None:
     return
 
 
-def _no_advice(_ask: Ask) -> dict[str, Any]:
+def _no_advice(_ask: Ask) -> Advice:
     return {}
 
 

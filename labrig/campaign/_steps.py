@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.run_contents import Advice
 
 
 @dataclass(frozen=True)
@@ -199,7 +200,7 @@ class Vented:
 class Answered:
     """What the adviser said, as plain values; empty where nobody advises, or there is nothing new."""
 
-    content: dict[str, Any] = field(default_factory=dict)
+    content: Advice = field(default_factory=Advice)
 
 
 Result = Actuated | Settled | Recording | Scanned | Vented | Answered | None

@@ -4,7 +4,7 @@ import importlib.util
 import os
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
@@ -16,6 +16,7 @@ from labrig.cli._program import activation, call
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
+    from labrig_drivers.simulated._sealed import HiddenSetting
 
 CAPTURES = 40
 CHAMBERS, MARKERS = 9, 34
@@ -75,7 +76,7 @@ def run_demo(hide: str, seed: int, out: Path) -> Path:
     return folder
 
 
-def _hidden(hide: str, seed: int) -> dict[str, Any]:
+def _hidden(hide: str, seed: int) -> "HiddenSetting":
     """The setting of the simulated rig; raises `LabrigError` for an effect that does not exist."""
     from labrig_drivers.simulated import choose
     from labrig_drivers.simulated import hide as hide_effect
@@ -104,7 +105,7 @@ def _new_folder(out: Path) -> Path:
     raise LabrigError(f"{out} and ten thousand names like it exist; name another folder with --out")
 
 
-def _prepare(folder: Path, seed: int, hidden: dict[str, Any]) -> None:
+def _prepare(folder: Path, seed: int, hidden: "HiddenSetting") -> None:
     from labrig_drivers.simulated import seal
 
     (folder / "rig.yaml").write_text(RIG.replace("SEED", str(seed)), encoding="utf-8")

@@ -1,7 +1,7 @@
 """compare, diagnose, improve, import, effects: from measurements to what the model lacks."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,6 +11,7 @@ from labrig.cli._places import check_file, check_folder, replaced
 
 if TYPE_CHECKING:
     from labrig.api._answer import Answer
+    from labrig.contents import Summary
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")]
 ModelOption = Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")]
@@ -155,18 +156,18 @@ def new_effect(
     _say(f"{write_template(name, Path.cwd())}: edit its formula; labrig effects list shows it")
 
 
-def _finish(found: "Answer", out: Path) -> None:
+def _finish(found: "Answer[Any]", out: Path) -> None:
     said = replaced(out / "report.html")
     _say(f"report: {found.save(out)}{said}")
 
 
-def _table(summary: dict, title: str) -> None:
+def _table(summary: "Summary", title: str) -> None:
     from labrig.cli._tables import print_summary
 
     print_summary(summary, title)
 
 
-def _values(found: "Answer") -> None:
+def _values(found: "Answer[Any]") -> None:
     for line in found.values:
         _say(line)
 

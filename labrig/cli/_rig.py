@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from threading import Event
 
     from labrig_drivers import Finding
+    from labrig_drivers.simulated._twins import TwinFile
 
 rig_app = typer.Typer(
     name="rig",
@@ -204,7 +205,7 @@ def replay(
         _wait(ended, seconds)
 
 
-def _address(kind: str, host: str, port: int) -> dict[str, Any]:
+def _address(kind: str, host: str, port: int) -> dict[str, str | int]:
     if kind == "openpneu":
         return {"port": f"socket://{host}:{port}"}
     return {"host": host, "port": port}
@@ -276,7 +277,7 @@ def _not_somebodys(file: Path) -> None:
         raise LabrigError(f"{file} is somebody's own: choose another folder with -o")
 
 
-def _write_rig(out: Path, content: dict[str, Any], command: str) -> Path:
+def _write_rig(out: Path, content: "dict[str, Any] | TwinFile", command: str) -> Path:
     import yaml
 
     out.mkdir(parents=True, exist_ok=True)

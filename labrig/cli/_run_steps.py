@@ -153,7 +153,7 @@ def do_resume(folder: Path, request: Request) -> None:
     if DIAGNOSED in facts:
         from labrig.live import Settings
 
-        request = replace(request, follow=Settings.from_dict(dict(facts[DIAGNOSED]), str(folder)))
+        request = replace(request, follow=Settings.from_dict(facts[DIAGNOSED], str(folder)))
     _go(procedure, config, folder, request, None)
 
 

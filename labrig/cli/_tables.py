@@ -1,8 +1,5 @@
 """The tables that commands print for a person."""
 
-from collections.abc import Mapping
-from typing import Any, cast
-
 from rich.console import Console
 from rich.table import Table
 
@@ -20,9 +17,8 @@ _WHERE_ROWS = 6
 _RANKING_ROWS = 5
 
 
-def print_summary(content: Mapping[str, Any], title: str) -> None:
+def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
-    summary = cast(Summary, content)
     console = Console()
     units = summary["units"]
     error = summary["error"]
@@ -32,7 +28,7 @@ def print_summary(content: Mapping[str, Any], title: str) -> None:
     errors = Table(title=f"error, {units} rms")
     for name in error:
         errors.add_column("predictability bound" if name == "ceiling" else name, justify="right")
-    errors.add_row(*(f"{float(v):.3g}" if v is not None else "-" for v in error.values()))
+    errors.add_row(*(f"{v:.3g}" if isinstance(v, float | int) else "-" for v in error.values()))
     console.print(errors)
     if ranked := summary.get("ranking"):
         ranking = Table("effect", "form", "held-out error", "drop", title="single-effect ranking")
@@ -60,9 +56,8 @@ def print_summary(content: Mapping[str, Any], title: str) -> None:
         console.print(f"note: {warning}", highlight=False)
 
 
-def print_versus(content: Mapping[str, Any]) -> None:
+def print_versus(summary: Versus) -> None:
     """Print what comparison.json says of two models: the difference, both errors, and where each is nearer."""
-    summary = cast(Versus, content)
     from labrig.view import difference_words, interval_words, share_words, versus_headline
 
     console = Console()

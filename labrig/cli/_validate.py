@@ -11,7 +11,7 @@ from labrig._errors import LabrigError
 from labrig.api._validate import FORMS
 from labrig.cli._app import app
 from labrig.cli._places import check_folder
-from labrig.contents import Realisation
+from labrig.shape_contents import Realisation
 
 
 @app.command()

@@ -14,7 +14,7 @@ from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import Prepared, prepare, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._regression import Regression
-from labrig.diagnosis._result import Result, Signature, plain, write_json
+from labrig.diagnosis._result import Result, Signature, VersusResult, plain, write_json
 from labrig.diagnosis._versus import versus
 
 __all__ = [
@@ -32,6 +32,7 @@ __all__ = [
     "Result",
     "Signature",
     "Trial",
+    "VersusResult",
     "capture_means",
     "clean",
     "compare",

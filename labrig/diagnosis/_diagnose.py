@@ -2,11 +2,12 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.contents import Errors, Next, Summary
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
@@ -54,7 +55,8 @@ def diagnose(
     ready, observations = observed(ready, effects)
     verdict = verdict_on(observations, ready, effects, tolerance)
     result = result_of(ready, observations, verdict, model, effects)
-    result.summary.update(about(runs, model))
+    named = about(runs, model)
+    result.summary["runs"], result.summary["model"] = named["runs"], named["model"]
     return result
 
 
@@ -99,7 +101,7 @@ class _Errors:
     floor: float
     ceiling: float
 
-    def as_dict(self) -> dict[str, float]:
+    def as_dict(self) -> Errors:
         return {"base": self.base, "model": self.model, "floor": self.floor, "ceiling": self.ceiling}
 
 
@@ -122,7 +124,7 @@ def result_of(
     places = where(context, ready.residual, ready.floor, regression.counted)
     # a floor of one capture's mean, in the units of the observables that errors are quoted for
     unit_size = float(np.sqrt(np.mean(observations.unit[regression.counted] ** 2)))
-    summary: dict[str, Any] = {
+    summary: Summary = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "probability": verdict.probability,
@@ -207,7 +209,7 @@ def _waterfall(ready: Prepared, chosen: Fit | None, errors: _Errors) -> list[tup
     return [*steps, ("ceiling", errors.ceiling), ("floor", errors.floor)]
 
 
-def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> dict[str, Any] | None:
+def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> Next | None:
     """What to measure next, in words, where the verdict is open."""
     if verdict.verdict not in {"confounded", "unknown", "underpowered"}:
         return None

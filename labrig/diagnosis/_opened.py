@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._constants import SMALLEST_FLOORS
@@ -81,7 +82,7 @@ class Opened:
         return self.ready.context.rows.unit[int(self.ready.regression.counted[0])]
 
     @cached_property
-    def places(self) -> list[dict[str, Any]]:
+    def places(self) -> list[Place]:
         """Where the model as it stands fails."""
         ready = self.ready
         return where(ready.context, ready.residual, ready.floor, ready.regression.counted)
@@ -100,11 +101,11 @@ class Opened:
     def compare(self) -> Result:
         """Errors of the model as it stands, without any fit of effects: how large, and where."""
         ready, regression = self.ready, self.ready.regression
-        error = {
-            "model": np.sqrt(square_of(regression, regression.residual)),
-            "floor": np.sqrt(self.floor_square),
+        error: Errors = {
+            "model": float(np.sqrt(square_of(regression, regression.residual))),
+            "floor": float(np.sqrt(self.floor_square)),
         }
-        summary: dict[str, Any] = {
+        summary: Summary = {
             "units": self.units,
             "error": error,
             "where": self.places,
@@ -115,7 +116,7 @@ class Opened:
         return Result(
             summary=summary,
             fields=fields_of(ready.context, ready.residual, None),
-            waterfall=[("model", float(error["model"])), ("floor", float(error["floor"]))],
+            waterfall=[("model", error["model"]), ("floor", error["floor"])],
             signatures=[],
             where=self.places,
         )
@@ -154,7 +155,7 @@ class Opened:
             part = self._fit(chosen.parts[: i + 1])
             square = square_of(regression, regression.residual - part.heldout)
             steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
-        summary: dict[str, Any] = {
+        summary: Summary = {
             "units": self.units,
             "effects": [e.name for e in effects],
             "error": {"base": base, "model": now, "floor": floor},

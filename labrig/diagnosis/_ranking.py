@@ -1,10 +1,10 @@
 """Each effect by itself: the error with it alone, and what it takes."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
+from labrig.contents import Ranked
 from labrig.diagnosis._candidates import Candidate, fit, square_of
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._parameters import entry_of
@@ -39,10 +39,10 @@ def ranking_of(
     verdict: Verdict,
     base: float,
     reachable: float,
-) -> list[dict[str, Any]]:
+) -> list[Ranked]:
     """Each effect alone, smallest held-out error first, with its probability beside all others."""
     probability = {c.effect: c.probability for c in verdict.considered}
-    out = []
+    out: list[Ranked] = []
     for name, forms in found.items():
         one = fit([forms[0]])
         left = regression.residual - one.heldout

@@ -1,14 +1,16 @@
 """What a diagnosis gives back."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats
+from labrig.contents import Place, PlaceGap, Summary, Versus
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -39,19 +41,23 @@ class Signature:
     """Where it changes pressures: by how much each chamber's, as a share of it, and root mean square in its unit."""
 
 
-@dataclass(frozen=True)
-class Result:
-    """A verdict with everything that its report shows.
+_Content = TypeVar("_Content", Summary, Versus)
+_Place = TypeVar("_Place", Place, PlaceGap)
 
-    `summary` is the content of diagnosis.json; `fields` a Dataset (capture, observable) of `measured`,
+
+@dataclass(frozen=True)
+class _Findings(Generic[_Content, _Place]):
+    """What measurements say, with everything that a report of it shows.
+
+    `summary` is the content of the JSON file; `fields` a Dataset (capture, observable) of `measured`,
     `base` and `model`, means over the hold; `waterfall` the error from the base down to the floor.
     """
 
-    summary: dict[str, Any]
+    summary: _Content
     fields: "Dataset"
     waterfall: list[tuple[str, float]]
     signatures: list[Signature]
-    where: list[dict[str, Any]]
+    where: list[_Place]
     improved: "Model | None" = field(default=None, compare=False)
 
     def write(self, path: Path) -> None:
@@ -59,7 +65,15 @@ class Result:
         write_json(self.summary, path)
 
 
-def write_json(content: dict[str, Any], path: Path) -> None:
+class Result(_Findings[Summary, Place]):
+    """What a diagnosis, a comparison with one model, or an improvement says; as diagnosis.json has it."""
+
+
+class VersusResult(_Findings[Versus, PlaceGap]):
+    """Two models on the same measurements; as comparison.json has it."""
+
+
+def write_json(content: Mapping[str, Any], path: Path) -> None:
     """Write JSON, in one piece or not at all; NaN and infinities become null."""
     partial = path.with_name(path.name + ".part")
     partial.write_text(json.dumps(plain(content), indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -2,19 +2,21 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig import contents
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.contents import PlaceGap, Versus
 from labrig.diagnosis._about import about
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._paired import LEVEL, Difference, Sums, by_block, difference
 from labrig.diagnosis._present import fields_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
-from labrig.diagnosis._result import Result
+from labrig.diagnosis._result import VersusResult
 from labrig.diagnosis._where import places
 from labrig.model import Model
 
@@ -26,7 +28,7 @@ _EXPLAINED = 0.5
 """A value that one model misses by less than this share of what the other misses it by is no mistake."""
 
 
-def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> Result:
+def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> VersusResult:
     """Errors of two models as they stand over the same cells, and their difference with a 95 % interval.
 
     In the fields `base` is the first model's prediction and `model` the second's. A difference is the first model's
@@ -45,7 +47,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     floors = [float(np.sqrt(np.mean(one.floor.row[counted] ** 2))) for one in both]
     floor = both[int(np.argmin(floors))].floor
     errors = [one.rms() for one in sums]
-    summary: dict[str, Any] = {
+    summary: Versus = {
         "units": both[0].context.rows.unit[int(counted[0])],
         "models": [
             {"name": name, "file": None if model.path is None else model.path.as_posix(), "error": error}
@@ -64,7 +66,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     if "error_after" in fields:
         fields["error_after"] = other["error_before"]
     steps = [(names[0], errors[0]), (names[1], errors[1]), (FLOOR, min(floors))]
-    return Result(summary, fields, steps, [], summary["where"])
+    return VersusResult(summary, fields, steps, [], summary["where"])
 
 
 def names_of_models(first: Model, second: Model) -> tuple[str, str]:
@@ -115,7 +117,7 @@ def _sums(left: Floats, of: Prepared, group: NDArray[np.int64], use_means: bool)
 
 def _where(
     of: Prepared, residual: Sequence[Floats], group: NDArray[np.int64], names: tuple[str, str]
-) -> list[dict[str, Any]]:
+) -> list[PlaceGap]:
     """Both errors in each place, and the difference, with an interval that allows for the places of one group."""
     counted = of.regression.counted
     cells = [left[:, counted] ** 2 for left in residual]
@@ -123,7 +125,7 @@ def _where(
     there = [place for place in places(of.context, counted) if place.group != "capture"]
     there = [place for place in there if np.isfinite(place.of(cells[0])).any()]
     many = {name: sum(place.group == name for place in there) for name in {place.group for place in there}}
-    out = []
+    out: list[PlaceGap] = []
     for place in there:
         sums = [by_block([(place.of(square), group[place.rows])], blocks) for square in cells]
         pooled = [Sums(s.square.sum(axis=2, keepdims=True), s.count.sum(axis=2, keepdims=True)) for s in sums]
@@ -133,14 +135,16 @@ def _where(
                 "group": place.group,
                 "name": place.name,
                 "error": [one.rms() for one in pooled],
-                **{key: value for key, value in _plain(found).items() if key in ("value", "low", "high")},
+                "value": found.value,
+                "low": found.low,
+                "high": found.high,
                 "better": None if found.nearer is None else names[found.nearer],
             }
         )
     return sorted(out, key=lambda entry: -abs(entry["value"]))
 
 
-def _plain(found: Difference) -> dict[str, Any]:
+def _plain(found: Difference) -> contents.Difference:
     return {
         "value": found.value,
         "low": found.low,

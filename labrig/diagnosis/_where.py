@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig import contents
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
@@ -84,7 +84,7 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
         yield Place("capture", str(int(c)), rows.capture == c, every_column)
 
 
-def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[dict[str, Any]]:
+def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[contents.Place]:
     """Errors (root mean square, in units) of parts of the campaign, and each part's share of the whole.
 
     `left` (F, K) is measured minus model; `share` is the part of the square beyond the floor that falls in
@@ -93,7 +93,7 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[d
     square = np.where(np.isfinite(left), left, np.nan)[:, counted] ** 2
     floor_square = float(np.mean(floor.row[counted] ** 2))
     excess = float(np.nansum(np.maximum(square - floor_square, -np.inf)))
-    out: list[dict[str, Any]] = []
+    out: list[contents.Place] = []
     for place in places(context, counted):
         part = place.of(square)
         if not np.isfinite(part).any():
@@ -112,7 +112,7 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[d
     return _worst_first(out)
 
 
-def _worst_first(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _worst_first(entries: list[contents.Place]) -> list[contents.Place]:
     out = []
     for group in dict.fromkeys(e["group"] for e in entries):
         own = sorted((e for e in entries if e["group"] == group), key=lambda e: -e["error"])

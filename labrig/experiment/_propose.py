@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.contents import Expected, ProbeRow, ProgrammePoint, Proposed
+from labrig.contents import Expected, ProbeRow, ProgrammePoint, Proposed, Summary
 from labrig.diagnosis import diagnose, prepare, rows_from
 from labrig.effects import Effect, Rows
 from labrig.experiment._plan import Limits, Point, Probe, repeat_labels
@@ -74,7 +74,7 @@ def propose_experiment(
     runs: "Sequence[Dataset] | Dataset",
     model: Model,
     *,
-    summary: Mapping[str, Any] | None = None,
+    summary: Summary | None = None,
     limits: Limits | None = None,
     minutes: float = MINUTES,
     tolerance: float | None = None,
@@ -143,7 +143,7 @@ def _some(rows: Rows) -> Rows:
     return rows.thin(place % every == 0)
 
 
-def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: dict[str, Any]) -> None:
+def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: Summary) -> None:
     """Put the short form of the proposed experiment into the `next_experiment` of an open diagnosis."""
     open_ = summary.get("next_experiment")
     if not open_:
@@ -153,13 +153,15 @@ def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: dict[s
     except LabrigError as error:
         open_["why"] = str(error)
         return
-    kept = ("probe", "separates", "times", "minutes")
-    open_["programme"] = [{k: probe[k] for k in kept} for probe in found["probes"]]
-    open_ |= {k: found[k] for k in ("minutes", "captures", "why")}
+    open_["programme"] = [
+        {"probe": p["probe"], "separates": p["separates"], "times": p["times"], "minutes": p["minutes"]}
+        for p in found["probes"]
+    ]
+    open_["minutes"], open_["captures"], open_["why"] = found["minutes"], found["captures"], found["why"]
 
 
 def _nothing_tells(
-    found: Mapping[str, Any], rivals: Sequence[Rival], effects: Mapping[str, Effect], minutes: float
+    found: Summary, rivals: Sequence[Rival], effects: Mapping[str, Effect], minutes: float
 ) -> LabrigError:
     names = _names(found, rivals)
     hands = "; ".join(f"{h['effect']}: {h['what']}" for h in by_hand(names, effects))
@@ -171,7 +173,7 @@ def _nothing_tells(
 
 
 def _named(
-    problem: Problem, choice: Choice, found: Mapping[str, Any], effects: Mapping[str, Effect], minutes: float
+    problem: Problem, choice: Choice, found: Summary, effects: Mapping[str, Effect], minutes: float
 ) -> Experiment:
     """The experiment for named rivals, with what it is expected to say."""
     points, owner = points_of(choice)
@@ -233,7 +235,7 @@ def _named(
     return _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
 
 
-def _names(found: Mapping[str, Any], rivals: Sequence[Rival]) -> list[str]:
+def _names(found: Summary, rivals: Sequence[Rival]) -> list[str]:
     """All names that a diagnosis leaves open or takes for sure, each once."""
     return list(dict.fromkeys([*found["effects"], *found["rivals"], *(n for r in rivals for n in r.names)]))
 
@@ -247,7 +249,7 @@ def _unnamed(
     problem: Problem,
     choice: Choice,
     gains: Sequence[float],
-    found: Mapping[str, Any],
+    found: Summary,
     effects: Mapping[str, Effect],
 ) -> Experiment:
     """The experiment for an error that has no name yet, or that the data are too few to show."""
@@ -281,7 +283,7 @@ def _experiment(
     choice: Choice,
     points: Sequence[Point],
     owner: Sequence[int],
-    found: Mapping[str, Any],
+    found: Summary,
     names: Sequence[str],
     effects: Mapping[str, Effect],
     probes: list[ProbeRow],

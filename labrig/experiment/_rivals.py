@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.contents import Summary
 from labrig.diagnosis import Candidate, Fit, Regression, fit, forms_of
 from labrig.effects import Context, Effect, Rows, Term, Variant, frame_modes, is_family, join_rows
 
@@ -68,7 +68,7 @@ def same_form(context: Context, effect: Effect, variant: Variant) -> Variant | N
 
 
 def open_rivals(
-    regression: Regression, context: Context, effects: Mapping[str, Effect], summary: Mapping[str, Any]
+    regression: Regression, context: Context, effects: Mapping[str, Effect], summary: Summary
 ) -> list[Rival]:
     """What a diagnosis leaves open, as explanations to tell apart; an empty list where nothing is open."""
     sets = _open_sets(effects, summary)
@@ -81,9 +81,7 @@ def open_rivals(
     return [_rival([found[n] for n in names], p / total) for names, p in able] if len(able) > 1 else []
 
 
-def _open_sets(
-    effects: Mapping[str, Effect], summary: Mapping[str, Any]
-) -> list[tuple[tuple[str, ...], float]]:
+def _open_sets(effects: Mapping[str, Effect], summary: Summary) -> list[tuple[tuple[str, ...], float]]:
     """Sets of effects, each with its probability: what is sure alone, and with each one that is possible beside it.
 
     Where there is only one name, sure or possible, the likeliest other one in its place; a name that is only possible

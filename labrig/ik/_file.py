@@ -4,11 +4,11 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from labrig.ik._batch import Solved
+from labrig.shape_contents import SolvedTarget, UnsolvedTarget
 
 
 def write_solved(solved: Sequence[Solved], model: str | Path, path: Path) -> None:
@@ -19,14 +19,16 @@ def write_solved(solved: Sequence[Solved], model: str | Path, path: Path) -> Non
     partial.replace(path)
 
 
-def _entry(one: Solved) -> dict[str, Any]:
-    entry: dict[str, Any] = {"target": one.job.target}
+def _entry(one: Solved) -> SolvedTarget | UnsolvedTarget:
     if one.result is None:
-        return {**entry, "error": one.error}
-    entry |= one.result.to_dict()
-    entry["measured_mm"] = {
-        key.removesuffix("_mm"): round(value, 4) if np.isfinite(value) else None
-        for key, value in (one.summary or {}).items()
+        return {"target": one.job.target, "error": one.error}
+    entry: SolvedTarget = {
+        "target": one.job.target,
+        **one.result.to_dict(),
+        "measured_mm": {
+            key.removesuffix("_mm"): round(value, 4) if np.isfinite(value) else None
+            for key, value in (one.summary or {}).items()
+        },
     }
     if one.path is not None:
         entry["path"] = {

@@ -9,13 +9,13 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.contents import Distances, Realisation, Registered
 from labrig.ik._batch import MEASURED, solver_of
 from labrig.ik._descent import Pose
 from labrig.ik._evaluate import ShapeModel
 from labrig.ik._models import ShellModel, SurfaceModel
 from labrig.ik._solve import Solver
 from labrig.ik._trial import SETTLE_S, Trial, make_trials
+from labrig.shape_contents import Distances, Realisation, Registered
 from labrig.surface import Mesh, Registration, grid
 
 _COARSE = 23

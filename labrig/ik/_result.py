@@ -8,6 +8,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.ik._gaps import Gap, find_gaps
+from labrig.shape_contents import SolvedShape
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class IkResult:
         """Points (..., 3) of the rig in the target's frame."""
         return (points_mm - self.translation_mm) @ self.rotation
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> SolvedShape:
         """The result as plain values, without the distances point by point."""
         return {
             "pressure_kpa": dict(

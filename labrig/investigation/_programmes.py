@@ -1,11 +1,11 @@
 """What an investigation measures: a first campaign, experiments that settle a doubt, and a fresh programme."""
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
 from labrig.campaign import Procedure
+from labrig.contents import Summary
 from labrig.investigation._work import Work
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def experiment(work: Work, result: "Result", left_min: float) -> Procedure | Non
     return Programme.model_validate({"points": found.programme()})
 
 
-def _asked(work: Work, summary: dict[str, Any]) -> dict[str, Any] | None:
+def _asked(work: Work, summary: Summary) -> Summary | None:
     """The diagnosis that the next programme is to settle; None where one more would be of no use."""
     before = [r for r in work.state.rounds if r["programme"] == "experiment"]
     if _doubted(work, summary):  # its name does not hold: look where least is known
@@ -100,7 +100,7 @@ def _asked(work: Work, summary: dict[str, Any]) -> dict[str, Any] | None:
     return summary
 
 
-def _doubted(work: Work, summary: Mapping[str, Any]) -> bool:
+def _doubted(work: Work, summary: Summary) -> bool:
     """Whether the last round was a confirmation that what is still found did not stand."""
     found = work.state.confirmation
     if found is None or work.state.rounds[-1]["programme"] != "confirmation":

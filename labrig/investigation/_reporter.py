@@ -1,11 +1,11 @@
 """Who is told what an investigation does, while it does it."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from labrig.campaign import Watching
-from labrig.contents import Proposed
+from labrig.contents import Proposed, Summary
 
 if TYPE_CHECKING:
     from labrig.investigation._state import Settings
@@ -20,7 +20,7 @@ class Reporter:
     def round_started(self, number: int, programme: str, minutes: float) -> None:
         """A round begins: `programme` is capture, experiment, confirmation or given; `minutes` are those on the rig."""
 
-    def diagnosed(self, number: int, summary: Mapping[str, Any]) -> None:
+    def diagnosed(self, number: int, summary: Summary) -> None:
         """All runs so far were diagnosed; `summary` is the content of diagnosis.json."""
 
     def proposed(self, summary: Proposed) -> None:
@@ -47,7 +47,7 @@ class Lines(Reporter):
         took = f", {minutes:.1f} min on the rig" if minutes else ""
         self.say(f"round {number}: {programme}{took}")
 
-    def diagnosed(self, number: int, summary: Mapping[str, Any]) -> None:
+    def diagnosed(self, number: int, summary: Summary) -> None:
         """The verdict, and its names."""
         self.say(f"  {summary['verdict']}: {names_in(summary)}")
 
@@ -57,7 +57,7 @@ class Lines(Reporter):
         self.say(f"next: {summary['captures']} captures to separate {separates}: {summary['why']}")
 
 
-def names_in(summary: Mapping[str, Any]) -> str:
+def names_in(summary: Summary) -> str:
     """The effects that a diagnosis names, and those that are possible besides."""
     names = ", ".join(summary["effects"]) or str(summary.get("carried_by") or "no effect")
     return names + (f", or {', '.join(summary['rivals'])}" if summary["rivals"] else "")

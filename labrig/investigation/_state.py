@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from labrig._errors import LabrigError
-from labrig.contents import Confirmation, InvestigationContent, Round
+from labrig.contents import Confirmation, InvestigationContent, InvestigationSettings, Round
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -35,7 +35,7 @@ class Settings:
     runs: tuple[Path, ...] = ()
     rig_file: Path | None = None
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> InvestigationSettings:
         """The settings as plain values."""
         return {
             "rig": self.rig,

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.contents import ProgrammePoint
+from labrig.contents import ProgrammePoint, Summary
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -43,7 +43,7 @@ class Range:
 def propose(
     run: "Dataset",
     model: "Model",
-    summary: dict[str, Any],
+    summary: Summary,
     low_kpa: Sequence[float],
     high_kpa: Sequence[float],
 ) -> list[ProgrammePoint]:

@@ -1,15 +1,15 @@
 """Follows a campaign with a diagnosis: what it looked at, what it decided, and the set-points that follow from it."""
 
-from dataclasses import asdict
 from typing import Any
 
 from labrig.campaign import Actuate, Ask, Note, Record, RigInfo, Step, Steps, Vent
-from labrig.contents import LiveAnswer, ProgrammePoint
+from labrig.contents import ProgrammePoint
 from labrig.live._adapt import Range, first_probe, steps_of
 from labrig.live._look import Look
 from labrig.live._looker import Looker
 from labrig.live._settings import Settings
 from labrig.live._words import look_line
+from labrig.run_contents import Advice, LiveAnswer, LiveQuestion, RangeContent
 
 FIRST = 12
 """Captures before the first look: with fewer nothing can be said."""
@@ -92,7 +92,7 @@ class LiveDiagnosis:
     def _count(self, step: Step, result: Any) -> None:
         self._captures += isinstance(step, Record) and not result.missed
 
-    def _learn(self, content: dict[str, Any]) -> None:
+    def _learn(self, content: Advice) -> None:
         """Take in an answer, a new one or one that was logged: nothing else counts for what follows."""
         if found := content.get("look"):
             self.looks.append(Look.from_dict(found))
@@ -101,13 +101,13 @@ class LiveDiagnosis:
         self._asked_at = max(self._asked_at, int(content.get("asked") or 0))
         self.ended = content.get("stop")
 
-    def advise(self, ask: Ask, spent_s: float) -> dict[str, Any]:
+    def advise(self, ask: Ask, spent_s: float) -> Advice:
         """What is known by now: `look` if there is a new one, `stop` if it is enough, the look as words to `say`."""
-        content: dict[str, Any] = {}
+        content: Advice = {}
         self._take(None if self._looker is None else self._looker.found(), content)
         why = self._why(content, ask, spent_s)
         if why is None and self._looker is not None and self._looker.idle and self._due(ask):
-            self._looker.ask({"captures": ask.captures, **self._wish()})
+            self._looker.ask(self._question(ask))
             content["asked"] = ask.captures
             if self._waits:
                 self._take(self._looker.wait(), content)
@@ -118,28 +118,31 @@ class LiveDiagnosis:
                 content["probability"] = self.rule.at_a_stop(looks[-1])
         return content
 
-    def _wish(self) -> dict[str, Any]:
-        """What is asked beside the look: the next set-points, within the plan's range."""
-        return {} if self._range is None else {"adapt": asdict(self._range)}
+    def _question(self, ask: Ask) -> LiveQuestion:
+        """A look and, within the plan's range, the next set-points."""
+        if self._range is None:
+            return {"captures": ask.captures}
+        adapt: RangeContent = {"low_kpa": self._range.low_kpa, "high_kpa": self._range.high_kpa}
+        return {"captures": ask.captures, "adapt": adapt}
 
     def _due(self, ask: Ask) -> bool:
         new = ask.captures - self._asked_at
         return not self._asked_at or new >= self.settings.every or ask.captures >= self.planned
 
-    def _why(self, content: dict[str, Any], ask: Ask, spent_s: float) -> str | None:
+    def _why(self, content: Advice, ask: Ask, spent_s: float) -> str | None:
         return self.rule.stop(self._looks(content), self.planned - ask.captures, spent_s, ask.captures)
 
-    def _looks(self, content: dict[str, Any]) -> list[Look]:
+    def _looks(self, content: Advice) -> list[Look]:
         return [*self.looks, *([Look.from_dict(content["look"])] if "look" in content else [])]
 
     @staticmethod
-    def _take(found: LiveAnswer | None, content: dict[str, Any]) -> None:
+    def _take(found: LiveAnswer | None, content: Advice) -> None:
         """Add to an answer what the process has found."""
         if found is None:
             return
         if "look" in found:
             look = Look.from_dict(found["look"])
-            content |= {"look": look.to_dict(), "say": look_line(look)}
+            content["look"], content["say"] = look.to_dict(), look_line(look)
         if "points" in found:
             content["points"] = found["points"]
         if "trouble" in found:

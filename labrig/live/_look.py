@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from labrig.contents import LookContent
+from labrig.contents import Errors, Summary
+from labrig.run_contents import LookContent
 
 
 @dataclass(frozen=True)
@@ -66,9 +67,9 @@ class Look:
         )
 
     @classmethod
-    def of(cls, summary: Mapping[str, Any], captures: int, minutes: float) -> "Look":
+    def of(cls, summary: Summary, captures: int, minutes: float) -> "Look":
         """The look of a diagnosis' summary (the content of diagnosis.json)."""
-        error = summary.get("error") or {}
+        error = summary.get("error") or Errors()
         return cls.from_dict(
             {
                 "captures": captures,

@@ -9,9 +9,8 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
-from typing import Any
 
-from labrig.contents import LiveAnswer
+from labrig.run_contents import LiveAnswer, LiveQuestion
 
 LONGEST_S = 300.0
 """A look that takes longer hangs."""
@@ -70,7 +69,7 @@ class Looker:
                 self._answers.put((number, json.loads(line)))
         self._answers.put((number, None))
 
-    def ask(self, question: dict[str, Any]) -> None:
+    def ask(self, question: LiveQuestion) -> None:
         """Ask for a look; the answer comes with `found` or `wait`."""
         if self._process is None or self._process.stdin is None:
             return

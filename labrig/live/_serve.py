@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig.live._look import Look
+from labrig.run_contents import LiveAnswer, RangeContent
 
 if TYPE_CHECKING:
     from labrig.model import Model
@@ -43,7 +44,7 @@ def serve(
         _keep(folder, looks, None, draw)
 
 
-def _look(folder: Path, model: "Model", adapt: dict[str, Any] | None) -> tuple[Look, dict[str, Any]]:
+def _look(folder: Path, model: "Model", adapt: RangeContent | None) -> tuple[Look, LiveAnswer]:
     """Diagnose all that is whole in the log; with the range of a plan to `adapt`, propose what comes next, too."""
     from labrig.diagnosis import diagnose, plain
     from labrig.live._adapt import propose

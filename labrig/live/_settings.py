@@ -1,14 +1,25 @@
 """What a live diagnosis was asked for: kept in run.yaml, so that a resumed run is asked for the same."""
 
 import hashlib
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from labrig._errors import LabrigError
 from labrig.live._rule import Rule
 
 EVERY = 4
+
+
+class Diagnosed(TypedDict, total=False):
+    """What run.yaml keeps of a live diagnosis."""
+
+    model: str
+    every: int
+    until: str
+    budget: str
+    adapt: bool
+    model_sha256: str
 
 
 @dataclass(frozen=True)
@@ -34,14 +45,22 @@ class Settings:
         """What ends the campaign."""
         return Rule.parse(self.until, self.budget)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Diagnosed:
         """Plain values for run.yaml, with the model file's hash."""
-        return {**asdict(self), "model_sha256": sha256_of(Path(self.model))}
+        return {
+            "model": self.model,
+            "every": self.every,
+            "until": self.until,
+            "budget": self.budget,
+            "adapt": self.adapt,
+            "model_sha256": sha256_of(Path(self.model)),
+        }
 
     @classmethod
-    def from_dict(cls, plain: dict[str, Any], where: str) -> "Settings":
+    def from_dict(cls, plain: Diagnosed, where: str) -> "Settings":
         """The inverse of `to_dict`; raises `LabrigError` that names `where` if the model file is another one now."""
-        settings = cls(**{name: value for name, value in plain.items() if name != "model_sha256"})
+        asked: dict[str, Any] = {name: value for name, value in plain.items() if name != "model_sha256"}
+        settings = cls(**asked)
         if sha256_of(Path(settings.model)) != plain.get("model_sha256"):
             raise LabrigError(
                 f"{where}: {settings.model} is no longer the model that this run is diagnosed with; start a new run"

@@ -116,9 +116,9 @@ def gather(mapping: Mapping, parts: Sequence[Part]) -> "Dataset":
 def _dataset(
     mapping: Mapping,
     observables: Sequence[Observable],
-    rows: dict[str, Any],
-    captures: dict[str, Any],
-    events: dict[str, Any],
+    rows: dict[str, np.ndarray],
+    captures: dict[str, np.ndarray],
+    events: dict[str, np.ndarray],
 ) -> "Dataset":
     import xarray as xr
 

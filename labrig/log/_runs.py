@@ -10,6 +10,7 @@ from typing import Any
 from labrig.log._layout import unpack_metadata
 from labrig.log._segments import LoadedSegment, load_segments, read_run_yaml, segment_paths
 from labrig.log._topics import Topic
+from labrig.run_contents import StepResult
 
 
 @dataclass
@@ -75,7 +76,7 @@ def _table_captures(loaded: LoadedSegment) -> int:
     return len(loaded.messages(Topic.CAPTURE).payload) or len(read_blocks(loaded).get("capture_number", ()))
 
 
-def _off_kpa(chambers: Sequence[str], results: list[dict[str, Any]]) -> dict[str, float]:
+def _off_kpa(chambers: Sequence[str], results: list[StepResult]) -> dict[str, float]:
     """The largest difference of what each chamber reached and was asked for, over the captures that count."""
     worst: dict[str, float] = {}
     for values in results:
@@ -89,7 +90,7 @@ def _off_kpa(chambers: Sequence[str], results: list[dict[str, Any]]) -> dict[str
     return worst
 
 
-def _done_steps(loaded: LoadedSegment) -> list[tuple[int, str, dict[str, Any]]]:
+def _done_steps(loaded: LoadedSegment) -> list[tuple[int, str, StepResult]]:
     from labrig_schema.step_pb2 import Step
 
     steps = [Step.FromString(payload) for payload in loaded.messages(Topic.STEP).payload]

@@ -29,6 +29,7 @@ _REQUIRED_COORDS = ("session", "repeat", "event_session", "event_of", "chamber_m
 _ROW_VARIABLES = ("measured", "observed", "covariates", "position_mm")
 _ROW_BY_ROW = 20_000
 """A longer table is written in blocks: viewers plot it no longer, and row by row it would take minutes."""
+_Columns = dict[str, np.ndarray]
 _OWN_ATTRIBUTES = {"run", "run_id", "source", "between_sessions", "units", "warnings"}
 
 
@@ -170,7 +171,7 @@ def _segments(dataset: xr.Dataset) -> np.ndarray:
     return np.full(dataset.sizes["capture"], "")
 
 
-def _columns(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def _columns(dataset: xr.Dataset) -> tuple[_Columns, _Columns, _Columns]:
     """Rows, captures and events of a campaign as the fields of blocks, without the padding."""
     inside = np.arange(dataset.sizes["time"]) < _row_counts(dataset)[:, None]
     names = ("time_s", "hold_s", "settled", *(name for name in _ROW_VARIABLES if name in dataset))

@@ -72,9 +72,9 @@ def _split(groups: list[tuple[dict[str, np.ndarray], int, int]]) -> Iterator[dic
         }
 
 
-def _fields(chunk: dict[str, np.ndarray]) -> dict[str, Any]:
+def _fields(chunk: dict[str, np.ndarray]) -> dict[str, list[Any]]:
     """The fields of one message; texts become numbers of its own list of labels."""
-    out: dict[str, Any] = {}
+    out: dict[str, list[Any]] = {}
     labels: list[str] = []
     for name, values in chunk.items():
         if values.dtype.kind in "OU":

@@ -1,12 +1,13 @@
 """An effect that was fitted elsewhere, carried over to these runs: a prior, what the runs say, and both together."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.contents import CarriedOver, Summary
 from labrig.diagnosis import Opened, Result, drop_of, prepared, rows_from, square_of
 from labrig.effects import Context
 from labrig.model import EffectEntry, FittedOn, Model, Value, as_fitted
@@ -132,23 +133,28 @@ def _result(
     model: Model,
     entries: Sequence[EffectEntry],
     change: Floats,
-    told: dict[str, Any],
+    told: CarriedOver,
 ) -> Result:
     improved = model
     for entry in entries:
         improved = improved.with_effect(entry)
     opened = Opened(list(runs), model)
     before, now = opened.compare(), Opened(list(runs), improved).compare()
-    base, floor = float(before.summary["error"]["model"]), float(before.summary["error"]["floor"])
-    after = float(now.summary["error"]["model"])
+    base, floor = before.summary["error"]["model"], before.summary["error"]["floor"]
+    after = now.summary["error"]["model"]
     regression = opened.ready.regression
     fitted = regression.declared is not None or regression.calibrated is not None
     if len(change) == len(opened.ready.residual) and not fitted:  # else all captures had a part in the values
         after = float(np.sqrt(square_of(regression, regression.residual - regression.lift(change))))
     kept = ("base", "base_everywhere", "error_before")
     fields = now.fields.assign({name: before.fields[name] for name in kept if name in before.fields})
-    summary: dict[str, Any] = {
-        **{name: before.summary[name] for name in ("units", "where", "runs", "model", "floor", "warnings")},
+    summary: Summary = {
+        "units": before.summary["units"],
+        "where": before.summary["where"],
+        "runs": before.summary["runs"],
+        "model": before.summary["model"],
+        "floor": before.summary["floor"],
+        "warnings": before.summary["warnings"],
         "effects": [entry.name for entry in entries],
         "error": {"base": base, "model": after, "floor": floor},
         "drop": drop_of(base, after, floor),
@@ -159,7 +165,7 @@ def _result(
     return Result(summary, fields, steps, [], before.where, improved)
 
 
-def _told(known: Sequence[Prior], carried: Carried) -> dict[str, Any]:
+def _told(known: Sequence[Prior], carried: Carried) -> CarriedOver:
     """What the summary says of the prior: from where, how far off, and every value of prior, runs and both."""
     return {
         "sources": list(dict.fromkeys(file for prior in known for file in prior.sources)),

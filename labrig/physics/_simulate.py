@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 import yaml
@@ -25,6 +25,7 @@ from labrig.physics._shell import Shell, Solution, load_shell
 from labrig.physics._simulations import (
     DATA_FILE,
     SHELL_FILE,
+    Failure,
     Simulations,
     open_simulations,
     write_arrays,
@@ -35,6 +36,14 @@ from labrig.physics._warm_start import LEAST_SHAPES, StartPredictor, nearest_sta
 
 _FIRST_ROUND, _PER_TASK, _LEARN_FROM = 32, 8, 512
 _PARTS, _PLAN = "parts", "plan.npz"
+
+
+class _Asked(TypedDict):
+    """What a folder of simulations was asked for."""
+
+    count: int
+    jacobians: bool
+    seed: int
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,7 @@ def simulate(
     folder that is in use or belongs to other simulations, and if nothing converged.
     """
     folder = Path(folder)
-    asked = {"count": count, "jacobians": jacobians, "seed": seed}
+    asked: _Asked = {"count": count, "jacobians": jacobians, "seed": seed}
     with Executor(workers, cluster) as executor:
         pressure, kind = _plan(shell, folder, asked, resume, executor)
         if (folder / DATA_FILE).is_file():
@@ -78,7 +87,7 @@ def simulate(
 
 
 def _plan(
-    shell: Shell, folder: Path, asked: dict[str, Any], resume: bool, executor: Executor
+    shell: Shell, folder: Path, asked: _Asked, resume: bool, executor: Executor
 ) -> tuple[Floats, list[str]]:
     """The pressures of a folder: made now, or those that it was begun with."""
     if asked["count"] < 2:
@@ -165,11 +174,11 @@ def _shell_of(content: str) -> Shell:
     return load_shell(json.loads(content))
 
 
-def solve_task(task: _Task) -> dict[str, Any]:
+def solve_task(task: _Task) -> dict[str, NDArray[Any]]:
     """Solve the shapes of a task, wherever it runs; arrays by name, `fault` holding what did not converge."""
     shell = _shell_of(task.shell)
     shape = (len(task.number), *shell.spline.count, 3)
-    out: dict[str, Any] = {
+    out: dict[str, NDArray[Any]] = {
         "number": task.number,
         "control_mm": np.full(shape, np.nan),
         "state": np.zeros((len(task.number), shell.coordinates), np.float32),
@@ -221,7 +230,7 @@ def _gather(
     control, residual, cpu = np.full(shape, np.nan), np.full(count, np.nan), np.zeros(count)
     converged = np.zeros(count, bool)
     jacobian = np.full((*shape, pressure.shape[1]), np.nan, np.float32) if jacobians else None
-    failures = []
+    failures: list[Failure] = []
     for path in parts.values():
         with np.load(path, allow_pickle=False) as arrays:
             number = arrays["number"]

@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 from zipfile import BadZipFile
 
 import numpy as np
@@ -15,6 +15,14 @@ from labrig.arrays import Floats
 from labrig.surface import Spline
 
 SHELL_FILE, DATA_FILE, FAILURES_FILE = "shell.yaml", "simulations.npz", "failures.json"
+
+
+class Failure(TypedDict):
+    """A shape that has no solution, and why."""
+
+    number: int
+    pressure_kpa: list[float]
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -72,7 +80,7 @@ def open_simulations(path: str | Path) -> Simulations:
         ) from None
 
 
-def write_simulations(simulations: Simulations, failures: list[dict[str, Any]], folder: Path) -> None:
+def write_simulations(simulations: Simulations, failures: list[Failure], folder: Path) -> None:
     """Write the data and the list of failures, whole or not at all; the shell's file is there already."""
     arrays = {
         name: getattr(simulations, name) for name in Simulations.__dataclass_fields__ if name != "shell"

@@ -7,11 +7,11 @@ from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._running import Reception
 from labrig.rig._config import RigConfig
+from labrig.run_contents import Asking, Facts, VentContent
 
 _ADDRESS = ("port", "host", "file", "class")
 
@@ -21,7 +21,7 @@ class Asked:
     """One such request, among those of the runner: why, and where the answer goes."""
 
     why: str
-    answer: "Future[dict[str, Any]]" = field(default_factory=Future)
+    answer: "Future[VentContent]" = field(default_factory=Future)
 
 
 def link_of(config: RigConfig) -> str:
@@ -39,7 +39,7 @@ def link_of(config: RigConfig) -> str:
 def receive(config: RigConfig, log: Path | None, ask: Callable[[Asked], None]) -> Reception | None:
     """Let others ask this guard for a vent: it is handed to `ask`. None where nobody can be listened to."""
 
-    def answer(request: dict[str, Any]) -> dict[str, Any]:
+    def answer(request: Asking) -> VentContent:
         if request.get("do") != "vent":
             raise LabrigError("a guard is asked for a vent, and nothing else")
         asked = Asked(str(request.get("why") or "somebody who asked for a vent"))
@@ -49,7 +49,11 @@ def receive(config: RigConfig, log: Path | None, ask: Callable[[Asked], None]) -
         except FutureTimeoutError:
             raise LabrigError("the guard did not come to it") from None
 
-    facts = {"link": link_of(config), "rig": config.name, "run": str(log.parent.resolve()) if log else ""}
+    facts: Facts = {
+        "link": link_of(config),
+        "rig": config.name,
+        "run": str(log.parent.resolve()) if log else "",
+    }
     try:
         return Reception("guard", facts, answer)
     except OSError:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.rig._config import RigConfig
+from labrig.rig._guard_words import GuardRequest, Setup
 from labrig_drivers import (
     Channel,
     DeviceError,
@@ -89,7 +90,7 @@ class GuardedPressure:
         self._answers = queue.Queue()
         self._guards_offset_s = self._clock.offset_s
         threading.Thread(target=_read, args=(self._process, self._answers), daemon=True).start()
-        setup = {
+        setup: Setup = {
             "id": 0,
             "rig": self._config.to_dict(),
             "folder": str(self._config.folder.resolve()),
@@ -154,13 +155,13 @@ class GuardedPressure:
             _close_pipes(process)
             self._process = None
 
-    def _call(self, request: dict[str, Any], timeout_s: float = _CALL_S) -> Any:
+    def _call(self, request: GuardRequest, timeout_s: float = _CALL_S) -> Any:
         with self._lock:
             self._number += 1
             self._send({**request, "id": self._number})
             return self._receive(self._number, timeout_s)
 
-    def _send(self, message: dict[str, Any]) -> None:
+    def _send(self, message: GuardRequest | Setup) -> None:
         process = self._process
         if process is None or process.stdin is None:
             raise DeviceError(f"{self.name}: not connected")

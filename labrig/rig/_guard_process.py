@@ -25,6 +25,8 @@ from labrig._errors import LabrigError
 from labrig.rig._asked import Asked, receive
 from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
+from labrig.rig._guard_words import GuardAnswer, GuardRequest, Identified, Setup
+from labrig.run_contents import VentContent
 from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 _RETRY_S = 0.5
@@ -46,7 +48,7 @@ class Guard:
         self.deadline = float("inf")
         self.stopping = False
 
-    def answer(self, request: dict[str, Any]) -> dict[str, Any]:
+    def answer(self, request: GuardRequest) -> GuardAnswer:
         """Carry out one request; an error becomes an answer, too."""
         try:
             return {"value": getattr(self, f"do_{request['do']}")(request)}
@@ -55,28 +57,29 @@ class Guard:
         except Exception as error:
             return {"error": "DeviceError", "message": f"pressure: {type(error).__name__}: {error}"}
 
-    def do_connect(self, _request: dict[str, Any]) -> None:
+    def do_connect(self, _request: GuardRequest) -> None:
         """Open the link."""
         self.device.connect()
 
-    def do_identify(self, _request: dict[str, Any]) -> dict[str, Any]:
+    def do_identify(self, _request: GuardRequest) -> Identified:
         """Who the device is."""
-        return dict(vars(self.device.identify()))
+        who = self.device.identify()
+        return {"name": who.name, "kind": who.kind, "description": who.description, "details": who.details}
 
-    def do_set(self, request: dict[str, Any]) -> None:
+    def do_set(self, request: GuardRequest) -> None:
         """Command set-points, unless the guard has vented on its own since the last vent that was asked for."""
         if self.vented_alone is not None:
             raise DeviceError(f"pressure: {self.vented_alone}")
         self.armed = True
         self.device.set(np.array(request["pressure_kpa"], float))
 
-    def do_samples(self, _request: dict[str, Any]) -> list[Any]:
+    def do_samples(self, _request: GuardRequest) -> list[Any]:
         """Every measurement since the last call; refused after a vent that somebody else asked for."""
         if self.stopped is not None:
             raise DeviceError(f"pressure: {self.stopped}")
         return [[sample.time_s, sample.pressure_kpa.tolist()] for sample in self.device.samples()]
 
-    def do_vent(self, request: dict[str, Any]) -> dict[str, Any]:
+    def do_vent(self, request: GuardRequest) -> VentContent:
         """Vent and confirm."""
         report = self.device.vent(request["timeout_s"])
         self.armed, self.vented_alone, self.stopped = False, None, None
@@ -97,10 +100,10 @@ class Guard:
         self.log(f"vented: {float(np.nanmax(np.abs(report.pressure_kpa))):.2f} kPa at most")
         asked.answer.set_result({"pressure_kpa": report.pressure_kpa.tolist(), "took_s": report.took_s})
 
-    def do_allow(self, request: dict[str, Any]) -> None:
+    def do_allow(self, request: GuardRequest) -> None:
         """Nothing to do: the time allowed is taken from the request itself."""
 
-    def do_close(self, _request: dict[str, Any]) -> None:
+    def do_close(self, _request: GuardRequest) -> None:
         """End; the vent, if one is still due, comes on the way out."""
         self.stopping = True
 
@@ -161,7 +164,7 @@ class Answers:
     def __exit__(self, *_: object) -> None:
         self._busy.clear()
 
-    def say(self, answer: dict[str, Any]) -> None:
+    def say(self, answer: GuardAnswer) -> None:
         """Write a line; raises `OSError` when nobody reads."""
         with self._lock:
             print(json.dumps(answer), file=self._output, flush=True)
@@ -200,7 +203,7 @@ def serve(guard: Guard, requests: "queue.Queue[str | Asked | None]", answers: An
                     guard.vent_for(line)
                 guard.asked.remove(line)
                 continue
-            request = json.loads(line)
+            request: GuardRequest = json.loads(line)
             guard.deadline = time.monotonic() + max(safety.heartbeat_s, request.get("allow_s", 0.0))
             with answers:
                 answer = guard.answer(request)
@@ -232,7 +235,7 @@ def main() -> int:
         number = getattr(signal, name, None)
         if number is not None:
             signal.signal(number, signal.SIG_IGN if name == "SIGINT" else lambda *_: requests.put(None))
-    setup = json.loads(sys.stdin.readline())
+    setup: Setup = json.loads(sys.stdin.readline())
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
     log = Path(setup["log"]) if setup["log"] else None
     try:

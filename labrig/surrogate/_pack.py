@@ -1,7 +1,7 @@
 """Learned models to facts and arrays, and back, checked on the way."""
 
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, NotRequired, TypedDict
 
 import numpy as np
 
@@ -16,6 +16,45 @@ from labrig.surrogate._kernel import Kernel
 from labrig.surrogate._network import Network, NetworkHead
 from labrig.surrogate._warp_heads import FieldHead, FunctionHead, MarkerHead
 from labrig.surrogate._warped import WarpedModel
+
+
+class NetworkFacts(TypedDict):
+    """Of a network: how many layers, and what is between them."""
+
+    layers: int
+    activation: str
+    linear_end: bool
+
+
+class ForwardFacts(TypedDict):
+    """Of a forward model; `head` is as its kind has it, `provenance` as the learner wrote it."""
+
+    chamber_names: list[str]
+    marker_names: list[str]
+    control_points: list[int]
+    degree: int
+    factor: float
+    head: dict[str, Any]
+    provenance: dict[str, Any]
+
+
+class WarpHeadFacts(TypedDict):
+    """Of the head of a warped model."""
+
+    kind: str
+    network: NotRequired[NetworkFacts]
+    slack: NotRequired[float]
+
+
+class WarpedFacts(TypedDict):
+    """Of a warped model."""
+
+    forward: ForwardFacts
+    head: WarpHeadFacts
+    c_per_mm2: float
+    noise_mm: float
+    factor: float
+    provenance: dict[str, Any]
 
 
 class Unpacking:
@@ -61,7 +100,7 @@ class Unpacking:
         raise LabrigError(f"{self._path}: is damaged ({what})")
 
 
-def pack_network(network: Network, arrays: Arrays, prefix: str) -> dict[str, Any]:
+def pack_network(network: Network, arrays: Arrays, prefix: str) -> NetworkFacts:
     """Facts of a network; its arrays are put under the prefix."""
     for index, (weight, bias) in enumerate(network.layers):
         arrays[f"{prefix}weight{index}"], arrays[f"{prefix}bias{index}"] = weight, bias
@@ -101,7 +140,7 @@ def unpack_kernel(part: Unpacking, chambers: int) -> Kernel:
     return Kernel(*values)
 
 
-def pack_forward(model: ForwardModel, arrays: Arrays, prefix: str = "") -> dict[str, Any]:
+def pack_forward(model: ForwardModel, arrays: Arrays, prefix: str = "") -> ForwardFacts:
     """Facts of a forward model; its arrays are put under the prefix."""
     for name in ("low_kpa", "high_kpa", "mean_mm", "spread", "marker_uv"):
         arrays[prefix + name] = getattr(model, name)
@@ -189,11 +228,11 @@ def _unpack_head(
     )
 
 
-def pack_warped(model: WarpedModel, arrays: Arrays) -> dict[str, Any]:
+def pack_warped(model: WarpedModel, arrays: Arrays) -> WarpedFacts:
     """Facts of a warped model; its arrays are put beside them."""
     for name in ("marker_uv", "field_mm", "confidence", "rotation", "translation_mm"):
         arrays[name] = getattr(model, name)
-    head: dict[str, Any] = {"kind": model.head.kind}
+    head: WarpHeadFacts = {"kind": model.head.kind}
     if isinstance(model.head, FieldHead):
         pack_kernel(model.head.kernel, arrays, "head.")
         for name in ("points", "constant", "weights"):

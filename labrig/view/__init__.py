@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from labrig.view._experiment import programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
+    from labrig.view._figures import Figure
     from labrig.view._history_figures import history_pictures
     from labrig.view._history_report import history_headline, history_notes, write_history
     from labrig.view._ik_report import write_ik_report
@@ -44,6 +45,7 @@ _LAZY = {
     "CHAMBER_COLOURS": "_scene",
     "ERROR_SCALE": "_style",
     "STEPS": "_colours",
+    "Figure": "_figures",
     "Skin": "_fields",
     **dict.fromkeys(("capture_words", "cloud", "filled", "residuals", "rms", "skin"), "_fields"),
     "chamber_outlines": "_outlines",
@@ -98,6 +100,7 @@ __all__ = [
     "CHAMBER_COLOURS",
     "ERROR_SCALE",
     "STEPS",
+    "Figure",
     "Lines",
     "LiveView",
     "Note",

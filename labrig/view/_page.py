@@ -3,9 +3,9 @@
 import json
 from collections.abc import Sequence
 from html import escape
-from typing import Any
 
 from labrig.view._explorer_script import LINKED_CAMERAS
+from labrig.view._figures import Figure
 from labrig.view._style import CSS
 
 _CONFIG = {"displayModeBar": False, "responsive": True}
@@ -17,7 +17,7 @@ class Page:
     def __init__(self, title: str) -> None:
         self._title = title
         self._body: list[str] = []
-        self._figures: list[dict[str, Any]] = []
+        self._figures: list[Figure] = []
         self._parts: dict[str, str] = {}
 
     def add(self, markup: str) -> None:
@@ -30,7 +30,7 @@ class Page:
         if about:
             self.add(f'<p class="about">{escape(about)}</p>')
 
-    def plot(self, figure: dict[str, Any]) -> str:
+    def plot(self, figure: Figure) -> str:
         """Register a figure; returns the markup of the place where it will be drawn."""
         self._figures.append(figure)
         height = int(figure["layout"].get("height", 300))

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.contents import summary_of
 from labrig.view._colours import STEPS, error_colours, floor_for_colours, rgb
 from labrig.view._fields import (
     Cloud,
@@ -40,7 +39,7 @@ def write_picture(result: "Result", path: str | Path) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     figure = Figure(figsize=(11, 4.6), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
-    figure.suptitle(note(summary_of(result)).headline, fontsize=15, color=INK, fontweight="bold")
+    figure.suptitle(note(result.summary).headline, fontsize=15, color=INK, fontweight="bold")
     markers = cloud(result.fields)
     columns = figure.add_gridspec(1, 3, width_ratios=(1, 1, 1.15))
     if markers is None:
@@ -55,10 +54,10 @@ def _surfaces(axes: list[Any], markers: Cloud, result: "Result") -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
-    both = has_improved(summary_of(result))
+    both = has_improved(result.summary)
     before, after = markers.before_mm, markers.after_mm
-    floor = floor_for_colours(summary_of(result).get("error", {}).get("floor"), before)
-    new = " + ".join(word(name) for name in added(summary_of(result))) or "the best candidate"
+    floor = floor_for_colours(result.summary.get("error", {}).get("floor"), before)
+    new = " + ".join(word(name) for name in added(result.summary)) or "the best candidate"
     titles = ("the model as it was", f"with {new}") if both else ("the model as it is", "")
     for axis, error, title in zip(axes, (before, after), titles, strict=True):
         axis.set_axis_off()
@@ -71,7 +70,7 @@ def _surfaces(axes: list[Any], markers: Cloud, result: "Result") -> None:
     bar = axes[0].figure.colorbar(scale, ax=axes, shrink=0.7, pad=0.02, aspect=30)
     bar.set_ticks(list(STEPS), labels=[f"{s}" for s in STEPS])
     bar.minorticks_off()
-    units = summary_of(result).get("units", "")
+    units = result.summary.get("units", "")
     bar.set_label(f"error in noise floors of {number(floor)} {units}", color=MUTED)
     bar.outline.set_visible(False)
 
@@ -108,19 +107,19 @@ def _surface(axis: Any, markers: Cloud, error: Floats, floor: float) -> None:
 def _errors(axis: Any, result: "Result") -> None:
     """The error of each capture, before and after, where there is no surface to draw."""
     before, after = residuals(result.fields)
-    both = has_improved(summary_of(result))
+    both = has_improved(result.summary)
     axis.plot(rms(before, axis=1), color=BEFORE, label="before" if both else "error", linewidth=1.2)
     if both:
         axis.plot(rms(after, axis=1), color=AFTER, label="after", linewidth=1.2)
     axis.set_xlabel("capture", color=MUTED)
-    axis.set_ylabel(f"rms error, {summary_of(result).get('units', '')}", color=MUTED)
+    axis.set_ylabel(f"rms error, {result.summary.get('units', '')}", color=MUTED)
     axis.set_ylim(bottom=0)
     axis.legend(frameon=False)
     _plain(axis)
 
 
 def _waterfall(axis: Any, result: "Result") -> None:
-    units = str(summary_of(result).get("units", ""))
+    units = str(result.summary.get("units", ""))
     steps = [(label.removeprefix("+ "), float(value)) for label, value in result.waterfall]
     colours = [{"ceiling": CEILING, "floor": FLOOR}.get(label, AFTER) for label, _ in steps]
     if steps:

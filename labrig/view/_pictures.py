@@ -5,7 +5,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from labrig.arrays import Floats
-from labrig.contents import summary_of
 from labrig.view._colours import floor_for_colours
 from labrig.view._fields import Cloud, cloud, skin
 from labrig.view._figures import FONT, Figure, _layout, fit, over_captures
@@ -25,8 +24,8 @@ def pictures_of(result: "Result") -> dict[str, Callable[[], Figure]]:
     `error` (from the model to the noise), `surface` (and `surface before`, where the model was improved), `fit`,
     `captures`, and `creep` for the signature of creep.
     """
-    units, both = str(summary_of(result).get("units", "")), has_improved(summary_of(result))
-    floor = summary_of(result).get("error", {}).get("floor")
+    units, both = str(result.summary.get("units", "")), has_improved(result.summary)
+    floor = result.summary.get("error", {}).get("floor")
     pictures: dict[str, Callable[[], Figure]] = {"error": partial(error_bars, result.waterfall, units)}
     markers = cloud(result.fields)
     if markers is not None:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.contents import summary_of
 from labrig.view._colours import floor_for_colours, rgb
 from labrig.view._fields import (
     Cloud,
@@ -70,7 +69,7 @@ def draw(recording: "Recording", source: "Result | xr.Dataset") -> None:
 def _draw_result(recording: "Recording", result: "Result") -> None:
     from labrig.view import _rerun
 
-    fields, summary = result.fields, summary_of(result)
+    fields, summary = result.fields, result.summary
     markers = cloud(fields)
     improved = has_improved(summary)
     scenes: list[Any] = []
@@ -140,13 +139,13 @@ def _draw_errors(recording: "Recording", result: "Result", improved: bool) -> An
 
     before, after = residuals(result.fields)
     at = capture_numbers(result.fields)
-    units = str(summary_of(result).get("units", ""))
+    units = str(result.summary.get("units", ""))
     recording.series("/error/before", "before" if improved else "error", rgb(BEFORE), 2.0)
     recording.curve("/error/before", "capture", at, rms(before, axis=1))
     if improved:
         recording.series("/error/after", "after", rgb("#4fa3c1"), 2.0)
         recording.curve("/error/after", "capture", at, rms(after, axis=1))
-    floor = summary_of(result).get("error", {}).get("floor")
+    floor = result.summary.get("error", {}).get("floor")
     if floor is not None:
         recording.series("/error/floor", "noise floor", rgb(FLOOR), 1.0)
         recording.curve("/error/floor", "capture", at[[0, -1]], np.array([floor, floor], dtype=float))
@@ -167,7 +166,7 @@ def _draw_commanded(recording: "Recording", fields: "xr.Dataset") -> Any:
 
 def _verdict(result: "Result") -> str:
     """The verdict as a page of markdown."""
-    words, units = note(summary_of(result)), str(summary_of(result).get("units", ""))
+    words, units = note(result.summary), str(result.summary.get("units", ""))
     lines = [f"# {words.headline}", *filter(None, [words.named, words.why])]
     if words.else_:
         lines += ["### What else could it be?", words.else_]
@@ -181,7 +180,7 @@ def _verdict(result: "Result") -> str:
     )
     lines[-2:] = [table]
     worst = worst_captures(result.fields, 5)
-    after = {w.capture: f" → {number(w.model)}" if has_improved(summary_of(result)) else "" for w in worst}
+    after = {w.capture: f" → {number(w.model)}" if has_improved(result.summary) else "" for w in worst}
     rows = "\n".join(
         f"- capture {w.capture}: {number(w.base)}{after[w.capture]} {units} ({w.where})" for w in worst
     )

@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.contents import Summary, summary_of
+from labrig.contents import Summary
 from labrig.view import _figures
 from labrig.view._colours import floor_for_colours
 from labrig.view._explorer import surface_explorer
@@ -63,24 +63,24 @@ def write_report(result: "Result", folder: str | Path) -> Path:
 
 def report_html(result: "Result") -> str:
     """The report as one string of HTML."""
-    words = note(summary_of(result))
+    words = note(result.summary)
     page = Page(f"labrig: {words.headline}")
     _opening(page, result)
     considered(page, result)
     values(page, result)
     _waterfall(page, result)
-    ranking(page, summary_of(result))
+    ranking(page, result.summary)
     _surface(page, result)
     _where(page, result)
     _signatures(page, result)
     pressures(page, result.fields)
     _captures(page, result)
-    _closing(page, summary_of(result))
+    _closing(page, result.summary)
     return page.html()
 
 
 def _opening(page: Page, result: "Result") -> None:
-    summary, fields = summary_of(result), result.fields
+    summary, fields = result.summary, result.fields
     words = note(summary)
     run = str(fields.attrs.get("run", ""))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
@@ -142,16 +142,16 @@ def _errors(summary: Summary) -> str:
 def _waterfall(page: Page, result: "Result") -> None:
     if len(result.waterfall) < 2:
         return
-    which = "on held-out captures" if fitted_anything(summary_of(result)) else "of the model as it stands"
+    which = "on held-out captures" if fitted_anything(result.summary) else "of the model as it stands"
     page.section(
         "From the model to the noise",
         f"Root-mean-square error {which}. No model can be better than the noise floor.",
     )
-    page.add(waterfall_svg(result.waterfall, str(summary_of(result).get("units", ""))))
+    page.add(waterfall_svg(result.waterfall, str(result.summary.get("units", ""))))
 
 
 def _surface(page: Page, result: "Result") -> None:
-    summary, markers = summary_of(result), cloud(result.fields)
+    summary, markers = result.summary, cloud(result.fields)
     units = str(summary.get("units", ""))
     both = has_improved(summary)
     if markers is None:
@@ -179,10 +179,10 @@ def _where(page: Page, result: "Result") -> None:
     rows = [row for row in result.where if row["group"] in GROUPS and row["error"] == row["error"]]
     if not rows:
         return
-    units, top = str(summary_of(result).get("units", "")), max(float(row["error"]) for row in rows) or 1.0
+    units, top = str(result.summary.get("units", "")), max(float(row["error"]) for row in rows) or 1.0
     page.section(
         "Where it fails",
-        f"Error of the model as it {'was' if has_improved(summary_of(result)) else 'is'}, in {units}, root mean square "
+        f"Error of the model as it {'was' if has_improved(result.summary) else 'is'}, in {units}, root mean square "
         "per coordinate, and its share of what can be explained. "
         "Pale: not significantly above noise.",
     )
@@ -229,12 +229,12 @@ def _signatures(page: Page, result: "Result") -> None:
 
 
 def _captures(page: Page, result: "Result") -> None:
-    units = str(summary_of(result).get("units", ""))
-    worst, both = worst_captures(result.fields), has_improved(summary_of(result))
+    units = str(result.summary.get("units", ""))
+    worst, both = worst_captures(result.fields), has_improved(result.summary)
     if not worst:
         return
     page.section("Capture by capture", "The error of every capture in the order in which they were taken.")
-    floor = summary_of(result).get("error", {}).get("floor")
+    floor = result.summary.get("error", {}).get("floor")
     page.add(page.plot(_figures.over_captures(result.fields, units, floor, both)))
     page.add("<h3>The worst captures</h3>")
     several = len({capture.session for capture in worst}) > 1

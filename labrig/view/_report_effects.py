@@ -3,7 +3,7 @@
 from html import escape
 from typing import TYPE_CHECKING
 
-from labrig.contents import Ranked, Summary, summary_of
+from labrig.contents import Ranked, Summary
 from labrig.view._fields import most_moved_by
 from labrig.view._naming import added, effect_rows
 from labrig.view._page import Page, bar, table
@@ -23,7 +23,7 @@ _ABOUT = (
 
 def considered(page: Page, result: "Result") -> None:
     """Every effect of the library: sure, possible, or not it."""
-    summary = summary_of(result)
+    summary = result.summary
     rows = effect_rows(summary) if summary.get("verdict") and summary.get("effects_considered") else []
     if not rows:
         return

@@ -1,7 +1,5 @@
 """Looking at a surface in space: where its front is, from where to look at it, and the layout of such a picture."""
 
-from typing import Any
-
 import numpy as np
 
 from labrig.arrays import Floats
@@ -11,7 +9,7 @@ _FITS = 1.7  # largest extent beside the geometric mean of all three that a pict
 _THINNEST = 0.04  # that share of its size is what names stand in front of a flat one
 
 
-def scene_layout(camera: Figure, bar: bool) -> dict[str, Any]:
+def scene_layout(camera: Figure, bar: bool) -> Figure:
     """The layout of a picture in space: no axes, true proportions, room for a colour bar."""
     # Nothing of an axis, said part by part: of one that is only invisible plotly still makes the letters.
     off = dict.fromkeys(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.contents import Distances, Realisation
+from labrig.shape_contents import Distances, Realisation
 from labrig.view._ik_report import REPORT_NAME, write_page
 from labrig.view._page import Page, table
 from labrig.view._shape_figures import histogram, signed_map

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from labrig.contents import summary_of
 from labrig.view._naming import added
 from labrig.view._text import give_or_take, listed, number, percent, with_unit, word
 
@@ -34,7 +33,7 @@ def fitted(result: "Result") -> list[Fitted]:
     """The effects that were added, with their values."""
     if result.improved is None:
         return []
-    new = set(added(summary_of(result)))
+    new = set(added(result.summary))
     return [
         Fitted(
             entry.name,

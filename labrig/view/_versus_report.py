@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.contents import PlaceGap, Versus, versus_of
+from labrig.contents import PlaceGap, Versus
 from labrig.view._colours import floor_for_colours
 from labrig.view._explorer import surface_explorer
 from labrig.view._fields import capture_words, cloud, skin
@@ -22,21 +22,21 @@ from labrig.view._versus_figure import differences
 from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
 
 if TYPE_CHECKING:
-    from labrig.diagnosis import Result
+    from labrig.diagnosis import VersusResult
 
 _COLOURS = (BEFORE, AFTER)
 
 
-def write_versus(result: "Result", folder: str | Path) -> Path:
+def write_versus(result: "VersusResult", folder: str | Path) -> Path:
     """Write `report.html` into `folder` (made if it is missing), in one piece, and return its path."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     return write_page(versus_page(result), folder / REPORT_NAME)
 
 
-def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
+def versus_pictures(result: "VersusResult") -> dict[str, Callable[[], Figure]]:
     """What can be drawn of two models: `error`, `fit`, `captures`, a `surface NAME` each, and `where GROUP`."""
-    summary, units, names = versus_of(result), str(versus_of(result)["units"]), _names(versus_of(result))
+    summary, units, names = result.summary, str(result.summary["units"]), _names(result.summary)
     floor = float(summary["error"]["floor"])
     pictures: dict[str, Callable[[], Figure]] = {"error": partial(error_bars, result.waterfall, units)}
     markers = cloud(result.fields)
@@ -51,9 +51,9 @@ def versus_pictures(result: "Result") -> dict[str, Callable[[], Figure]]:
     return pictures
 
 
-def versus_page(result: "Result") -> Page:
+def versus_page(result: "VersusResult") -> Page:
     """The page, figures included."""
-    summary, names = versus_of(result), _names(versus_of(result))
+    summary, names = result.summary, _names(result.summary)
     units = str(summary["units"])
     headline = versus_headline(summary)
     page = Page(f"labrig: {headline}")
@@ -83,8 +83,8 @@ def _by_group(summary: Versus) -> dict[str, list[PlaceGap]]:
     return {group: inside for group, inside in groups.items() if inside}
 
 
-def _opening(page: Page, result: "Result", headline: str) -> None:
-    summary, fields, names = versus_of(result), result.fields, _names(versus_of(result))
+def _opening(page: Page, result: "VersusResult", headline: str) -> None:
+    summary, fields, names = result.summary, result.fields, _names(result.summary)
     units = escape(str(summary["units"]))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
     run = Path(str(fields.attrs.get("run", ""))).name
@@ -109,7 +109,7 @@ def _opening(page: Page, result: "Result", headline: str) -> None:
         page.add(f'<div class="warnings"><h3>Notes</h3>{lines}</div>')
 
 
-def _surface(page: Page, result: "Result", names: tuple[str, str], units: str) -> None:
+def _surface(page: Page, result: "VersusResult", names: tuple[str, str], units: str) -> None:
     markers = cloud(result.fields)
     if markers is None:
         page.section("Measured against predicted", "On the dotted line a model is exact.")
@@ -120,7 +120,7 @@ def _surface(page: Page, result: "Result", names: tuple[str, str], units: str) -
         "The error of each marker over the run, per coordinate, in noise floors, with one scale for both models. Turn "
         "it with the mouse; pick a capture to see its shape.",
     )
-    floor = floor_for_colours(versus_of(result)["error"]["floor"], markers.before_mm)
+    floor = floor_for_colours(result.summary["error"]["floor"], markers.before_mm)
     captures = [capture_words(result.fields, n) for n in range(result.fields.sizes["capture"])]
     surface_explorer(page, markers, skin(markers.rest_mm), floor, units, names, captures, names)
 

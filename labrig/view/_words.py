@@ -1,8 +1,6 @@
 """A verdict in words: what a colleague would write on top of the pictures."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, cast
 
 from labrig.contents import Next, Summary
 from labrig.view._naming import (
@@ -63,9 +61,8 @@ def fitted_anything(summary: Summary) -> bool:
     return "base" in summary.get("error", {})
 
 
-def note(content: Mapping[str, Any]) -> Note:
+def note(summary: Summary) -> Note:
     """Put a diagnosis into words, or a comparison or an improvement, which have no verdict."""
-    summary = cast(Summary, content)
     verdict = str(summary.get("verdict", ""))
     if verdict not in VERDICTS and summary.get("effects"):
         return Note("improved model", _improved(summary), _where(summary), "", AFTER_IMPROVING)
@@ -92,9 +89,8 @@ class Lines:
     unnamed: str = ""
 
 
-def summary_words(content: Mapping[str, Any]) -> Lines:
+def summary_words(summary: Summary) -> Lines:
     """What a command prints about a diagnosis, a comparison or an improvement."""
-    summary = cast(Summary, content)
     words = note(summary)
     if str(summary.get("verdict", "")) not in VERDICTS:
         return Lines(words.headline, words.verdict)

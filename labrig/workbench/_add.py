@@ -8,6 +8,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
+from labrig.contents import Summary
 from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key, opened, trial
@@ -26,7 +27,7 @@ def routes(desk: Desk) -> list[Route]:
 
 def _switches(desk: Desk, request: Request) -> Any:
     pair = pair_of(desk, request.query_params)
-    found = pair.read("diagnosis.json")
+    found = pair.diagnosis()
     text = desk.worker.ask(switches, pair.key, found)
     desk.worker.warm(pair.key)
     return Response(text, media_type="application/json")
@@ -70,7 +71,7 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name in text.split(",") if name))
 
 
-def switches(key: Key, found: dict[str, Any]) -> str:
+def switches(key: Key, found: Summary) -> str:
     """Every effect that could be added, the likeliest first, and the surface that follows; in the worker."""
     own = opened(key)
     library = own.model.library()

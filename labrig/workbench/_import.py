@@ -5,7 +5,7 @@ import re
 import shutil
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import yaml
 from starlette.requests import Request
@@ -15,6 +15,23 @@ from starlette.routing import Route
 from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, failed, says
 from labrig.workbench._desk import OWN, Desk
+
+
+class _Named(TypedDict):
+    """A dropped file: where it is kept, a name for its run, and whether it is a log of labrig's."""
+
+    table: str
+    name: str
+    log: bool
+
+
+class _LookedAt(_Named):
+    """The same with a mapping, the first rows, and remarks."""
+
+    rows: list[list[str]]
+    mapping: str
+    remarks: list[str]
+
 
 MOST_BYTES = 4 * 1024**3
 _SHOWN = 8
@@ -61,9 +78,9 @@ async def _kept(desk: Desk, request: Request) -> Path:
     return path
 
 
-def _looked_at(desk: Desk, path: Path) -> dict[str, Any]:
+def _looked_at(desk: Desk, path: Path) -> _LookedAt:
     """What the page shows of a dropped file: a mapping, the first rows, remarks, a name for the run."""
-    said: dict[str, Any] = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
+    said: _Named = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
     if path.suffix.lower() == ".mcap" and (captures := _captures(path)) is not None:
         remark = f"a log of labrig's with {captures} captures"
         return {**said, "log": True, "rows": [], "mapping": "", "remarks": [remark]}

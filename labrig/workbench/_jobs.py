@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, TypedDict
 
 from labrig._errors import LabrigError
 from labrig.workbench._child import ALIVE, ENDED, PID
@@ -29,6 +29,27 @@ ABOUT, OUTPUT, CANCELLED = "job.json", "output.txt", "cancelled"
 KEPT = 60
 _STARTS_S = 15.0
 _TAIL_BYTES = 20_000
+
+
+class Ended(TypedDict):
+    """How a job ended: the code of its process, and when."""
+
+    code: int
+    ended_s: float
+
+
+class JobFacts(TypedDict):
+    """What pages are told of a job."""
+
+    id: str
+    title: str
+    run: str
+    command: str
+    state: str
+    started_s: float
+    ended_s: float | None
+    last: str
+    lines: list[str]
 
 
 @dataclass(frozen=True)
@@ -52,7 +73,7 @@ class Job:
         return command_line(self.words)
 
     @property
-    def ended(self) -> dict[str, Any] | None:
+    def ended(self) -> Ended | None:
         """`code` and `ended_s`, or None."""
         return _read(self.folder / ENDED)
 
@@ -81,7 +102,7 @@ class Job:
         except OSError:
             return ""
 
-    def facts(self) -> dict[str, Any]:
+    def facts(self) -> JobFacts:
         """What pages are told of it; `usual_s` is for the page's bar, where it is known."""
         ended, lines = self.ended, self.output().rstrip().splitlines()
         return {
@@ -216,7 +237,7 @@ def _job(folder: Path) -> Job | None:
     return Job(folder, tuple(about["words"]), about["title"], about["run"], about["started_s"])
 
 
-def _read(path: Path) -> dict[str, Any] | None:
+def _read(path: Path) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -17,6 +17,7 @@ from labrig.log import RunSummary, summarise
 from labrig.rig import load_rig, runs_on
 from labrig.view import ERROR_SCALE, STEPS, skin
 from labrig.workbench._desk import Desk
+from labrig.workbench._live_error import LiveError
 
 UNWATCHED_S = 20.0
 """A page that is closed asks no more: after this the errors are no longer computed."""
@@ -108,7 +109,7 @@ class Errors:
         self._lock = threading.Lock()
         self._of: dict[tuple[str, str], _Process] = {}
 
-    def of(self, folder: Path, model: Path) -> dict[str, Any]:
+    def of(self, folder: Path, model: Path) -> LiveError:
         """What is known so far; begins to find out where nobody asked before."""
         key = (str(folder), f"{model}@{model.stat().st_mtime_ns}")  # a model that was saved anew is another
         with self._lock:
@@ -131,7 +132,7 @@ class Errors:
 class _Process:
     def __init__(self, folder: Path, model: Path) -> None:
         self._asked = time.monotonic()
-        self._latest: dict[str, Any] = {}
+        self._latest = LiveError()
         self._process = subprocess.Popen(
             [sys.executable, "-m", "labrig.workbench._live_error", str(folder), str(model)],
             stdin=subprocess.PIPE,
@@ -150,7 +151,7 @@ class _Process:
             return
         with suppress(ValueError, OSError):  # closed meanwhile
             for line in self._process.stdout:
-                content = json.loads(line)
+                content: LiveError = json.loads(line)
                 content["captures"] = content.get("captures", [])[-_SENT:]
                 self._latest = content
 
@@ -164,7 +165,7 @@ class _Process:
     def unwatched(self) -> bool:
         return time.monotonic() - self._asked > UNWATCHED_S
 
-    def latest(self) -> dict[str, Any]:
+    def latest(self) -> LiveError:
         self._asked = time.monotonic()
         return self._latest
 

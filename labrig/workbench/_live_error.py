@@ -12,7 +12,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -23,10 +23,37 @@ from labrig.diagnosis import plain
 from labrig.effects import rows_of
 from labrig.log import read_run_yaml
 from labrig.model import Model
+from labrig.run_contents import CaptureContent, NewCaptures, RunStatus
 
 _LOOK_S = 0.5
 _REST = 3.0
 """After a look that took so long it rests three times as long: it never has more than a quarter of a core."""
+
+
+class CaptureError(TypedDict):
+    """The error of a capture: root mean square per coordinate, mm."""
+
+    step: int
+    time_s: float
+    rms: float
+
+
+class LastCapture(TypedDict):
+    """Where the markers of the last capture were and should be, (M, 3) mm."""
+
+    step: int
+    label: str
+    measured_mm: Any
+    predicted_mm: Any
+
+
+class LiveError(TypedDict, total=False):
+    """How far a model is from a run so far, or why that cannot be said."""
+
+    captures: list[CaptureError]
+    rms: float | None
+    last: LastCapture
+    error: str
 
 
 class Watched:
@@ -34,16 +61,18 @@ class Watched:
 
     def __init__(self, note: Note) -> None:
         self.note = note
-        self.about = note.ask("status")
+        self.about: RunStatus = note.ask("status")
         self.start_s = float(read_run_yaml(Path(self.about["folder"])).get("start_s") or 0.0)
-        self.captures: list[dict[str, Any]] = []
+        self.captures: list[CaptureContent] = []
         self.actuations: list[Any] = []
 
     def look(self) -> bool:
         """Ask what is new; whether there is a new capture."""
         before = len(self.captures)
         while True:
-            new = self.note.ask("captures", capture=len(self.captures), actuation=len(self.actuations))
+            new: NewCaptures = self.note.ask(
+                "captures", capture=len(self.captures), actuation=len(self.actuations)
+            )
             self.captures += new["captures"]
             self.actuations += new["actuations"]
             if not new["captures"]:
@@ -89,7 +118,7 @@ class Watched:
         return xr.Dataset(data, coords=coords, attrs=attributes)
 
 
-def errors(watched: Watched, model: Model) -> dict[str, Any]:
+def errors(watched: Watched, model: Model) -> LiveError:
     """The error of every capture so far, and the last one's markers; raises `LabrigError` where the two do not fit."""
     rows = rows_of(watched.dataset())
     context = model.context(rows)

@@ -13,6 +13,7 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig.catalogue import Row, list_runs
+from labrig.contents import Summary
 from labrig.log import run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
@@ -61,11 +62,11 @@ class Pair:
         path = self.results / name
         return self._is_about(path)
 
-    def read(self, name: str) -> dict[str, Any]:
-        """The content of a result file; raises `LabrigError` where there is none of these two."""
-        if not self.has(name):
-            raise LabrigError(f"{self.run_name} has no {name} with {self.model_name} yet")
-        return json.loads((self.results / name).read_text(encoding="utf-8"))
+    def diagnosis(self) -> Summary:
+        """The content of diagnosis.json; raises `LabrigError` where there is none of these two."""
+        if not self.has("diagnosis.json"):
+            raise LabrigError(f"{self.run_name} has no diagnosis.json with {self.model_name} yet")
+        return json.loads((self.results / "diagnosis.json").read_text(encoding="utf-8"))
 
     def _is_about(self, path: Path) -> bool:
         try:

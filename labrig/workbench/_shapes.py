@@ -1,11 +1,12 @@
 """What a page draws of a result: markers and their surface at every capture, or its observables. Plain values."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NotRequired, TypedDict
 
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.view import (
+    Figure,
     capture_words,
     chamber_outlines,
     cloud,
@@ -18,14 +19,54 @@ from labrig.view import (
 )
 
 if TYPE_CHECKING:
-    from labrig.diagnosis import Result
+    from labrig.diagnosis import Result, VersusResult
 
 
 MOST = 600
 """Captures that a page is given shapes of; of more, evenly many and the worst."""
 
 
-def shape_of(result: "Result") -> dict[str, Any] | None:
+Numbers = list[Any]
+"""Numbers in lists as an array has axes, None for what is not one."""
+
+
+class Shape(TypedDict):
+    """A surface at rest, and what moves it."""
+
+    names: list[str]
+    rest: Numbers
+    figure: Figure
+    off: Numbers
+    weight: Numbers
+    ends: Numbers
+    middles: Numbers
+    chambers: list[str]
+
+
+class CaptureErrors(TypedDict):
+    """The errors of every capture and, where there are some, of every marker."""
+
+    error: Numbers
+    error_after: Numbers
+    marker_before: NotRequired[Numbers]
+    marker_after: NotRequired[Numbers]
+
+
+class Captures(CaptureErrors):
+    """What is drawn of every capture; of markers, where each was, should be, and how far that is off."""
+
+    index: list[int]
+    names: list[str]
+    words: list[str]
+    measured: NotRequired[Numbers]
+    seen: NotRequired[Numbers]
+    before: NotRequired[Numbers]
+    after: NotRequired[Numbers]
+    each_before: NotRequired[Numbers]
+    each_after: NotRequired[Numbers]
+
+
+def shape_of(result: "Result | VersusResult") -> Shape | None:
     """The surface as a figure at rest, and what moves it: the skin's weights (V, M), the ends of the chambers' lines.
 
     None where a run has no geometry.
@@ -49,23 +90,27 @@ def shape_of(result: "Result") -> dict[str, Any] | None:
     }
 
 
-def errors_of(result: "Result") -> dict[str, Any]:
+def errors_of(result: "Result") -> CaptureErrors:
     """The errors of every capture and of every marker, before and after: what changes with the effects."""
     before, after = residuals(result.fields)
     markers = cloud(result.fields)
-    content = {"error": short(rms(before, axis=1), 4), "error_after": short(rms(after, axis=1), 4)}
+    content: CaptureErrors = {
+        "error": short(rms(before, axis=1), 4),
+        "error_after": short(rms(after, axis=1), 4),
+    }
     if markers is not None:
-        content |= {"marker_before": short(markers.before_mm, 4), "marker_after": short(markers.after_mm, 4)}
+        content["marker_before"] = short(markers.before_mm, 4)
+        content["marker_after"] = short(markers.after_mm, 4)
     return content
 
 
-def captures_of(result: "Result") -> dict[str, Any]:
+def captures_of(result: "Result | VersusResult") -> Captures:
     """Every capture: in words, its error before and after, and of markers where they were and should be."""
     fields = result.fields
     before, after = residuals(fields)
     errors = rms(before, axis=1)
     kept = _kept(errors)
-    content: dict[str, Any] = {
+    content: Captures = {
         "index": kept.tolist(),
         "names": [str(fields["capture"].values[k]) for k in kept],
         "words": [capture_words(fields, int(k)) for k in kept],
@@ -74,16 +119,14 @@ def captures_of(result: "Result") -> dict[str, Any]:
     }
     markers = cloud(fields)
     if markers is not None:
-        content |= {
-            "measured": short(filled(markers.measured_mm, markers.base_mm)[kept]),
-            "seen": np.isfinite(markers.measured_mm[kept]).all(axis=2).tolist(),
-            "before": short(markers.base_mm[kept]),
-            "after": short(markers.model_mm[kept]),
-            "each_before": short(markers.base_error_mm[kept], 4),
-            "each_after": short(markers.model_error_mm[kept], 4),
-            "marker_before": short(markers.before_mm, 4),
-            "marker_after": short(markers.after_mm, 4),
-        }
+        content["measured"] = short(filled(markers.measured_mm, markers.base_mm)[kept])
+        content["seen"] = np.asarray(np.isfinite(markers.measured_mm[kept]).all(axis=2)).tolist()
+        content["before"] = short(markers.base_mm[kept])
+        content["after"] = short(markers.model_mm[kept])
+        content["each_before"] = short(markers.base_error_mm[kept], 4)
+        content["each_after"] = short(markers.model_error_mm[kept], 4)
+        content["marker_before"] = short(markers.before_mm, 4)
+        content["marker_after"] = short(markers.after_mm, 4)
     return content
 
 
@@ -95,7 +138,7 @@ def _kept(errors: Floats) -> np.ndarray:
     return np.unique(np.concatenate([even, worst]))
 
 
-def short(values: Floats, digits: int = 2) -> Any:
+def short(values: Floats, digits: int = 2) -> Numbers:
     """Nested lists of rounded numbers, None for what is not one."""
     rounded = np.round(np.asarray(values, dtype=float), digits).astype(object)
     rounded[~np.isfinite(np.asarray(values, dtype=float))] = None

@@ -7,11 +7,18 @@ import sys
 import threading
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from labrig._errors import LabrigError
 
 _ENDS_S = 3.0
+
+
+class VentPlace(TypedDict):
+    """Where the button's page is, and the key that it asks for."""
+
+    port: int
+    key: str
 
 
 class VentButton:
@@ -20,7 +27,7 @@ class VentButton:
     def __init__(self, rig_file: Path, host: str) -> None:
         self._rig_file, self._host = rig_file, host
         self._lock = threading.Lock()
-        self._place: dict[str, Any] | None = None
+        self._place: VentPlace | None = None
         self._process = self._start()
 
     def _start(self) -> subprocess.Popen[str]:
@@ -40,20 +47,21 @@ class VentButton:
         )
 
     @property
-    def place(self) -> dict[str, Any]:
+    def place(self) -> VentPlace:
         """Its `port` and `key`; waits for the process to begin. Raises `LabrigError` where it cannot."""
         with self._lock:
             if self._process.poll() is not None:
                 self._let_go()
                 self._process, self._place = self._start(), None
-            if self._place is None:
+            place = self._place
+            if place is None:
                 line = self._process.stdout.readline() if self._process.stdout is not None else ""
                 if not line:
                     raise LabrigError(
                         f"the vent button does not start; vent with: labrig rig vent {self._rig_file}"
                     )
-                self._place = json.loads(line)
-            return dict(self._place or {})
+                self._place = place = json.loads(line)
+            return place.copy()
 
     @property
     def pid(self) -> int:

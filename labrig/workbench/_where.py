@@ -1,6 +1,6 @@
 """Where: the error of a marker, a chamber or a region against pressure, direction and time."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,17 @@ from labrig.workbench._run import Pair, pair_of
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Opened
+
+
+class _Panel(TypedDict):
+    """What the residual of a place is drawn against."""
+
+    key: str
+    title: str
+    unit: str
+    varies: bool
+    x: list[float | None]
+    means: list[list[float]]
 
 
 MOST = 1500
@@ -39,7 +50,7 @@ def found_in(pair: Pair) -> tuple[str, ...]:
     """The effects that are sure, and the likeliest of those that are alternatives; none without a diagnosis."""
     if not pair.has("diagnosis.json"):
         return ()
-    found = pair.read("diagnosis.json")
+    found = pair.diagnosis()
     return (*found["effects"], *found["rivals"][:1])
 
 
@@ -67,10 +78,10 @@ def series(key: Key, kind: str, name: str, effects: tuple[str, ...]) -> str:
     turn = context.direction[rows.event, chamber]
     known = np.isfinite(measured)
     panels = [
-        _panel("pressure", f"pressure of {rows.chambers[chamber]}", rows.actuation_unit, pressure),
-        _panel("time in hold", "time in hold", "s", context.elapsed_s),
-        _panel("direction", f"last move of {rows.chambers[chamber]}", "", turn),
-        _panel("time in session", "time in session", "s", context.session_time_s),
+        ("pressure", f"pressure of {rows.chambers[chamber]}", rows.actuation_unit, pressure),
+        ("time in hold", "time in hold", "s", context.elapsed_s),
+        ("direction", f"last move of {rows.chambers[chamber]}", "", turn),
+        ("time in session", "time in session", "s", context.session_time_s),
     ]
     shown = np.flatnonzero(known)
     if len(shown) > MOST:
@@ -87,7 +98,7 @@ def series(key: Key, kind: str, name: str, effects: tuple[str, ...]) -> str:
             "y": _short(measured[shown]),
             "fitted": _short(fitted[shown]) if effects else [],
             "capture": captures,
-            "panels": [_filled(p, measured, fitted, known, shown) for p in panels],
+            "panels": [_panel(*p, measured, fitted, known, shown) for p in panels],
             "places": own.places,
             "chamber": rows.chambers[chamber],
         }
@@ -159,18 +170,27 @@ def _along(left: Floats, pattern: Floats, share: Floats) -> Floats:
     return (np.where(seen, left, 0.0) @ pattern) / np.where(total > 0, total, np.nan)
 
 
-def _panel(key: str, title: str, unit: str, x: Floats) -> dict[str, Any]:
-    return {"key": key, "title": title, "unit": unit, "x": x}
-
-
-def _filled(
-    panel: dict[str, Any], measured: Floats, fitted: Floats, known: NDArray[np.bool_], shown: Any
-) -> dict[str, Any]:
+def _panel(
+    key: str,
+    title: str,
+    unit: str,
+    x: Floats,
+    measured: Floats,
+    fitted: Floats,
+    known: NDArray[np.bool_],
+    shown: NDArray[np.int64],
+) -> _Panel:
     """A panel with its points and the means along it; without those where nothing varies."""
-    x = panel.pop("x")
     varies = bool(np.ptp(x[known]) > 1e-9) if known.any() else False
     means = _means(x[known], measured[known], fitted[known]) if varies else []
-    return {**panel, "varies": varies, "x": _short(x[shown]), "means": means}
+    return {
+        "key": key,
+        "title": title,
+        "unit": unit,
+        "varies": varies,
+        "x": _short(x[shown]),
+        "means": means,
+    }
 
 
 def _means(x: Floats, measured: Floats, fitted: Floats) -> list[list[float]]:

@@ -7,6 +7,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
+from labrig.contents import Summary
 from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key, opened, trial
@@ -27,9 +28,7 @@ def _which(desk: Desk, request: Request) -> Any:
     if not pair.has("diagnosis.json"):
         return {"diagnosed": False, "command": desk.command(_words(desk, pair))}
     desk.worker.warm(pair.key)
-    return Response(
-        desk.worker.ask(cards, pair.key, pair.read("diagnosis.json")), media_type="application/json"
-    )
+    return Response(desk.worker.ask(cards, pair.key, pair.diagnosis()), media_type="application/json")
 
 
 def _start(desk: Desk, request: Request) -> Any:
@@ -43,13 +42,13 @@ def _words(desk: Desk, pair: Pair) -> list[str]:
 
 def _effect(desk: Desk, request: Request) -> Any:
     pair = pair_of(desk, request.query_params)
-    found = pair.read("diagnosis.json")
+    found = pair.diagnosis()
     name = request.query_params.get("effect", "")
     beside = tuple(each for each in found["effects"] if each != name)
     return Response(desk.worker.ask(closer, pair.key, name, beside), media_type="application/json")
 
 
-def cards(key: Key, found: dict[str, Any]) -> str:
+def cards(key: Key, found: Summary) -> str:
     """Every effect that was considered, the surest first, with what the library says of it; in the worker."""
     from labrig.model import Model
     from labrig.view import note
@@ -64,7 +63,7 @@ def cards(key: Key, found: dict[str, Any]) -> str:
         effects.append(
             {
                 **each,
-                "alone": alone.get(each["effect"], {}).get("heldout_error"),
+                "alone": alone[each["effect"]]["heldout_error"] if each["effect"] in alone else None,
                 "meaning": effect.meaning if effect else "",
                 "signature": effect.signature if effect else "",
                 "experiment": effect.experiment if effect else "",

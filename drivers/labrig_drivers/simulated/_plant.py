@@ -2,7 +2,7 @@
 
 import threading
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ from labrig_drivers.simulated._attention import Attention, is_exact
 from labrig_drivers.simulated._calibration import calibrate, reference_programme
 from labrig_drivers.simulated._engine import Engine, seen_positions
 from labrig_drivers.simulated._observer import Observer
-from labrig_drivers.simulated._sealed import checked, reveal
+from labrig_drivers.simulated._sealed import HiddenSetting, checked, reveal
 from labrig_drivers.simulated.hidden import EFFECTS, Body, Hidden, Setting
 
 FLOOR_FRAMES = 20  # frames whose mean makes the noise floor in which amplitudes may be given
@@ -174,7 +174,7 @@ class SimulatedPlant:
         return np.maximum(time_s - self._start_s, 0.0)
 
 
-def make_hidden(hidden: dict[str, Any], surface: Body, max_kpa: Floats, floor_mm: float) -> list[Hidden]:
+def make_hidden(hidden: HiddenSetting, surface: Body, max_kpa: Floats, floor_mm: float) -> list[Hidden]:
     """The effects of a `hidden` setting, each brought to its amplitude over the reference campaign."""
     setting = checked(hidden)
     programme = reference_programme(max_kpa, setting["duration_s"])
@@ -224,7 +224,8 @@ def build_plant(rig: dict, folder: Path) -> SimulatedPlant:
     source = settings.get("hidden")
     hidden: list[Hidden] = []
     if source:
-        content = source if isinstance(source, dict) else reveal(Path(folder) / str(source))
+        given = isinstance(source, dict)
+        content = cast(HiddenSetting, source) if given else reveal(Path(folder) / str(source))
         max_kpa = np.array([channel.max_kpa for channel in channels])
         hidden = make_hidden(content, surface, max_kpa, observer.capture_floor_mm(FLOOR_FRAMES))
     return SimulatedPlant(surface, channels, observer, hidden)

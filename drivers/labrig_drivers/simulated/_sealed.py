@@ -11,7 +11,7 @@ import base64
 import json
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -22,29 +22,45 @@ SEALED_NAME = "sealed.json"
 _MASK = b"labrig keeps this for later"
 
 
-def hide(name: str, seed: int = 0, amplitude: float | None = None, unit: str = "mm") -> dict[str, Any]:
+class HiddenEffect(TypedDict, total=False):
+    """An effect that is hidden, and how large it is."""
+
+    name: str
+    amplitude: float
+
+
+class HiddenSetting(TypedDict, total=False):
+    """What a simulated rig hides; all of it is there once it is `checked`."""
+
+    effects: list[HiddenEffect]
+    unit: str
+    seed: int
+    duration_s: float
+
+
+def hide(name: str, seed: int = 0, amplitude: float | None = None, unit: str = "mm") -> HiddenSetting:
     """The setting that hides one effect, or `nothing`; raises `DeviceError` for a name that does not exist.
 
     Without an amplitude the effect has 1 mm (or one floor) rms; a slipped marker, which is one of many, 0.4.
     """
     size = amplitude if amplitude is not None else (0.4 if name == "marker_slip" else 1.0)
-    effects = [] if name == "nothing" else [{"name": name, "amplitude": size}]
+    effects: list[HiddenEffect] = [] if name == "nothing" else [{"name": name, "amplitude": size}]
     return checked({"effects": effects, "unit": unit, "seed": seed})
 
 
-def choose(seed: int, among: tuple[str, ...] = tuple(LISTED)) -> dict[str, Any]:
+def choose(seed: int, among: tuple[str, ...] = tuple(LISTED)) -> HiddenSetting:
     """One of `among`, or (one time in eight) nothing, as the seed has it."""
     random = np.random.default_rng([seed, 77])
     name = "nothing" if random.random() < 0.125 else among[int(random.integers(len(among)))]
     return hide(name, seed=seed)
 
 
-def checked(hidden: dict[str, Any]) -> dict[str, Any]:
+def checked(hidden: HiddenSetting) -> HiddenSetting:
     """The same setting with its defaults filled in; raises `DeviceError` when it cannot be simulated."""
     unit = hidden.get("unit", "mm")
     if unit not in ("mm", "floors"):
         raise DeviceError(f"simulated: hidden: unit '{unit}' is not known (mm or floors)")
-    effects = []
+    effects: list[HiddenEffect] = []
     for entry in hidden.get("effects", []):
         name = entry.get("name")
         if name not in EFFECTS:
@@ -67,7 +83,7 @@ def _masked(data: bytes) -> bytes:
     return bytes(b ^ _MASK[i % len(_MASK)] for i, b in enumerate(data))
 
 
-def seal(folder: Path, hidden: dict[str, Any]) -> Path:
+def seal(folder: Path, hidden: HiddenSetting) -> Path:
     """Write `sealed.json` into `folder` and return its path."""
     content = zlib.compress(json.dumps(checked(hidden)).encode(), 9)
     path = Path(folder) / SEALED_NAME
@@ -81,7 +97,7 @@ def seal(folder: Path, hidden: dict[str, Any]) -> Path:
     return path
 
 
-def reveal(folder: Path) -> dict[str, Any]:
+def reveal(folder: Path) -> HiddenSetting:
     """What the sealed file in `folder` (or the file itself) hides; raises `DeviceError` if there is none or
     it is damaged.
     """

@@ -3,7 +3,7 @@
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 from labrig_drivers._clock import Clock
 from labrig_drivers._modbus_map import RegisterMapError, load_map
@@ -18,6 +18,31 @@ from labrig_drivers.simulated._wire_plant import SharedPlant, WirePlant
 
 KEPT_SCANS = 20
 PRESSURE_KINDS = ("openpneu", "openpneu-table", "modbus")
+
+
+DeviceSection = dict[str, str | float]
+"""How a rig file names a device: its kind, and what that is reached by."""
+
+
+class ChamberSection(TypedDict):
+    """A chamber as a rig file has it."""
+
+    name: str
+    min_kpa: float
+    max_kpa: float
+    slew_kpa_s: float
+
+
+class TwinFile(TypedDict, total=False):
+    """The content of the rig file that reaches the twins."""
+
+    name: str
+    chambers: list[ChamberSection]
+    markers: list[str]
+    rest_mm: dict[str, list[float]]
+    pressure: DeviceSection
+    mocap: DeviceSection
+    scanner: DeviceSection
 
 
 @dataclass(frozen=True)
@@ -51,7 +76,7 @@ class TwinRig:
         self._name = name
         self._folder = folder
         self._stack = ExitStack()
-        self.rig: dict[str, Any] = {}
+        self.rig = TwinFile()
         self.listening: dict[str, str] = {}
 
     def __enter__(self) -> "TwinRig":
@@ -64,7 +89,7 @@ class TwinRig:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
-    def _start(self) -> dict[str, Any]:
+    def _start(self) -> TwinFile:
         plant = self.plant
         return {
             "name": self._name,
@@ -87,7 +112,7 @@ class TwinRig:
             "scanner": self._scanner(),
         }
 
-    def _pressure(self) -> dict[str, Any]:
+    def _pressure(self) -> DeviceSection:
         options = self.options
         if options.pressure == "modbus":
             try:
@@ -128,7 +153,7 @@ class TwinRig:
             "boot_s": options.boot_s + 0.2,
         }
 
-    def _mocap(self) -> dict[str, Any]:
+    def _mocap(self) -> DeviceSection:
         options = self.options
         twin = ViconServer(
             self.plant,
@@ -151,7 +176,7 @@ class TwinRig:
             "up": "z",
         }
 
-    def _scanner(self) -> dict[str, Any]:
+    def _scanner(self) -> DeviceSection:
         options = self.options
         folder = self._folder / "scans"
         twin = ArtecTwin(

@@ -1,0 +1,41 @@
+"""What a runner asks its guard, and what the guard answers: a line of JSON each."""
+
+from typing import Any, NotRequired, TypedDict
+
+
+class Setup(TypedDict):
+    """The first line: the rig, where its file lies, the guard's own log, and the clock's offset."""
+
+    id: int
+    rig: dict[str, Any]
+    folder: str
+    log: str | None
+    offset_s: float
+
+
+class GuardRequest(TypedDict):
+    """What to do, and what that needs; `id` is the number of the request."""
+
+    do: str
+    id: NotRequired[int]
+    pressure_kpa: NotRequired[list[float]]
+    timeout_s: NotRequired[float]
+    allow_s: NotRequired[float]
+
+
+class GuardAnswer(TypedDict, total=False):
+    """The value, or the kind of the error and what it says. Without an `id`, a sign that the guard is at work."""
+
+    id: int | None
+    value: Any
+    error: str
+    message: str
+
+
+class Identified(TypedDict):
+    """Who a device is."""
+
+    name: str
+    kind: str
+    description: str
+    details: dict[str, str]
