@@ -14,8 +14,11 @@ demo: .venv/.demo-installed
 # Small matrices: more threads would only wait for each other where the tests share a computer.
 export OMP_NUM_THREADS ?= 1
 
+# One worker more than there are cores: many tests wait for devices, servers and pages.
+WORKERS ?= $(shell $(PYTHON) -c "import os; print(min(4, (os.cpu_count() or 1) + 1))")
+
 test: check .venv/.system-libraries
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 docs: .venv/.all-installed
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict

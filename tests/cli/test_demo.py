@@ -86,15 +86,6 @@ def test_the_tutorial(demo, labrig, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_an_effect_of_the_pressures(tmp_path):
-    """A leak, which the rig is not to mend, is among what is named, alone where nothing else could be it."""
-    assert labrig_in(tmp_path, "demo", "--hide", "leak", "--out", "here").returncode == 0
-    found = json.loads((tmp_path / "here" / "diagnosis.json").read_text())
-    assert found["verdict"] in {"identified", "confounded"}
-    assert "leak" in {*found["effects"], *found["rivals"]}
-
-
-@pytest.mark.slow
 def test_nothing_is_nothing(tmp_path):
     """A rig that hides nothing ends in nothing_missing, the model stays as it is, and an older demo too.
 

@@ -1,17 +1,12 @@
 """A frame that is turned by much: solved exactly, and what the model says of motions is turned with it."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from labrig.bench import draw
-from labrig.bench._files import write_model
 from labrig.diagnosis import compare, diagnose
 from labrig.effects import rows_of
-from labrig.model import Model
 
 AXIS = np.array([0.3, -0.5, 0.81])
 PLACE_MM = np.array([240.0, -60.0, 900.0])
@@ -39,12 +34,12 @@ def test_a_frame_turned_by_much_is_solved_exactly(make_lab, angle_deg: float) ->
     assert left["model"] < 1.3 * left["floor"]
 
 
-def test_what_is_small_beside_the_turn_is_named_after_it(tmp_path: Path) -> None:
+def test_what_is_small_beside_the_turn_is_named_after_it(make_lab) -> None:
     """A leak behind a turn of many floors waits, is announced, and is named once the frame is in the model."""
-    campaign = draw("single", 790003)
-    assert campaign.truth["effects"] == ["leak"]
-    turned = seen_from(campaign.dataset, 25.0)
-    first = diagnose(turned, Model.load(write_model(campaign, tmp_path)))
+    lab = make_lab(captures=40, long_s=(3.0, 4.0, 6.0, 10.0, 20.0, 40.0))
+    left = np.maximum(np.sqrt(lab.u) - 0.04 * lab.hold_s[:, :, None], 0.0) ** 2
+    turned = seen_from(lab.dataset(lab.predict(left) + lab.noise()), 25.0)
+    first = diagnose(turned, lab.model())
     assert first.summary["effects"] == ["frame"]
     assert any("beside frame, nothing that is smaller than" in line for line in first.summary["warnings"])
     assert first.improved is not None
