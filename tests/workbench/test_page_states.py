@@ -1,5 +1,6 @@
 """The workbench in a real browser, with one server for all: jobs, addresses, keys, and what a page shows of them."""
 
+import psutil
 import pytest
 
 from tests.workbench.conftest import served
@@ -31,14 +32,21 @@ def compared(open_page, make_run, request):
     return opened
 
 
-def test_reloading_in_the_middle_of_a_job_loses_nothing(compared):
+def test_reloading_in_the_middle_of_a_job_loses_nothing(compared, bench):
     """A page that is loaded again while a diagnosis runs shows it still running, and then what it found."""
     run, page = compared()
     page.evaluate("run => location.hash = `#/run/${run}/which`", run)
     page.click("[data-start=diagnose]")
     page.wait_for_selector(".empty progress")
+    (job,) = (job for job in bench.desk.jobs.all() if job.state == "running")
+    child = psutil.Process(int((job.folder / "pid").read_text()))
+    processes = [child, *child.children(recursive=True)]
+    for process in processes:  # so that the diagnosis is not done before the page is
+        process.suspend()
     page.reload()
     page.wait_for_selector(".empty progress")
+    for process in processes:
+        process.resume()
     page.wait_for_selector(".effect.sure")
 
 
