@@ -30,6 +30,8 @@ MOST = 60
 BATCH = 4
 HIGHEST = 0.9
 RECORDS = "settle.jsonl"
+WITHIN_MIN = (1, 2, 4)
+"""Minutes of the rig after which strategies are compared: holds of one are shorter than those of another."""
 _HEADING = "## Next experiment"
 _SHORTEST_S, _LONGEST_S = 3.5, 60.0
 
@@ -203,6 +205,7 @@ def settle_rows(records: list[SettleRecord]) -> tuple[list[str], list[list[str]]
         "set-points",
         "campaigns",
         "settled",
+        *(f"within {minutes} min" for minutes in WITHIN_MIN),
         "named wrongly",
         "captures, median",
         "mean",
@@ -218,7 +221,9 @@ def settle_rows(records: list[SettleRecord]) -> tuple[list[str], list[list[str]]
     for strategy in STRATEGIES:
         own = [of[strategy] for of in whole]
         wrong = sum(not r["settled"] and r["verdict"] in {"identified", "multiple"} for r in own)
-        row = [strategy, str(len(own)), str(sum(r["settled"] for r in own)), str(wrong)]
+        row = [strategy, str(len(own)), str(sum(r["settled"] for r in own))]
+        row += [str(sum((r["minutes"] or np.inf) <= most for r in own)) for most in WITHIN_MIN]
+        row.append(str(wrong))
         for key, form in (("captures", ".0f"), ("minutes", ".1f")):
             each = [r[key] if r["settled"] else np.inf for r in own]
             middle = float(np.median(each)) if each else np.inf
@@ -233,9 +238,10 @@ def write_settle(records: list[SettleRecord], path: Path, how: str, most: int = 
     head, rows = settle_rows(records)
     about = (
         "Captures and minutes after which the verdict on a campaign of class `confounded` (one that did not give it "
-        f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most. Medians "
-        "are over all campaigns (not settled: never), means over those that all settled. Adapted: one probe at a time "
-        "of what `labrig next` proposes, proposed anew after each, and even set-points where it proposes nothing. "
+        f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most: what is "
+        "proposed is held shortly, so that as many captures are fewer minutes; within: minutes of the rig. Medians are "
+        "over all campaigns (not settled: never), means over those that all settled. Adapted: one probe at a time of "
+        "what `labrig next` proposes, proposed anew after each, and even set-points where it proposes nothing. "
         "Chosen: its whole programme. Random and even: set-points at random, and Halton points, in holds of 3.5 "
         "to 60 s."
     )
