@@ -2,11 +2,14 @@
 
 from typing import Any
 
+import pytest
+
 CAMERA = "e => e.layout.scene.camera.eye"
 TURN = "e => window.Plotly.relayout(e, {'scene.camera': {...e.layout.scene.camera, eye: {x: 0.4, y: -2, z: 1.1}}})"
 ERRORS = "e => e.data[0].marker.color"
 
 
+@pytest.mark.slow
 def test_before_and_after_are_turned_together(asked: Any, browser: Any) -> None:
     """Two surfaces in one scale of colours; who turns one turns both; a capture is shown by both, at an address."""
     page = browser.new_page(viewport={"width": 1280, "height": 900})

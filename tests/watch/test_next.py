@@ -25,6 +25,7 @@ def test_two_models_on_one_run(asked: Any, until: Any) -> None:
     assert "two models" in content["error"]
 
 
+@pytest.mark.slow
 def test_what_to_measure_next_becomes_a_plan(asked: Any, until: Any) -> None:
     """The programme that `labrig next` finds is shown with its minutes, and can be run as it is."""
     query = "/api/next?run=runs/run&model=better.yaml&minutes=3"

@@ -46,6 +46,7 @@ def _vent_frame(page: Any) -> Any:
     return next(frame for frame in page.frames if "/?theme=" in frame.url)
 
 
+@pytest.mark.slow
 def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -> None:
     """Plan, start, watch, reload in the middle, pause, go on, end: each by a click, and each true of the rig."""
     page.select_option("#procedure", "capture")
@@ -73,6 +74,7 @@ def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -
     assert "the workbench" in summarise(bench.folder / run).state
 
 
+@pytest.mark.slow
 def test_vent_while_the_page_hangs(bench: Any, rig: Any, page: Any, until: Any) -> None:
     """The button is a process of the browser's own: a script of the page that never ends does not reach it."""
     run = _begin(page)
@@ -89,6 +91,7 @@ def test_vent_while_the_page_hangs(bench: Any, rig: Any, page: Any, until: Any) 
     assert "the vent button" in summarise(bench.folder / run).state
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="POSIX only")
 def test_vent_with_the_workbench_stopped(bench: Any, rig: Any, page: Any) -> None:
     """The button asks another server than the page does."""

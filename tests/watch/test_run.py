@@ -47,6 +47,7 @@ def test_only_the_page_that_was_opened_for_the_rig_moves_it(bench: Any) -> None:
     assert not (bench.folder / "first").exists()
 
 
+@pytest.mark.slow
 def test_a_run_is_watched_paused_continued_and_ends(bench: Any, rig: Any, until: Any) -> None:
     """The live state has surface, pressures and step; a pause vents; what is logged in the end is whole."""
     run = bench.start("first", *QUICK)
@@ -77,6 +78,7 @@ def test_end_vents(bench: Any, rig: Any, until: Any) -> None:
     assert "the workbench" in summarise(bench.folder / run).state
 
 
+@pytest.mark.slow
 def test_the_run_goes_on_without_the_workbench(bench: Any, rig: Any, until: Any) -> None:
     """Ctrl-C in the workbench's terminal ends the server; the run goes on, and is found again."""
     from labrig._running import notes

@@ -228,7 +228,7 @@ MANY = settings(max_examples=5, stateful_step_count=8, deadline=None)
 
 TestVicon = ViconMachine.TestCase
 TestVicon.settings = MANY
-TestOpenPneu = OpenPneuMachine.TestCase
+TestOpenPneu = pytest.mark.slow(OpenPneuMachine.TestCase)
 TestOpenPneu.settings = MANY
 TestModbus = ModbusMachine.TestCase
 TestModbus.settings = MANY

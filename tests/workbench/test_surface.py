@@ -69,6 +69,7 @@ PAINTED = """canvas => {
 }"""
 
 
+@pytest.mark.slow
 def test_the_surface_is_drawn_flat_until_plotly_is_there(open_page, make_run):
     """While the drawing library is under way a flat picture of the surface stands in its place, beside the verdict."""
     page = open_page()
