@@ -1,9 +1,10 @@
 """What compare, diagnose and improve give back has in common: errors, where they are, pictures, files."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, cast
 
 from labrig._errors import LabrigError
 from labrig.api._inputs import Place
@@ -31,7 +32,7 @@ def drawn(pictures: "Mapping[str, Callable[[], Any]]", picture: str) -> "Figure"
 
 
 @dataclass(frozen=True, repr=False)
-class Answer(Generic[Found]):
+class Answer(ABC, Generic[Found]):
     """Base of what says something of runs and models.
 
     `error` are root mean squares by name (`model`, `floor`, ...), per coordinate, in `units`; `where` has a row for
@@ -49,13 +50,13 @@ class Answer(Generic[Found]):
     @property
     def error(self) -> dict[str, float]:
         """Root mean square errors by name, in `units`."""
-        errors = self._result.summary["error"]
-        return {name: float(value) for name, value in errors.items() if isinstance(value, float)}
+        errors = cast("dict[str, float | None]", self._result.summary["error"])
+        return {name: float(value) for name, value in errors.items() if value is not None}
 
     @property
+    @abstractmethod
     def where(self) -> "DataFrame":
         """A row for each place, the worst first."""
-        raise NotImplementedError
 
     @property
     def fields(self) -> "Dataset":
@@ -98,19 +99,19 @@ class Answer(Generic[Found]):
         write_json(self._result.summary, folder / f"{self.name}.json")
         return self._write_report(folder)
 
+    @abstractmethod
     def headline(self) -> str:
         """What came out, in one sentence."""
-        raise NotImplementedError
 
     def __repr__(self) -> str:
         errors = ", ".join(f"{name} {value:.3g}" for name, value in self.error.items())
         return f"{type(self).__name__}: {self.headline()}\nerror, {self.units} rms: {errors}"
 
-    def _pictures(self) -> "dict[str, Callable[[], Drawn]]":
-        raise NotImplementedError
+    @abstractmethod
+    def _pictures(self) -> "dict[str, Callable[[], Drawn]]": ...
 
-    def _write_report(self, folder: Path) -> Path:
-        raise NotImplementedError
+    @abstractmethod
+    def _write_report(self, folder: Path) -> Path: ...
 
 
 class ModelAnswer(Answer["Result"]):

@@ -14,6 +14,7 @@ from labrig.diagnosis._design import DECLARED, Design, gram
 _NEGLIGIBLE = 1e-3
 """How little the data may say about a direction of a free pattern, against its prior, for it to be left out."""
 _JITTER = 1e-12
+"""Added to a unit diagonal against rounding; numerical, it decides nothing."""
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 EVEN = (DECLARED, "?place")
 """Free patterns that spread evenly over the observables, wherever the base moves them."""
@@ -151,9 +152,8 @@ class State:
     def _inverse(self) -> tuple[Floats, Floats, float]:
         precision = self.sums.A.copy()
         precision[np.diag_indices_from(precision)] += self.sd**-2.0 + self.sums.grain
-        L, wrong = _POTRF(
-            precision.T, lower=1, overwrite_a=1
-        )  # the transpose: as LAPACK lays it out, without a copy
+        # the transpose is as LAPACK lays it out: nothing is copied
+        L, wrong = _POTRF(precision.T, lower=1, overwrite_a=1)
         if wrong:
             raise np.linalg.LinAlgError("the precision is not positive definite")
         logdet = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(self.sd).sum())
