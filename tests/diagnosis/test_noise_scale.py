@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
 
 from labrig.diagnosis import diagnose
+from labrig.diagnosis._constants import FLOOR_SPREAD
 from labrig.diagnosis._design import by_kind, design_of, has_name
-from labrig.diagnosis._noise_scale import noise_scale, rescaled
+from labrig.diagnosis._noise_scale import _SCALES, _SIZES, _everything, noise_scale, rescaled
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.effects._family import Space, pattern, pressure
@@ -48,3 +51,25 @@ def test_what_nothing_follows_is_unknown(make_lab) -> None:
     summary = diagnose(lab.dataset(values + lab.noise()), lab.model()).summary
     assert summary["verdict"] == "unknown"
     assert summary["unnamed"]["nothing that was recorded"] > 0.5
+
+
+def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
+    """From thin columns the same scale comes as from Gaussian densities with their whole covariance."""
+    lab = make_lab(chambers=1, force=True, captures=150)
+    model, rows = lab.model(), rows_from(lab.dataset(lab.predict(lab.u) + 2.0 * lab.noise()))
+    ready = prepared(rows, model)
+    design = design_of(observe(ready.context, ready.residual, ready.floor), {"leak": model.library()["leak"]})
+    n, r = design.observations.n_captures, design.V.shape[1]
+    columns = _everything(design, n, r)
+    assert columns.shape[0] > np.linalg.matrix_rank(columns)  # some noise lies beside all columns
+    values = (design.observations.values @ design.V)[:n].reshape(-1)
+    few = min(1.0 / np.sqrt(max(design.observations.floor.freedom, 1)), 2 * FLOOR_SPREAD)
+    log = []
+    for scale in _SCALES:
+        each = [
+            multivariate_normal(cov=size**2 * columns @ columns.T + scale**2 * np.eye(n * r)).logpdf(values)
+            for size in _SIZES
+        ]
+        log.append(logsumexp(each) - 0.5 * (np.log(scale) / (few if scale > 1 else FLOOR_SPREAD)) ** 2)
+    p = np.exp(np.array(log) - max(log))
+    assert noise_scale(design) == pytest.approx(np.exp((p * np.log(_SCALES)).sum() / p.sum()), rel=1e-6)

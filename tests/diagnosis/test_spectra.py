@@ -5,6 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from labrig.diagnosis._design import _Layout, directions
+from labrig.diagnosis._observations import observe
+from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._spectra import factor, features_of, prior_of, unlearnt
 from labrig.effects._family import Space, field, pattern, pressure
 
@@ -79,3 +82,29 @@ def test_a_factor_gives_the_covariance_back(seed: int, rank: int) -> None:
     assert L.shape[1] <= rank
     assert pytest.approx(A @ A.T, abs=1e-6) == L @ L.T
     assert factor(np.zeros((3, 3))).shape == (3, 0)
+
+
+@pytest.mark.parametrize("markers", [1, 6])
+def test_pressures_are_whitened_as_pressures(make_lab, markers: int) -> None:
+    """Columns of changes of pressures span with the same weights what the rows of all observables give, one by one."""
+    lab = make_lab(captures=10, markers=markers, repeats=False)
+    model = lab.model()
+    ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), model)
+    observations = observe(ready.context, ready.residual, ready.floor)
+    effects = [model.library()[name] for name in ("hysteresis", "coupling", "regulator")]
+    spaces = [
+        s for e in effects for s in e.family(ready.context) if all(f.kind == "pressure" for f in s.features)
+    ]
+    assert len(spaces) >= 3
+    layout = _Layout(observations, directions(observations, spaces)[0])
+    for space in spaces:
+        raw = layout.raw(space, None)
+        lifted = layout.lift(raw)
+        axes = layout.axes(space, float((raw.astype(float) ** 2).sum()), lifted)
+        quick = layout.columns(space, None)
+        assert axes is not None
+        assert quick is not None
+        slow = lifted @ axes
+        assert quick @ quick.T == pytest.approx(
+            slow @ slow.T, rel=1e-6, abs=1e-6 * np.abs(slow @ slow.T).max()
+        )
