@@ -1,6 +1,5 @@
-"""How many captures it takes to settle a confounded pair: chosen, at random, and spread out evenly."""
+"""How long it takes to settle a confounded pair: with set-points chosen, at random, and spread out evenly."""
 
-import itertools
 import json
 import tempfile
 from collections.abc import Iterator
@@ -14,7 +13,6 @@ from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._judge import is_right
 from labrig.bench._programmes import Plan
-from labrig.bench._report import markdown, write_section
 from labrig.bench.records import SettleRecord, SettleTruth, Settling, WholeTruth
 from labrig.contents import Summary
 
@@ -23,16 +21,16 @@ if TYPE_CHECKING:
 
     from labrig.model import Model
 
-Strategy = Literal["adapted", "chosen", "random", "even"]
-STRATEGIES: tuple[Strategy, ...] = ("adapted", "chosen", "random", "even")
+Strategy = Literal["adapted", "random", "even"]
+STRATEGIES: tuple[Strategy, ...] = ("adapted", "random", "even")
 
-MOST = 60
+MINUTES = 10.0
+"""Minutes of the rig after which a campaign is given up: holds of one strategy are shorter than those of another."""
 BATCH = 4
 HIGHEST = 0.9
 RECORDS = "settle.jsonl"
-WITHIN_MIN = (1, 2, 4)
-"""Minutes of the rig after which strategies are compared: holds of one are shorter than those of another."""
-_HEADING = "## Next experiment"
+_DRAWN = 64
+"""Set-points that are drawn at a time, at random or spread evenly."""
 _SHORTEST_S, _LONGEST_S = 3.5, 60.0
 
 
@@ -52,10 +50,10 @@ def unsettled_campaigns(first_seed: int, count: int, most: int = 400) -> Iterato
             yield seed, campaign
 
 
-def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) -> Settling:
+def settle(campaign: Campaign, strategy: Strategy, seed: int, minutes: float = MINUTES) -> Settling:
     """Measure on, `BATCH` captures at a time, until the verdict names what is hidden and nothing else.
 
-    Returns captures and minutes that it took (None if `most` were not enough), and the last verdict.
+    Returns captures and minutes that it took (None if `minutes` of the rig were not enough), and the last verdict.
     """
     from labrig.diagnosis import diagnose
 
@@ -63,8 +61,8 @@ def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) 
         model = _model(campaign, Path(folder))
         summary = diagnose(campaign.dataset, model).summary
         done: list[xr.Dataset] = []
-        taken, minutes = 0, 0.0
-        while taken < most:
+        taken, used = 0, 0.0
+        while used < minutes:
             holds = _holds(strategy, campaign, [campaign.dataset, *done], model, summary, seed, taken)
             if not holds:
                 break
@@ -72,15 +70,15 @@ def settle(campaign: Campaign, strategy: Strategy, seed: int, most: int = MOST) 
                 part = holds[:end]
                 measured = _measured(campaign, part, seed + taken)
                 summary = diagnose([campaign.dataset, *done, measured], model).summary
-                now = taken + len(part)
-                right = _names_it(campaign, summary)
-                if right or now >= most or end >= len(holds):
-                    taken, minutes = now, minutes + sum(hold_s for _, hold_s in part) / 60
+                now = used + sum(hold_s for _, hold_s in part) / 60
+                if now > minutes:
+                    return _answer(summary, strategy, taken, used, settled=False)
+                if _names_it(campaign, summary):
+                    return _answer(summary, strategy, taken + len(part), now, settled=True)
+                if end >= len(holds):
+                    taken, used = taken + len(part), now
                     done.append(measured)
-                    break
-            if _names_it(campaign, summary):
-                return _answer(summary, strategy, taken, minutes, settled=True)
-    return _answer(summary, strategy, taken, minutes, settled=False)
+    return _answer(summary, strategy, taken, used, settled=False)
 
 
 def _names_it(campaign: Campaign, summary: Summary) -> bool:
@@ -113,20 +111,14 @@ def _holds(
     """The next set-points, kPa, and how long each is held, s."""
     from labrig import LabrigError
     from labrig.experiment import propose_experiment
-    from labrig.live import MINUTES
+    from labrig.live import MINUTES as MINUTES_AT_A_TIME
 
-    minutes = MINUTES if strategy == "adapted" else 2 * MINUTES
-    if strategy in ("adapted", "chosen"):
+    if strategy == "adapted":  # as a live campaign does
         try:
-            experiment = propose_experiment(runs, model, summary=summary, minutes=minutes)
+            experiment = propose_experiment(runs, model, summary=summary, minutes=MINUTES_AT_A_TIME)
         except LabrigError:  # it is sure, of something wrong, or sees nothing that would tell
-            return _spread("even", campaign, seed, taken)[:BATCH] if strategy == "adapted" else []
-        holds = [(experiment.limits.actuation(p.share), p.hold_s) for p in experiment.points]
-        if strategy == "chosen":
-            return holds
-        # as a live campaign does: one probe, and then it is looked again
-        first = itertools.takewhile(lambda label: label == experiment.labels[0], experiment.labels)
-        return holds[: len(list(first))]
+            return _spread("even", campaign, seed, taken)[:BATCH]
+        return [(experiment.limits.actuation(p.share), p.hold_s) for p in experiment.points]
     return _spread(strategy, campaign, seed, taken)
 
 
@@ -135,11 +127,11 @@ def _spread(strategy: Strategy, campaign: Campaign, seed: int, taken: int) -> li
     high = campaign.dataset["chamber_max"].values
     random = np.random.default_rng([seed, taken, len(strategy)])
     if strategy == "random":
-        unit = random.random((MOST, len(high) + 1))
+        unit = random.random((_DRAWN, len(high) + 1))
     else:
         from scipy.stats import qmc
 
-        unit = qmc.Halton(len(high) + 1, scramble=True, rng=random).random(MOST)
+        unit = qmc.Halton(len(high) + 1, scramble=True, rng=random).random(_DRAWN)
     hold_s = _SHORTEST_S * (_LONGEST_S / _SHORTEST_S) ** unit[:, -1]
     return [(HIGHEST * high * u[:-1], float(h)) for u, h in zip(unit, hold_s, strict=True)]
 
@@ -158,7 +150,7 @@ def _model(campaign: Campaign, folder: Path) -> "Model":
     return Model.load(write_model(campaign, folder))
 
 
-def run_settle(folder: Path, first_seed: int, count: int, most: int = MOST) -> Iterator[SettleRecord]:
+def run_settle(folder: Path, first_seed: int, count: int, minutes: float = MINUTES) -> Iterator[SettleRecord]:
     """Every strategy on `count` campaigns that leave a doubt; each record is written as it is done, and skipped if
     it is there already."""
     from labrig.diagnosis import plain
@@ -176,7 +168,7 @@ def run_settle(folder: Path, first_seed: int, count: int, most: int = MOST) -> I
                     "design": campaign.truth["design"],
                     "captures": campaign.truth["captures"],
                 }
-                found = settle(campaign, strategy, seed, most)
+                found = settle(campaign, strategy, seed, minutes)
                 record: SettleRecord = {"seed": seed, "truth": truth, **found}
                 file.write(json.dumps(plain(record)) + "\n")
                 file.flush()
@@ -193,56 +185,3 @@ def settle_records(folder: Path) -> list[SettleRecord]:
         except json.JSONDecodeError:
             continue
     return out
-
-
-def settle_rows(records: list[SettleRecord]) -> tuple[list[str], list[list[str]]]:
-    """Head and rows of the table: how many were settled, and captures and minutes that it took.
-
-    Medians are over all campaigns, one that was not settled counting as never; means over those that every
-    strategy settled. A campaign counts once all strategies have tried it.
-    """
-    head = [
-        "set-points",
-        "campaigns",
-        "settled",
-        *(f"within {minutes} min" for minutes in WITHIN_MIN),
-        "named wrongly",
-        "captures, median",
-        "mean",
-        "min, median",
-        "mean",
-    ]
-    by_seed: dict[int, dict[str, SettleRecord]] = {}
-    for record in records:
-        by_seed.setdefault(record["seed"], {})[record["strategy"]] = record
-    whole = [of for of in by_seed.values() if len(of) == len(STRATEGIES)]
-    by_all = [of for of in whole if all(r["settled"] for r in of.values())]
-    rows = []
-    for strategy in STRATEGIES:
-        own = [of[strategy] for of in whole]
-        wrong = sum(not r["settled"] and r["verdict"] in {"identified", "multiple"} for r in own)
-        row = [strategy, str(len(own)), str(sum(r["settled"] for r in own))]
-        row += [str(sum((r["minutes"] or np.inf) <= most for r in own)) for most in WITHIN_MIN]
-        row.append(str(wrong))
-        for key, form in (("captures", ".0f"), ("minutes", ".1f")):
-            each = [r[key] if r["settled"] else np.inf for r in own]
-            middle = float(np.median(each)) if each else np.inf
-            row.append(format(middle, form) if np.isfinite(middle) else "never")
-            row.append(f"{np.mean([of[strategy][key] for of in by_all]):.1f}" if by_all else "")
-        rows.append(row)
-    return head, rows
-
-
-def write_settle(records: list[SettleRecord], path: Path, how: str, most: int = MOST) -> None:
-    """Put the table into a Markdown file under "Next experiment"; the rest of the file stays as it is."""
-    head, rows = settle_rows(records)
-    about = (
-        "Captures and minutes after which the verdict on a campaign of class `confounded` (one that did not give it "
-        f"away by itself) names what is hidden and nothing else, {BATCH} captures at a time, {most} at most: what is "
-        "proposed is held shortly, so that as many captures are fewer minutes; within: minutes of the rig. Medians are "
-        "over all campaigns (not settled: never), means over those that all settled. Adapted: one probe at a time of "
-        "what `labrig next` proposes, proposed anew after each, and even set-points where it proposes nothing. "
-        "Chosen: its whole programme. Random and even: set-points at random, and Halton points, in holds of 3.5 "
-        "to 60 s."
-    )
-    write_section(path, _HEADING, [how, "", about, "", *markdown(head, rows)])

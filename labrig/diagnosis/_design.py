@@ -17,7 +17,7 @@ _MOST_COLUMNS = 64
 _MOST_DIRECTIONS = 24
 _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
-_LEAST_SHARE = 2e-5
+LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _EVEN = 0.2
 _ROWS_COMPARED = 50
@@ -235,7 +235,7 @@ class _Layout:
         if total <= 0:
             return None
         power, U = np.linalg.eigh(gram(W) / total)
-        keep = power > max(self._said(), _LEAST_SHARE * power.sum())
+        keep = power > max(self._said(), LEAST_SHARE * power.sum())
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         return (U[:, keep][:, ::-1] / np.sqrt(total)).astype(self.dtype) if keep.any() else None
 

@@ -51,6 +51,7 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     predictor = model.predictor(rows)
     context = predictor.context(rows)
     declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
+    at_full_rate = context.residual
     if len(rows.capture) > MOST_ROWS:
         keep = np.unique(np.linspace(0, len(rows.capture) - 1, MOST_ROWS).astype(int))
         context = context.thin(keep)
@@ -58,7 +59,7 @@ def prepared(rows: Rows, model: Model) -> Prepared:
         calibrated = None if calibrated is None else calibrated[keep]
     residual, dropped = clean(context)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
-    floor = noise_floor(context, residual, lost)
+    floor = noise_floor(context, residual, lost, at_full_rate)
     return Prepared(context, residual, floor, dropped, declared, calibrated)
 
 

@@ -91,7 +91,7 @@ class Probe:
 
 @dataclass(frozen=True)
 class Planned:
-    """Rows of programmes, each a session of its own; `owner` (F,) is which programme a row belongs to,
+    """Rows of programmes, each with a history of its own; `owner` (F,) is which programme a row belongs to,
     `point` (F,) which of its points."""
 
     rows: Rows
@@ -99,12 +99,10 @@ class Planned:
     point: Any
 
 
-def planned_rows(
-    template: Rows, programmes: Sequence[Sequence[Point]], limits: Limits, idle_s: float = 0.0
-) -> Planned:
+def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: Limits) -> Planned:
     """What the programmes would record, as rows without values, shaped like the run `template`.
 
-    Each is a session of its own, and begins when `idle_s` of it have passed.
+    Each is a session of its own, which begins vented, `START_S` before it.
     """
     event_at: list[float] = []
     event_u: list[Floats] = []
@@ -112,7 +110,7 @@ def planned_rows(
     kept: dict[str, list[Any]] = {n: [] for n in ("u", "capture", "event", "hold", "time", "owner", "point")}
     capture = -1
     for number, points in enumerate(programmes):
-        clock, before = START_S + idle_s, limits.rest
+        clock, before = START_S, limits.rest
         event_at.append(0.0)
         event_u.append(limits.actuation(before))
         event_session.append(number)
@@ -149,6 +147,7 @@ def planned_rows(
         event_time_s=np.array(event_at, float),
         event_session=np.array(event_session, dtype=np.int64),
         sessions=tuple(f"planned {i + 1}" for i in range(len(programmes))),
+        session_keys=(),
         repeat=tuple("" for _ in range(capture + 1)),
         start_s=template.start_s + float(np.nanmax(template.time_s, initial=0.0)) + PAUSE_S,
         covariates={name: _as_before(cov, n) for name, cov in template.covariates.items()},

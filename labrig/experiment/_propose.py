@@ -1,20 +1,21 @@
 """The next experiment: the pressure programme that tells the open explanations apart best per minute."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.contents import Expected, ProbeRow, ProgrammePoint, Proposed, Summary
-from labrig.diagnosis import diagnose, prepare, rows_from
-from labrig.effects import Effect, Rows
+from labrig.diagnosis import Explained, Outlook, Prepared, diagnose, prepared, rows_from
+from labrig.effects import Effect
 from labrig.experiment._plan import Limits, Point, Probe, repeat_labels
 from labrig.experiment._probes import by_hand, canonical, on_few_levels
-from labrig.experiment._rivals import Rival, open_rivals
-from labrig.experiment._score import Judge, Problem, Sums
-from labrig.experiment._search import CHANGES, Choice, points_of, search_programme
+from labrig.experiment._problem import Problem
+from labrig.experiment._rivals import Rival, open_rivals, open_sets
+from labrig.experiment._search import CHANGES, Choice, Chosen, points_of, search_programme
 from labrig.experiment._unknown import in_words, search_unknown
 from labrig.model import Model
 
@@ -25,8 +26,8 @@ MINUTES = 10.0
 MOST_ROWS = 1500
 NAMED = {"identified", "multiple", "confounded"}
 """Verdicts that name something: what is possible beside it is told apart. The others look where least is known."""
-_TOO_LITTLE = 0.25
-"""The share of its goal that some pair must reach, or nothing tells them apart."""
+_TELLS = 2.0
+"""By how much the odds of some pair must be expected to change, or nothing tells them apart."""
 
 
 @dataclass(frozen=True)
@@ -97,8 +98,9 @@ def propose_experiment(
     """
     if not minutes > 0:
         raise LabrigError(f"an experiment of {minutes:g} min: give it some time")
-    rows = _some(rows_from(runs))
-    regression, context, _, _ = prepare(rows, model)
+    rows = rows_from(runs)
+    ready = _some(prepared(rows, model))
+    context = ready.context
     if context.moves and not context.jacobian.any():
         raise LabrigError(
             "the model predicts the same at all pressures: it can't say which programme would tell effects apart; "
@@ -112,13 +114,21 @@ def propose_experiment(
     verdict = str(found["verdict"])
     if verdict == "nothing_missing":
         raise LabrigError("the verdict is nothing_missing: it leaves nothing to settle")
-    rivals = open_rivals(regression, context, effects, found) if verdict in NAMED else []
+    sets = open_sets(effects, found) if verdict in NAMED else []
+    explained = Explained(ready, {n: effects[n] for names, _ in sets for n in names}) if sets else None
+    rivals = tuple(open_rivals(explained, sets)) if explained else ()
     if verdict != "confounded" and verdict in NAMED and not rivals:
+        if len(sets) > 1:
+            beside = " or ".join(sorted({n for names, _ in sets for n in names} - {*found["effects"]}))
+            raise LabrigError(
+                f"the verdict is {verdict} and {beside} may be there beside it: more at once than can be told apart; "
+                "add what is sure to the model (labrig improve), and diagnose again"
+            )
         raise LabrigError(
             f"the verdict is {verdict} and no other effect comes near: there is nothing to settle; check it on a "
             "fresh programme (labrig run capture, with another seed)"
         )
-    problem = Problem(regression, context, model.predictor(rows), rivals, limits)
+    problem = Problem(ready, model.predictor(rows), limits, explained, rivals)
     # what was measured decides where the scattered points fall: proposed again, they fall elsewhere, for a set-point
     # that is visited again and again says no more (see PER_CONDITION of the diagnosis)
     seeds = canonical(context, limits.rest, seed=len(np.unique(rows.capture)))
@@ -134,13 +144,21 @@ def propose_experiment(
     return _unnamed(problem, choice, gains, found, effects)
 
 
-def _some(rows: Rows) -> Rows:
+def _some(ready: Prepared) -> Prepared:
     """Whole captures, evenly spread, of a campaign that is longer than it takes to tell what is open."""
-    every = int(np.ceil(len(rows.capture) / MOST_ROWS))
+    capture = ready.context.rows.capture
+    every = int(np.ceil(len(capture) / MOST_ROWS))
     if every < 2:
-        return rows
-    _, place = np.unique(rows.capture, return_inverse=True)
-    return rows.thin(place % every == 0)
+        return ready
+    _, place = np.unique(capture, return_inverse=True)
+    keep = np.flatnonzero(place % every == 0)
+    return replace(
+        ready,
+        context=ready.context.thin(keep),
+        residual=ready.residual[keep],
+        declared=None if ready.declared is None else ready.declared[keep],
+        calibrated=None if ready.calibrated is None else ready.calibrated[keep],
+    )
 
 
 def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: Summary) -> None:
@@ -173,54 +191,41 @@ def _nothing_tells(
 
 
 def _named(
-    problem: Problem, choice: Choice, found: Summary, effects: Mapping[str, Effect], minutes: float
+    problem: Problem, choice: Chosen, found: Summary, effects: Mapping[str, Effect], minutes: float
 ) -> Experiment:
     """The experiment for named rivals, with what it is expected to say."""
     points, owner = points_of(choice)
-    layout = problem.lay_out([points], by_point=True)
-    judge = Judge(layout, problem.rivals)
-    total = layout.programmes[0]
-    apart = judge.apart(total)
-    goals = np.array([judge.goal(m) for m, _ in judge.pairs])
-    if (apart / goals).max(initial=0.0) < _TOO_LITTLE:
+    behind = problem.log_bayes(choice.together)
+    if behind.max(initial=0.0) < np.log(_TELLS):
         raise _nothing_tells(found, problem.rivals, effects, minutes)
     titles = [r.title for r in problem.rivals]
-    floor = float(np.sqrt(np.mean(problem.regression.floor.row[problem.counted] ** 2)))
-    per_capture = len(points) * problem.regression.residual.shape[1]
-    # the errors of one capture hang together: as many numbers count as there are patterns that stand clear
-    cautious = 0.5 / np.log(10) * problem.regression.n_patterns / problem.regression.residual.shape[1]
     expected: list[Expected] = [
         {
             "true": titles[m],
             "other": titles[n],
-            "apart": floor * float(np.sqrt(a / per_capture)),
-            "floors": float(np.sqrt(a / per_capture)),
-            "log10_bayes": float(cautious * a),
-            "settles": bool(a >= g),
+            "apart": problem.floor * (floors := _floors(each, choice.together)),
+            "floors": floors,
+            "log10_bayes": float(each / np.log(10)),
+            "settles": bool(each >= goal),
         }
-        for (m, n), a, g in zip(judge.pairs, apart, goals, strict=True)
+        for (m, n), each, goal in zip(problem.pairs, behind, problem.goals, strict=True)
     ]
     probes: list[ProbeRow] = []
     for name in dict.fromkeys(p.name for p in choice.probes):
         alike = [i for i, p in enumerate(choice.probes) if p.name == name]
-        own = [layout.points[0][k] for k in range(len(points)) if owner[k] in alike]
-        alone = judge.apart(_sum(own))
-        best = judge.pairs[int(np.argmax(judge.matters * alone))]
-        seconds = sum(choice.times[i] * choice.probes[i].seconds(problem.limits) for i in alike)
+        outlook = reduce(Outlook.beside, [choice.outlooks[i] for i in alike])
+        alone = problem.log_bayes(outlook)
+        best = problem.pairs[int(np.argmax(problem.matters * alone))]
+        typical = float(np.average(alone, weights=problem.matters))
         probes.append(
             {
                 "probe": name,
                 "separates": f"{titles[best[0]]} from {titles[best[1]]}",
                 "shows": choice.probes[alike[0]].separates,
-                "times": sum(choice.times[i] for i in alike),
-                "minutes": seconds / 60,
-                "floors": float(
-                    np.sqrt(
-                        np.average(alone, weights=judge.matters)
-                        / (len(own) * problem.regression.residual.shape[1])
-                    )
-                ),
-                "log10_bayes": float(cautious * np.average(alone, weights=judge.matters)),
+                "times": len(alike),
+                "minutes": sum(choice.probes[i].seconds(problem.limits) for i in alike) / 60,
+                "floors": _floors(typical, outlook),
+                "log10_bayes": typical / float(np.log(10)),
             }
         )
     names = _names(found, problem.rivals)
@@ -233,6 +238,11 @@ def _named(
     )
     warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, minutes)]
     return _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
+
+
+def _floors(log_bayes: float, outlook: Outlook) -> float:
+    """By how many noise floors, root mean square, numbers are off that give a Bayes factor."""
+    return float(np.sqrt(2 * max(log_bayes, 0.0) / (outlook.worth * outlook.numbers)))
 
 
 def _names(found: Summary, rivals: Sequence[Rival]) -> list[str]:
@@ -302,7 +312,7 @@ def _experiment(
         "why": why,
         "probes": sorted(probes, key=lambda p: -p.get("log10_bayes", p.get("nats", 0.0))),
         "expected": expected,
-        "floor": float(np.sqrt(np.mean(problem.regression.floor.row[problem.counted] ** 2))),
+        "floor": problem.floor,
         "by_hand": by_hand(names, effects),
         "warnings": warnings,
     }
@@ -314,10 +324,3 @@ def _experiment(
         limits=problem.limits,
         chambers=rows.chambers,
     )
-
-
-def _sum(parts: Sequence[Sums]) -> Sums:
-    out = parts[0]
-    for part in parts[1:]:
-        out = out + part
-    return out

@@ -12,7 +12,7 @@ from scipy.linalg import cho_factor, cho_solve
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis import STATIC, covariates, kernel
 from labrig.experiment._plan import Probe
-from labrig.experiment._score import Problem
+from labrig.experiment._problem import Problem
 from labrig.experiment._search import Choice
 
 _RIDGE = 0.1

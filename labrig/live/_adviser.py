@@ -97,7 +97,7 @@ class LiveDiagnosis:
         if found := content.get("look"):
             self.looks.append(Look.from_dict(found))
         if "points" in content:
-            self._points = list(content["points"])
+            self._points += content["points"]
         self._asked_at = max(self._asked_at, int(content.get("asked") or 0))
         self.ended = content.get("stop")
 
@@ -107,7 +107,7 @@ class LiveDiagnosis:
         self._take(None if self._looker is None else self._looker.found(), content)
         why = self._why(content, ask, spent_s)
         if why is None and self._looker is not None and self._looker.idle and self._due(ask):
-            self._looker.ask(self._question(ask))
+            self._looker.ask(self._question(ask, len(self._points) + len(content.get("points", ()))))
             content["asked"] = ask.captures
             if self._waits:
                 self._take(self._looker.wait(), content)
@@ -118,9 +118,9 @@ class LiveDiagnosis:
                 content["probability"] = self.rule.at_a_stop(looks[-1])
         return content
 
-    def _question(self, ask: Ask) -> LiveQuestion:
-        """A look and, within the plan's range, the next set-points."""
-        if self._range is None:
+    def _question(self, ask: Ask, left: int) -> LiveQuestion:
+        """A look and, when what was proposed before is nearly done, the next set-points within the plan's range."""
+        if self._range is None or left > self.settings.every:
             return {"captures": ask.captures}
         adapt: RangeContent = {"low_kpa": self._range.low_kpa, "high_kpa": self._range.high_kpa}
         return {"captures": ask.captures, "adapt": adapt}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from labrig import diagnosis, experiment
-from labrig.bench import draw, settle, settle_records, settle_rows, write_settle
+from labrig.bench import compared_rows, draw, settle, settle_records, settle_rows, write_settle
 from labrig.bench._programmes import Plan
 from labrig.experiment import propose_experiment
 
@@ -38,7 +38,7 @@ def test_the_plant_goes_on() -> None:
 def test_captures_are_counted_until_the_verdict_is_right(
     monkeypatch: pytest.MonkeyPatch, right_after: int, settled: bool, captures: int | None
 ) -> None:
-    """A few captures at a time are measured and diagnosed, until what is hidden is named, or as many as are allowed."""
+    """A few captures at a time are measured and diagnosed, until what is hidden is named, or the minutes are used."""
     campaign = next(
         c for c in (draw("confounded", seed) for seed in range(20)) if c.dataset.sizes["chamber"] == 1
     )
@@ -51,7 +51,7 @@ def test_captures_are_counted_until_the_verdict_is_right(
         return SimpleNamespace(summary={**found, "rivals": [] if right else ["leak", "drift"]})
 
     monkeypatch.setattr(diagnosis, "diagnose", diagnosed)
-    record = settle(campaign, "even", 3, most=20)
+    record = settle(campaign, "even", 3, minutes=6.0)
     assert (record["settled"], record["captures"]) == (settled, captures)
     assert record["verdict"] == ("identified" if settled else "confounded")
     assert (record["minutes"] is not None) == settled
@@ -65,7 +65,7 @@ def test_what_is_proposed_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     proposals, measured = [], []
 
     def proposed(runs: list[Any], model: Any, summary: dict[str, Any], minutes: float) -> Any:
-        assert minutes == 10.0
+        assert minutes == 5.0
         proposals.append(propose_experiment(runs, model, summary=summary, minutes=2))
         return proposals[-1]
 
@@ -75,7 +75,7 @@ def test_what_is_proposed_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(diagnosis, "diagnose", diagnosed)
     monkeypatch.setattr(experiment, "propose_experiment", proposed)
-    record = settle(campaign, "chosen", 3, most=8)
+    record = settle(campaign, "adapted", 3, minutes=0.4)
     assert (record["settled"], record["rivals"]) == (False, ["leak", "drift"])
     points = [
         p for each in proposals for p in each.limits.actuation(np.array([p.share for p in each.points]).T[0])
@@ -92,24 +92,35 @@ def test_the_table(tmp_path: Path) -> None:
         verdict = "identified" if captures else "confounded"
         return {
             "seed": seed, "strategy": strategy, "settled": settled, "captures": captures, "minutes": minutes,
-            "verdict": verdict,
+            "verdict": verdict, "truth": {"design": "one_hold" if seed == 3 else "one_level"},
         }  # fmt: skip
 
     records = [
-        *(record(1, s, n) for s, n in (("adapted", 5), ("chosen", 10), ("random", 20), ("even", 30))),
-        *(record(2, s, n) for s, n in (("adapted", 10), ("chosen", 20), ("random", None), ("even", 30))),
-        *(record(3, s, n) for s, n in (("adapted", 20), ("chosen", 40), ("random", None), ("even", 20))),
-        record(4, "chosen", 4),
+        *(record(1, s, n) for s, n in (("adapted", 5), ("random", 20), ("even", 30))),
+        *(record(2, s, n) for s, n in (("adapted", 10), ("random", None), ("even", 30))),
+        *(record(3, s, n) for s, n in (("adapted", 20), ("random", None), ("even", 20))),
+        record(4, "adapted", 4),
     ]
     _, rows = settle_rows(records)
     assert rows == [
         ["adapted", "3", "3", "2", "3", "3", "0", "10", "5.0", "1.0", "0.5"],
-        ["chosen", "3", "3", "1", "2", "3", "0", "20", "10.0", "2.0", "1.0"],
         ["random", "3", "1", "0", "1", "1", "0", "never", "20.0", "never", "2.0"],
         ["even", "3", "3", "0", "1", "3", "0", "30", "30.0", "3.0", "3.0"],
     ]
+    head, rows = compared_rows(records, minutes=10)
+    assert head[2:] == ["median", "mean", "settled by both", "their geometric mean"]
+    assert [row[:2] for row in rows] == [
+        ["random", "3"], ["even", "3"], ["random, one level", "2"], ["even, one level", "2"],
+        ["random, one length of hold", "1"], ["even, one length of hold", "1"],
+    ]  # fmt: skip
+    # not settled counts as 10 min: medians 1 of 10, means 3.5 of 22; both settled one campaign, 0.5 min of 2
+    assert [cell.split()[0] for cell in rows[0][2:]] == ["0.10", "0.16", "1", "0.25"]
+    # 0.5, 1 and 2 min beside 3, 3 and 2
+    assert [cell.split()[0] for cell in rows[1][2:]] == ["0.33", "0.44", "3", "0.38"]
+    assert rows[4][2] == "0.20 (0.20 to 0.20)"
     path = tmp_path / "RESULTS.md"
     write_settle(records, path, "how")
+    assert "| even, one level | 2 |" in path.read_text()
     assert "## Next experiment" in path.read_text()
     assert "| random | 3 | 1 |" in path.read_text()
     assert settle_records(tmp_path) == []

@@ -7,94 +7,24 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError
-from labrig.diagnosis import covariates, diagnose, prepare, rows_from
+from labrig.diagnosis import Explained, covariates, diagnose, prepare, prepared, rows_from
 from labrig.diagnosis._unnamed import unnamed
-from labrig.effects import is_family
-from labrig.experiment import Experiment, Limits, plan_next, propose_experiment
-from labrig.experiment._rivals import open_rivals
+from labrig.experiment import Limits, plan_next, propose_experiment
+from labrig.experiment._rivals import open_rivals, open_sets
 from labrig.experiment._unknown import _covariates_of
 
-ROWS_S = (1.2, 2.0, 3.0, 4.0)
-Values = Callable[[Any], np.ndarray]
-
-
-def leaking(lab: Any) -> np.ndarray:
-    """An orifice: the root of the pressure falls in a straight line."""
-    return lab.predict(np.maximum(np.sqrt(lab.u) - 0.0035 * lab.hold_s[:, :, None], 0.0) ** 2)
-
-
-def creeping(lab: Any) -> np.ndarray:
-    """A power law of time since each change of pressure, superposed (Boltzmann)."""
-    u = lab.u
-    crept = np.zeros_like(u)
-    for i in range(len(u)):
-        last = np.zeros(lab.chambers)
-        for j in range(i + 1):
-            since = lab.event_s[i] - lab.event_s[j] + lab.hold_s[i]
-            crept[i] += (np.maximum(since, 0.0) ** 0.35)[:, None] * (lab.commanded[j] - last)
-            last = lab.commanded[j]
-    return lab.predict(u + 0.006 * crept)
-
-
-def looped(lab: Any) -> np.ndarray:
-    """A Bouc-Wen loop on every pressure."""
-    u, z, last = lab.u, np.zeros(lab.chambers), np.zeros(lab.chambers)
-    for i, way in lab.path(60):
-        for point in way:
-            d = (point - last) / 60.0
-            z = z + d / 0.2 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
-            last = point
-        u[i] -= 4.0 * z
-    return lab.predict(u)
-
-
-def wandering(lab: Any) -> np.ndarray:
-    """The force sensor's zero climbs with the time in session."""
-    return lab.predict(lab.u) + 0.004 * (lab.time_s - lab.event_s[0])[:, :, None]
-
-
-def one_level(make_lab: Any, **settings: Any) -> Any:
-    """One set of pressures, on and off: two states in all."""
-    lab = make_lab(chambers=2, markers=4, captures=40, rows_s=ROWS_S, repeats=False, **settings)
-    lab.commanded[:] = np.where(np.arange(40)[:, None] % 2 == 0, [42.0, 36.0], 0.0)
-    lab.label[:] = ["on" if i % 2 == 0 else "off" for i in range(40)]
-    return lab
-
-
-def measured(lab: Any, experiment: Experiment, values: Values, seed: int = 5) -> Any:
-    """What the same rig shows under the proposed programme, as another run."""
-    from dataclasses import replace
-
-    points = experiment.points
-    holds = [tuple(h for h in np.geomspace(1.2, p.hold_s, 4 if p.hold_s < 8 else 8)) for p in points]
-    other = replace(lab, captures=len(points), rows_s=ROWS_S, long_s=(), seed=seed, repeats=False)
-    other.commanded = np.array([experiment.limits.actuation(p.share) for p in points])
-    other.label = list(experiment.repeats)
-    other.session = np.zeros(len(points), dtype=int)
-    other.hold_s = np.full((len(points), max(map(len, holds))), np.nan)
-    for i, rows in enumerate(holds):
-        other.hold_s[i, : len(rows)] = rows
-    other.event_s = np.concatenate([[0.0], np.cumsum([p.hold_s + 0.6 for p in points])[:-1]])
-    other.time_s = other.hold_s + other.event_s[:, None]
-    return other.dataset(values(other) + other.noise(0.05, 0.1))
-
-
-def open_between(*names: str, **more: Any) -> dict[str, Any]:
-    """A diagnosis that leaves open which of these acts, each as likely."""
-    return {"verdict": "confounded", "effects": [], "rivals": list(names), "effects_considered": [], **more}
-
-
-def probabilities(summary: dict[str, Any]) -> dict[str, float]:
-    """What a diagnosis thinks of each effect."""
-    return {c["effect"]: c["probability"] for c in summary["effects_considered"]}
-
-
-def long_holds(make_lab: Any) -> Any:
-    """The same of one force, each level held for half a minute."""
-    rows = tuple(np.geomspace(1.2, 30.0, 8))
-    lab = make_lab(chambers=1, force=True, captures=16, rows_s=rows, repeats=False)
-    lab.commanded[:] = np.where(np.arange(16)[:, None] % 2 == 0, 45.0, 0.0)
-    return lab
+from .conftest import (
+    ROWS_S,
+    Values,
+    leaking,
+    long_holds,
+    looped,
+    measured,
+    one_level,
+    open_between,
+    probabilities,
+    wandering,
+)
 
 
 @pytest.mark.parametrize(
@@ -115,14 +45,6 @@ def test_with_the_experiment_the_right_name_comes_first(
     both = diagnose([run, measured(lab, experiment, values)], model).summary
     assert probabilities(both)[name] > max(probabilities(both)[r] for r in rivals)
     assert not set(rivals) & set(both["effects"])
-
-
-@pytest.fixture
-def doubt(make_lab) -> tuple[Any, Any, dict[str, Any]]:
-    """A run of three chambers, its model, and a diagnosis that leaves three explanations open."""
-    lab = make_lab(captures=30, rows_s=ROWS_S)
-    model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
-    return run, model, open_between("hysteresis", "creep", "friction")
 
 
 def test_what_is_proposed(doubt) -> None:
@@ -164,7 +86,7 @@ def test_what_is_sure_stands_beside_each_that_is_possible(doubt) -> None:
 def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     """Explanations weigh as the diagnosis says; the only name is told from the next one, or at least from none."""
     run, model, _ = doubt
-    regression, context, _, _ = prepare(rows_from(run), model)
+    library = model.library()
 
     def explanations(sure: list[str], **possible: float) -> dict[str, float]:
         calls = [("not it", "possible")[p >= 0.1] for p in possible.values()]
@@ -173,9 +95,12 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
             for (n, p), call in zip(possible.items(), calls, strict=True)
         ]
         rivals = [c["effect"] for c in considered if c["call"] == "possible" and not sure]
-        summary = {"effects": sure, "rivals": rivals, "effects_considered": considered}
-        out = open_rivals(regression, context, model.library(), summary)
-        return {r.title: pytest.approx(r.probability) for r in out}
+        sets = open_sets(library, {"effects": sure, "rivals": rivals, "effects_considered": considered})
+        names = {n for each, _ in sets for n in each}
+        explained = Explained(prepared(rows_from(run), model), {n: library[n] for n in names})
+        rivals = open_rivals(explained, sets)
+        assert all(r.weight.sum() == pytest.approx(1.0) for r in rivals)
+        return {r.title: pytest.approx(r.probability) for r in rivals}
 
     assert explanations([], creep=0.6, friction=0.2) == {"creep": 0.75, "friction": 0.25}
     beside = explanations(["hysteresis"], creep=0.3, leak=0.02)
@@ -184,24 +109,6 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     assert set(explanations([], creep=0.8)) == {"creep", "no effect"}
     assert set(explanations(["hysteresis"], creep=0.02, leak=0.05)) == {"hysteresis", "leak"}
     assert explanations(["hysteresis"], creep=0.002) == {}
-
-
-def test_rivals_are_formulas_where_families_fit_better(make_lab) -> None:
-    """Explanations are told apart by formulas: families, of which several may fit better, do not crowd them out."""
-    lab = make_lab(chambers=3, captures=40, rows_s=ROWS_S)
-    stopped = np.minimum(
-        lab.u, 30.0 + 0.2 * np.maximum(lab.u - 30.0, 0.0) + 3.0 * np.tanh((lab.u - 30.0) / 4)
-    )
-    regression, context, _, _ = prepare(
-        rows_from(lab.dataset(lab.predict(stopped) + lab.noise())), lab.model()
-    )
-    calls = [{"effect": n, "probability": 0.4, "call": "possible"} for n in ("contact", "stiffening")]
-    summary = {"effects": [], "rivals": ["contact", "stiffening"], "effects_considered": calls}
-    rivals = open_rivals(regression, context, lab.model().library(), summary)
-    assert {r.title for r in rivals} == {"contact", "stiffening"}
-    forms = [part.variant.form for r in rivals for form in r.forms for part in form.parts]
-    assert not any(is_family(form) for form in forms)
-    assert min(len(r.forms) for r in rivals) == 4
 
 
 def test_more_time_tells_more(doubt) -> None:
@@ -272,6 +179,20 @@ def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     assert str(caught.value) == "an experiment of 0 min: give it some time"
 
 
+def test_what_may_be_there_beside_three_that_are_sure(doubt) -> None:
+    """More than three effects are not compared at once: the way is to add those that are sure first."""
+    run, model, _ = doubt
+    fourth = [{"effect": "coupling", "probability": 0.3, "call": "possible"}]
+    sure = ["hysteresis", "creep", "friction"]
+    found = open_between(verdict="multiple", effects=sure, effects_considered=fourth)
+    with pytest.raises(LabrigError) as caught:
+        propose_experiment(run, model, summary=found, minutes=4)
+    assert str(caught.value) == (
+        "the verdict is multiple and coupling may be there beside it: more at once than can be told apart; add what is "
+        "sure to the model (labrig improve), and diagnose again"
+    )
+
+
 def test_a_base_that_ignores_the_pressures_is_refused(make_lab) -> None:
     """A model that predicts the same at all pressures can judge no programme: it is said so, with what to do."""
     lab = make_lab(captures=30, rows_s=ROWS_S)
@@ -284,17 +205,30 @@ def test_a_base_that_ignores_the_pressures_is_refused(make_lab) -> None:
 
 
 def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
-    """A shifted frame and a rest shape differ by no pressure: it is said so, with what to do by hand."""
+    """Where there is no time to tell two effects apart it is said so, with what to do by hand."""
     lab = make_lab(captures=40, markers=4)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + 0.8 + lab.noise())
     with pytest.raises(LabrigError) as caught:
-        propose_experiment(run, model, summary=open_between("frame", "rest_shape"))
+        propose_experiment(run, model, summary=open_between("frame", "rest_shape"), minutes=0.1)
     start = (
-        "no programme of 10 min within the rig's limits tells frame and rest_shape apart; by hand: frame: "
+        "no programme of 0.1 min within the rig's limits tells frame and rest_shape apart; by hand: frame: "
     )
     assert str(caught.value).startswith(start)
     assert "register the measuring frame again by three fixed markers" in str(caught.value)
     assert "scan the vented surface once" in str(caught.value)
+
+
+def test_what_says_too_little_is_not_proposed(doubt) -> None:
+    """A programme for which there is time, and after which the odds of a loop's two other names were as before."""
+    run, model, _ = doubt
+    with pytest.raises(LabrigError) as caught:
+        propose_experiment(run, model, summary=open_between("tension", "stiffening"), minutes=0.4)
+    assert str(caught.value) == (
+        "no programme of 0.4 min within the rig's limits tells tension and stiffening apart"
+    )
+    assert propose_experiment(
+        run, model, summary=open_between("hysteresis", "friction"), minutes=0.4
+    ).summary["captures"]
 
 
 def test_the_short_form_in_a_diagnosis(doubt) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError, open_run
-from labrig.campaign import Control, Interrupted, Watching, dry_run, resume, rig_info, run
+from labrig.campaign import Ask, Control, Interrupted, Watching, dry_run, resume, rig_info, run
 from labrig.live import LiveDiagnosis, Range, Settings
 from labrig.rig import RigConfig, connect
 from labrig_drivers import SimulatedClock
@@ -43,7 +43,7 @@ def adviser(config: RigConfig, looker: Any) -> LiveDiagnosis:
 
 
 def test_what_is_proposed_takes_the_place_of_the_plan(config: RigConfig, tmp_path: Path) -> None:
-    """Probes are done whole; a newer proposal replaces what is left of an older; without one it is the plan again."""
+    """A programme is done whole, then that of a newer look; without one it is the plan again."""
     looker = Told(answer)
     with connect(config, SimulatedClock()) as rig:
         run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, looker)))
@@ -54,6 +54,65 @@ def test_what_is_proposed_takes_the_place_of_the_plan(config: RigConfig, tmp_pat
     assert made[12:18, 0].tolist() == [11.0, 22.0, 11.0, 13.0, 17.0, 0.0]
     np.testing.assert_allclose(made[18:], planned[12:18])
     assert looker.asked == [12, 16, 20, 24]
+
+
+def test_a_programme_is_nearly_done_before_another_is_asked_for(config: RigConfig, tmp_path: Path) -> None:
+    """Looks in the middle of a long programme ask for a verdict only; the next programme follows its last point."""
+    long = [
+        *probe("steps", 1.0, 2.0, 3.0, 4.0),
+        *probe("strokes", 5.0, 6.0, 7.0, 8.0),
+        *probe("swing", 9.0, 10.0),
+    ]
+    programmes = {12: long, 16: probe("too early", 60.0), 20: probe("more", 11.0)}
+    questions: list[tuple[int, bool]] = []
+
+    class Asked(Told):
+        def ask(self, question: dict[str, Any]) -> None:
+            super().ask(question)
+            questions.append((question["captures"], "adapt" in question))
+            if "adapt" not in question:
+                self._now = {k: v for k, v in self._now.items() if k != "points"}
+
+    looker = Asked(lambda captures: {**said(captures, 0.5), "points": programmes.get(captures, [])})
+    with connect(config, SimulatedClock()) as rig:
+        run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, looker)))
+    made = open_run(tmp_path / "run")["commanded"].values
+    assert made[12:23, 0].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]
+    assert questions[:3] == [(12, True), (16, False), (20, True)]
+
+
+def test_a_late_answer_is_not_asked_for_twice() -> None:
+    """On a real clock a programme that has just arrived is known when the next look is asked for."""
+
+    class Late:
+        def __init__(self) -> None:
+            self.questions: list[dict[str, Any]] = []
+            self.open: dict[str, Any] | None = None
+
+        @property
+        def idle(self) -> bool:
+            return self.open is None
+
+        def ask(self, question: dict[str, Any]) -> None:
+            self.open = question
+            self.questions.append(question)
+
+        def found(self) -> dict[str, Any] | None:
+            if self.open is None or now < self.open["captures"] + 5:
+                return None
+            question, self.open = self.open, None
+            return {"points": probe("long", *range(1, 21))} if "adapt" in question else {}
+
+        wait = found
+
+    looker = Late()
+    within = Range((0.0,), (60.0,))
+    adviser = LiveDiagnosis(ASKED, 100, looker, waits=False, range_kpa=within)  # type: ignore[arg-type]
+    for now in range(12, 34):
+        adviser._learn(adviser.advise(Ask(now), 0.0))
+        adviser._points = adviser._points[1:]
+    asked = [(q["captures"], "adapt" in q) for q in looker.questions]
+    assert asked[:4] == [(12, True), (17, False), (22, False), (27, False)]
 
 
 def test_the_range_is_that_of_the_plan(config: RigConfig, tmp_path: Path) -> None:

@@ -1,0 +1,303 @@
+"""What each explanation of a campaign expects of captures that were not measured yet, and how surely."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from labrig.arrays import Bools, Floats, Ints
+from labrig.diagnosis._design import DECLARED, LEAST_SHARE, SLOW, Block, Design, design_of
+from labrig.diagnosis._diagnose import observed
+from labrig.diagnosis._evidence import DECLARED_FLOORS, Sums
+from labrig.diagnosis._observations import Counted, Observations, contrasts, observe, worth_of
+from labrig.diagnosis._posterior import Explanation, Raised, Search
+from labrig.diagnosis._problem import Prepared
+from labrig.effects import Context, Effect
+
+_MOST_NUMBERS = 24
+"""Combinations of a programme's numbers that are kept: those in which the explanations differ most."""
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What M explanations expect of d combinations of numbers of unit noise.
+
+    `mean` (M, d), and `factor` (M, d, q): the covariance is factor factor' besides the noise. They stand for so many
+    `numbers`, of `conditions` that the `campaign` did not have.
+    """
+
+    mean: Floats
+    factor: Floats
+    numbers: float
+    conditions: frozenset[int]
+    campaign: Counted
+
+    @property
+    def worth(self) -> float:
+        """What each of the numbers counts for, in a diagnosis of the campaign and of them."""
+        return worth_of(
+            self.campaign.numbers + self.numbers,
+            self.campaign.conditions + len(self.conditions),
+            self.campaign.inexact,
+        )
+
+    def beside(self, other: "Outlook") -> "Outlook":
+        """The numbers of both."""
+        return replace(
+            self,
+            mean=np.concatenate([self.mean, other.mean], axis=1),
+            factor=np.concatenate([self.factor, other.factor], axis=1),
+            numbers=self.numbers + other.numbers,
+            conditions=self.conditions | other.conditions,
+        )
+
+    def condensed(self) -> "Outlook":
+        """The combinations in which the explanations differ most."""
+        apart = (self.mean - self.mean.mean(axis=0)).T
+        Q = basis(np.concatenate([apart, *self.factor], axis=1))
+        return replace(self, mean=self.mean @ Q, factor=Q.T @ self.factor)
+
+
+def basis(Z: Floats) -> Floats:
+    """Orthonormal combinations (d, e) of the rows of Z (d, q) that hold most of it, all where they are few."""
+    if len(Z) <= _MOST_NUMBERS:
+        return np.eye(len(Z))
+    return np.linalg.svd(Z, full_matrices=False)[0][:, :_MOST_NUMBERS]
+
+
+class Explained:
+    """A campaign beside all explanations by some effects, ready to be asked what they expect.
+
+    What is planned counts for as much as it would in the diagnosis: see `Observations.worth`.
+    """
+
+    def __init__(self, ready: Prepared, effects: Mapping[str, Effect]) -> None:
+        self.effects = dict(effects)
+        self.ready, self.observations = observed(ready, self.effects)
+        self.design = design_of(self.observations, self.effects, self.ready.declared, self.ready.calibrated)
+        self.search = Search(self.design).run()
+
+    def forms(self, names: Sequence[str], most: int) -> list[Explanation]:
+        """The likeliest forms of exactly these effects, likeliest first; an empty list where one of them can't act."""
+        own = frozenset(names)
+        found = self._found(own) or self._built(names)
+        return [
+            Explanation(own, raised, value, slow)
+            for value, raised, slow in sorted(found, key=lambda f: -f[0])[:most]
+        ]
+
+    def _found(self, names: frozenset[str]) -> list[tuple[float, Raised, float]]:
+        """Those that the search looked at, without free patterns."""
+        return [f for f in self.search.found.get(names, ()) if all(block >= 0 for _, block, _ in f[1])]
+
+    def _built(self, names: Sequence[str]) -> list[tuple[float, Raised, float]]:
+        """Those that are left when each effect in turn takes its best form beside the ones before."""
+        search, raised = self.search, ()
+        slow = max((f for forms in search.found.values() for f in forms), key=lambda f: f[0])[2]
+        for name in names:
+            more = [
+                (value, way)
+                for value, way in search.extend((), slow, raised)
+                if any(o == name and size not in search.traces for o, _, size in way)
+            ]
+            if not more:
+                return []
+            raised = max(more)[1]
+        return self._found(frozenset(names))
+
+    def outlooks(
+        self,
+        joint: Context,
+        declared: Floats | None,
+        calibrated: Floats | None,
+        programme: Ints,
+        forms: Sequence[Explanation],
+    ) -> list[Outlook]:
+        """What forms expect of each programme, of numbers of unit noise.
+
+        Args:
+            joint: the rows of the campaign, and after them those that are planned.
+            declared: what the base calls its own, of all these rows, (F, D).
+            calibrated: likewise, (F, K, D).
+            programme: the programme (F - n,) to which each planned row belongs, 0, 1, ...
+            forms: the explanations that are asked, M.
+        """
+        planned = len(programme)
+        residual = np.concatenate([self.ready.residual, np.zeros((planned, joint.base.shape[1]))])
+        observations = self._beside(observe(joint, residual, self.ready.floor))
+        design = design_of(observations, self.effects, declared, calibrated)
+        known = observations.capture < self.observations.n_captures
+        sums = Sums.of(design, self.observations.worth, keep=known)
+        S, r = len(known), design.V.shape[1]
+        W = design.W.reshape(S, r, -1)
+        G = np.concatenate([np.zeros((S, 0)), *(f.G for f in design.free if f.owner == DECLARED)], axis=1)
+        raised = {number for form in forms for _, number, _ in form.raised}
+        again = {number: self._again(design, self.design.blocks[number], known) for number in raised}
+        posteriors = [self._posterior(design, sums, form, again) for form in forms]
+        means, factors = np.stack([p.mean for p in posteriors]), np.stack([p.factor for p in posteriors])
+        named, differ = _differences(posteriors)
+        as_recorded = self._as_recorded(observations)
+        of_row = np.concatenate([np.full(len(residual) - planned, -1), programme])
+        of_capture = of_row[observations.first]
+        measured = np.unique(observations.condition[of_row < 0])
+        out = []
+        for number in range(int(programme.max(initial=-1)) + 1):
+            own = np.flatnonzero(of_capture[observations.capture] == number)
+            new = np.setdiff1d(observations.condition[of_row == number], measured)
+            weight = as_recorded[own]
+            columns = (weight[:, None, None] * W[own]).reshape(len(own) * r, -1).astype(float)
+            Q = basis(columns[:, named] @ differ)  # chosen by what is raised; all else is added
+            columns = np.concatenate(
+                [Q.T @ columns, Q.T @ np.kron(weight[:, None] * G[own], np.eye(r))], axis=1
+            )
+            numbers = int((of_capture == number).sum()) * self.observations.counted.of_a_capture
+            out.append(
+                Outlook(
+                    means @ columns.T,
+                    columns @ factors,
+                    numbers,
+                    frozenset(new.tolist()),
+                    self.observations.counted,
+                )
+            )
+        return out
+
+    def _beside(self, joint: Observations) -> "_Joint":
+        """Observations of the campaign, as they are, and of what is planned, without values."""
+        values = np.zeros_like(joint.values)
+        values[joint.capture < self.observations.n_captures] = self.observations.values
+        return _Joint(
+            joint.context,
+            joint.floor,
+            joint.unit,
+            values,
+            joint.whiten,
+            joint.capture,
+            joint.index,
+            self.observations,
+        )
+
+    def _as_recorded(self, joint: Observations) -> Floats:
+        """The weight of each observation: a planned hold says as much as one that the rig recorded, of more rows."""
+        rows = np.bincount(joint.index).astype(float)
+        recorded = np.median(contrasts(rows[: self.observations.n_captures]))
+        within = np.sqrt(recorded / np.maximum(contrasts(rows), 1e-9))
+        means = np.arange(len(joint.values)) < joint.n_captures
+        return np.where(means, 1.0, within[joint.capture])
+
+    def _posterior(self, design: Design, sums: Sums, form: Explanation, again: "_Again") -> "_Posterior":
+        """The coefficients of all columns as the campaign gives them, where what one form raises acts and nothing else
+        does by more than a little.
+        """
+        r, declared = design.V.shape[1], [f.owner == DECLARED for f in design.free for _ in f.G.T]
+        free = np.array(declared, dtype=bool)
+        more = int(free.sum()) * r
+        sd, raised = self._sizes(design, form, again)
+        sd = np.concatenate([sd, np.full(more, DECLARED_FLOORS)])
+        cross = sums.GW[free].astype(float).reshape(more, design.W.shape[1])
+        apart = np.kron(sums.GG[np.ix_(free, free)], np.eye(r))
+        M = sd[:, None] * np.block([[sums.A, cross.T], [cross, apart]]) * sd
+        # columns may be of single precision: their products are off by as much
+        M[np.diag_indices_from(M)] += 1 + 10 * np.finfo(design.W.dtype).eps * np.diag(M)
+        L = np.linalg.cholesky(M)
+        factor = solve_triangular(L, np.diag(sd), lower=True).T
+        z = solve_triangular(L, sd * np.concatenate([sums.b, sums.GY[free].reshape(-1)]), lower=True)
+        return _Posterior(raised, factor @ z, factor)
+
+    def _sizes(self, design: Design, form: Explanation, again: "_Again") -> tuple[Floats, Ints]:
+        """The prior sd (P,) of each column in one form, and which columns it raises."""
+        sd = np.empty(design.W.shape[1])
+        fixed = {SLOW: form.slow, DECLARED: DECLARED_FLOORS}
+        owners = Counter(b.owner for b in design.blocks)
+        for block in design.blocks:
+            sd[block.at] = fixed.get(block.owner, self.search.spike / np.sqrt(owners[block.owner]))
+        raised = [np.zeros(0, dtype=np.int64)]
+        for _, number, size in form.raised:
+            if found := again[number]:
+                block, ratio = found
+                sd[block.at] = size * ratio
+                raised.append(np.arange(block.at.start, block.at.stop))
+        return sd, np.concatenate(raised)
+
+    def _again(self, design: Design, was: Block, known: Bools) -> tuple[Block, float] | None:
+        """The block of a design that holds most of one of the campaign's, among those of its owner, and how much
+        smaller its columns are on the campaign.
+
+        A space may be a part of the range that was measured (a limit at 85 % of the travel): beside what is planned it
+        has another name.
+        """
+        own = [b for b in design.blocks if b.owner == was.owner]
+        if not own:
+            return None
+        r = self.design.V.shape[1]
+        columns = self.design.W[:, was.at].reshape(-1, r, was.at.stop - was.at.start)
+        target = np.einsum("srq,rp->spq", columns, self.design.V.T @ design.V).reshape(-1, columns.shape[2])
+
+        def held(block: Block) -> float:
+            W = design.W[:, block.at].reshape(len(known), -1)[known].reshape(len(target), -1)
+            return _square(np.linalg.qr(W)[0].T @ target)
+
+        block = own[0] if len(own) == 1 else max(own, key=held)
+        return block, self._ratio(design, block, was, known)
+
+    def _ratio(self, design: Design, block: Block, of_run: Block, known: Bools) -> float:
+        """By how much columns of unit size over all rows are smaller than those of unit size over the campaign.
+
+        Where next to nothing of them falls on the campaign, as if the least did that a design keeps.
+        """
+        W = design.W[:, block.at].reshape(len(known), -1)
+        before, all_of_it, now = (_square(each) for each in (self.design.W[:, of_run.at], W, W[known]))
+        return float(np.sqrt(before / max(now, LEAST_SHARE * all_of_it)))
+
+
+def _square(columns: Floats) -> float:
+    return float(np.einsum("ij,ij->", columns, columns, dtype=np.float64))
+
+
+@dataclass(frozen=True)
+class _Joint(Observations):
+    """A campaign's observations and those that are planned: what there is to explain is the campaign's."""
+
+    campaign: Observations
+
+    @property
+    def to_explain(self) -> float:  # type: ignore[override]
+        """As in the campaign."""
+        return self.campaign.to_explain
+
+    @property
+    def worth(self) -> float:  # type: ignore[override]
+        """As in the campaign."""
+        return self.campaign.worth
+
+
+_Again: TypeAlias = Mapping[int, tuple[Block, float] | None]
+"""For each block of the campaign that some form raises: what it is beside the programmes, see `Explained._again`."""
+
+
+@dataclass(frozen=True)
+class _Posterior:
+    """The coefficients' mean (Q,) and the factor (Q, Q) of their covariance: first of all columns, of which some are
+    `raised`, then of what the base calls its own, along each direction.
+    """
+
+    raised: Ints
+    mean: Floats
+    factor: Floats
+
+
+def _differences(posteriors: Sequence[_Posterior]) -> tuple[Ints, Floats]:
+    """The columns (u,) that any explanation raises, and combinations of them (u, q) in which explanations differ."""
+    named = np.unique(np.concatenate([p.raised for p in posteriors]))
+    means = np.zeros((len(named), len(posteriors)))
+    spread = np.zeros((len(named), len(named)))
+    for m, p in enumerate(posteriors):
+        at = np.searchsorted(named, p.raised)
+        means[at, m] = p.mean[p.raised]
+        spread[np.ix_(at, at)] += p.factor[p.raised] @ p.factor[p.raised].T
+    power, U = np.linalg.eigh(spread)
+    wide = U * np.sqrt(np.maximum(power, 0.0))
+    return named, np.concatenate([means - means.mean(axis=1, keepdims=True), wide], axis=1)

@@ -1,0 +1,73 @@
+"""What measured numbers say about which of several explanations is true.
+
+Each explanation expects a Gaussian (`Outlook`), or one for each of its forms. The mutual information between the
+numbers and the explanation is estimated from the distances between all pairs of Gaussians (A. Kolchinsky, B. Tracey,
+Entropy 19 (2017) 361). How the odds will change is drawn instead, and its median taken: where one explanation is far
+less sure of what comes than the other, few draws make most of the mean.
+"""
+
+from itertools import combinations
+
+import numpy as np
+from scipy.special import logsumexp
+
+from labrig.arrays import Floats, Ints
+from labrig.diagnosis import Outlook
+
+_DRAWS = 200
+
+
+def information(outlook: Outlook, probability: Floats, explanation: Ints) -> float:
+    """What the numbers say about the explanation, nats, from 0 to its entropy.
+
+    By Bhattacharyya distances: where every explanation has one form, it is never too much.
+
+    `probability` (M,) of each form, all together one; `explanation` (M,) is the one that each belongs to.
+    """
+    near = -bhattacharyya(outlook)
+    same = explanation[:, None] == explanation
+    weight = np.broadcast_to(probability, near.shape)
+    together = logsumexp(near, b=weight, axis=1)
+    alone = logsumexp(near, b=np.where(same, weight, 0.0), axis=1) - np.log(same @ probability)
+    return max(float(probability @ (alone - together)), 0.0)
+
+
+def log_bayes(outlook: Outlook, probability: Floats, explanation: Ints) -> Floats:
+    """The median logarithm of the Bayes factor for each explanation that is true, over each other one, (R, R)."""
+    mean, C = _gaussians(outlook)
+    L = np.linalg.cholesky(C)
+    logdet = np.log(np.diagonal(L, axis1=1, axis2=2)).sum(axis=1)
+    random = np.random.default_rng(len(mean))
+    count = int(explanation.max()) + 1
+    share = [
+        np.where(explanation == e, probability, 0.0) / probability[explanation == e].sum()
+        for e in range(count)
+    ]
+    out = np.zeros((count, count))
+    for true in range(count):
+        form = random.choice(len(mean), size=_DRAWS, p=share[true])
+        y = mean[form] + np.einsum("nij,nj->ni", L[form], random.standard_normal((_DRAWS, mean.shape[1])))
+        z = np.linalg.solve(L, (y - mean[:, None]).swapaxes(1, 2))
+        each = -0.5 * (z**2).sum(axis=1) - logdet[:, None]
+        likely = np.array([logsumexp(each, b=s[:, None], axis=0) for s in share])
+        out[true] = np.median(likely[true] - likely, axis=1)
+    return out
+
+
+def bhattacharyya(outlook: Outlook) -> Floats:
+    """The Bhattacharyya distance between each two Gaussians, (M, M)."""
+    mean, C = _gaussians(outlook)
+    half = np.linalg.slogdet(C)[1] / 2
+    out = np.zeros((len(C), len(C)))
+    for m, n in combinations(range(len(C)), 2):
+        L = np.linalg.cholesky((C[m] + C[n]) / 2)
+        z = np.linalg.solve(L, mean[m] - mean[n])
+        out[m, n] = out[n, m] = z @ z / 8 + float(np.log(np.diag(L)).sum()) - (half[m] + half[n]) / 2
+    return np.maximum(out, 0.0)
+
+
+def _gaussians(outlook: Outlook) -> tuple[Floats, Floats]:
+    """Means (M, d) and covariances (M, d, d), in units of the noise of numbers that count for their worth."""
+    factor = outlook.factor
+    covariance = outlook.worth * factor @ np.swapaxes(factor, 1, 2) + np.eye(factor.shape[1])
+    return np.sqrt(outlook.worth) * outlook.mean, covariance
