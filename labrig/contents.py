@@ -107,12 +107,21 @@ class CarriedOver(TypedDict):
     between_runs: list[float]
 
 
+class TrackRecord(TypedDict):
+    """How many verdicts were right, of how many; and in how many all that they named was there."""
+
+    right: int
+    of: int
+    there: NotRequired[int]
+
+
 class Summary(TypedDict, total=False):
     """The content of diagnosis.json; of compare.json and improve.json those fields that they have."""
 
     verdict: str
     effects: list[str]
     probability: float
+    track_record: TrackRecord | None
     rivals: list[str]
     effects_considered: list[Considered]
     units: Required[str]

@@ -8,9 +8,11 @@ from labrig.bench._halves import HALVES, half_of, make_rig
 from labrig.bench._intervals import newcombe, wilson
 from labrig.bench._judge import brier, calibration_error, is_right
 from labrig.bench._learn import learn_all, write_spectra
+from labrig.bench._record import track_records, write_track_records
 from labrig.bench._report import lines, tables, write_report, write_results, wrong_lines
 from labrig.bench._run import plan, read_records, run_blind, run_one
-from labrig.bench._settle import run_settle, settle, settle_records, settle_rows, write_settle
+from labrig.bench._settle import run_settle, settle, settle_records
+from labrig.bench._settled import compared_rows, settle_rows, write_settle
 from labrig.bench._speed import speed_table, time_diagnosis, write_speed
 from labrig.bench._stopped import HEAD, stopped_rows, write_stopping
 from labrig.bench._stopping import run_stopping, stopping_plan, stopping_records
@@ -23,6 +25,7 @@ __all__ = [
     "Campaign",
     "brier",
     "calibration_error",
+    "compared_rows",
     "draw",
     "half_of",
     "is_right",
@@ -48,6 +51,7 @@ __all__ = [
     "summarise",
     "tables",
     "time_diagnosis",
+    "track_records",
     "wilson",
     "write_campaign",
     "write_model",
@@ -57,5 +61,6 @@ __all__ = [
     "write_spectra",
     "write_speed",
     "write_stopping",
+    "write_track_records",
     "wrong_lines",
 ]

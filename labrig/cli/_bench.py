@@ -61,6 +61,9 @@ def blind(
     results: Annotated[
         Path | None, typer.Option(help="Markdown file whose section 'Blind benchmark' is to be written.")
     ] = None,
+    record: Annotated[
+        Path | None, typer.Option(help="File to write: how often each verdict was right (track_record.json).")
+    ] = None,
 ) -> None:
     """Hide effects in many drawn campaigns, diagnose each, and report how often the verdict is right."""
     from rich.console import Console
@@ -77,12 +80,15 @@ def blind(
         tables,
         write_report,
         write_results,
+        write_track_records,
         wrong_lines,
     )
     from labrig.bench._run import key_of
 
     check_folder(out)
     _check_results(results)
+    if record is not None:
+        check_file(record, "--record")
     names = list(CLASSES) if classes == "all" else _names(classes)
     halves = list(HALVES) if half == "both" else [half]
     todo = plan(names, count, seed, halves)
@@ -103,9 +109,11 @@ def blind(
         console.print(line)
     drawn = ", ".join(sorted(path.name for path in out.glob("*confusion.png")))
     console.print(f"{out}: campaigns.jsonl, summary.json" + (f", {drawn}" if drawn else ""))
+    which = f" --half {half}" + ("" if classes == "all" else f" --classes {','.join(names)}")
+    each = f" --n {count}" if count else ""
+    if record is not None:
+        write_track_records(records, record, f"labrig bench blind{which}{each} --seed {seed}")
     if results is not None:
-        which = f" --half {half}" + ("" if classes == "all" else f" --classes {','.join(names)}")
-        each = f" --n {count}" if count else ""
         others = {r["truth"]["class"] for r in records if r["key"] not in asked}
         more = f", and more of {', '.join(sorted(others))} with `--resume`" if others else ""
         write_results(summary, results, f"`labrig bench blind{which}{each} --seed {seed}`{more}")
@@ -135,7 +143,9 @@ def settle(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
     count: Annotated[int, typer.Option("--n", min=1, help="Confounded campaigns.")] = 20,
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
-    most: Annotated[int, typer.Option(min=6, help="Captures after which it is given up.")] = 60,
+    minutes: Annotated[
+        float, typer.Option(min=1, help="Minutes of the rig after which it is given up.")
+    ] = 10.0,
     results: Annotated[
         Path | None, typer.Option(help="Markdown file whose section 'Next experiment' is to be written.")
     ] = None,
@@ -144,24 +154,29 @@ def settle(
     from rich.console import Console
     from rich.table import Table
 
-    from labrig.bench import run_settle, settle_records, settle_rows, write_settle
+    from labrig.bench import compared_rows, run_settle, settle_records, settle_rows, write_settle
 
     check_folder(out)
     _check_results(results)
     console = Console(highlight=False)
-    for record in run_settle(out, seed, count, most):
-        end = f"{record['captures']} captures" if record["settled"] else f"not settled ({record['verdict']})"
+    for record in run_settle(out, seed, count, minutes):
+        end = f"{record['minutes']:.1f} min" if record["settled"] else f"not settled ({record['verdict']})"
         console.print(
             f"{record['seed']:4d}  {record['truth']['effects'][0]:12s} {record['strategy']:8s} {end}"
         )
     records = settle_records(out)
-    head, rows = settle_rows(records)
-    table = Table(*head)
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
+    for head, rows in (settle_rows(records), compared_rows(records, minutes)):
+        table = Table(*head)
+        for row in rows:
+            table.add_row(*row)
+        console.print(table)
     if results is not None:
-        write_settle(records, results, f"`labrig bench settle --n {count} --seed {seed} --most {most}`", most)
+        seeds = sorted({record["seed"] for record in records})
+        how = (
+            f"`labrig bench settle --n {count} --seed {seed} --minutes {minutes:g}`: {len(seeds)} campaigns, seeds "
+            f"{seeds[0]} to {seeds[-1]}."
+        )
+        write_settle(records, results, how, minutes)
 
 
 @bench.command("stopping")

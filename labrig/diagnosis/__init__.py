@@ -1,19 +1,20 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
-from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
+from labrig.diagnosis._candidates import square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
 from labrig.diagnosis._constants import POSSIBLE, SURE
 from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._floor import Floor, capture_means, noise_floor
+from labrig.diagnosis._forecast import Explained, Outlook
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._improve import compare, improve
-from labrig.diagnosis._observations import Observations, observe
+from labrig.diagnosis._observations import Counted, Observations, observe
 from labrig.diagnosis._opened import Fall, Opened, Trial
 from labrig.diagnosis._outliers import clean
+from labrig.diagnosis._posterior import Explanation
 from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import Prepared, prepare, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
-from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._result import Result, Signature, VersusResult, plain, write_json
 from labrig.diagnosis._versus import versus
 
@@ -21,14 +22,15 @@ __all__ = [
     "POSSIBLE",
     "STATIC",
     "SURE",
-    "Candidate",
+    "Counted",
+    "Explained",
+    "Explanation",
     "Fall",
-    "Fit",
     "Floor",
     "Observations",
     "Opened",
+    "Outlook",
     "Prepared",
-    "Regression",
     "Result",
     "Signature",
     "Trial",
@@ -39,7 +41,6 @@ __all__ = [
     "covariates",
     "diagnose",
     "drop_of",
-    "fit",
     "forms_of",
     "improve",
     "kernel",

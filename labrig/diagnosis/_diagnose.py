@@ -13,7 +13,7 @@ from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
-from labrig.diagnosis._formula import fall_of, fit_named
+from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._noise_scale import FEW, noise_scale, rescaled
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._opened import Fall
@@ -23,6 +23,7 @@ from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
+from labrig.diagnosis._track_record import track_record
 from labrig.diagnosis._verdict import Verdict, answers_of, decide, underpowered
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
@@ -110,7 +111,8 @@ def result_of(
 ) -> Result:
     """The verdict with everything that its report shows: formulas, errors, where, the improved model."""
     regression, context, rows = ready.regression, ready.context, ready.context.rows
-    chosen = _chosen(ready, verdict, effects)
+    found = alone(regression, context, verdict, effects)
+    chosen = _chosen(ready, verdict, effects, found)
     errors = _errors(ready, chosen)
     entries = (
         [entry_of(regression, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
@@ -120,7 +122,6 @@ def result_of(
     improved = model
     for entry in entries:
         improved = improved.with_effect(entry)
-    found = alone(regression, context, verdict, effects)
     places = where(context, ready.residual, ready.floor, regression.counted)
     # a floor of one capture's mean, in the units of the observables that errors are quoted for
     unit_size = float(np.sqrt(np.mean(observations.unit[regression.counted] ** 2)))
@@ -128,6 +129,7 @@ def result_of(
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "probability": verdict.probability,
+        "track_record": track_record(verdict.verdict),
         "rivals": list(verdict.rivals),
         "effects_considered": [
             {
@@ -166,12 +168,22 @@ def result_of(
     )
 
 
-def _chosen(ready: Prepared, verdict: Verdict, effects: dict[str, Effect]) -> Fit | None:
-    """The formulas of what is sure and, where one of several is, of the likeliest of them."""
-    names = [*verdict.effects, *verdict.rivals[:1]]
-    if verdict.verdict not in {"identified", "multiple", "confounded"} or not names:
+def _chosen(
+    ready: Prepared, verdict: Verdict, effects: dict[str, Effect], found: Mapping[str, list[Candidate]]
+) -> Fit | None:
+    """The formulas of what is sure and, where one of several is, of the likeliest of them; forms that are `found` are
+    not looked for again.
+
+    A family can be wider than its formulas: an effect of which none can act on these runs is left out.
+    """
+    if verdict.verdict not in {"identified", "multiple", "confounded"}:
         return None
-    return fit_named(ready.regression, ready.context, [effects[n] for n in names])
+    names = [*verdict.effects, *verdict.rivals[:1]]
+    known = {n: found.get(n) or forms_of(ready.regression, ready.context, effects[n]) for n in names}
+    able = [effects[n] for n in names if known[n]]
+    if not able:
+        return None
+    return fit_named(ready.regression, ready.context, able, forms=lambda effect: known[effect.name])
 
 
 def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Candidate]]) -> dict[str, Fit]:
@@ -233,7 +245,9 @@ def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: 
 
 
 def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]:
-    """Effects that are sure by the evidence, and whose formula helps no more than chance where it was not fitted."""
+    """Effects that are sure by the evidence, without a formula, or with one that helps no more than chance where it was
+    not fitted.
+    """
     regression = ready.regression
     least = k.SMALLEST_FLOORS**2 * float(np.mean(ready.floor.row[regression.counted] ** 2))
     units = ready.context.rows.unit[int(regression.counted[0])]
@@ -242,7 +256,13 @@ def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]
         for i, name in enumerate(chosen.names if chosen else ())
         if chosen and name in verdict.effects
     ]
-    return [
+    able = chosen.names if chosen else ()
+    without = [
+        f"no formula of {name} can act on these runs: it is named, and nothing is added to the model for it"
+        for name in verdict.effects
+        if name not in able
+    ]
+    return without + [
         f"with {fall.effect} added, the held-out error falls no more than by chance ({fall.words}): no formula of it "
         "follows what is seen, so doubt the name until another run says it again"
         for fall in falls

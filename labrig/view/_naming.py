@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import inf, sqrt
 
-from labrig.contents import Summary
+from labrig.contents import Summary, TrackRecord
 from labrig.view._text import capital, give_or_take, listed, percent, with_unit, word
 
 WORTH_SAYING = 0.1  # of the floor: what is smaller, and has no name, is not spoken of
@@ -147,7 +147,21 @@ def _with_figures(one: Called, units: str) -> str:
 
 
 def share_of_all(summary: Summary) -> str:
-    """How probable the answer is as a whole, in a sentence; empty where `naming` has said it already."""
+    """How probable the answer is as a whole, and how often such a verdict was right; empty where nothing is known."""
+    return " ".join(filter(None, (_share_of_all(summary), _counted(summary.get("track_record")))))
+
+
+def _counted(record: TrackRecord | None) -> str:
+    if not record:
+        return ""
+    unseen, right, of = "On laws and rigs that nothing was learnt from,", record["right"], record["of"]
+    if "there" not in record:
+        return f"{unseen} {right} of {of} such verdicts were right."
+    names = f"what such a verdict names was there {record['there']} times of {of}"
+    return f"{unseen} {names}, and nothing else {right} times."
+
+
+def _share_of_all(summary: Summary) -> str:
     probability = summary.get("probability")
     if probability is None:
         return ""

@@ -227,3 +227,23 @@ def test_a_name_whose_formula_helps_nothing_is_doubted(make_lab, hidden: float, 
             r"no formula of it follows what is seen, so doubt the name until another run says it again",
             notes[0],
         )
+
+
+def test_a_name_without_a_formula_on_these_runs_is_still_named(make_lab) -> None:
+    """Where a family is wider than its formulas, the diagnosis says what it found, adds the rest, and says so."""
+    lab = make_lab(
+        captures=40, long_s=(3.0, 4.0, 6.0, 10.0, 20.0, 40.0), force=True
+    )  # no markers that could slip
+    left = np.maximum(np.sqrt(lab.u) - 0.03 * lab.hold_s[:, :, None], 0.0) ** 2
+    model = lab.model()
+    ready = prepared(rows_from(lab.dataset(lab.predict(left) + lab.noise())), model)
+    ready, observations = observed(ready, model.library())
+    for names, kept in ((("marker_slip", "leak"), ["leak"]), (("marker_slip",), [])):
+        verdict = Verdict("multiple" if kept else "identified", names, 1.0)
+        said = result_of(ready, observations, verdict, model, model.library())
+        assert said.summary["effects"] == list(names)
+        assert ([entry.name for entry in said.improved.file.effects] if said.improved else []) == kept
+        assert (
+            "no formula of marker_slip can act on these runs: it is named, and nothing is added to the model for it"
+            in said.summary["warnings"]
+        )

@@ -99,6 +99,29 @@ def test_the_probability_of_the_whole(make_summary, verdict, effects, whole):
     assert summary_words(make_summary(verdict, 0.7, **effects)).whole == whole
 
 
+@pytest.mark.parametrize(
+    ("verdict", "record", "whole"),
+    [
+        (
+            "identified",
+            {"right": 25, "of": 46, "there": 32},
+            "Probability of creep and nothing else: 70 %. On laws and rigs that nothing was learnt from, what such a "
+            "verdict names was there 32 times of 46, and nothing else 25 times.",
+        ),
+        (
+            "unknown",
+            {"right": 33, "of": 39},
+            "On laws and rigs that nothing was learnt from, 33 of 39 such verdicts were right.",
+        ),
+        ("confounded", None, ""),
+    ],
+)
+def test_how_often_such_a_verdict_was_right(make_summary, verdict, record, whole):
+    """Beside the probability, which takes the families for granted, stands what was counted."""
+    summary = make_summary(verdict, 0.7, creep=0.98) | {"track_record": record}
+    assert summary_words(summary).whole == whole
+
+
 def test_what_has_no_name(make_summary):
     """Structure without a name is said in plain words with its size, the largest first; traces are not spoken of."""
     unnamed = {"form": 0.21, "history": 0.432, "time": 0.004, "the weather": 0.1}

@@ -1,0 +1,50 @@
+"""The track record: counted from campaigns, shipped, and said beside each verdict."""
+
+import json
+from typing import Any
+
+from labrig.bench import track_records, write_track_records
+from labrig.diagnosis._track_record import FILE, track_record
+
+
+def campaign(verdict: str, right: bool, named: str = "", hidden: str = "", also: str = "") -> Any:
+    """A record of a campaign, as far as it counts here."""
+    answer = {"verdict": verdict, "effects": named.split()}
+    return {"answer": answer, "right": right, "truth": {"effects": hidden.split(), "also": also.split()}}
+
+
+def test_verdicts_are_counted_by_their_word(tmp_path) -> None:
+    """Right ones, and where all that is named was there; a verdict that leaves the answer open is not counted."""
+    records = [
+        campaign("identified", True, "leak", "leak"),
+        campaign("identified", False, "leak", "leak creep"),
+        campaign("identified", False, "creep", "leak"),
+        campaign("multiple", True, "leak stiffening", "leak", also="stiffening"),
+        campaign("unknown", False),
+        campaign("confounded", True),
+        campaign("underpowered", False),
+    ]
+    counted = {
+        "identified": {"right": 1, "of": 3, "there": 2},
+        "multiple": {"right": 1, "of": 1, "there": 1},
+        "unknown": {"right": 0, "of": 1},
+    }
+    assert track_records(records) == counted
+    write_track_records(records, tmp_path / "record.json", "how")
+    written = json.loads((tmp_path / "record.json").read_text())
+    assert (written["how"], written["verdicts"]) == ("how", counted)
+    assert written["spectra"].startswith("labrig bench learn ")
+
+
+def test_what_is_shipped_was_counted_on_a_portion_that_nothing_was_learnt_from() -> None:
+    """Each verdict that makes a claim has its record, from enough campaigns, and says how it was made."""
+    content = json.loads(FILE.read_text(encoding="utf-8"))
+    assert "--half fifth" in content["how"]
+    assert content["spectra"].startswith("labrig bench learn ")
+    assert "--fifth" not in content["spectra"]
+    assert sum(counted["of"] for counted in content["verdicts"].values()) >= 60
+    for verdict in ("identified", "multiple", "nothing_missing", "unknown"):
+        counted = track_record(verdict)
+        assert counted is not None
+        assert 0 <= counted["right"] <= counted.get("there", counted["of"]) <= counted["of"]
+    assert track_record("confounded") is None
