@@ -10,6 +10,9 @@ from labrig.effects import Context, bulk_noise
 
 _MOST_TO_MATCH = 2000
 _FEWEST_PAIRS = 3
+_REPEATS = "repeats with the same history"
+_BULK = "the bulk of the residuals' spectrum"
+_NEIGHBOURS = "differences between neighbouring captures"
 
 
 @dataclass(frozen=True)
@@ -44,8 +47,13 @@ def capture_means(values: Floats, capture: Ints) -> tuple[Floats, Ints]:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan), captures
 
 
-def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
+def noise_floor(
+    context: Context, residual: Floats, lost: int = 0, at_full_rate: Floats | None = None
+) -> Floor:
     """Estimate the floor from repeats and from the spectrum's bulk, and take the lower.
+
+    A stream, each row of which is a capture, has no repeats that anybody named: of one observable its floor is also
+    what neighbours differ by, of a stream that was thinned those of the whole, `at_full_rate` (N, K).
 
     No lower than what rounding to the recorded steps leaves, a twelfth of their square (B. Widrow, I. Kollar,
     Quantization Noise, Cambridge 2008).
@@ -67,16 +75,16 @@ def noise_floor(context: Context, residual: Floats, lost: int = 0) -> Floor:
         bulk = bulk_noise(means[:, own], lost) if len(captures) >= 12 else float("nan")
         inside = _within(deviation[many][:, own], index[many], rows.hold_s[many])
         same = kinds["same history"]
-        found = {"repeats with the same history": same, "the bulk of the residuals' spectrum": bulk}
+        single = len(captures) == len(rows.capture) >= 12
+        stream = single and not any(rows.repeat)
+        found = {_REPEATS: same, _BULK: bulk}
+        if single and not np.isfinite(bulk) and (stream or same is None):
+            found[_NEIGHBOURS] = _neighbours((means if at_full_rate is None else at_full_rate)[:, own])
         usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > 0}
-        if len(usable) == 2 and pairs < _FEWEST_PAIRS:
-            del usable["repeats with the same history"]
+        if len(usable) > 1 and (stream or pairs < _FEWEST_PAIRS):
+            usable.pop(_REPEATS, None)
         if not usable:
-            single = len(captures) == len(rows.capture)
-            if single and len(captures) >= 12:
-                usable = {"differences between neighbouring captures": _neighbours(means[:, own])}
-            else:
-                usable = {"the noise within a capture": inside}
+            usable = {"the noise within a capture": inside}
         how = min(usable, key=lambda name: usable[name])
         size = usable[how]
         if not np.isfinite(size) or size <= 0:

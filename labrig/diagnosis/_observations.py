@@ -17,6 +17,31 @@ _FAR = 5.0
 _CROWD = 12
 
 
+def worth_of(numbers: float, conditions: int, inexact: float = 1.0) -> float:
+    """What each of so many numbers of so many conditions counts for in the evidence.
+
+    Models of neighbours are never exact, nor is any law: by `inexact` (1: not at all) the noise's square is too small.
+    """
+    return min(1.0, min(INDEPENDENT, PER_CONDITION * conditions) / max(numbers, 1)) / inexact
+
+
+@dataclass(frozen=True)
+class Counted:
+    """How many numbers, captures and conditions a campaign has; by what any law is off the noise's square is `inexact`
+    times as large.
+    """
+
+    numbers: int
+    captures: int
+    conditions: int
+    inexact: float = 1.0
+
+    @property
+    def of_a_capture(self) -> float:
+        """How many numbers a capture has, in the mean."""
+        return self.numbers / self.captures
+
+
 @dataclass(frozen=True)
 class Observations:
     """S independent observations of K observables: captures' means first, then contrasts within their holds.
@@ -62,25 +87,41 @@ class Observations:
         return float(np.sqrt(max(self.counts_for @ square, 0.0)))
 
     @cached_property
-    def conditions(self) -> int:
-        """How many different conditions were measured: set-point, the one before, and octave of the time held."""
+    def condition(self) -> Ints:
+        """A number for the condition of each row (F,): set-point, the one before, and octave of the time held."""
         context = self.context
         rows, span = context.rows, context.span
         before = (context.previous / span)[rows.event]
         octave = np.floor(np.log2(np.maximum(context.elapsed_s, 0.5)))
         key = np.column_stack([np.round(rows.actuation / span, 2), np.round(before, 2), octave])
-        return len(np.unique(key, axis=0))
+        return np.unique(key, axis=0, return_inverse=True)[1].reshape(-1)
+
+    @cached_property
+    def conditions(self) -> int:
+        """How many different conditions were measured."""
+        return int(self.condition.max(initial=-1)) + 1
+
+    @property
+    def counted(self) -> "Counted":
+        """What the worth of its observations depends on."""
+        inexact = 1 + (INEXACT * self.to_explain) ** 2
+        return Counted(self.values.size, self.n_captures, self.conditions, inexact)
 
     @cached_property
     def worth(self) -> float:
-        """What each observation counts for in the evidence: models of neighbours are never exact, nor is any law."""
-        numbers = min(INDEPENDENT, PER_CONDITION * self.conditions)
-        return min(1.0, numbers / self.values.size) / (1 + (INEXACT * self.to_explain) ** 2)
+        """What each observation counts for in the evidence."""
+        counted = self.counted
+        return worth_of(counted.numbers, counted.conditions, counted.inexact)
 
     @property
     def first(self) -> Ints:
         """The first row of each capture."""
         return np.unique(self.index, return_index=True)[1]
+
+
+def contrasts(rows: Floats) -> Floats:
+    """As how many independent contrasts those of holds of so many rows (n,) count."""
+    return (rows - 1) * np.minimum(1.0, _CROWD / np.maximum(rows, 1.0))
 
 
 def observe(context: Context, residual: Floats, floor: Floor) -> Observations:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from labrig.arrays import Floats, Ints
 
@@ -83,7 +83,7 @@ def difference(first: Sums, second: Sums, level: float = LEVEL) -> Difference:
         larger, fewer = _jackknife(first.in_pairs(), second.in_pairs())
         if larger > sd:
             sd, blocks = larger, fewer
-    half = float(student.ppf(0.5 + level / 2, blocks - 1)) * sd if blocks >= FEWEST_BLOCKS else np.nan
+    half = float(stdtrit(blocks - 1, 0.5 + level / 2)) * sd if blocks >= FEWEST_BLOCKS else np.nan
     return Difference(value, value - half, value + half, sd, blocks)
 
 

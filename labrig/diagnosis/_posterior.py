@@ -66,6 +66,7 @@ class Search:
         self.sizes = sorted({max(level * self.T, k.LEAST_FLOORS) for level in k.LEVELS})
         self.traces = tuple(sorted({max(share * self.T, k.SPIKE_FLOORS) for share in k.TRACE_SHARES}))
         self.states: dict = {}
+        self.priors: dict[tuple[str, int, float], float] = {}
         self.found: dict[frozenset[str], list[tuple[float, Raised, float]]] = {}
         self.seen: set = set()
 
@@ -87,17 +88,19 @@ class Search:
         return sd | {owner: size for owner, _, size in background}
 
     def prior(self, raised: Raised) -> float:
-        """Log prior probability of one form of a set; what has no name is rarer, as a trace too."""
-        out = 0.0
-        for owner, block, size in raised:
-            usual = k.P_EFFECT if is_name(owner) else k.P_FORM if owner in OF_BASE else k.P_UNNAMED
-            if block >= 0:
-                out += np.log(self.design.blocks[block].share)
-            if size in self.traces:
-                out += np.log(k.P_TRACE * usual / k.P_EFFECT / len(self.traces))
-            else:
-                out += np.log(usual / len(self.sizes))
-        return float(out)
+        """Log prior probability of one form of a set."""
+        for part in raised:
+            if part not in self.priors:  # asked for tens of thousands of times
+                self.priors[part] = self._prior_of(*part)
+        return sum(self.priors[part] for part in raised)
+
+    def _prior_of(self, owner: str, block: int, size: float) -> float:
+        """That of one part of it; what has no name is rarer, as a trace too."""
+        usual = k.P_EFFECT if is_name(owner) else k.P_FORM if owner in OF_BASE else k.P_UNNAMED
+        share = self.design.blocks[block].share if block >= 0 else 1.0
+        if size in self.traces:
+            return float(np.log(share * k.P_TRACE * usual / k.P_EFFECT / len(self.traces)))
+        return float(np.log(share * usual / len(self.sizes)))
 
     def score(self, background: Raised, slow: float, raised: Raised) -> float:
         """Log evidence and prior of one form of one set."""

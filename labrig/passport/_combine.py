@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.special import chdtrc, ndtri
 
 from labrig.arrays import Floats
 from labrig.passport._data import Evidence
@@ -81,7 +81,7 @@ def apart(information: Floats, weighted: Floats, prior: Pool) -> float:
     size, turn = np.linalg.eigh(covariance / np.outer(scale, scale))
     live = size > 1e-9 * max(float(size.max()), 1e-300)
     along = (turn.T @ (off / scale))[live] / np.sqrt(size[live])
-    return float(norm.isf(max(float(chi2.sf(along @ along, live.sum())), 1e-300) / 2))
+    return float(-ndtri(max(float(chdtrc(live.sum(), along @ along)), 1e-300) / 2))
 
 
 def held_out(evidence: Sequence[Evidence], prior: Pool) -> list[Floats]:

@@ -10,8 +10,10 @@ from labrig.physics._shell_terms import (
     bending,
     compiled,
     foundation,
+    gather,
     interlayer,
     jit,
+    locate,
     membrane,
     weight,
 )
@@ -58,13 +60,7 @@ def assemble(
     side = np.zeros((3, nodes))
     energy = 0.0
     for element in range(elements):
-        for i in range(nodes):
-            f = free[element, i]
-            for layer in range(count):
-                for c in range(3):
-                    local[layer, c, i] = rest[node[element, i], c]
-                    if f >= 0:
-                        local[layer, c, i] += moved[(f * count + layer) * 3 + c]
+        gather(element, moved, rest, free, node, local)
         pull[:] = 0.0
         if curved:
             block[:] = 0.0
@@ -73,7 +69,7 @@ def assemble(
             force[:] = 0.0
             if curved:
                 stiff[:] = 0.0
-            _locate(basis, q, local, point, bend)
+            locate(basis, q, local, point, bend)
             density = 0.0
             for layer in range(count):
                 density += membrane(
@@ -104,20 +100,6 @@ def assemble(
         if curved:
             _scatter(block, free, element, count, band)
     return energy
-
-
-@jit
-def _locate(basis, q, local, point, bend):
-    """Position, tangents and second derivatives of every layer at a quadrature point."""
-    for layer in range(local.shape[0]):
-        for c in range(3):
-            for k in range(3):
-                at, by = 0.0, 0.0
-                for i in range(basis.shape[2]):
-                    at += basis[q, k, i] * local[layer, c, i]
-                    by += basis[q, 3 + k, i] * local[layer, c, i]
-                point[layer, k, c] = at
-                bend[layer, k, c] = by
 
 
 @jit

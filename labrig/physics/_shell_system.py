@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.physics._quadrature import Quadrature
 from labrig.physics._shell_file import ShellFile
 
@@ -95,11 +95,13 @@ class System:
 
     def field(self, pressure_kpa: Floats) -> Floats:
         """Pressure below each layer at the quadrature points, (Q, L), kPa, from chamber pressures (C,)."""
-        below = np.array([chamber.layer - 1 for chamber in self.file.chambers])
-        return np.stack(
-            [self.patch[:, below == layer] @ pressure_kpa[below == layer] for layer in range(self.n_layers)],
-            axis=1,
-        )
+        own = [self._below == layer for layer in range(self.n_layers)]
+        return np.stack([self.patch[:, below] @ pressure_kpa[below] for below in own], axis=1)
+
+    @cached_property
+    def _below(self) -> Ints:
+        """The layer that each chamber lies below, (C,)."""
+        return np.array([chamber.layer - 1 for chamber in self.file.chambers])
 
     @cached_property
     def mass(self) -> Floats:
@@ -113,9 +115,19 @@ class System:
     @cached_property
     def push_at_rest(self) -> Floats:
         """Force of each chamber's air on the resting shape, per kPa, (D, C)."""
-        still, chambers = np.zeros(self.size), len(self.file.chambers)
-        none = self.energy(still, self.field(np.zeros(chambers)))[1]
-        return np.stack([self.energy(still, self.field(unit))[1] - none for unit in np.eye(chambers)], axis=1)
+        return self.push(np.zeros(self.size))
+
+    def push(self, x: Floats) -> Floats:
+        """Force of each chamber's air on a shape, per kPa, (D, C)."""
+        from labrig.physics._shell_push import push
+
+        q = self.quadrature
+        force = np.zeros((self.size, len(self.file.chambers)))
+        push(
+            np.ascontiguousarray(x), q.control_mm, q.free, q.node, q.basis, q.points_per_element, q.area_mm2,
+            self._core, self.patch, self._below, self.n_layers, force,
+        )  # fmt: skip
+        return force
 
     @cached_property
     def rounding(self) -> float:

@@ -30,6 +30,33 @@ IMPOSSIBLE = 1e30
 
 
 @jit
+def gather(element, moved, rest, free, node, local):
+    """Where an element's control points are now: `local` [layer, xyz, control point], see `assemble`."""
+    count = local.shape[0]
+    for i in range(free.shape[1]):
+        f = free[element, i]
+        for layer in range(count):
+            for c in range(3):
+                local[layer, c, i] = rest[node[element, i], c]
+                if f >= 0:
+                    local[layer, c, i] += moved[(f * count + layer) * 3 + c]
+
+
+@jit
+def locate(basis, q, local, point, bend):
+    """Position, tangents and second derivatives of every layer at a quadrature point."""
+    for layer in range(local.shape[0]):
+        for c in range(3):
+            for k in range(3):
+                at, by = 0.0, 0.0
+                for i in range(basis.shape[2]):
+                    at += basis[q, k, i] * local[layer, c, i]
+                    by += basis[q, 3 + k, i] * local[layer, c, i]
+                point[layer, k, c] = at
+                bend[layer, k, c] = by
+
+
+@jit
 def _row(a, i, j):
     """The vector a[i, j, :]."""
     return a[i, j, 0], a[i, j, 1], a[i, j, 2]

@@ -25,18 +25,6 @@ GROUPS = {
 }
 
 
-def looped(lab: Any, size_kpa: float) -> np.ndarray:
-    """Pressures with a Bouc-Wen loop on them."""
-    u, z, last = lab.u, np.zeros(lab.chambers), np.zeros(lab.chambers)
-    for i, way in lab.path(60):
-        for point in way:
-            d = (point - last) / 60.0
-            z = z + d / 0.08 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
-            last = point
-        u[i] -= size_kpa * z
-    return u
-
-
 def slipped(lab: Any, size_mm: float = 2.0) -> np.ndarray:
     """Values of a rig whose fourth marker has moved after half of the captures."""
     values = lab.predict(lab.u)
@@ -69,7 +57,8 @@ def test_the_file_is_of_the_documented_form(slip) -> None:
     documented = {"verdict", "effects", "probability", "rivals", "units", "error", "where", "ranking"}
     documented |= {"next_experiment", "warnings", "effects_considered"}
     assert set(content) >= documented
-    assert set(content) - documented == {"drop", "carried_by", "floor", "unnamed", "runs", "model"}
+    more = {"drop", "carried_by", "floor", "unnamed", "runs", "model", "track_record"}
+    assert set(content) - documented == more
     assert (content["verdict"], content["effects"], content["rivals"]) == ("identified", ["marker_slip"], [])
     assert content["units"] == "mm"
     assert 0.7 < content["probability"] <= 1
@@ -123,7 +112,7 @@ def test_each_effect_is_considered(slip) -> None:
 def test_the_waterfall_falls(make_lab) -> None:
     """Base, each effect, ceiling, floor: held-out errors, the effects' steps downwards, ends as in `error`."""
     lab = make_lab(captures=60)
-    values = lab.predict(looped(lab, 3.0))
+    values = lab.predict(lab.looped(3.0))
     values[30:, :, 9:12] += 2.0
     result = diagnose(lab.dataset(values + lab.noise()), lab.model())
     assert answer(result) == ("multiple", {"hysteresis", "marker_slip"})
@@ -165,7 +154,7 @@ def test_one_slow_fall_has_two_explanations(make_lab) -> None:
 def test_what_no_effect_explains_is_unknown(make_lab) -> None:
     """With what could explain it left out of the library, something predictable is found, and what carries it."""
     lab = make_lab(captures=60)
-    data = lab.dataset(lab.predict(looped(lab, 6.0)) + lab.noise())
+    data = lab.dataset(lab.predict(lab.looped(6.0)) + lab.noise())
     summary = diagnose(data, lab.model(), without=["hysteresis", "friction"]).summary
     assert summary["verdict"] == "unknown"
     assert summary["effects"] == []
@@ -231,7 +220,7 @@ def test_twenty_captures(make_lab) -> None:
 def test_fifteen_hundred_captures(make_lab) -> None:
     """A long campaign of single rows of one force is no trouble, and finds what is small."""
     lab = make_lab(captures=1500, chambers=1, force=True, rows_s=(3.0,))
-    u = looped(lab, 0.8)
+    u = lab.looped(0.8)
     result = diagnose(lab.dataset(lab.predict(u) + lab.noise(row=0.0, capture=0.25)), lab.model())
     assert "hysteresis" in {*result.summary["effects"], *result.summary["rivals"]} or answer(result)[1] == {
         "friction"

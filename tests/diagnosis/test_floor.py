@@ -1,11 +1,13 @@
 """The noise floor: known noise is found, whatever else the residuals hold."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.ndimage import uniform_filter1d
 
-from labrig.diagnosis import diagnose
+from labrig.diagnosis import _problem, diagnose, prepared
 from labrig.diagnosis._floor import capture_means, noise_floor
 from labrig.effects import rows_of
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
@@ -161,3 +163,79 @@ def test_a_coarse_sensor_hides_nothing(make_lab, step) -> None:
     assert found.summary["verdict"] == "nothing_missing"
     assert found.summary["floor"]["how"].startswith("the steps in which it was recorded")
     assert found.summary["error"]["floor"] == pytest.approx(step / np.sqrt(12), rel=0.25)
+
+
+@pytest.mark.parametrize("most", [480, 1200, 3000])
+def test_the_floor_of_a_stream_does_not_hang_on_how_it_was_thinned(
+    make_lab, monkeypatch: pytest.MonkeyPatch, most: int
+) -> None:
+    """A long record of slow strokes has the noise of its rows as floor, however few of them are worked on."""
+    monkeypatch.setattr(_problem, "MOST_ROWS", most)
+    lab = make_lab(chambers=2, force=True, captures=3000, rows_s=(0.05,), repeats=False)
+    t = np.arange(len(lab.commanded))[:, None]
+
+    def strokes(at: np.ndarray) -> np.ndarray:
+        return 30 + 28 * np.sin(2 * np.pi * at / np.array([60.7, 37.0 * np.sqrt(2)]))
+
+    lab.commanded[:] = strokes(t)
+    lab.label[:] = [""] * len(t)
+    lagging = strokes(t - 3)[:, None]
+    noise = np.random.default_rng(3).normal(0, 0.1, (len(t), 1, 1))
+    ready = prepared(rows_of(lab.dataset(lab.predict(lagging) + noise)), lab.model())
+    assert ready.floor.mean[0] == pytest.approx(0.1, rel=0.2)
+    assert ready.residual.std() > 5 * ready.floor.mean[0]
+
+
+def test_a_stroke_up_is_no_repeat_of_the_stroke_down(make_lab) -> None:
+    """A stream whose pressures come again on the way back: the floor is its noise, not the width of the loop."""
+    lab = make_lab(chambers=1, force=True, captures=1200, rows_s=(0.05,), repeats=False)
+
+    def strokes(at: np.ndarray) -> np.ndarray:
+        return 60 * np.abs((at / 60) % 2 - 1)
+
+    t = np.arange(1200.0)[:, None]
+    lab.commanded[:] = strokes(t)
+    lab.label[:] = [""] * len(t)
+    noise = np.random.default_rng(3).normal(0, 0.1, (len(t), 1, 1))
+    ready = prepared(rows_of(lab.dataset(lab.predict(strokes(t - 4)[:, None]) + noise)), lab.model())
+    assert ready.floor.mean[0] == pytest.approx(0.1, rel=0.2)
+
+
+def test_one_pair_of_repeats_may_be_alike_by_chance(make_lab) -> None:
+    """Two captures that hardly differ do not make the floor of sixty."""
+    lab = make_lab(captures=60, markers=4, repeats=False)
+    lab.commanded[2:4] = lab.commanded[:2]
+    lab.label[1] = lab.label[3] = "twice"
+    noise = lab.noise(row=0.05, capture=0.1)
+    noise[3] = noise[1] + 0.001 * np.sign(noise[1])
+    floor = floor_of(lab, lab.predict(lab.u) + noise)
+    assert floor.mean == pytest.approx(np.full(12, 0.104), rel=0.15)
+
+
+def each(white: np.ndarray) -> np.ndarray:
+    """A sensor as fast as the log."""
+    return white
+
+
+def one_for_five(white: np.ndarray) -> np.ndarray:
+    """A sensor whose value stands until its next one."""
+    return np.repeat(white[::5], 5, axis=0)
+
+
+def mean_of_nine(white: np.ndarray) -> np.ndarray:
+    """A sensor that smooths."""
+    return 3 * uniform_filter1d(white, 9, axis=0)
+
+
+@pytest.mark.parametrize("sensor", [each, one_for_five, mean_of_nine])
+def test_a_sensor_that_is_slower_than_the_log_has_its_own_noise(
+    make_lab, sensor: Callable[[np.ndarray], np.ndarray]
+) -> None:
+    """A stream whose neighbours differ by less than its noise, or not at all: the floor is the noise."""
+    lab = make_lab(chambers=2, markers=4, captures=2000, rows_s=(0.05,), repeats=False)
+    random = np.random.default_rng(3)
+    lab.commanded[:] = np.repeat(random.uniform(0, 60, (40, 2)).round(1), 50, axis=0)
+    lab.label[:] = [""] * 2000
+    noise = sensor(random.normal(0, 0.1, (2000, 1, 12)))
+    ready = prepared(rows_of(lab.dataset(0.97 * lab.predict(lab.u) + noise)), lab.model())
+    assert ready.floor.mean == pytest.approx(np.full(12, 0.1), rel=0.1)
