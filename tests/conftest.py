@@ -49,9 +49,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """What simulated rigs keep is shared by all tests, and goes when they end."""
+    """What simulated rigs keep is shared by all tests, also by those of other processes, and goes when they end."""
+    folder = tmp_path_factory.getbasetemp()
+    together = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("LABRIG_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("LABRIG_CACHE", str(together / "cache"))
         yield
 
 
@@ -63,6 +65,8 @@ def browser() -> "Iterator[Browser]":
     from playwright.sync_api import sync_playwright
 
     drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    # putting pages together by a processor that is only simulated took most of their time
+    drawing.append("--disable-gpu-compositing")
     sandbox = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=[*sandbox, *drawing])
@@ -162,6 +166,17 @@ class Lab:
                 last = np.zeros(self.chambers)
             yield i, last + (u - last) * np.linspace(0, 1, points + 1)[1:, None]
             last = u
+
+    def looped(self, size_kpa: float, width: float = 0.08) -> np.ndarray:
+        """Pressures of the rows with a Bouc-Wen loop on them (Wen 1976); it turns within `width` of the range."""
+        u, z, last = self.u, np.zeros(self.chambers), np.zeros(self.chambers)
+        for i, way in self.path(60):
+            for point in way:
+                d = (point - last) / HIGH_KPA
+                z = z + d / width * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
+                last = point
+            u[i] -= size_kpa * z
+        return u
 
     def noise(self, row: float = 0.05, capture: float = 0.1) -> np.ndarray:
         """White noise of rows and of captures, (n, T, K)."""

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from labrig.log import summarise
+from tests.browsers import NO_WEBGL
 
 LONG = "--captures 80 --settle-s 1 --record-s 0.5"
 PLACE = {"width": 1280, "height": 900}
@@ -48,7 +49,7 @@ def _vent_frame(page: Any) -> Any:
 
 @pytest.mark.slow
 def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -> None:
-    """Plan, start, watch, reload in the middle, pause, go on, end: each by a click, and each true of the rig."""
+    """Plan, start, watch, reload (without WebGL: flat), pause, go on, end: each by a click, each true of the rig."""
     page.select_option("#procedure", "capture")
     page.fill("#arguments", LONG)
     page.press("#arguments", "Tab")
@@ -59,8 +60,10 @@ def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -
     run = _begin(page)
     page.wait_for_selector(".surface canvas", timeout=40_000)
     assert page.locator("canvas.curve:visible").count() == 2
+    page.add_init_script(NO_WEBGL)
     page.reload()
-    page.wait_for_selector(".live-run")
+    page.wait_for_selector(".live-run .surface canvas.flat")
+    page.wait_for_selector("text=no WebGL")
     rig.wait_above(10.0)
     page.click("#pause")
     page.wait_for_selector(".state.waiting:has-text('paused, vented')", timeout=20_000)

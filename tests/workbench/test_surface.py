@@ -13,6 +13,7 @@ import pytest
 from labrig.view import ERROR_SCALE
 from labrig.workbench import _compare, open_desk
 from labrig.workbench._views import kept
+from tests.browsers import NO_WEBGL
 
 NAMES = "all => all.flatMap(e => e.data.filter(t => t.mode === 'text' && t.visible).flatMap(t => t.text))"
 OTHER_SCALE = """([run, scale]) => {
@@ -91,6 +92,24 @@ def test_the_surface_is_drawn_flat_until_plotly_is_there(open_page, make_run):
     page.wait_for_selector("[data-drawn]")
     assert page.locator("canvas.flat").count() == 0
     assert page.locator(".surface .gl-container, .surface .svg-container").count() > 0
+
+
+def test_without_webgl_the_surface_stays_flat(open_page, make_run):
+    """A browser over a remote desktop: the surface is drawn flat for every capture, and one line says why."""
+    page = open_page()
+    page.add_init_script(NO_WEBGL)
+    page.reload()
+    _compared(page, make_run())
+    assert "no WebGL" in page.locator("figcaption:visible").inner_text()
+    seen = []
+    for capture in ("2", "5", "2"):
+        page.click(f"[data-capture='{capture}']")
+        page.wait_for_selector(f"[data-drawn='{capture}'] canvas.flat:visible")
+        seen.append(page.locator("canvas.flat:visible").evaluate_all("all => all.map(e => e.toDataURL())"))
+    assert len(seen[0]) == 2
+    assert all(one != other for one, other in zip(seen[0], seen[1], strict=True))
+    assert seen[2] == seen[0]
+    assert page.locator(".surface .svg-container").count() == 0
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

@@ -1,7 +1,9 @@
 // The surface of a run that goes on, as the cameras see it now; its colour is the model's error in the last capture.
 
-import { plotly } from "./plot.js";
+import { h } from "./dom.js";
+import { FLAT, plotly, solid } from "./plot.js";
 import { get } from "./server.js";
+import { sketch } from "./sketch.js";
 
 const EVERY_MS = 600;
 export class Surface {
@@ -26,7 +28,7 @@ export class Surface {
     if (this.busy || this.closed || !state.position_mm || Date.now() - this.drawn < EVERY_MS) return;
     this.busy = true;
     try {
-      const Plotly = await plotly();
+      const Plotly = solid() ? await plotly() : null;
       if (!this.tried) {
         this.tried = true;
         this.skin = await get("/api/watch/skin", { run: this.run }).catch(() => null);
@@ -51,16 +53,18 @@ export class Surface {
     const traces = [];
     if (this.skin) traces.push(this.mesh(error, state));
     traces.push(this.points(state));
-    this.words = `${seen} of ${state.markers.length} markers seen${error ? `; colour: error of the model in the last capture, dark from ${this.top || ""} mm` : ""}`;
+    this.words = `${seen} of ${state.markers.length} markers seen${error ? `; colour: error of the model in the last capture, dark from ${this.top || ""} mm` : ""}${solid() ? "" : `. ${FLAT}`}`;
     const style = getComputedStyle(document.documentElement);
-    await Plotly.react(this.place, traces, {
+    const layout = {
       uirevision: this.run,
       margin: { l: 0, r: 0, t: 0, b: 0 },
       showlegend: false,
       paper_bgcolor: "rgba(0,0,0,0)",
       font: { color: style.getPropertyValue("--muted").trim() },
       scene: { aspectmode: "data", camera: this.camera(state), xaxis: { visible: false }, yaxis: { visible: false }, zaxis: { visible: false } },
-    }, { displayModeBar: false, responsive: true });
+    };
+    if (Plotly) await Plotly.react(this.place, traces, layout, { displayModeBar: false, responsive: true });
+    else sketch((this.flat ??= this.place.appendChild(h("canvas", { class: "flat" }))), { data: traces, layout });
   }
 
   // From in front of the surface: against the direction in which it is thinnest.

@@ -32,6 +32,11 @@ export const later = window.requestIdleCallback || ((work) => setTimeout(work, 2
 
 export const plotly = () => (loading ??= load());
 
+// Whether this browser draws in space: over a remote desktop, or with a blocked driver, many do not.
+let able = null;
+export const solid = () => (able ??= Boolean(document.createElement("canvas").getContext("webgl")));
+export const FLAT = "This browser has no WebGL (over a remote desktop few have): the surface is drawn flat and can't be turned.";
+
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 const SANS = 'system-ui, "Segoe UI", Roboto, Helvetica, Arial, sans-serif';

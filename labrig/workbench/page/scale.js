@@ -12,13 +12,14 @@ const log = Math.log2;
 export const shade = (value, [low, high]) =>
   value === null ? null : Math.min(1, Math.max(0, log(Math.max(value, 1e-12) / low) / log(high / low)));
 
-// The colour of a share of the scale; grey where nothing was seen.
-export function colourAt(at) {
+// The colour of a share of a scale whose stops are evenly spaced; grey where nothing was seen.
+export function colourAt(at, stops = STOPS) {
   if (at === null) return "#787e86";
-  const k = Math.min(3, Math.floor(at * 4));
-  const share = at * 4 - k;
+  const last = stops.length - 1;
+  const k = Math.min(last - 1, Math.floor(at * last));
+  const share = at * last - k;
   const parts = (colour) => [1, 3, 5].map((place) => parseInt(colour.slice(place, place + 2), 16));
-  const [a, b] = [parts(STOPS[k][1]), parts(STOPS[k + 1][1])];
+  const [a, b] = [parts(stops[k][1]), parts(stops[k + 1][1])];
   return `rgb(${a.map((x, i) => Math.round(x + share * (b[i] - x))).join(",")})`;
 }
 

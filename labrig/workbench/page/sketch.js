@@ -1,5 +1,6 @@
 // A figure in space drawn flat, at once: what is looked at while plotly, whose drawing in space takes seconds to begin,
-// is not there yet. Markers, lines and one mesh, as plotly shows them in perspective.
+// is not there yet, and where the browser draws nothing in space. Markers, lines and one mesh, as plotly shows them in
+// perspective.
 
 import { colourAt } from "./scale.js";
 
@@ -50,7 +51,7 @@ export function sketch(canvas, { data, layout }) {
 }
 
 // The farthest triangle first.
-function mesh(pen, { i, j, k, intensity }, at) {
+function mesh(pen, { i, j, k, intensity, colorscale, cmax }, at) {
   const triangles = i.map((a, n) => [a, j[n], k[n]]);
   const depth = triangles.map((corners) => corners.reduce((sum, c) => sum + at[c][2], 0));
   for (const n of triangles.map((_, n) => n).sort((a, b) => depth[b] - depth[a])) {
@@ -58,7 +59,7 @@ function mesh(pen, { i, j, k, intensity }, at) {
     pen.beginPath();
     for (const c of corners) pen.lineTo(at[c][0], at[c][1]);
     pen.closePath();
-    pen.fillStyle = pen.strokeStyle = colourAt(corners.reduce((sum, c) => sum + intensity[c], 0) / 3);
+    pen.fillStyle = pen.strokeStyle = colourAt(corners.reduce((sum, c) => sum + intensity[c], 0) / 3 / cmax, colorscale);
     pen.fill();
     pen.stroke(); // no seams between neighbours
   }
@@ -74,12 +75,13 @@ function lines(pen, { line }, at) {
 
 function markers(pen, { marker }, at) {
   pen.lineWidth = 1;
-  pen.strokeStyle = marker.line.color;
+  pen.strokeStyle = marker.line?.color ?? "transparent";
   at.forEach((point, n) => {
     const size = Array.isArray(marker.size) ? marker.size[n] : marker.size;
+    const own = marker.color[n];
     pen.beginPath();
     pen.arc(point[0], point[1], size / 2, 0, 2 * Math.PI);
-    pen.fillStyle = colourAt(marker.color[n]);
+    pen.fillStyle = typeof own === "string" ? own : colourAt(own);
     pen.fill();
     pen.stroke();
   });

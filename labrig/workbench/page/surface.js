@@ -1,7 +1,7 @@
 // Surfaces in 3-D, side by side and turned together: markers, a skin through them, the chambers' outlines.
 
 import { h } from "./dom.js";
-import { CONFIG, colour, later, plotly, themed } from "./plot.js";
+import { CONFIG, FLAT, colour, later, plotly, solid, themed } from "./plot.js";
 import { COLOURS, shade } from "./scale.js";
 import { sketch } from "./sketch.js";
 
@@ -36,6 +36,11 @@ export class Surfaces {
       root.append(h("figure", {}, heading, place));
       return { heading, place, ready: false, drawn: "" };
     });
+    if (!solid()) {
+      this.views[0].place.after(h("figcaption", { class: "muted" }, FLAT));
+      this.resized = new ResizeObserver(() => this.last && this.show(...this.last));
+      this.resized.observe(this.views[0].place);
+    }
     this.turning = false;
     this.wanted = null;
     this.last = null;
@@ -69,6 +74,7 @@ export class Surfaces {
   }
 
   async #work() {
+    if (!solid()) return this.#flat();
     if (this.#sketch()) {
       await painted();
       performance.mark("surface"); // what benchmarks ask for: while plotly begins, nothing outside the page is answered
@@ -93,6 +99,15 @@ export class Surfaces {
       await painted();
     }
     later(() => this.#names());
+  }
+
+  // Where nothing is drawn in space: each wish flat, the newest last.
+  async #flat() {
+    while (this.wanted) {
+      this.#sketch();
+      this.wanted = null;
+      await painted();
+    }
   }
 
   #figure({ at, error, marked = "" }, range, words) {
@@ -165,6 +180,7 @@ export class Surfaces {
 
   end() {
     this.wanted = this.last = null;
+    this.resized?.disconnect();
     for (const view of this.views) if (view.ready) window.Plotly.purge(view.place);
   }
 }
