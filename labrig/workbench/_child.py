@@ -21,13 +21,20 @@ def main() -> None:
     for name in ("SIGINT", "SIGTERM", "SIGBREAK"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), lambda *_: None)
-    with hold(folder / ALIVE):
+    with hold(folder / ALIVE) as alive:
+        alive.write(b"held")  # an empty file is one that is not held yet
+        alive.flush()
         # A handler, unlike SIG_IGN, is not handed down: the command meets these signals as if it were typed.
         with subprocess.Popen([sys.executable, "-m", "labrig", *words], stdin=subprocess.DEVNULL) as command:
             code = command.wait()
-        partial = folder / f"{ENDED}.part"
-        partial.write_text(json.dumps({"code": code, "ended_s": time.time()}), encoding="utf-8")
-        partial.replace(folder / ENDED)
+        write_ended(folder, code)
+
+
+def write_ended(folder: Path, code: int) -> None:
+    """Write down that a job's command ended now."""
+    partial = folder / f"{ENDED}.part"
+    partial.write_text(json.dumps({"code": code, "ended_s": time.time()}), encoding="utf-8")
+    partial.replace(folder / ENDED)
 
 
 if __name__ == "__main__":

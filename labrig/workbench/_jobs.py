@@ -22,12 +22,13 @@ from statistics import median
 from typing import Any, TypedDict
 
 from labrig._errors import LabrigError
-from labrig.workbench._child import ALIVE, ENDED, PID
+from labrig.workbench._child import ALIVE, ENDED, PID, write_ended
 from labrig.workbench._locked import is_held
 
 ABOUT, OUTPUT, CANCELLED = "job.json", "output.txt", "cancelled"
 KEPT = 60
-_STARTS_S = 15.0
+_STARTS_S = 120.0
+"""A process that has not begun by then never will; one that this server started is known to have ended before."""
 _TAIL_BYTES = 20_000
 
 
@@ -90,7 +91,8 @@ class Job:
 
     def _lives(self) -> bool:
         alive = self.folder / ALIVE
-        return is_held(alive) if alive.exists() else time.time() - self.started_s < _STARTS_S
+        begun = alive.exists() and alive.stat().st_size > 0
+        return is_held(alive) if begun else time.time() - self.started_s < _STARTS_S
 
     def output(self) -> str:
         """What it printed, the end of it."""
@@ -125,7 +127,7 @@ class Jobs:
         self.cwd = cwd
         self.folder = folder
         self._lock = threading.Lock()
-        self._children: list[subprocess.Popen[Any]] = []
+        self._children: dict[Path, subprocess.Popen[Any]] = {}
 
     def start(self, words: Sequence[object], title: str, run: str = "") -> Job:
         """Start `labrig WORDS...` in the workbench's folder.
@@ -153,12 +155,12 @@ class Jobs:
                     **_own_group(),
                 )
             (job.folder / PID).write_text(str(child.pid), encoding="ascii")
-            self._children.append(child)
+            self._children[job.folder] = child
         return job
 
     def all(self) -> list[Job]:
         """The jobs, the newest first."""
-        self._children = [child for child in self._children if child.poll() is None]
+        self._look_after()
         try:
             folders = sorted((p for p in self.folder.iterdir() if (p / ABOUT).is_file()), reverse=True)
         except OSError:
@@ -194,11 +196,20 @@ class Jobs:
     def wait(self, timeout_s: float) -> bool:
         """Whether the children of this server have ended within a time."""
         end = time.monotonic() + timeout_s
-        while any(child.poll() is None for child in self._children):
+        while any(child.poll() is None for child in list(self._children.values())):
             if time.monotonic() > end:
                 return False
             time.sleep(0.05)
         return True
+
+    def _look_after(self) -> None:
+        """Write down how a child ended that could not do so itself."""
+        for folder, child in list(self._children.items()):
+            if child.poll() is None:
+                continue
+            self._children.pop(folder, None)
+            if folder.is_dir() and not (folder / ENDED).exists():
+                write_ended(folder, child.returncode)
 
     def _new_folder(self) -> Path:
         folder = (

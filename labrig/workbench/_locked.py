@@ -7,13 +7,13 @@ from typing import IO
 if sys.platform == "win32":
     import msvcrt
 
-    def _lock(file: IO[bytes]) -> None:
+    def _lock(file: IO[bytes], shared: bool = False) -> None:  # noqa: ARG001 - Windows has no shared lock here
         msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
 else:
     import fcntl
 
-    def _lock(file: IO[bytes]) -> None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    def _lock(file: IO[bytes], shared: bool = False) -> None:
+        fcntl.flock(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
 
 
 def hold(path: Path) -> IO[bytes]:
@@ -31,7 +31,7 @@ def is_held(path: Path) -> bool:
     """Whether a process holds the file."""
     try:
         with path.open("rb+") as file:
-            _lock(file)
+            _lock(file, shared=True)  # two that look at once do not take each other for the holder
     except FileNotFoundError:
         return False
     except OSError:

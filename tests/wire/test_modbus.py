@@ -350,7 +350,7 @@ def test_nothing_listens(driver):
     )
 
 
-def test_a_devices_own_watchdog_vents_when_nobody_speaks(tmp_path, shared, closing, driver, until):
+def test_a_devices_own_watchdog_vents_when_nobody_speaks(tmp_path, shared, closing, driver, until, monkeypatch):
     """Set at the start, named in the identity; when the link is cut with chambers under pressure, they are vented."""
     text = (MAPS / "festo-vtem.yaml").read_text(encoding="utf-8")
     path = tmp_path / "watched.yaml"
@@ -361,8 +361,9 @@ def test_a_devices_own_watchdog_vents_when_nobody_speaks(tmp_path, shared, closi
     assert device.identify().details["watchdog"] == "0.5 s"
     device.set(np.array([20.0, 20.0, 20.0, 20.0]))
     until(lambda: shared.pressure_kpa().min() > 19.0)
-    device._wire._client.close()  # as a computer that dies: no set-point 0 is sent
-    device._wire._client.connect = lambda: False
+    client = device._wire._client
+    monkeypatch.setattr("pymodbus.client.ModbusTcpClient.connect", lambda _: False)
+    client.close()  # as a computer that dies: no set-point 0 is sent
     until(lambda: shared.pressure_kpa().max() < 1.0)
 
 

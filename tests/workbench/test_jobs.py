@@ -3,10 +3,12 @@
 import sys
 import time
 
+import psutil
 import pytest
 
 from labrig._errors import LabrigError
 from labrig.workbench import open_desk
+from labrig.workbench._locked import hold, is_held
 
 
 @pytest.fixture
@@ -98,3 +100,28 @@ def test_a_job_outlives_its_server(tmp_path, desk):
     assert job.state == "running"
     desk.jobs.cancel(job)
     _wait(lambda: job.state != "running")
+
+
+def test_a_job_that_is_killed_before_it_begins_has_ended(desk):
+    """A job is running while its process starts; where that dies before it holds anything, the server writes so."""
+    job = desk.jobs.start(["workbench", ".", "--no-browser"], "long")
+    process = psutil.Process(int((job.folder / "pid").read_text()))
+    process.suspend()
+    (job.folder / "alive").write_bytes(b"")  # opened, and not yet held
+    assert desk.jobs.get(job.id).state == "running"
+    process.kill()
+    _wait(lambda: desk.jobs.get(job.id).state != "running")
+    assert job.state == "failed"
+    assert job.ended["code"] != 0
+
+
+def test_two_that_look_at_once_do_not_take_each_other_for_the_holder(tmp_path):
+    """Whether a file is held does not depend on others that look."""
+    path = tmp_path / "alive"
+    path.write_bytes(b"held")
+    with path.open("rb+") as other:
+        fcntl = pytest.importorskip("fcntl", reason="Windows has no shared lock in its standard library")
+        fcntl.flock(other, fcntl.LOCK_SH)
+        assert not is_held(path)
+    with hold(path):
+        assert is_held(path)
