@@ -98,16 +98,7 @@ def test_regulator(make_lab) -> None:
 def test_hysteresis(make_lab) -> None:
     """A Bouc-Wen loop (Wen 1976): set-points from above lie higher, by an amount that saturates."""
     lab = make_lab(captures=80)
-    u = lab.u
-    z = np.zeros(3)
-    last = np.zeros(3)
-    for i, way in lab.path(60):
-        for point in way:
-            d = (point - last) / 60.0
-            z = z + d / 0.08 * (1 - np.abs(z) ** 1.4 * (0.5 * np.sign(d * z) + 0.5))
-            last = point
-        u[i] -= 3.0 * z
-    result, values, _ = found(lab, lab.predict(u), "hysteresis")
+    result, values, _ = found(lab, lab.predict(lab.looped(3.0)), "hysteresis")
     loop = result.signatures[0]
     above, below = (loop.measured[loop.group == way] for way in ("from above", "from below"))
     assert above.mean() > 2.0

@@ -14,7 +14,7 @@ from labrig import LabrigError
 from labrig.rig import GuardedPressure, Rig, connect, load_rig
 from labrig_drivers import DeviceError, RealClock, SimulatedClock
 
-SLOW_S = 10.0
+SLOW_S = 30.0
 """Longer than any of these vents takes on a busy machine; the time stated in the docs is the heartbeat's."""
 
 HANGING = "time.sleep(60)"
