@@ -7,7 +7,7 @@ from typing import IO
 if sys.platform == "win32":
     import msvcrt
 
-    def _lock(file: IO[bytes], shared: bool = False) -> None:  # noqa: ARG001 - Windows has no shared lock here
+    def _lock(file: IO[bytes], shared: bool = False) -> None:  # Windows has no shared one
         msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
 else:
     import fcntl

@@ -350,7 +350,9 @@ def test_nothing_listens(driver):
     )
 
 
-def test_a_devices_own_watchdog_vents_when_nobody_speaks(tmp_path, shared, closing, driver, until, monkeypatch):
+def test_a_devices_own_watchdog_vents_when_nobody_speaks(
+    tmp_path, shared, closing, driver, until, monkeypatch
+):
     """Set at the start, named in the identity; when the link is cut with chambers under pressure, they are vented."""
     text = (MAPS / "festo-vtem.yaml").read_text(encoding="utf-8")
     path = tmp_path / "watched.yaml"
