@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
@@ -140,12 +141,21 @@ class Context:
 
     @cached_property
     def started(self) -> Ints:
-        """Index of each event's predecessor in its history; -1 where the chambers were vented, shape (E,)."""
+        """Index of each event's predecessor in its history; -1 where the chambers were vented, shape (E,).
+
+        A record that began at rest, at its first sample, has that before it.
+        """
         session = self.rows.event_session
         before = np.arange(len(session)) - 1
         if self.rows.between_sessions != "held":
-            before[np.flatnonzero(np.diff(session, prepend=-1))] = -1
+            first = np.flatnonzero(np.diff(session, prepend=-1))
+            before[first] = first if self.begins_at_rest else -1
         return before
+
+    @property
+    def begins_at_rest(self) -> bool:
+        """Whether sessions began at rest where their first sample is, neither vented nor held."""
+        return self.rows.between_sessions == "rest"
 
     @cached_property
     def previous(self) -> Floats:
@@ -223,8 +233,8 @@ class Context:
         key = ("play", width)
         if key not in self._memo:
             r = width * self.span
-            state = np.zeros_like(self.rows.event_actuation)
             u = self.rows.event_actuation
+            state = u.copy()
             for e, before in enumerate(self.started):
                 last = state[before] if before >= 0 else self.vented
                 state[e] = np.maximum(u[e] - r, np.minimum(u[e] + r, last))
@@ -240,15 +250,14 @@ class Context:
 
     def lagged(self, tau_s: float, u: Floats, rest: float | Floats = 0.0) -> Floats:
         """First-order lag of any drive of the events, (E, C) -> (F, C), which is at `rest` where it began."""
-        t = self.rows.event_time_s
-        at_start = np.zeros_like(u)
-        for e, before in enumerate(self.started):
-            if before < 0:
-                at_start[e] = rest
-            else:
-                decay = np.exp(-max(t[e] - t[before], 0.0) / tau_s)
-                at_start[e] = u[before] + (at_start[before] - u[before]) * decay
-        event = self.rows.event
+        before, event = self.started, self.rows.event
+        gap_s = np.maximum(np.diff(self.rows.event_time_s, prepend=0.0), 0.0)
+        decay = np.where(before == np.arange(len(u)) - 1, np.exp(-gap_s / tau_s), 0.0)
+        decay[:1] = 0.0
+        last = np.where((before < 0)[:, None], rest, u[before])
+        # at_start[e] = decay[e] at_start[e - 1] + (1 - decay[e]) last[e], of all events at once
+        bands = np.stack([np.ones(len(u)), np.append(-decay[1:], 0.0)])
+        at_start = solve_banded((1, 0), bands, (1 - decay)[:, None] * last, check_finite=False)
         return u[event] + (at_start[event] - u[event]) * np.exp(-self.elapsed_s / tau_s)[:, None]
 
     def earlier(self, dead_s: float) -> Floats:
@@ -262,11 +271,8 @@ class Context:
             own = np.flatnonzero(rows.event_session == s)
             mine = np.flatnonzero(rows.event_session[rows.event] == s)
             at, when = rows.event_time_s[own], then[mine]
-            before = (
-                rows.event_actuation[own[0] - 1]
-                if rows.between_sessions == "held" and own[0]
-                else self.vented
-            )
+            began = self.started[own[0]]
+            before = rows.event_actuation[began] if began >= 0 else self.vented
             last = np.searchsorted(at, when + 1e-9, side="right") - 1
             u = np.vstack([before, rows.event_actuation[own]])[last + 1]
             if self.sample_s:

@@ -109,7 +109,7 @@ def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
 
 def play_of(context: Context, drive: Floats, width: float, rest: float | Floats) -> Floats:
     """The play operator on a drive (E, C) of the events, at the rows (F, C)."""
-    state = np.zeros_like(drive)
+    state = drive.copy()
     for e, before in enumerate(context.started):
         last = state[before] if before >= 0 else rest
         state[e] = np.maximum(drive[e] - width, np.minimum(drive[e] + width, last))
@@ -121,7 +121,7 @@ def ball_of(context: Context, drive: Floats, radius: float) -> Floats:
 
     P. Krejci, Hysteresis, Convexity and Dissipation in Hyperbolic Equations, Gakkotosho, Tokyo, 1996.
     """
-    state, reach = np.zeros_like(drive), radius * np.sqrt(drive.shape[1])
+    state, reach = drive.copy(), radius * np.sqrt(drive.shape[1])
     for e, before in enumerate(context.started):
         last = state[before] if before >= 0 else np.zeros(drive.shape[1])
         behind = drive[e] - last

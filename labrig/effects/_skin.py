@@ -25,7 +25,7 @@ def at_events(context: Context) -> Floats:
 def play_behind(context: Context, width: float) -> Floats:
     """How far a play of `width`, a share of the whole motion, of each observable stays behind it, (F, K)."""
     drive, half = at_events(context), width * motion_scale(context)
-    state = np.zeros_like(drive)
+    state = drive.copy()
     for e, before in enumerate(context.started):
         last = state[before] if before >= 0 else 0.0
         state[e] = np.maximum(drive[e] - half, np.minimum(drive[e] + half, last))
@@ -43,7 +43,7 @@ def body_behind(context: Context, width: float) -> Floats:
     drive, scale = at_events(context), motion_scale(context)
     _, _, ways = np.linalg.svd(drive / scale, full_matrices=False)
     along = drive / scale @ ways[0]
-    half, state = width * np.sqrt(len(scale)), np.zeros(len(along))
+    half, state = width * np.sqrt(len(scale)), along.copy()
     for e, before in enumerate(context.started):
         last = state[before] if before >= 0 else 0.0
         state[e] = np.maximum(along[e] - half, np.minimum(along[e] + half, last))

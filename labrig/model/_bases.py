@@ -1,5 +1,6 @@
 """Base models: what predicts the observables before any effect is added."""
 
+from copy import copy
 from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import Any, Protocol
@@ -106,6 +107,12 @@ class StaticModel:
         each = enumerate(rows.session_keys or rows.sessions) if self._in_each else ()
         there = {key: rows.session == s for s, key in each}
         self._own = {key: fitted(own) for key, own in there.items() if own.any()}
+
+    def with_coefficients(self, coefficients: Floats) -> "StaticModel":
+        """The same map with other coefficients (D, K), for all sessions."""
+        out = copy(self)
+        out._coefficients, out._own = coefficients, {}
+        return out
 
     def predict(self, actuation: Floats) -> Floats:
         """Evaluate the fitted map."""

@@ -25,6 +25,7 @@ from labrig.effects import (
     weighted,
     without_value,
 )
+from labrig.model._at_rest import at_rest, begun
 from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_base, jacobian, solo_deflection
 from labrig.model._file import EffectEntry, ModelFile, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
@@ -90,10 +91,12 @@ class Model:
     def predictor(self, fitted: Rows) -> "Predictor":
         """The model made ready for rows like `fitted`; a base that is fitted to a run is fitted to them."""
         base = build_base(self.file, self.folder, fitted)
-        if isinstance(base, StaticModel) and self.file.effects:
+        if isinstance(base, StaticModel):
             # the effects act through the slopes that they were fitted with: those of the map without them
-            alone = copy(base)
-            base.fit(fitted, fitted.values - _sum(self._changes(base_context(alone, fitted))[1]))
+            alone = _resting(base, fitted)
+            if self.file.effects:
+                context = begun(base_context(alone, fitted), base.declared_rows(fitted))
+                base.fit(fitted, fitted.values - _sum(self._changes(context)[1]))
             return Predictor(self, base, alone)
         if isinstance(base, SimulatorModel):
             base.fit(fitted, fitted.values)
@@ -149,14 +152,14 @@ class Predictor:
 
     def parts(self, rows: Rows) -> tuple[Context, dict[str, Floats]]:
         """The same, and what each effect changes in the prediction, (F, K), by its name."""
-        context = base_context(self.base, rows)
-        through, changes = self.model._changes(
-            context if self.alone is None else base_context(self.alone, rows)
-        )
-        context = through if self.alone is None else context
-        total = context.base + _sum(changes)
+        own = base_context(self.alone or self.base, rows)
+        X = _declared(self.base, rows)
+        context, changes = self.model._changes(begun(own, np.ones((len(own.base), 1)) if X is None else X))
+        rows = context.rows
+        predicted = context.base if self.alone is None else base_context(self.base, rows).base
         rows = replace(rows, warnings=(*rows.warnings, *self.model.unsaid(context)))
-        return replace(context, rows=rows, base=total, displaced=context.displacement, _memo={}), changes
+        total, moved = predicted + _sum(changes), context.displacement
+        return replace(context, rows=rows, base=total, displaced=moved, _memo={}), changes
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
@@ -278,6 +281,14 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
 
 def _lacking(effect: Effect, what: str) -> str:
     return f"effect {effect.name!r} needs {what}, which this run did not log (or not everywhere)"
+
+
+def _resting(base: StaticModel, rows: Rows) -> StaticModel:
+    """The map as it is at rest; where set-points are held, as it was fitted."""
+    context = base_context(base, rows)
+    if not context.sample_s:
+        return copy(base)
+    return base.with_coefficients(at_rest(context, base.declared(rows.actuation)))
 
 
 def _declared(base: BaseModel, rows: Rows) -> Floats | None:
