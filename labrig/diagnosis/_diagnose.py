@@ -67,7 +67,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     few = ready.residual.shape[1] < FEW and observations.n_captures >= k.FEWEST_OBSERVATIONS
     if not few:
         return ready, observations
-    design = design_of(observations, effects, ready.declared, ready.calibrated)
+    design = design_of(observations, effects, ready.nuisance, ready.calibrated)
     ready = replace(ready, floor=rescaled(ready.floor, noise_scale(design)))
     return ready, observe(ready.context, ready.residual, ready.floor)
 
@@ -81,7 +81,7 @@ def verdict_on(
     few = underpowered(observations, tuple(effects), least, ready.context.rows.unit[0], floor)
     if few is not None and len(observations.values) < k.FEWEST_OBSERVATIONS:
         return few
-    design = design_of(observations, effects, ready.declared, ready.calibrated)
+    design = design_of(observations, effects, ready.nuisance, ready.calibrated)
     search = Search(design).run()
     verdict = decide(answers_of(search, least), tuple(effects), words_of(design))
     return few if few is not None and verdict.verdict == "nothing_missing" else verdict

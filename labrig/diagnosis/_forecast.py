@@ -77,7 +77,7 @@ class Explained:
     def __init__(self, ready: Prepared, effects: Mapping[str, Effect]) -> None:
         self.effects = dict(effects)
         self.ready, self.observations = observed(ready, self.effects)
-        self.design = design_of(self.observations, self.effects, self.ready.declared, self.ready.calibrated)
+        self.design = design_of(self.observations, self.effects, self.ready.nuisance, self.ready.calibrated)
         self.search = Search(self.design).run()
 
     def forms(self, names: Sequence[str], most: int) -> list[Explanation]:
@@ -128,6 +128,9 @@ class Explained:
         planned = len(programme)
         residual = np.concatenate([self.ready.residual, np.zeros((planned, joint.base.shape[1]))])
         observations = self._beside(observe(joint, residual, self.ready.floor))
+        if (began := self.ready.began) is not None:  # nothing of it is left in what is planned
+            began = np.concatenate([began, np.zeros((planned, began.shape[1]))])
+            declared = began if declared is None else np.concatenate([declared, began], axis=1)
         design = design_of(observations, self.effects, declared, calibrated)
         known = observations.capture < self.observations.n_captures
         sums = Sums.of(design, self.observations.worth, keep=known)

@@ -12,7 +12,7 @@ from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._regression import Regression, regression_of
 from labrig.effects import Context, Rows, join_rows, rows_of
-from labrig.model import Model
+from labrig.model import Model, transients
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -25,6 +25,7 @@ class Prepared:
     """A campaign beside a model: `residual` (F, K) without outliers (`dropped` of them), the noise `floor`.
 
     What the base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
+    `began` (F, B) are regressors of what a record still shows of the time before it, where nobody said what that was.
     """
 
     context: Context
@@ -33,6 +34,13 @@ class Prepared:
     dropped: int
     declared: Floats | None
     calibrated: Floats | None
+    began: Floats | None = None
+
+    @property
+    def nuisance(self) -> Floats | None:
+        """What the base calls its own, and what was before a record, (F, D + B): nothing that an effect explains."""
+        both = [part for part in (self.declared, self.began) if part is not None]
+        return np.concatenate(both, axis=1) if both else None
 
     @cached_property
     def regression(self) -> Regression:
@@ -51,16 +59,18 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     predictor = model.predictor(rows)
     context = predictor.context(rows)
     declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
+    began = transients(context) if context.sample_s and rows.between_sessions == "unknown" else None
     at_full_rate = context.residual
     if len(rows.capture) > MOST_ROWS:
         keep = np.unique(np.linspace(0, len(rows.capture) - 1, MOST_ROWS).astype(int))
         context = context.thin(keep)
         declared = None if declared is None else declared[keep]
+        began = None if began is None else began[keep]
         calibrated = None if calibrated is None else calibrated[keep]
     residual, dropped = clean(context)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
     floor = noise_floor(context, residual, lost, at_full_rate)
-    return Prepared(context, residual, floor, dropped, declared, calibrated)
+    return Prepared(context, residual, floor, dropped, declared, calibrated, began)
 
 
 def prepare(rows: Rows, model: Model) -> tuple[Regression, Context, Floor, int]:

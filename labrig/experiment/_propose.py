@@ -158,6 +158,7 @@ def _some(ready: Prepared) -> Prepared:
         residual=ready.residual[keep],
         declared=None if ready.declared is None else ready.declared[keep],
         calibrated=None if ready.calibrated is None else ready.calibrated[keep],
+        began=None if ready.began is None else ready.began[keep],
     )
 
 

@@ -1,5 +1,6 @@
 """Models: model.yaml, its base, its effects, and what they predict."""
 
+from labrig.model._at_rest import transients
 from labrig.model._bases import BaseModel, build_base, jacobian, solo_deflection
 from labrig.model._file import (
     EffectEntry,
@@ -29,5 +30,6 @@ __all__ = [
     "model_text",
     "read_model_file",
     "solo_deflection",
+    "transients",
     "write_model_file",
 ]

@@ -12,6 +12,8 @@ _ROWS = 6000
 _RIDGES = tuple(10.0**n for n in range(-5, 2))
 _STEP = 2.0
 """From one lag to the next."""
+_APART = 4.0
+"""From one decay of what was before a record to the next."""
 _PART = 10
 """The longest lag, a part of the record: what is slower has hardly come to its end in it."""
 _ROUNDS = 5
@@ -31,6 +33,20 @@ def begun(context: Context, X: Floats) -> Context:
         for way in ("vented", "rest")
     ]
     return min(ways, key=lambda way: _Lagged.of(way, X).error)
+
+
+def transients(context: Context) -> Floats:
+    """How each session of a record may come to rest from where it began, (F, D): decays of one sample and longer."""
+    rows, out = context.rows, []
+    longest = context.sample_s * len(rows.capture) / _PART
+    taus = context.sample_s * _APART ** np.arange(
+        1 + int(np.log(max(longest / context.sample_s, 1.0)) / np.log(_APART))
+    )
+    for session in range(len(rows.sessions)):
+        own = rows.session == session
+        since_s = np.where(own, context.session_time_s, np.inf)
+        out += [np.exp(-since_s / tau) for tau in taus]
+    return np.stack(out, axis=1)
 
 
 def at_rest(context: Context, X: Floats) -> Floats:

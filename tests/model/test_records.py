@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 import labrig
-from labrig.diagnosis import rows_from
+from labrig.diagnosis import prepared, rows_from
 from labrig.model import Model
 
 DT_S, TAU_S = 0.5, 12.0
@@ -122,3 +122,31 @@ def test_what_was_added_holds_on_another_record(tmp_path):
         predicted = Model.load(tmp_path / f"{name}.yaml").predictor(rows).context(rows)
         left[name] = float(np.sqrt(np.mean(predicted.residual[60:] ** 2)))
     assert left["improved"] < 0.4 * left["model"]
+
+
+def test_what_was_before_a_record_is_no_drift(tmp_path):
+    """A record that begins in the middle of a recovery, neither vented nor at rest, shows a lag and no drift."""
+    u = np.maximum(driven(1500, 5), 0.5)
+    found = labrig.diagnose(imported(tmp_path, u, followed(u, 0.05)), tmp_path / "model.yaml")
+    assert found.summary["effects"] in (["creep"], ["delay"])
+
+
+def test_what_was_before_is_asked_of_each_session(tmp_path):
+    """Decays of each session of its own, at its beginning 1; none where the past is known, or set-points are held."""
+    u = driven(600, 6)
+    folder = tmp_path / "two"
+    imported(folder, u, followed(u, 0.3))
+    table = pd.read_csv(folder / "t.csv")
+    table["day"] = np.repeat([1, 2], 300)
+    table.to_csv(folder / "t.csv", index=False)
+    mapping = yaml.safe_load((folder / "map.yaml").read_text()) | {"session": {"column": "day"}}
+    began = {}
+    for between in ("unknown", "held"):
+        (folder / "map.yaml").write_text(yaml.safe_dump(mapping | {"between_sessions": between}))
+        run = labrig.import_table(folder / "map.yaml", folder / f"run-{between}")
+        began[between] = prepared(rows_from(run), Model.load(folder / "model.yaml")).began
+    assert began["held"] is None
+    decays = began["unknown"]
+    assert decays.shape == (600, 6)  # of 1, 4 and 16 samples
+    assert decays[[0, 300]] == pytest.approx(np.repeat(np.eye(2), 3, axis=1))
+    assert decays[4, :3] == pytest.approx(np.exp([-4, -1, -0.25]))
