@@ -46,7 +46,7 @@ class Fit:
         regression = self.columns.regression
         out = np.zeros_like(regression.residual)
         for g, own in enumerate(regression.blocks):
-            out[own] = self.columns.field(self.score.fold_beta[g], own)
+            out[own] = self.columns.field(self.score.fold_beta[g], own, without=g)
         return out + regression.nothing
 
 

@@ -54,12 +54,7 @@ class DesignMatrix:
         s = self.regression
         if s.declared is not None and s.calibrated is None and not self.X.shape[2] and not s.as_features:
             return self._fields_held_out(fold)
-        if s.declared is None:
-            G, c = self._beside_calibrated(*self._whole, fold)
-        else:
-            residual, projected = s.fold_residuals[fold]
-            sums = self._sums(s.partial(self.X, fold), s.partial(self.E, fold), residual, projected, fold)
-            G, c = self._beside_calibrated(*sums, fold)
+        G, c = self._beside_calibrated(*self._all_sums(fold), fold)
         return Split(G.sum(axis=0) - G[fold], c.sum(axis=0) - c[fold], G[fold], c[fold])
 
     def _fields_held_out(self, fold: int) -> "Split":
@@ -111,11 +106,21 @@ class DesignMatrix:
         turn = np.vstack([np.eye(n), -answer[:, :n]])
         return turn.T @ G @ turn, (c - G[:, :, n:] @ answer[:, n]) @ turn
 
-    @cached_property
-    def _answer(self) -> Floats:
+    def _answer(self, without: int | None) -> Floats:
         """How the calibrated parameters give way to the effect's coefficients, (D, Q)."""
-        n, total = self.width, self._whole[0].sum(axis=0)
+        n, G = self.width, self._all_sums(without)[0]
+        total = G.sum(axis=0) if without is None else G.sum(axis=0) - G[without]
         return -solve_calibrated(total[n:, n:], total[n:, :n])
+
+    def _all_sums(self, without: int | None) -> tuple[Floats, Floats]:
+        """Sums of these columns and the calibrated parameters, declared ones fitted to all blocks or `without` one."""
+        s = self.regression
+        if s.declared is None or without is None:
+            return self._whole
+        residual, projected = s.fold_residuals[without]
+        return self._sums(
+            s.partial(self.X, without), s.partial(self.E, without), residual, projected, without
+        )
 
     def _sums(
         self, X: Floats, E: Floats, residual: Floats, g: Floats, fold: int | None
@@ -157,16 +162,20 @@ class DesignMatrix:
                 G[group, n:, :n] = G[group, :n, n:].T
         return G, c
 
-    def field(self, beta: Floats, rows: Any = slice(None)) -> Floats:
-        """What the columns predict with coefficients `beta` (Q,), over its rows (or some `rows`) and observables."""
-        q = self.X.shape[2]
-        short = self.X[rows] @ beta[:q]
-        modes = self.regression.modes[:, self.used]
-        out = np.einsum("su,suk->sk", short, modes[self.regression.source[rows]], optimize=True)
-        calibration = self.regression.calibration(None)
+    def field(self, beta: Floats, rows: Any = slice(None), without: int | None = None) -> Floats:
+        """What the columns predict with coefficients `beta` (Q,), over its rows (or some `rows`) and observables.
+
+        The base's own parameters give way to them as all blocks say, or all `without` one.
+        """
+        s, X, E = self.regression, self.X, self.E
+        if without is not None and s.declared is not None:
+            X, E = s.partial(X, without), s.partial(E, without)
+        modes = s.modes[:, self.used]
+        out = np.einsum("su,suk->sk", X[rows] @ beta[: X.shape[2]], modes[s.source[rows]], optimize=True)
+        calibration = s.calibration(without)
         if calibration:
-            out += calibration.fields[rows] @ (self._answer @ beta)
-        return out + self.E[rows] @ beta[q:]
+            out += calibration.fields[rows] @ (self._answer(without) @ beta)
+        return out + E[rows] @ beta[X.shape[2] :]
 
 
 def columns_of(regression: Regression, variant: Variant) -> DesignMatrix:

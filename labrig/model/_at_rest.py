@@ -3,10 +3,12 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.effects import Context
 
+_ALL = slice(None)
 _BLOCKS = 12
 _ROWS = 6000
 _RIDGES = tuple(10.0**n for n in range(-5, 2))
@@ -16,7 +18,7 @@ _APART = 4.0
 """From one decay of what was before a record to the next."""
 _PART = 10
 """The longest lag, a part of the record: what is slower has hardly come to its end in it."""
-_ROUNDS = 5
+_ROUNDS = 10
 _FAR = 3.0
 
 
@@ -73,13 +75,13 @@ class _Lagged:
     @classmethod
     def of(cls, context: Context, X: Floats) -> "_Lagged":
         rows, dt = context.rows, context.sample_s
-        many = max(1, int(np.log(max(len(X) / _PART, _STEP)) / np.log(_STEP)))
-        lags = [(context.relaxed(dt * _STEP**n) - rows.actuation) / context.span for n in range(many)]
         keep = np.unique(np.linspace(0, len(X) - 1, _ROWS).astype(int))
-        behind = np.concatenate(lags, axis=1)[keep]
+        many = max(1, int(np.log(max(len(X) / _PART, _STEP)) / np.log(_STEP)))
+        u, vented = rows.event_actuation, context.vented
+        lags = [(context.lagged(dt * _STEP**n, u, vented) - rows.actuation)[keep] for n in range(many)]
+        behind = np.concatenate(lags, axis=1)
         both = np.concatenate([X[keep], behind / np.maximum(behind.std(axis=0), 1e-300)], axis=1)
-        Y = rows.values[keep]
-        return cls(both, X.shape[1], Y, np.arange(len(Y)) * _BLOCKS // len(Y))
+        return cls(both, X.shape[1], rows.values[keep], np.arange(len(keep)) * _BLOCKS // len(keep))
 
     @property
     def error(self) -> float:
@@ -87,56 +89,48 @@ class _Lagged:
 
         Everything counts: what is far off may be how the record began.
         """
-        return sum(self._fit(y, robust=False).error for y in self.Y.T)
+        return float(self._left(self._believed(np.inf)).min(axis=0).sum())
 
     @property
     def map(self) -> Floats:
         """Coefficients (D, K) of the base's regressors."""
-        return np.stack([self._fit(y, robust=True).coefficients[: self.own] for y in self.Y.T], axis=1)
+        Y = self._believed(_FAR)
+        best = self._left(Y).argmin(axis=0)
+        fits = [self._solved(*self._sums(Y), len(Y) * ridge) for ridge in _RIDGES]
+        return np.stack([fits[way][: self.own, k] for k, way in enumerate(best)], axis=1)
 
-    def _fit(self, y: Floats, robust: bool) -> "_Fit":
-        """One observable (n,), NaN where it was not seen."""
-        seen = np.isfinite(y)
-        X, y, block = self.X[seen], y[seen], self.block[seen]
-        if not len(y) or y.var() <= 0:
-            return _Fit(0.0, self._solved(X.T @ X, X.T @ y, _RIDGES[0] * len(y)))
-        weight = self._weights(X, y) if robust else np.ones(len(y))
-        WX = X * weight[:, None]
-        parts = [block == b for b in range(_BLOCKS)]
-        sums = [(WX[own].T @ X[own], WX[own].T @ y[own]) for own in parts]
-        A, b = np.sum([A for A, _ in sums], axis=0), np.sum([b for _, b in sums], axis=0)
-
-        def left(ridge: float) -> float:
-            out = np.empty(len(y))
-            for own, (less, minus) in zip(parts, sums, strict=True):
-                out[own] = y[own] - X[own] @ self._solved(A - less, b - minus, ridge * (~own).sum())
-            return float(weight @ out**2) / len(y) / float(y.var())
-
-        error, ridge = min((left(ridge), ridge) for ridge in _RIDGES)
-        return _Fit(error, self._solved(A, b, ridge * len(y)))
-
-    def _weights(self, X: Floats, y: Floats) -> Floats:
-        """Huber's weights (n,) of what a fit with a middling ridge leaves."""
-        weight = np.ones(len(y))
+    def _believed(self, far: float) -> Floats:
+        """The values (n, K), nearer where they are further off than so many times the usual (Huber's pseudo-values);
+        what was not seen is what lags say.
+        """
+        seen = np.isfinite(self.Y)
+        mean = np.where(seen, self.Y, 0.0).sum(axis=0) / np.maximum(seen.sum(axis=0), 1)
+        Y, ridge = np.where(seen, self.Y, mean), len(self.Y) * _RIDGES[len(_RIDGES) // 2]
         for _ in range(_ROUNDS):
-            WX = X * weight[:, None]
-            beta = self._solved(WX.T @ X, WX.T @ y, _RIDGES[len(_RIDGES) // 2] * len(y))
-            off = np.abs(y - X @ beta)
-            scale = 1.4826 * float(np.median(off))
-            if scale <= 0:
-                break
-            weight = np.minimum(1.0, _FAR * scale / np.maximum(off, 1e-300))
-        return weight
+            fitted = self.X @ self._solved(*self._sums(Y), ridge)
+            off = np.where(seen, self.Y - fitted, 0.0)
+            each = zip(off.T, seen.T, strict=True)
+            scale = 1.4826 * np.array([np.median(np.abs(o[s])) if s.any() else 0.0 for o, s in each])
+            limit = far * np.where(scale > 0, scale, np.inf)
+            Y = fitted + np.clip(off, -limit, limit)
+        return Y
+
+    def _left(self, Y: Floats) -> Floats:
+        """What is left of each observable with each ridge (ridges, K)."""
+        A, b = self._sums(Y)
+        out = np.zeros((len(_RIDGES), Y.shape[1]))
+        for number in range(_BLOCKS):
+            own = self.block == number
+            less, minus = self._sums(Y, own)
+            for way, ridge in enumerate(_RIDGES):
+                fit = self._solved(A - less, b - minus, (~own).sum() * ridge)
+                out[way] += ((Y[own] - self.X[own] @ fit) ** 2).sum(axis=0)
+        return out / np.maximum(len(Y) * Y.var(axis=0), 1e-300)
+
+    def _sums(self, Y: Floats, own: NDArray[np.bool_] | slice = _ALL) -> tuple[Floats, Floats]:
+        return self.X[own].T @ self.X[own], self.X[own].T @ Y[own]
 
     def _solved(self, A: Floats, b: Floats, ridge: float) -> Floats:
-        """Coefficients of which those of lags are held by a ridge."""
+        """Coefficients (P, K) of which those of lags are held by a ridge."""
         held = np.diag(np.where(np.arange(len(A)) < self.own, 0.0, ridge))
         return np.asarray(np.linalg.lstsq(A + held, b, rcond=1e-12)[0], dtype=np.float64)
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """One observable: what is left of it where stretches are left out, and the coefficients (P,)."""
-
-    error: float
-    coefficients: Floats

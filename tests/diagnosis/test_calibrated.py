@@ -11,6 +11,7 @@ import yaml
 
 from labrig._errors import LabrigError
 from labrig.diagnosis import compare, diagnose, improve, prepare
+from labrig.diagnosis._candidates import Candidate, fit
 from labrig.diagnosis._design_matrix import columns_of, join
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
@@ -20,6 +21,12 @@ from labrig.physics import ShellSurface, load_shell
 
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 SOFTER = 0.85
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files are written to a folder of the test's own."""
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture(params=["alone", "beside a static map"])
@@ -65,6 +72,35 @@ def test_scores_are_those_of_refits_of_everything(regression: Regression, names:
         before, after = (left - own @ alone)[test], (left - every @ beta)[test]
         gain = (w[test] * (before**2 - after**2)).sum()
         assert fast.gains[g] == pytest.approx(gain, rel=1e-3, abs=1e-3 * np.abs(fast.gains).max())
+
+
+@pytest.mark.parametrize("names", [["leak"], ["frame"], ["leak", "coupling"]])
+def test_the_error_that_is_quoted_is_the_one_that_is_scored(regression: Regression, names: list[str]) -> None:
+    """By as much as the held-out gains say falls what the held-out prediction leaves."""
+    assert_quoted_as_scored(regression, names)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_the_same_of_a_map_that_is_fitted_to_the_run(make_lab, degree: int) -> None:
+    """A static map that is fitted without a block gives way to the effects as it does in the scores."""
+    lab = make_lab(captures=40, chambers=3, long_s=LONG_S)
+    u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
+    rows = rows_of(lab.dataset(lab.predict(u) + lab.noise()))
+    Path("static.yaml").write_text(f"base: {{kind: static, degree: {degree}}}\n")
+    assert_quoted_as_scored(prepare(rows, Model.load("static.yaml"))[0], ["leak", "frame"])
+
+
+def assert_quoted_as_scored(regression: Regression, names: list[str]) -> None:
+    """The weighted square falls by the gain, block by block."""
+    effects = [get(name) for name in names]
+    variants = [next(iter(effect.variants(regression.context))) for effect in effects]
+    columns = [columns_of(regression, variant) for variant in variants]
+    parts = [Candidate(e, v, c, score(c)) for e, v, c in zip(effects, variants, columns, strict=True)]
+    fitted = fit(parts)
+    before = regression.square(regression.residual - regression.nothing)
+    after = regression.square(regression.residual - fitted.heldout)
+    gains = np.array([(before - after)[own].sum() for own in regression.blocks])
+    assert gains == pytest.approx(fitted.score.gains, rel=1e-3, abs=1e-3 * np.abs(gains).max())
 
 
 def test_nothing_is_what_a_calibration_alone_explains(regression: Regression) -> None:
