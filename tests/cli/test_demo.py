@@ -25,7 +25,7 @@ EVERYTHING = {
 def labrig_in(folder, *arguments):
     """Run a command in `folder`."""
     command = [sys.executable, "-c", "from labrig.cli import main; main()", *arguments]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=280, check=False)
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=560, check=False)
 
 
 @pytest.fixture(scope="module")

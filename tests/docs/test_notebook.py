@@ -8,7 +8,7 @@ import yaml
 
 import labrig
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]  # two diagnoses and an experiment
+pytestmark = pytest.mark.slow  # two diagnoses and an experiment
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "notebook.md"
 

@@ -16,7 +16,7 @@ from labrig.effects._registry import shipped
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "pictures" / "effects"
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(400)]  # the notebook is run, with a diagnosis
+pytestmark = pytest.mark.slow  # the notebook is run, with a diagnosis
 
 
 class Loads(HTMLParser):
