@@ -26,7 +26,7 @@ def begun(context: Context, X: Floats) -> Context:
     """The context of a record as it began; unchanged where that is known, or where set-points are held.
 
     Where nobody said what came before its first sample, a record began with vented chambers, or at rest at that sample:
-    lags beside the regressors `X` (F, D) of the base say which.
+    lags beside the regressors `X` (F, D) of the base say which, by what they explain of the residual.
     """
     if not context.sample_s or context.rows.between_sessions != "unknown":
         return context
@@ -34,7 +34,7 @@ def begun(context: Context, X: Floats) -> Context:
         replace(context, rows=replace(context.rows, between_sessions=way), _memo={})
         for way in ("vented", "rest")
     ]
-    return min(ways, key=lambda way: _Lagged.of(way, X).error)
+    return min(ways, key=lambda way: _Lagged.of(way, X, way.residual).error)
 
 
 def transients(context: Context) -> Floats:
@@ -60,7 +60,7 @@ def at_rest(context: Context, X: Floats) -> Floats:
     Identification, 2nd ed. 1999, ch. 3). Lags are held by a ridge, which stretches left out in turn choose. What is far
     off counts less (Huber).
     """
-    return _Lagged.of(begun(context, X), X).map
+    return _Lagged.of(begun(context, X), X, context.rows.values).map
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class _Lagged:
     block: Ints
 
     @classmethod
-    def of(cls, context: Context, X: Floats) -> "_Lagged":
+    def of(cls, context: Context, X: Floats, Y: Floats) -> "_Lagged":
         rows, dt = context.rows, context.sample_s
         keep = np.unique(np.linspace(0, len(X) - 1, _ROWS).astype(int))
         many = max(1, int(np.log(max(len(X) / _PART, _STEP)) / np.log(_STEP)))
@@ -81,7 +81,7 @@ class _Lagged:
         lags = [(context.lagged(dt * _STEP**n, u, vented) - rows.actuation)[keep] for n in range(many)]
         behind = np.concatenate(lags, axis=1)
         both = np.concatenate([X[keep], behind / np.maximum(behind.std(axis=0), 1e-300)], axis=1)
-        return cls(both, X.shape[1], rows.values[keep], np.arange(len(keep)) * _BLOCKS // len(keep))
+        return cls(both, X.shape[1], Y[keep], np.arange(len(keep)) * _BLOCKS // len(keep))
 
     @property
     def error(self) -> float:

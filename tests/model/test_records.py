@@ -79,6 +79,19 @@ def test_the_record_says_how_it_began(tmp_path, start, level):
     assert context.rows.between_sessions == start
 
 
+def test_so_it_does_beside_a_base_of_ones_own(tmp_path):
+    """The same beside a function of the user's that has the rig's map, and no memory."""
+    u = np.maximum(driven(1200, 2), 0.5)
+    began = {}
+    for level in (0.0, float(u[0])):
+        folder = tmp_path / f"{level:.2f}"
+        run = imported(folder, u, followed(u, level))
+        (folder / "base.py").write_text("def predict(a):\n    x = a / 100\n    return 8 * (x + 0.4 * x**2)\n")
+        (folder / "model.yaml").write_text("base: {kind: python, file: base.py, function: predict}\n")
+        began[level] = context_of(folder, run).rows.between_sessions
+    assert list(began.values()) == ["vented", "rest"]
+
+
 def test_what_is_said_of_the_past_is_believed(tmp_path):
     """A mapping that says that the chambers were vented is not overruled."""
     u = np.maximum(driven(600, 2), 0.5)
