@@ -232,14 +232,18 @@ class Context:
         """
         key = ("play", width)
         if key not in self._memo:
-            r = width * self.span
-            u = self.rows.event_actuation
-            state = u.copy()
-            for e, before in enumerate(self.started):
-                last = state[before] if before >= 0 else self.vented
-                state[e] = np.maximum(u[e] - r, np.minimum(u[e] + r, last))
-            self._memo[key] = state[self.rows.event]
+            self._memo[key] = self.played(width * self.span, self.rows.event_actuation, self.vented)
         return self._memo[key]
+
+    def played(self, half: float | Floats, drive: Floats, rest: float | Floats = 0.0) -> Floats:
+        """Play operator on any drive of the events, (E, ...) -> (F, ...): it is at `rest` where it began, and lets its
+        drive go `half` a width to either side.
+        """
+        state = drive.copy()
+        for e, before in enumerate(self.started):
+            last = state[before] if before >= 0 else rest
+            state[e] = np.maximum(drive[e] - half, np.minimum(drive[e] + half, last))
+        return state[self.rows.event]
 
     def relaxed(self, tau_s: float) -> Floats:
         """First-order lag of the actuation with time constant `tau_s`, shape (F, C).

@@ -107,15 +107,6 @@ def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
             yield "temperature", (cov.values - cov.values.mean()) / np.ptp(cov.values), 1.0
 
 
-def play_of(context: Context, drive: Floats, width: float, rest: float | Floats) -> Floats:
-    """The play operator on a drive (E, C) of the events, at the rows (F, C)."""
-    state = drive.copy()
-    for e, before in enumerate(context.started):
-        last = state[before] if before >= 0 else rest
-        state[e] = np.maximum(drive[e] - width, np.minimum(drive[e] + width, last))
-    return state[context.rows.event]
-
-
 def ball_of(context: Context, drive: Floats, radius: float) -> Floats:
     """The vector play on a drive (E, C), at the rows (F, C): one point, dragged by a ball of `radius` a root of C.
 

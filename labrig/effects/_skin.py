@@ -24,12 +24,8 @@ def at_events(context: Context) -> Floats:
 
 def play_behind(context: Context, width: float) -> Floats:
     """How far a play of `width`, a share of the whole motion, of each observable stays behind it, (F, K)."""
-    drive, half = at_events(context), width * motion_scale(context)
-    state = drive.copy()
-    for e, before in enumerate(context.started):
-        last = state[before] if before >= 0 else 0.0
-        state[e] = np.maximum(drive[e] - half, np.minimum(drive[e] + half, last))
-    return (state - drive)[context.rows.event]
+    drive = at_events(context)
+    return context.played(width * motion_scale(context), drive) - drive[context.rows.event]
 
 
 def lag_behind(context: Context, tau_s: float) -> Floats:
@@ -43,8 +39,5 @@ def body_behind(context: Context, width: float) -> Floats:
     drive, scale = at_events(context), motion_scale(context)
     _, _, ways = np.linalg.svd(drive / scale, full_matrices=False)
     along = drive / scale @ ways[0]
-    half, state = width * np.sqrt(len(scale)), along.copy()
-    for e, before in enumerate(context.started):
-        last = state[before] if before >= 0 else 0.0
-        state[e] = np.maximum(along[e] - half, np.minimum(along[e] + half, last))
-    return (state - along)[context.rows.event][:, None] * ways[0] * scale
+    behind = context.played(width * np.sqrt(len(scale)), along) - along[context.rows.event]
+    return behind[:, None] * ways[0] * scale

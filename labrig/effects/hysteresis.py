@@ -8,7 +8,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, ball_of, field, play_of, pressure
+from labrig.effects._family import Space, acting, ball_of, field, pressure
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._skin import body_behind, play_behind
 
@@ -91,7 +91,7 @@ class Hysteresis(Effect):
                 out.append(
                     pressure(
                         f"wall play {r}",
-                        (play_of(context, context.event_deflection, r, 0.0) - d) / slope,
+                        (context.played(r, context.event_deflection) - d) / slope,
                         0.7,
                     )
                 )
@@ -104,7 +104,7 @@ class Hysteresis(Effect):
             out += [
                 pressure(
                     f"play {r} of {low:.2f} to {high:.2f}",
-                    play_of(context, part, r, np.clip(0.0, low, high)) - now,
+                    context.played(r, part, np.clip(0.0, low, high)) - now,
                     0.5,
                 )
                 for r in (0.06, 0.2)
