@@ -10,8 +10,11 @@ from labrig.effects import Context
 
 _ALL = slice(None)
 _BLOCKS = 12
+"""Stretches of a record that are left out in turn."""
 _ROWS = 6000
+"""A longer record is thinned to so many, after its lags were computed."""
 _RIDGES = tuple(10.0**n for n in range(-5, 2))
+"""From hardly any, against the variance of a lag, to more than all of it."""
 _STEP = 2.0
 """From one lag to the next."""
 _APART = 4.0
@@ -20,6 +23,7 @@ _PART = 10
 """The longest lag, a part of the record: what is slower has hardly come to its end in it."""
 _ROUNDS = 10
 _FAR = 3.0
+"""Standard deviations beyond which a value counts as one so far off (Huber): three in a thousand of white noise."""
 
 
 def begun(context: Context, X: Floats) -> Context:

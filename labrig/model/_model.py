@@ -156,7 +156,7 @@ class Predictor:
         X = _declared(self.base, rows)
         context, changes = self.model._changes(begun(own, np.ones((len(own.base), 1)) if X is None else X))
         rows = context.rows
-        predicted = context.base if self.alone is None else base_context(self.base, rows).base
+        predicted = self.base.predict_rows(rows) if isinstance(self.base, StaticModel) else context.base
         rows = replace(rows, warnings=(*rows.warnings, *self.model.unsaid(context)))
         total, moved = predicted + _sum(changes), context.displacement
         return replace(context, rows=rows, base=total, displaced=moved, _memo={}), changes
