@@ -16,6 +16,7 @@ from labrig.bench._nature import (
     simulate,
 )
 from labrig.bench.development import DEVELOPMENT
+from labrig.bench.development._story import as_chain
 from labrig.bench.development.rigs import Finger, Muscle, Plate, Shell
 
 LAWS = [law for laws in DEVELOPMENT.laws.values() for law in laws] + list(DEVELOPMENT.outside)
@@ -149,3 +150,17 @@ def test_a_wrong_base_is_right_at_0_and_ever_more_wrong(name: str) -> None:
         ]
         assert sizes[0] < 1e-12
         assert (np.diff(sizes) > 0).all()
+
+
+def test_a_chain_follows_its_compliance() -> None:
+    """Chains of elements are found for every steepness of a power law, and yield 1 in a minute."""
+    time_s = np.geomspace(0.1, 4000, 80)
+    random = np.random.default_rng(0)
+    for begins_s, power in zip(10 ** random.uniform(-1, 1, 40), random.uniform(-0.5, 0.8, 40), strict=True):
+        compliance = ((1 + time_s / begins_s) ** power - 1) / power
+        tau_s, yields = as_chain(compliance, time_s)
+        assert (yields > 0).all()
+        expected = compliance / np.interp(60.0, time_s, compliance)
+        assert -np.expm1(-time_s[:, None] / tau_s) @ yields == pytest.approx(
+            expected, abs=0.02 * expected[-1]
+        )
