@@ -162,4 +162,4 @@ def test_a_chain_follows_its_compliance() -> None:
         assert (yields > 0).all()
         expected = compliance / np.interp(60.0, time_s, compliance)
         chain, late = -np.expm1(-time_s[:, None] / tau_s) @ yields, time_s > 1
-        assert chain[late] == pytest.approx(expected[late], abs=0.02 * expected[-1])
+        assert chain[late] == pytest.approx(expected[late], abs=0.03 * expected[-1])
