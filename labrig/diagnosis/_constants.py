@@ -1,10 +1,9 @@
 """Every number that decides a verdict: what it means, and where its value comes from."""
 
-SPIKE_FLOORS = 0.1
-"""Prior sd, in floors, of all effects that are said to be absent, together: nothing is exactly zero."""
-SPIKE_SHARE = 0.1
-"""The same as a share of what there is to explain: no formula, no base and no Jacobian is exact."""
-TRACE_SHARES = (0.1, 0.25)
+SMALL = 0.1
+"""Prior sd of all effects that are said to be absent, together, in floors and as a share of what there is to explain:
+nothing is exactly zero, and no formula, no base and no Jacobian is exact."""
+TRACE_SHARES = (SMALL, 0.25)
 """Prior sds of a trace of an effect, as shares of what there is to explain: what another law's misfit can leave."""
 P_TRACE = 0.3
 """Prior probability that an effect leaves a trace; a trace is no name."""
@@ -17,11 +16,9 @@ LEAST_FLOORS = 0.5
 SLOW_FLOORS = (0.05, 0.2, 0.6)
 """Prior sds of the slow noise, in floors: hardly any, some, as much as the hardest null has."""
 P_EFFECT = 0.1
-"""Prior probability of each further effect with a name."""
+"""Prior probability of each further effect with a name, and of an error of form of the base: no model is exact."""
 P_UNNAMED = 0.003
 """Prior probability of each kind of structure without a name: a name explains more often than none does."""
-P_FORM = 0.1
-"""Prior probability that the base is wrong in form: as usual as an effect, since no model is exact."""
 INDEPENDENT = 2000
 """Most independent numbers that a campaign is worth, however many it has: models of neighbours are never exact."""
 MATERIAL = 0.17
@@ -30,25 +27,14 @@ MATERIAL = 0.17
 Read off 80 single effects and 36 pairs of the development half, each law left out of its spectrum: 0.12 calls misfits
 of other laws effects (11 % of the singles), 0.2 loses one of a pair (39 % of the pairs right, 53 % at 0.15 to 0.17).
 """
-BESIDE = 1.0
-"""By how much an effect must be larger than what stands beside it without a name, to be worth a name.
-
-Equal, for want of a better reason; of 0.5 to 4, on the same left-out laws, single effects do not care, and
-deleted families gain up to 1.5 or 2.
-"""
 MATERIAL_SPREAD = 0.15
 """How soft that limit is, in logarithms: of parts near it a misfit of another's law is as likely as an effect."""
 SMALLEST_FLOORS = 0.25
 """Floors below which nothing is worth a name."""
-REST_FLOORS = 1.0
-"""Floors from which on what no space follows is a finding: the floor itself is hardly ever off by 40 %.
-
-Looked at on eleven campaigns of the development half only.
-"""
 SURE = 0.9
 """Probability from which on an effect is called sure."""
-POSSIBLE = 0.1
-"""Probability from which on an effect is called possible."""
+POSSIBLE = 1 - SURE
+"""Probability from which on an effect is called possible: as far from not being there as sure is from being there."""
 INEXACT = 0.05
 """Share of what there is to explain by which a law is off its family anywhere, like noise: the median over the laws of
 the development half, each left out, is 2 to 10 %. It matters where errors are tens of floors, not at two to four."""
@@ -58,8 +44,13 @@ lower the noise, but a law is off there by the same each time."""
 MOST_EFFECTS = 3
 """Most effects in one explanation."""
 NEGLIGIBLE = 1e-3
-"""Explanations less probable than this are left out of the sums."""
+"""Explanations less probable than this are left out of the sums, and directions of a free pattern of which the data say
+less than this, against their prior; numerical."""
 FEWEST_OBSERVATIONS = 24
 """Fewest observations (captures' means and contrasts within holds) from which anything is said."""
 FREEDOM = 10
 """Coefficients that the data determine in a typical family: what an effect must outweigh."""
+EVEN = 0.2
+"""Share of a free pattern's variance that spreads evenly over all observables; the rest follows how the base moves."""
+DECLARED_FLOORS = 300.0
+"""What a base calls its own may have any size; of a static map, far more floors than any rig moves."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.diagnosis._constants import EVEN
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
@@ -19,7 +20,6 @@ _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
-_EVEN = 0.2
 _ROWS_COMPARED = 50
 _SINGLE = 30_000
 """Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
@@ -153,7 +153,7 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     """Orthonormal directions (K, r) in which everything named lies, and the spread along each (r,).
 
     What is unnamed spreads over them as what is named does: along how the base moves, above all; a share
-    (`_EVEN`) of it evenly.
+    (`EVEN`) of it evenly.
     """
     context, unit = observations.context, observations.unit
     rows = context.rows
@@ -201,7 +201,7 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
         )
         V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
     along, turn = np.linalg.eigh(V.T @ power @ V)
-    along = (1 - _EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + _EVEN / len(along)
+    along = (1 - EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + EVEN / len(along)
     many = len(observations.values) * V.shape[1] > _SINGLE
     return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
 

@@ -9,17 +9,14 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs, solve_triangular
 
 from labrig.arrays import Floats
+from labrig.diagnosis._constants import NEGLIGIBLE
 from labrig.diagnosis._design import DECLARED, Design, gram
 
-_NEGLIGIBLE = 1e-3
-"""How little the data may say about a direction of a free pattern, against its prior, for it to be left out."""
 _JITTER = 1e-12
 """Added to a unit diagonal against rounding; numerical, it decides nothing."""
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 EVEN = (DECLARED, "?place")
 """Free patterns that spread evenly over the observables, wherever the base moves them."""
-DECLARED_FLOORS = 300.0
-"""What a base calls its own may have any size; of a static map, far more floors than any rig moves."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +123,7 @@ def _marginalised(out: Beside, sums: Sums, variance: Floats) -> Beside:
     T = U.T * d
     TY = T @ sums.GY
     gain = spread / (1 + power[:, None] * spread)
-    keep = power[:, None] * spread > _NEGLIGIBLE
+    keep = power[:, None] * spread > NEGLIGIBLE
     some = keep.any(axis=1)
     TW = np.tensordot(T[some].astype(sums.GW.dtype), sums.GW, axes=1)[keep[some]]
     half = np.concatenate([TY[keep][:, None], TW], axis=1, dtype=sums.GW.dtype)

@@ -9,9 +9,10 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from labrig.arrays import Bools, Floats, Ints
+from labrig.diagnosis._constants import DECLARED_FLOORS
 from labrig.diagnosis._design import DECLARED, LEAST_SHARE, SLOW, Block, Design, design_of
 from labrig.diagnosis._diagnose import observed
-from labrig.diagnosis._evidence import DECLARED_FLOORS, Sums
+from labrig.diagnosis._evidence import Sums
 from labrig.diagnosis._observations import Counted, Observations, contrasts, observe, worth_of
 from labrig.diagnosis._posterior import Explanation, Raised, Search
 from labrig.diagnosis._problem import Prepared

@@ -9,7 +9,6 @@ from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import (
-    DECLARED_FLOORS,
     RaisedState,
     State,
     Sums,
@@ -62,9 +61,9 @@ class Search:
         self.free = [f.owner for f in design.free if f.owner != DECLARED]
         self.owners = [o for o in self.blocks if o not in (SLOW, DECLARED)]
         items = self.owners + self.free
-        self.spike = float(np.hypot(k.SPIKE_FLOORS, k.SPIKE_SHARE * self.T) / np.sqrt(max(len(items), 1)))
+        self.spike = float(k.SMALL * np.hypot(1.0, self.T) / np.sqrt(max(len(items), 1)))
         self.sizes = sorted({max(level * self.T, k.LEAST_FLOORS) for level in k.LEVELS})
-        self.traces = tuple(sorted({max(share * self.T, k.SPIKE_FLOORS) for share in k.TRACE_SHARES}))
+        self.traces = tuple(sorted({max(share * self.T, k.SMALL) for share in k.TRACE_SHARES}))
         self.states: dict = {}
         self.priors: dict[tuple[str, int, float], float] = {}
         self.found: dict[frozenset[str], list[tuple[float, Raised, float]]] = {}
@@ -77,14 +76,14 @@ class Search:
             own = np.empty(self.design.W.shape[1])
             for block in self.design.blocks:
                 several = len(self.blocks[block.owner])
-                fixed = {SLOW: slow, DECLARED: DECLARED_FLOORS}
+                fixed = {SLOW: slow, DECLARED: k.DECLARED_FLOORS}
                 own[block.at] = fixed.get(block.owner, self.spike / np.sqrt(several))
             self.states[key] = State(beside, own)
         return self.states[key]
 
     def free_sizes(self, background: Raised) -> dict[str, float]:
         """The prior sd of each free pattern, floors, when those of a background are raised."""
-        sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: DECLARED_FLOORS}
+        sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: k.DECLARED_FLOORS}
         return sd | {owner: size for owner, _, size in background}
 
     def prior(self, raised: Raised) -> float:
@@ -96,7 +95,7 @@ class Search:
 
     def _prior_of(self, owner: str, block: int, size: float) -> float:
         """That of one part of it; what has no name is rarer, as a trace too."""
-        usual = k.P_EFFECT if is_name(owner) else k.P_FORM if owner in OF_BASE else k.P_UNNAMED
+        usual = k.P_EFFECT if is_name(owner) or owner in OF_BASE else k.P_UNNAMED
         share = self.design.blocks[block].share if block >= 0 else 1.0
         if size in self.traces:
             return float(np.log(share * k.P_TRACE * usual / k.P_EFFECT / len(self.traces)))
@@ -217,11 +216,11 @@ def missed(search: "Search", e: Explanation, least: float) -> dict[str, float]:
     """
     design = search.design
     always = [
-        (b.at, e.slow if b.owner == SLOW else DECLARED_FLOORS)
+        (b.at, e.slow if b.owner == SLOW else k.DECLARED_FLOORS)
         for b in design.blocks
         if b.owner in (SLOW, DECLARED)
     ]
-    fixed = {f.owner: (DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
+    fixed = {f.owner: (k.DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
     known: dict[frozenset[str], float] = {}
 
     def left(keep: frozenset[str]) -> float:

@@ -63,7 +63,7 @@ class Answer:
         """The size, in floors, from which an effect is worth a name: beside what has none, a larger one."""
         return max(
             self.least,
-            k.BESIDE * float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in OF_BASE])),
+            float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in OF_BASE])),
         )
 
     @property
@@ -92,6 +92,9 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     """The likeliest explanations as answers, their probabilities summing to one."""
     posterior = search.posterior()
     least = max(k.MATERIAL * search.T, k.SMALLEST_FLOORS, tolerance_floors)
+    doubt = np.sqrt(
+        np.expm1(2 * k.FLOOR_SPREAD)
+    )  # what is left when the noise is larger by one sd, about a floor
     kept = [
         (e, p)
         for e, p in zip(posterior.explanations, posterior.probability, strict=True)
@@ -104,7 +107,7 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
         parts = {o: (*s, lost[o]) for o, s in found.items() if is_name(o)}
         unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
         unnamed = {o: size for o, size in unnamed.items() if size >= least}
-        if found[REST][0] >= k.REST_FLOORS:
+        if found[REST][0] >= doubt:
             unnamed[REST] = found[REST][0]
         out.append(Answer(float(p / total), parts, unnamed, least))
     return out
