@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 COURSE = "diagnosis-live.png"
 _SHOWN = 6
-_SURE, _POSSIBLE = 0.9, 0.1
 
 
 def write_course(looks: "Sequence[Look]", ended: str | None, folder: Path) -> Path:
@@ -41,13 +40,15 @@ def write_course(looks: "Sequence[Look]", ended: str | None, folder: Path) -> Pa
 
 
 def _probabilities(axis: Any, looks: "Sequence[Look]") -> None:
+    from labrig.diagnosis import POSSIBLE, SURE
+
     captures = [look.captures for look in looks]
     names = {name for look in looks for name in look.probability}
     course = {name: np.array([look.probability.get(name, np.nan) for look in looks]) for name in names}
     order = sorted(names, key=lambda name: -float(np.nansum(course[name] ** 2)))
-    shown = [name for name in order if np.nanmax(course[name]) >= _POSSIBLE][:_SHOWN]
-    axis.axhspan(_SURE, 1.03, color=LINE, alpha=0.55, linewidth=0)
-    axis.axhspan(-0.03, _POSSIBLE, color=LINE, alpha=0.55, linewidth=0)
+    shown = [name for name in order if np.nanmax(course[name]) >= POSSIBLE][:_SHOWN]
+    axis.axhspan(SURE, 1.03, color=LINE, alpha=0.55, linewidth=0)
+    axis.axhspan(-0.03, POSSIBLE, color=LINE, alpha=0.55, linewidth=0)
     for name in order:
         if name not in shown:
             axis.plot(captures, course[name], color=FLOOR, linewidth=0.7, alpha=0.6)
