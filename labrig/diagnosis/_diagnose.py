@@ -249,7 +249,7 @@ def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]
     not fitted.
     """
     regression = ready.regression
-    least = k.SMALLEST_FLOORS**2 * float(np.mean(ready.floor.row[regression.counted] ** 2))
+    least = k.LEAST_FLOORS**2 * float(np.mean(ready.floor.row[regression.counted] ** 2))
     units = ready.context.rows.unit[int(regression.counted[0])]
     falls = [
         Fall(name, *fall_of(chosen, i), least, units)

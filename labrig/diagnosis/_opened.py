@@ -11,7 +11,7 @@ from labrig._errors import LabrigError
 from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
-from labrig.diagnosis._constants import SMALLEST_FLOORS
+from labrig.diagnosis._constants import LEAST_FLOORS
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -141,7 +141,7 @@ class Opened:
         base = float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
         now = float(np.sqrt(square_of(regression, regression.residual - chosen.heldout)))
         floor = float(np.sqrt(self.floor_square))
-        least = (SMALLEST_FLOORS**2) * self.floor_square
+        least = (LEAST_FLOORS**2) * self.floor_square
         falls = tuple(
             Fall(effect.name, *fall_of(chosen, i, self._fit), least, self.units)
             for i, effect in enumerate(effects)

@@ -91,7 +91,7 @@ class Answer:
 def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     """The likeliest explanations as answers, their probabilities summing to one."""
     posterior = search.posterior()
-    least = max(k.MATERIAL * search.T, k.SMALLEST_FLOORS, tolerance_floors)
+    least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
     doubt = np.sqrt(
         np.expm1(2 * k.FLOOR_SPREAD)
     )  # what is left when the noise is larger by one sd, about a floor
@@ -175,7 +175,7 @@ def detectable_floors(observations: Observations) -> float:
     """The smallest effect, in floors, whose evidence would outweigh its prior and its freedom (Schwarz 1978)."""
     numbers = float(min(observations.values.size, k.INDEPENDENT, k.PER_CONDITION * observations.conditions))
     needed = 2 * np.log(1 / k.P_EFFECT) + k.FREEDOM * np.log1p(numbers / k.FREEDOM)
-    return float(max(np.sqrt(needed / numbers), k.SMALLEST_FLOORS))
+    return float(max(np.sqrt(needed / numbers), k.LEAST_FLOORS))
 
 
 def _considered(name: str, answers: Sequence[Answer]) -> Considered:

@@ -1,6 +1,8 @@
 """The verdict: what hand-made answers come to, with their probabilities; and when too little was measured."""
 
+import ast
 import re
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast, get_args
 
@@ -197,7 +199,7 @@ def test_more_captures_show_less() -> None:
     sizes = [detectable_floors(measured(n)) for n in (30, 100, 300, 10_000, 10**7)]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] > 2 * sizes[2]
-    assert sizes[-1] >= k.SMALLEST_FLOORS
+    assert sizes[-1] >= k.LEAST_FLOORS
 
 
 @given(st.floats(0, 1e3), st.floats(0, 1e3), st.floats(0, 1e3))
@@ -247,3 +249,17 @@ def test_a_name_without_a_formula_on_these_runs_is_still_named(make_lab) -> None
             "no formula of marker_slip can act on these runs: it is named, and nothing is added to the model for it"
             in said.summary["warnings"]
         )
+
+
+def test_few_numbers_weigh_explanations() -> None:
+    """Fewer than 25 numbers decide between explanations, and each name says what it means."""
+    body = ast.parse(Path(k.__file__).read_text(encoding="utf-8")).body[1:]
+    numbers = [
+        part.value
+        for line in body[::2]
+        for part in ast.walk(line)
+        if isinstance(part, ast.Constant) and isinstance(part.value, float | int)
+    ]
+    assert 0 < len(numbers) < 25
+    assert all(isinstance(line, ast.Assign) for line in body[::2])
+    assert all(isinstance(line, ast.Expr) for line in body[1::2])
