@@ -102,7 +102,7 @@ class Explained:
             more = [
                 (value, way)
                 for value, way in search.extend((), slow, raised)
-                if any(o == name and size != search.trace for o, _, size in way)
+                if any(o == name and size not in search.traces for o, _, size in way)
             ]
             if not more:
                 return []

@@ -63,7 +63,7 @@ class Search:
         items = self.owners + self.free
         self.spike = float(k.SMALL * np.hypot(1.0, self.T) / np.sqrt(max(len(items), 1)))
         self.sizes = sorted({max(level * self.T, k.LEAST_FLOORS) for level in k.LEVELS})
-        self.trace = k.SMALL * max(self.T, 1.0)
+        self.traces = tuple(sorted({max(share * self.T, k.SMALL) for share in k.TRACE_SHARES}))
         self.states: dict = {}
         self.priors: dict[tuple[str, int, float], float] = {}
         self.found: dict[frozenset[str], list[tuple[float, Raised, float]]] = {}
@@ -97,8 +97,8 @@ class Search:
         """That of one part of it; what has no name is rarer, as a trace too."""
         usual = k.P_EFFECT if is_name(owner) or owner in OF_BASE else k.P_UNNAMED
         share = self.design.blocks[block].share if block >= 0 else 1.0
-        if size == self.trace:
-            return float(np.log(share * k.P_TRACE * usual / k.P_EFFECT))
+        if size in self.traces:
+            return float(np.log(share * k.P_TRACE * usual / k.P_EFFECT / len(self.traces)))
         return float(np.log(share * usual / len(self.sizes)))
 
     def score(self, background: Raised, slow: float, raised: Raised) -> float:
@@ -117,7 +117,7 @@ class Search:
         value = -0.5 * (quad + logdet) + self.prior(whole)
         if (whole, slow) not in self.seen:
             self.seen.add((whole, slow))
-            owners = frozenset(o for o, _, size in whole if size != self.trace)
+            owners = frozenset(o for o, _, size in whole if size not in self.traces)
             self.found.setdefault(owners, []).append((value, whole, slow))
         return value
 
@@ -125,8 +125,8 @@ class Search:
         """The best form of each further owner beside a set, as a part of its own and as a trace."""
         out = []
         have = {o for o, _, _ in start}
-        full = sum(size != self.trace for _, _, size in start) >= k.MOST_EFFECTS
-        sizes = (self.trace,) if full else (self.trace, *self.sizes)
+        full = sum(size not in self.traces for _, _, size in start) >= k.MOST_EFFECTS
+        sizes = self.traces if full else (*self.traces, *self.sizes)
         begun = self.raise_blocks(background, slow, start)
         for owner in self.owners:
             if owner in have:
@@ -136,7 +136,7 @@ class Search:
                 quads, logdets = begun.further(self.design.blocks[block].at, np.array(sizes))
                 for size, parts in zip(sizes, zip(quads, logdets, strict=True), strict=True):
                     raised = tuple(sorted([*start, (owner, block, size)]))
-                    value, trace = self.keep(background, slow, raised, parts), size == self.trace
+                    value, trace = self.keep(background, slow, raised, parts), size in self.traces
                     if trace not in best or value > best[trace][0]:
                         best[trace] = (value, raised)
             out += best.values()
@@ -150,7 +150,7 @@ class Search:
             grown: dict[frozenset, tuple[float, Raised]] = {}
             for _, start in frontier:
                 for value, raised in self.extend(background, slow, start):
-                    kind = frozenset((o, size == self.trace) for o, _, size in raised)
+                    kind = frozenset((o, size in self.traces) for o, _, size in raised)
                     if kind not in grown or value > grown[kind][0]:
                         grown[kind] = (value, raised)
             frontier = sorted(grown.values(), reverse=True)[: wide if depth == 0 else max(wide // 2, 2)]
@@ -172,7 +172,7 @@ class Search:
         alone = {}
         floor = self.floor_score(slow)
         for owner in self.free:
-            for sd in (self.trace, size):
+            for sd in (self.traces[0], size):
                 background = ((owner, -1, sd),)
                 alone[owner, sd] = self.explore(background, slow, 2)
         ranked = sorted(alone, key=lambda o: -alone[o])
