@@ -120,11 +120,11 @@ class State:
 
     def _from_target(self, goal: Target, triangles: NDArray[np.int64]) -> float:
         from labrig.surface import vertex_normals
-        from labrig.surface._coarse import match
+        from labrig.surface._coarse import matched
 
-        few = np.ascontiguousarray(goal.few[0][:, ::2].T)
-        moved, index, square = np.empty_like(few), np.empty(len(few), np.int64), np.empty(len(few))
-        match(few, self.rotation, self.translation, np.ascontiguousarray(self.points.T), moved, index, square)
+        few = goal.few[0][:, ::2].T
+        found = matched(few, self.rotation[None], self.translation[None], self.points.T)
+        moved, index, square = (each[0] for each in found)
         normal = vertex_normals(self.points, triangles)[index]
         height = np.abs(np.einsum("pi,pi->p", moved - self.points[index], normal))
         aside = np.sqrt(np.maximum(square - height**2, 0.0))

@@ -1,7 +1,9 @@
-"""The loops of inverse kinematics, compiled; imported when first used."""
+"""The loops of inverse kinematics, most of them compiled; imported when first used."""
 
 import numpy as np
 from numba import njit
+
+from labrig.arrays import Floats
 
 REACH = 0.4
 """How far a pressure may go in one step, as a share of its range."""
@@ -108,16 +110,14 @@ def pairs(
         usable[p] = inwardness[i]
 
 
-@njit(cache=True)
-def median_of(plane, usable):
+def median_of(plane: Floats, usable: Floats) -> float:
     """Median distance of the usable pairs, mm; 0 without any."""
-    far = np.empty(len(plane))
-    count = 0
-    for p in range(len(plane)):
-        if usable[p] > 0:
-            far[count] = abs(plane[p])
-            count += 1
-    return np.median(far[:count]) if count else 0.0
+    far = np.abs(plane[usable > 0])
+    if not len(far):
+        return 0.0
+    half = len(far) // 2
+    far.partition(half)  # np.median says the same, and takes four times as long
+    return float(far[half] if len(far) % 2 else 0.5 * (far[half] + far[:half].max()))
 
 
 @njit(cache=True)
@@ -251,44 +251,60 @@ def bounded_step(H, g, damping, value, low, high):
     step goes no farther than `REACH` of a range.
     """
     n, C = len(g), len(value)
-    A = H.copy()
-    span = high - low
-    most = 0.0
+    A = np.empty((n, n))
+    step, most = np.zeros(n), 0.0
+    free, index = np.empty(n, np.int64), np.empty(n, np.int64)
     for i in range(C):
-        most = max(most, H[i, i] * span[i] ** 2)
-    for i in range(C):
-        A[i, i] += damping * most / max(span[i], 1e-9) ** 2 + 1e-12
-    for i in range(C, n):
-        A[i, i] += damping * H[i, i] + 1e-12
-    low, high = np.maximum(low, value - REACH * span), np.minimum(high, value + REACH * span)
-    free = np.ones(n, np.bool_)
-    step = np.zeros(n)
-    for i in range(C):
-        if (value[i] <= low[i] and g[i] > 0) or (value[i] >= high[i] and g[i] < 0):
-            free[i] = False
+        most = max(most, H[i, i] * (high[i] - low[i]) ** 2)
+    for i in range(n):
+        for j in range(n):
+            A[i, j] = H[i, j]
+        A[i, i] += 1e-12 + damping * (most / max(high[i] - low[i], 1e-9) ** 2 if i < C else H[i, i])
+        free[i] = 1
+        if i < C and ((value[i] <= low[i] and g[i] > 0) or (value[i] >= high[i] and g[i] < 0)):
+            free[i] = 0
     for _ in range(C + 1):
-        index = np.flatnonzero(free)
-        m = len(index)
-        S = np.empty((m, m))
-        b = np.empty(m)
-        for i in range(m):
-            b[i] = -g[index[i]]
-            for j in range(n):
-                if not free[j]:
-                    b[i] -= A[index[i], j] * step[j]
-            for j in range(m):
-                S[i, j] = A[index[i], index[j]]
-        x = np.linalg.solve(S, b)
-        again = False
-        for i in range(m):
-            k = index[i]
-            step[k] = x[i]
-        for i in range(C):
+        count = 0
+        for i in range(n):
             if free[i]:
-                if value[i] + step[i] > high[i]:
-                    step[i], free[i], again = high[i] - value[i], False, True
-                elif value[i] + step[i] < low[i]:
-                    step[i], free[i], again = low[i] - value[i], False, True
+                index[count] = i
+                count += 1
+        _solve_free(A, g, index, count, free, step)
+        again = False
+        for i in range(C):
+            reach = REACH * (high[i] - low[i])
+            up, down = min(high[i] - value[i], reach), max(low[i] - value[i], -reach)
+            if free[i] and (step[i] > up or step[i] < down):
+                step[i] = up if step[i] > up else down
+                free[i], again = 0, True
         if not again:
             break
     return step
+
+
+@njit(cache=True)
+def _solve_free(A, g, index, count, free, step):
+    """Set the free entries of `step` so that A step = -g there, the others as they are (Cholesky).
+
+    np.linalg.solve does the same, and takes five seconds to compile.
+    """
+    L, x = np.empty((count, count)), np.empty(count)
+    for i in range(count):
+        k = index[i]
+        x[i] = -g[k]
+        for j in range(len(step)):
+            if not free[j]:
+                x[i] -= A[k, j] * step[j]
+        for j in range(i + 1):
+            left = A[k, index[j]]
+            for m in range(j):
+                left -= L[i, m] * L[j, m]
+            L[i, j] = np.sqrt(max(left, 1e-300)) if i == j else left / L[j, j]
+        for m in range(i):
+            x[i] -= L[i, m] * x[m]
+        x[i] /= L[i, i]
+    for i in range(count - 1, -1, -1):
+        for m in range(i + 1, count):
+            x[i] -= L[m, i] * x[m]
+        x[i] /= L[i, i]
+        step[index[i]] = x[i]

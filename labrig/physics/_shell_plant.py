@@ -111,6 +111,7 @@ class ShellBody:
         self._shapes = shapes
         self._lock = threading.Lock()
         self._held: dict[bytes, tuple[Floats, ...]] = {}
+        self._lacks: dict[bytes, tuple[Floats, ...]] = {}
 
     @property
     def rest_mm(self) -> Floats:
@@ -169,15 +170,22 @@ class ShellBody:
         """What the stand-in lacks, (F, M, 3) mm, at deflections (F, C) near those that pressures (C,) hold: from the
         shape and its slopes solved there, once.
         """
-        held, (at, slope) = self._at_hold(pressure_kpa)
-        step = 0.02 * self.shell.max_kpa
+        held, offset, slope = self._lacking(pressure_kpa)
         moved = self.pressure_kpa(deflection_mm) - held
-        nearby = np.concatenate([held[None], held + np.diag(step), held - np.diag(step)])
-        quick = self._emulator(self._place(nearby)).reshape(len(nearby), -1, 3)
-        chambers = len(step)
-        slope_quick = (quick[1 : chambers + 1] - quick[chambers + 1 :]) / (2.0 * step)[:, None, None]
-        lacking = slope - np.moveaxis(slope_quick, 0, -1)
-        return (at - quick[0]) + np.einsum("fc,mdc->fmd", moved, lacking)
+        return offset + np.einsum("fc,mdc->fmd", moved, slope)
+
+    def _lacking(self, pressure_kpa: Floats) -> tuple[Floats, ...]:
+        """What the stand-in lacks at pressures (C,), (M, 3) mm, and of its slopes, (M, 3, C) mm/kPa; kept."""
+        held, (at, slope) = self._at_hold(pressure_kpa)
+        key = held.tobytes()
+        if key not in self._lacks:
+            step = 0.02 * self.shell.max_kpa
+            nearby = np.concatenate([held[None], held + np.diag(step), held - np.diag(step)])
+            quick = self._emulator(self._place(nearby)).reshape(len(nearby), -1, 3)
+            up, down = np.split(quick[1:], 2)
+            slope_quick = (up - down) / (2.0 * step)[:, None, None]
+            self._lacks[key] = held, at - quick[0], slope - np.moveaxis(slope_quick, 0, -1)
+        return self._lacks[key]
 
     def prepare(self, pressure_kpa: Floats) -> None:
         """Solve what `correction_mm` needs at pressures (C,) ahead of time; may be called from another thread."""

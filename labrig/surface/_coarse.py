@@ -1,7 +1,16 @@
-"""Rough registration of few points with few points, compiled: quick enough to try many starts."""
+"""Rough registration of few points with few points, all starts at once: quick enough to try many."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from labrig.arrays import Floats
+
+_TO_POINTS, _TO_PLANES = 3, 6
+"""Steps of the starts that are improved."""
 
 
 @njit(cache=True, fastmath=True)
@@ -16,128 +25,91 @@ def _nearest(x, y, z, cloud):
 
 
 @njit(cache=True)
-def match(points, R, t, cloud, moved, index, square):
-    """Move points (P, 3) and find the nearest of `cloud` (3, N) to each."""
-    for p in range(len(points)):
-        for d in range(3):
-            moved[p, d] = R[d, 0] * points[p, 0] + R[d, 1] * points[p, 1] + R[d, 2] * points[p, 2] + t[d]
-        index[p], square[p] = _nearest(moved[p, 0], moved[p, 1], moved[p, 2], cloud)
+def _match(points, R, t, cloud, moved, index, square):
+    for k in range(len(R)):
+        for p in range(len(points)):
+            for d in range(3):
+                moved[k, p, d] = t[k, d]
+                for e in range(3):
+                    moved[k, p, d] += R[k, d, e] * points[p, e]
+            index[k, p], square[k, p] = _nearest(moved[k, p, 0], moved[k, p, 1], moved[k, p, 2], cloud)
 
 
-@njit(cache=True)
-def score(R, normals, cloud_normals, index, square, size, oriented, share):
-    """How badly a motion fits: capped distances as a share of the size, and normals that disagree.
+def matched(points: Floats, R: Floats, t: Floats, cloud: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
+    """Points (P, 3) moved by motions R (K, 3, 3), t (K, 3), and the nearest of `cloud` (3, N) to each.
 
-    The mean over the best `share` of the points.
+    The moved points (K, P, 3), the numbers of the nearest (K, P), and the distances squared (K, P).
     """
-    cost = np.empty(len(index))
-    for p in range(len(index)):
-        agreement = 0.0
-        for d in range(3):
-            turned = R[d, 0] * normals[p, 0] + R[d, 1] * normals[p, 1] + R[d, 2] * normals[p, 2]
-            agreement += turned * cloud_normals[d, index[p]]
-        agreement = agreement if oriented else abs(agreement)
-        cost[p] = min(np.sqrt(square[p]) / size, 0.15) + 0.05 * (1.0 - agreement)
-    cost.sort()
-    return cost[: max(1, int(share * len(cost)))].mean()
+    shape = len(R), len(points)
+    moved, index, square = np.empty((*shape, 3)), np.empty(shape, np.int64), np.empty(shape)
+    _match(*(np.ascontiguousarray(a) for a in (points, R, t, cloud)), moved, index, square)
+    return moved, index, square
 
 
-@njit(cache=True)
-def _turn(vector):
-    angle = np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
-    K = np.zeros((3, 3))
-    K[0, 1], K[0, 2], K[1, 0] = -vector[2], vector[1], vector[2]
-    K[1, 2], K[2, 0], K[2, 1] = -vector[0], -vector[1], vector[0]
-    if angle < 1e-8:
-        return np.eye(3) + K
-    return np.eye(3) + np.sin(angle) / angle * K + (1.0 - np.cos(angle)) / angle**2 * (K @ K)
+@dataclass(frozen=True)
+class Rough:
+    """Points (P, 3) with `normals` (P, 3) that are moved to a `cloud` (3, N) with its own (3, N), `size` mm large.
 
+    Normals tell inside from outside where both have them (`oriented`).
+    """
 
-@njit(cache=True)
-def _to_points(points, moved, index, square, cloud, size):
-    """The motion that brings points closest to their partners, far ones counting less (Kabsch)."""
-    a, b, total = np.zeros(3), np.zeros(3), 0.0
-    weight = np.empty(len(points))
-    for p in range(len(points)):
-        weight[p] = 1.0 / (1.0 + square[p] / (0.05 * size) ** 2)
-        total += weight[p]
-        for d in range(3):
-            a[d] += weight[p] * points[p, d]
-            b[d] += weight[p] * cloud[d, index[p]]
-    a /= total
-    b /= total
-    M = np.zeros((3, 3))
-    for p in range(len(points)):
-        for d in range(3):
-            for e in range(3):
-                M[d, e] += weight[p] * (cloud[d, index[p]] - b[d]) * (points[p, e] - a[e])
-    U, _, Vt = np.linalg.svd(M)
-    sign = np.eye(3)
-    sign[2, 2] = np.sign(np.linalg.det(U @ Vt))
-    R = U @ sign @ Vt
-    return R, b - R @ a
+    points: Floats
+    normals: Floats
+    cloud: Floats
+    cloud_normals: Floats
+    size: float
+    oriented: bool
 
+    def try_starts(self, R: Floats, t: Floats, kept: int) -> tuple[Floats, Floats, Floats]:
+        """Score every start, improve the best `kept`, and give these back: rotations, shifts, scores, best first."""
+        best = np.argsort(self.score(R, t), kind="stable")[:kept]
+        R, t = R[best], t[best]
+        for _ in range(_TO_POINTS):
+            R, t = self._to_points(*self._matched(R, t)[1:])
+        for _ in range(_TO_PLANES):
+            R, t = self._to_planes(R, t, *self._matched(R, t))
+        cost = self.score(R, t)
+        order = np.argsort(cost, kind="stable")
+        return R[order], t[order], cost[order]
 
-@njit(cache=True)
-def _to_planes(R, t, moved, index, square, cloud, cloud_normals, size):
-    """One step of point to plane with far pairs counting less."""
-    H, g, row = np.zeros((6, 6)), np.zeros(6), np.empty(6)
-    middle = np.zeros(3)
-    for p in range(len(moved)):
-        for d in range(3):
-            middle[d] += moved[p, d] / len(moved)
-    for p in range(len(moved)):
-        j = index[p]
-        n0, n1, n2 = cloud_normals[0, j], cloud_normals[1, j], cloud_normals[2, j]
-        x, y, z = moved[p, 0] - middle[0], moved[p, 1] - middle[1], moved[p, 2] - middle[2]
-        row[0], row[1], row[2] = y * n2 - z * n1, z * n0 - x * n2, x * n1 - y * n0
-        row[3], row[4], row[5] = n0, n1, n2
-        r = (
-            (moved[p, 0] - cloud[0, j]) * n0
-            + (moved[p, 1] - cloud[1, j]) * n1
-            + (moved[p, 2] - cloud[2, j]) * n2
-        )
-        w = 1.0 / (1.0 + square[p] / (0.06 * size) ** 2) ** 2
-        for a in range(6):
-            g[a] += w * row[a] * r
-            for b in range(6):
-                H[a, b] += w * row[a] * row[b]
-    for a in range(6):
-        H[a, a] += 1e-3 * H[a, a] + 1e-12
-    step = -np.linalg.solve(H, g)
-    turn = _turn(step[:3])
-    return turn @ R, turn @ (t - middle) + middle + step[3:]
+    def score(self, R: Floats, t: Floats, share: float = 0.9) -> Floats:
+        """How badly motions fit, (K,): capped distances as a share of the size, and normals that disagree.
 
+        The mean over the best `share` of the points.
+        """
+        _, index, square = self._matched(R, t)
+        agreement = np.einsum("kpd,dkp->kp", self.normals @ R.swapaxes(1, 2), self.cloud_normals[:, index])
+        agreement = agreement if self.oriented else np.abs(agreement)
+        cost = np.minimum(np.sqrt(square) / self.size, 0.15) + 0.05 * (1.0 - agreement)
+        cost.sort(axis=1)
+        return cost[:, : max(1, int(share * cost.shape[1]))].mean(axis=1)
 
-@njit(cache=True)
-def rough_icp(points, normals, R, t, cloud, cloud_normals, size, oriented, to_points, to_planes, share):
-    """Some steps to points, then to planes; returns rotation, translation and score (0 steps: the start's)."""
-    count = len(points)
-    moved, index, square = np.empty((count, 3)), np.empty(count, np.int64), np.empty(count)
-    match(points, R, t, cloud, moved, index, square)
-    for _ in range(to_points):
-        R, t = _to_points(points, moved, index, square, cloud, size)
-        match(points, R, t, cloud, moved, index, square)
-    for _ in range(to_planes):
-        R, t = _to_planes(R, t, moved, index, square, cloud, cloud_normals, size)
-        match(points, R, t, cloud, moved, index, square)
-    return R, t, score(R, normals, cloud_normals, index, square, size, oriented, share)
+    def _matched(self, R: Floats, t: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
+        return matched(self.points, R, t, self.cloud)
 
+    def _to_points(self, index: NDArray[np.int64], square: Floats) -> tuple[Floats, Floats]:
+        """The motions that bring points closest to their partners, far ones counting less (Kabsch)."""
+        weight = 1.0 / (1.0 + square / (0.05 * self.size) ** 2)
+        weight /= weight.sum(axis=1, keepdims=True)
+        partner = np.moveaxis(self.cloud[:, index], 0, -1)
+        a, b = weight @ self.points, np.einsum("kp,kpd->kd", weight, partner)
+        weighed = weight[..., None] * (partner - b[:, None])
+        U, _, Vt = np.linalg.svd(weighed.swapaxes(1, 2) @ (self.points - a[:, None]))
+        U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
+        R = U @ Vt
+        return R, b - np.einsum("kde,ke->kd", R, a)
 
-@njit(cache=True)
-def try_starts(points, normals, rotations, shifts, cloud, cloud_normals, size, oriented, kept):
-    """Score every start, improve the best `kept`, and give these back: rotations, shifts, scores, best first."""
-    first = np.empty(len(rotations))
-    for k in range(len(rotations)):
-        _, _, first[k] = rough_icp(
-            points, normals, rotations[k], shifts[k], cloud, cloud_normals, size, oriented, 0, 0, 0.9
-        )
-    chosen = np.argsort(first)[:kept]
-    R, t, cost = np.empty((len(chosen), 3, 3)), np.empty((len(chosen), 3)), np.empty(len(chosen))
-    for i in range(len(chosen)):
-        k = chosen[i]
-        R[i], t[i], cost[i] = rough_icp(
-            points, normals, rotations[k], shifts[k], cloud, cloud_normals, size, oriented, 3, 6, 0.9
-        )
-    order = np.argsort(cost)
-    return R[order], t[order], cost[order]
+    def _to_planes(
+        self, R: Floats, t: Floats, moved: Floats, index: NDArray[np.int64], square: Floats
+    ) -> tuple[Floats, Floats]:
+        """One step of point to plane with far pairs counting less."""
+        middle = moved.mean(axis=1)
+        partner, normal = (np.moveaxis(a[:, index], 0, -1) for a in (self.cloud, self.cloud_normals))
+        row = np.concatenate([np.cross(moved - middle[:, None], normal), normal], axis=2)
+        away = np.einsum("kpd,kpd->kp", moved - partner, normal)
+        weighed = row / ((1.0 + square / (0.06 * self.size) ** 2) ** 2)[..., None]
+        H = weighed.swapaxes(1, 2) @ row
+        H += np.eye(6) * (1e-3 * H + 1e-12)
+        step = -np.linalg.solve(H, np.einsum("kpa,kp->ka", weighed, away)[..., None])[..., 0]
+        turn = Rotation.from_rotvec(step[:, :3]).as_matrix()
+        return turn @ R, np.einsum("kde,ke->kd", turn, t - middle) + middle + step[:, 3:]

@@ -3,11 +3,16 @@
 Scans are registered by Open3D (`_align`); what is here takes a tenth of its time and needs no process of its own.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.surface._pose import angle_deg, cube_rotations, spread_rotations, upright_frames
 from labrig.surface._target import FEW, Target
+
+if TYPE_CHECKING:
+    from labrig.surface._coarse import Rough
 
 COARSE = FEW // 2
 """Points on which starts are tried, against twice as many of the target."""
@@ -41,21 +46,18 @@ def global_starts(
 def _improved(
     points: Floats, normals: Floats, target: Target, rotations: Floats, oriented: bool
 ) -> list[tuple[Floats, Floats, float]]:
-    from labrig.surface._coarse import try_starts
-
-    cloud, cloud_normals = target.few
     shifts = target.middle_mm - rotations @ points.mean(axis=0)
-    R, t, cost = try_starts(
-        np.ascontiguousarray(points), np.ascontiguousarray(normals), rotations, shifts, cloud, cloud_normals,
-        target.size_mm, oriented, _KEPT,
-    )  # fmt: skip
+    R, t, cost = _rough(points, normals, target, oriented).try_starts(rotations, shifts, _KEPT)
     return [(R[k], t[k], float(cost[k])) for k in range(len(cost))]
 
 
 def start_score(points: Floats, normals: Floats, target: Target, oriented: bool = True) -> float:
     """The score, as of `global_starts`, of the better half of the points as they lie."""
-    from labrig.surface._coarse import rough_icp
+    rough = _rough(points, normals, target, oriented)
+    return float(rough.score(np.eye(3)[None], np.zeros((1, 3)), 0.5)[0])
 
-    cloud, cloud_normals = target.few
-    where = np.ascontiguousarray(points), np.ascontiguousarray(normals), np.eye(3), np.zeros(3)
-    return float(rough_icp(*where, cloud, cloud_normals, target.size_mm, oriented, 0, 0, 0.5)[2])
+
+def _rough(points: Floats, normals: Floats, target: Target, oriented: bool) -> "Rough":
+    from labrig.surface._coarse import Rough
+
+    return Rough(points, normals, *target.few, target.size_mm, oriented)
