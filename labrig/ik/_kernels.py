@@ -170,13 +170,10 @@ def normal_equations(points, slope, offset, plane, normal, usable, scale, slidin
         for d in range(3):
             foot[d] = points[p, d] - offset[p, d] - middle[d]
         for kind in range(4 if sliding > 0 else 1):
-            if kind == 0:
-                along[:] = normal[p]
-                r, w = plane[p], weight
-            else:
-                along[:] = 0.0
-                along[kind - 1] = 1.0
-                r, w = offset[p, kind - 1], weight * sliding
+            for d in range(3):  # a copy of a slice would take longer to compile than all that is here
+                along[d] = normal[p, d] if kind == 0 else (1.0 if d == kind - 1 else 0.0)
+            r = plane[p] if kind == 0 else offset[p, kind - 1]
+            w = weight if kind == 0 else weight * sliding
             _motion(along, slope[p], foot, row)
             for i in range(n):
                 x = w * row[i]

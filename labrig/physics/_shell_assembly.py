@@ -7,6 +7,7 @@ from labrig.physics._shell_terms import (
     MODULUS,
     THICKNESS,
     air,
+    air_curved,
     bending,
     compiled,
     foundation,
@@ -86,7 +87,9 @@ def assemble(
                 else:
                     density += interlayer(layer, point, outward, q, springs, curved, force, stiff)
                 if pressure[q, layer] > 0.0:
-                    density += air(layer, point, core, q, pressure[q, layer], curved, force, stiff)
+                    density += air(layer, point, core, q, pressure[q, layer], force)
+                    if curved:
+                        air_curved(layer, point, core, q, pressure[q, layer], stiff)
             energy += w * density
             _pull(basis, q, w, force, slope, moment, normal, curving, pull)
             if curved:

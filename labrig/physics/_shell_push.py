@@ -19,16 +19,14 @@ def push(moved, rest, free, node, basis, points_per_element, area, core, patch, 
     bend = np.zeros((count, 3, 3))
     local = np.zeros((count, 3, nodes))
     force = np.zeros((count, 3, 3))
-    stiff = np.zeros((count, 3, 3, count, 3, 3))
     pull = np.zeros((count, 3, nodes))
-    curved = count < 0  # False, as a variable: for a constant `air` would be compiled once more
     for element in range(elements):
         gather(element, moved, rest, free, node, local)
         for q in range(element * points_per_element, (element + 1) * points_per_element):
             locate(basis, q, local, point, bend)
             for below in range(count):
                 force[:] = 0.0
-                air(below, point, core, q, area[q], curved, force, stiff)
+                air(below, point, core, q, area[q], force)
                 _pull(basis, q, force, pull)
                 for chamber in range(chambers):
                     if layer_of[chamber] == below and patch[q, chamber] > 0.0:

@@ -273,19 +273,14 @@ def interlayer(layer, point, outward, q, springs, curved, force, stiff):
 
 
 @jit
-def air(layer, point, core, q, pressure, curved, force, stiff):
+def air(layer, point, core, q, pressure, force):
     """Pressure as a potential: -p V, V the exact volume of the ruled region between a chamber's two faces.
 
     Per area of the resting surface, V = d . (u1 x u2 / 3 + v1 x v2 / 3 + (u1 x v2 + v1 x u2) / 6), where u are the
     tangents of the lower face, v those of the upper one and d leads from one to the other. A follower load, whose
-    second derivatives are nevertheless symmetric.
+    second derivatives (`air_curved`) are nevertheless symmetric.
     """
-    if layer == 0:
-        low, u1, u2 = _row(core, q, 0), _row(core, q, 1), _row(core, q, 2)
-    else:
-        low, u1, u2 = _row(point, layer - 1, 0), _row(point, layer - 1, 1), _row(point, layer - 1, 2)
-    d = _mix(1.0, _row(point, layer, 0), -1.0, low)
-    v1, v2 = _row(point, layer, 1), _row(point, layer, 2)
+    d, u1, u2, v1, v2 = _faces(layer, point, core, q)
     even = _mix(1.0, _cross(u1, u2), 1.0, _cross(v1, v2))
     mixed = _mix(1.0, _cross(u1, v2), 1.0, _cross(v1, u2))
     n = _mix(1.0 / 3.0, even, 1.0 / 6.0, mixed)
@@ -294,26 +289,44 @@ def air(layer, point, core, q, pressure, curved, force, stiff):
     _push(force, layer, 0, -pressure, n)
     _push(force, layer, 1, -pressure, _cross(a, d))
     _push(force, layer, 2, -pressure, _cross(d, b))
-    if curved:
-        _add_skew(stiff, layer, 0, layer, 1, pressure, a)
-        _add_skew(stiff, layer, 0, layer, 2, -pressure, b)
-        _add_skew(stiff, layer, 1, layer, 2, pressure / 3.0, d)
-    if layer == 0:
-        return -pressure * _dot(d, n)
-    k = layer - 1
-    e = _mix(1.0 / 3.0, u2, 1.0 / 6.0, v2)  # the same by u1 and u2
-    f = _mix(1.0 / 3.0, u1, 1.0 / 6.0, v1)
-    _push(force, k, 0, pressure, n)
-    _push(force, k, 1, -pressure, _cross(e, d))
-    _push(force, k, 2, -pressure, _cross(d, f))
-    if curved:
-        _add_skew(stiff, layer, 0, k, 1, pressure, e)
-        _add_skew(stiff, layer, 0, k, 2, -pressure, f)
-        _add_skew(stiff, k, 0, k, 1, -pressure, e)
-        _add_skew(stiff, k, 0, k, 2, pressure, f)
-        _add_skew(stiff, k, 0, layer, 1, -pressure, a)
-        _add_skew(stiff, k, 0, layer, 2, pressure, b)
-        _add_skew(stiff, k, 1, k, 2, pressure / 3.0, d)
-        _add_skew(stiff, k, 1, layer, 2, pressure / 6.0, d)
-        _add_skew(stiff, layer, 1, k, 2, pressure / 6.0, d)
+    if layer > 0:
+        k = layer - 1
+        e = _mix(1.0 / 3.0, u2, 1.0 / 6.0, v2)  # the same by u1 and u2
+        f = _mix(1.0 / 3.0, u1, 1.0 / 6.0, v1)
+        _push(force, k, 0, pressure, n)
+        _push(force, k, 1, -pressure, _cross(e, d))
+        _push(force, k, 2, -pressure, _cross(d, f))
     return -pressure * _dot(d, n)
+
+
+@jit
+def air_curved(layer, point, core, q, pressure, stiff):
+    """The second derivatives of `air`."""
+    d, u1, u2, v1, v2 = _faces(layer, point, core, q)
+    a, b = _mix(1.0 / 3.0, v2, 1.0 / 6.0, u2), _mix(1.0 / 3.0, v1, 1.0 / 6.0, u1)
+    _add_skew(stiff, layer, 0, layer, 1, pressure, a)
+    _add_skew(stiff, layer, 0, layer, 2, -pressure, b)
+    _add_skew(stiff, layer, 1, layer, 2, pressure / 3.0, d)
+    if layer == 0:
+        return
+    k = layer - 1
+    e, f = _mix(1.0 / 3.0, u2, 1.0 / 6.0, v2), _mix(1.0 / 3.0, u1, 1.0 / 6.0, v1)
+    _add_skew(stiff, layer, 0, k, 1, pressure, e)
+    _add_skew(stiff, layer, 0, k, 2, -pressure, f)
+    _add_skew(stiff, k, 0, k, 1, -pressure, e)
+    _add_skew(stiff, k, 0, k, 2, pressure, f)
+    _add_skew(stiff, k, 0, layer, 1, -pressure, a)
+    _add_skew(stiff, k, 0, layer, 2, pressure, b)
+    _add_skew(stiff, k, 1, k, 2, pressure / 3.0, d)
+    _add_skew(stiff, k, 1, layer, 2, pressure / 6.0, d)
+    _add_skew(stiff, layer, 1, k, 2, pressure / 6.0, d)
+
+
+@jit
+def _faces(layer, point, core, q):
+    """What leads from the lower face of a chamber to the upper one, and the tangents of both."""
+    if layer == 0:
+        low, u1, u2 = _row(core, q, 0), _row(core, q, 1), _row(core, q, 2)
+    else:
+        low, u1, u2 = _row(point, layer - 1, 0), _row(point, layer - 1, 1), _row(point, layer - 1, 2)
+    return _mix(1.0, _row(point, layer, 0), -1.0, low), u1, u2, _row(point, layer, 1), _row(point, layer, 2)

@@ -76,10 +76,10 @@ def border_vertices(count, triangles):
 @njit(cache=True)
 def rings_from_border(border, triangles, start, around, most):
     """How many edges each vertex is away from the border, (V,), `most` at most; see `triangles_around`."""
-    ring = np.where(border, 0, most)
-    reached = np.empty(len(border), np.int64)
+    ring, reached = np.empty(len(border), np.int64), np.empty(len(border), np.int64)
     count = 0
     for v in range(len(border)):
+        ring[v] = 0 if border[v] else most
         if border[v]:
             reached[count] = v
             count += 1
