@@ -42,7 +42,8 @@ def matched(points: Floats, R: Floats, t: Floats, cloud: Floats) -> tuple[Floats
     """
     shape = len(R), len(points)
     moved, index, square = np.empty((*shape, 3)), np.empty(shape, np.int64), np.empty(shape)
-    _match(*(np.ascontiguousarray(a) for a in (points, R, t, cloud)), moved, index, square)
+    points, R, t, cloud = (np.ascontiguousarray(array) for array in (points, R, t, cloud))
+    _match(points, R, t, cloud, moved, index, square)
     return moved, index, square
 
 
