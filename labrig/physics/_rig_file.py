@@ -48,3 +48,8 @@ def of_rig_file(path: Path) -> Iterator[None]:
         if not said.startswith("rig: "):
             raise
         raise LabrigError(f"{path}: {said.removeprefix('rig: ')}") from None
+
+
+def has_shell(rig: dict[str, Any]) -> bool:
+    """Whether a rig's simulator is a shell: unless `simulated: {surface: ...}` names a reduced one."""
+    return "surface" not in (rig.get("simulated") or {})

@@ -5,17 +5,12 @@ from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
-from labrig.physics._rig_file import of_rig_file, read_rig_file
+from labrig.physics._rig_file import has_shell, of_rig_file, read_rig_file
 from labrig.physics._shell import Shell, load_shell
 from labrig.physics._shell_file import shipped_shells
 
 DEFAULT = "mannequin"
 """The shell of a rig that names neither a shell nor a reduced surface."""
-
-
-def has_shell(rig: dict[str, Any]) -> bool:
-    """Whether a rig's simulator is a shell: unless `simulated: {surface: ...}` names a reduced one."""
-    return "surface" not in (rig.get("simulated") or {})
 
 
 def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:

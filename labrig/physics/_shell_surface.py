@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.physics._cache import ArrayCache, content_folder
+from labrig.physics._rig_file import has_shell
 from labrig.physics._shell import Shell, Solution, load_shell
-from labrig.physics._shell_rig import has_shell, rig_shell
+from labrig.physics._shell_rig import rig_shell
 from labrig.physics._surface import Surface, as_pressures, reduced_surface
 from labrig.physics._warm_start import LEAST_SHAPES, StartPredictor, nearest_state
 from labrig.surface import grid

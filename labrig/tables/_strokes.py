@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from labrig.arrays import Floats, Ints
 
@@ -115,6 +114,8 @@ def _slow(x: Floats, main: Floats, noise: float, level: float, offset: int) -> l
 
     The input is smoothed over half a window against its noise; what that takes from a plateau's ends is given back.
     """
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d  # only records need them
+
     turns = np.r_[0, turning_points(main, level), len(main) - 1]
     travel = float(np.abs(np.diff(main[turns])).sum())
     way = len(main) / max(travel, 0.5)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labrig.arrays import Floats
-from labrig.physics import has_shell, load_body, reduced_surface
+from labrig.physics import has_shell, reduced_surface
 from labrig_drivers._protocols import Channel, DeviceError
 from labrig_drivers.simulated._attention import Attention, is_exact
 from labrig_drivers.simulated._calibration import calibrate, reference_programme
@@ -201,7 +201,7 @@ def build_plant(rig: dict, folder: Path) -> SimulatedPlant:
     setting itself, or nothing.
     """
     settings = rig.get("simulated") or {}
-    surface = load_body(rig, Path(folder)) if has_shell(rig) else reduced_surface(rig)
+    surface = _body_of(rig, Path(folder)) if has_shell(rig) else reduced_surface(rig)
     listed = rig.get("chambers") or [{"name": name} for name in surface.chamber_names]
     channels = tuple(
         Channel(
@@ -229,3 +229,11 @@ def build_plant(rig: dict, folder: Path) -> SimulatedPlant:
         max_kpa = np.array([channel.max_kpa for channel in channels])
         hidden = make_hidden(content, surface, max_kpa, observer.capture_floor_mm(FLOOR_FRAMES))
     return SimulatedPlant(surface, channels, observer, hidden)
+
+
+def _body_of(rig: dict, folder: Path) -> PlantBody:
+    from labrig.physics import (
+        load_body,  # here, since it takes half a second to import, and only shells need it
+    )
+
+    return load_body(rig, folder)

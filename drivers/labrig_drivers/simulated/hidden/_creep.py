@@ -1,7 +1,6 @@
 """Creep: the membrane goes on yielding after every change of load, and recovers on release."""
 
 import numpy as np
-from scipy.optimize import nnls
 
 from labrig.arrays import Floats
 from labrig_drivers.simulated.hidden._base import Hidden
@@ -11,6 +10,8 @@ _LAGS_S = np.geomspace(0.4, 4e4, 16)
 
 def _chain(law) -> Floats:
     """Weights (16,) of a spectrum of lags that follows `law(t)` from 0.3 s to 1e4 s."""
+    from scipy.optimize import nnls  # here, since few rigs creep and every simulated one would wait for it
+
     t = np.geomspace(0.3, 1e4, 200)
     wanted = law(t)
     weight, _ = nnls((1.0 - np.exp(-t[:, None] / _LAGS_S)) / wanted[:, None], np.ones(t.size))
