@@ -296,7 +296,7 @@ def _solve_free(A, g, index, count, free, step):
             left = A[k, index[j]]
             for m in range(j):
                 left -= L[i, m] * L[j, m]
-            L[i, j] = np.sqrt(max(left, 1e-300)) if i == j else left / L[j, j]
+            L[i, j] = np.sqrt(max(left, 1e-14 * A[k, k])) if i == j else left / L[j, j]
         for m in range(i):
             x[i] -= L[i, m] * x[m]
         x[i] /= L[i, i]

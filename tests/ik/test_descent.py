@@ -83,3 +83,46 @@ def test_limits_that_are_near_are_tried(net, make_target):
     there, _ = search.run(goal, nearly, Pose.identity(), 20)
     assert search._at_limits(goal, there, 0.0) is None
     assert search._at_limits(goal, search.look(goal, np.full(4, 30.0), *pose), 0.0) is None
+
+
+@pytest.mark.parametrize("chambers", [1, 4, 9])
+def test_a_step_stays_within_the_limits(chambers):
+    """Chambers end at a limit or a reach away, and for all that are free the damped equations hold."""
+    random = np.random.default_rng(chambers)
+    held = 0
+    for _ in range(50):
+        slopes = random.normal(size=(chambers + 9, chambers + 6))
+        H, g = slopes.T @ slopes, 30.0 * random.normal(size=chambers + 6)
+        low, high = np.zeros(chambers), random.uniform(20.0, 60.0, chambers)
+        value = np.clip(random.uniform(-0.3, 1.3, chambers), 0.0, 1.0) * high
+        step = _kernels.bounded_step(H, g, 1e-3, value, low, high)
+        reach = _kernels.REACH * high
+        least, most = np.maximum(-value, -reach), np.minimum(high - value, reach)
+        assert (step[:chambers] >= least - 1e-9).all()
+        assert (step[:chambers] <= most + 1e-9).all()
+        free = np.r_[(step[:chambers] > least) & (step[:chambers] < most), np.ones(6, bool)]
+        own = np.diag(H).copy()
+        own[:chambers] = (own[:chambers] * high**2).max() / high**2
+        at_rest = free & (step != 0)  # a chamber at its limit that is pushed outwards stays, and is not free
+        np.testing.assert_allclose(((H + np.diag(1e-3 * own)) @ step)[at_rest], -g[at_rest], rtol=1e-6)
+        held += int((~free).sum())
+    assert held > 0
+
+
+def test_a_step_where_two_chambers_do_the_same():
+    """Equations that hardly tell two chambers apart give a finite step."""
+    slope = np.array([[1.0, 1.0, *np.eye(6)[k]] for k in range(6)])
+    step = _kernels.bounded_step(
+        slope.T @ slope, np.ones(8), 1e-18, np.full(2, 20.0), np.zeros(2), np.full(2, 40.0)
+    )
+    assert np.isfinite(step).all()
+    assert (np.abs(step[:2]) <= 16.0 + 1e-9).all()
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 7, 40])
+def test_the_median_of_the_usable(count):
+    """The median is that of the pairs that count, by their size; without any it is zero."""
+    plane = np.random.default_rng(count).normal(size=count + 3)
+    usable = np.r_[np.ones(count), np.zeros(3)]
+    wanted = np.median(np.abs(plane[:count])) if count else 0.0
+    assert _kernels.median_of(plane, usable) == wanted
