@@ -187,13 +187,6 @@ class State:
         more = 2 * float(np.log(np.diag(L)).sum() + np.log(wanted / self.sd[index]).sum())
         return RaisedState(self, half, self.mean + z @ half, quad - float(z @ z), logdet + more)
 
-    def fitted(self, slices: Sequence[slice], sds: Sequence[float]) -> "State":
-        """The state itself with those blocks raised, for posterior means."""
-        sd = self.sd.copy()
-        for s, value in zip(slices, sds, strict=True):
-            sd[s] = value
-        return State(self.sums, sd)
-
 
 @dataclass(frozen=True)
 class RaisedState:
@@ -209,16 +202,21 @@ class RaisedState:
         """The quadratic form y' C^-1 y and log det C."""
         return self.quad, self.logdet
 
+    def covariance(self, at: slice) -> Floats:
+        """The posterior covariance (q, q) of a block's columns."""
+        half = self.half[:, at]
+        return self.state.covariance[at, at] + half.T @ half
+
     def further(self, at: slice, sds: Floats) -> tuple[Floats, Floats]:
         """The quadratic form and log det (n,) when one more block is raised to each of some prior sds (n,).
 
         Both are read off one Cholesky factor of the block, bordered by its mean and the quadratic form as it stands.
         """
-        half, mean, was = self.half[:, at], self.mean[at], self.state.sd[at.start]
+        mean, was = self.mean[at], self.state.sd[at.start]
         q = len(mean)
         delta = np.sqrt(np.maximum(was**-2.0 - sds**-2.0, 0.0))
         M = np.zeros((len(sds), q + 1, q + 1))
-        M[:, :q, :q] = -(delta**2)[:, None, None] * (self.state.covariance[at, at] + half.T @ half)
+        M[:, :q, :q] = -(delta**2)[:, None, None] * self.covariance(at)
         M[:, range(q), range(q)] += 1 + _JITTER
         M[:, q, :q] = delta[:, None] * mean
         M[:, q, q] = self.quad

@@ -253,13 +253,12 @@ def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
     """
     design = search.design
     background = tuple(q for q in e.raised if q[1] < 0)
-    state = search.state(background, e.slow)
-    raised = [q for q in e.raised if q[1] >= 0]
+    raised = tuple(q for q in e.raised if q[1] >= 0)
     blocks = [design.blocks[b] for _, b, _ in raised]
-    fitted = state.fitted([b.at for b in blocks], [s for _, _, s in raised]) if blocks else state
+    fitted = search.raise_blocks(background, e.slow, raised)
     out = {}
     for (owner, _, _), block in zip(raised, blocks, strict=True):
-        w, cov = fitted.mean[block.at], fitted.covariance[block.at, block.at]
+        w, cov = fitted.mean[block.at], fitted.covariance(block.at)
         columns = design.W[:, block.at].astype(float)
         made = columns @ w
         counts = np.repeat(design.observations.counts_for, design.V.shape[1])

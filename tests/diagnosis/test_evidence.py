@@ -147,13 +147,16 @@ def test_what_is_left_unexplained(seed: int, size: float) -> None:
         assert left == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
 
 
-def test_posterior_means_and_their_spread() -> None:
-    """Coefficients of a raised block are those of a ridge regression, their covariance its inverse."""
+@pytest.mark.parametrize("numbers", [(), (1,), (2, 0)])
+def test_posterior_means_and_their_spread(numbers: Sequence[int]) -> None:
+    """With some blocks raised coefficients are those of a ridge regression, each block's covariance from its inverse."""
     design = tiny()
-    sd = np.full(7, 0.2)
-    fitted = state_of(design, sd).fitted([design.blocks[1].at], [3.0])
-    precision = design.W.T @ design.W + np.diag(raise_to(design, sd, [1], [3.0]) ** -2.0)
-    assert fitted.covariance == pytest.approx(np.linalg.inv(precision), abs=1e-6)
+    sd, sizes = np.full(7, 0.2), [3.0, 0.7][: len(numbers)]
+    fitted = state_of(design, sd).raised([design.blocks[i].at for i in numbers], sizes)
+    precision = design.W.T @ design.W + np.diag(raise_to(design, sd, numbers, sizes) ** -2.0)
+    whole = np.linalg.inv(precision)
+    for block in design.blocks:
+        assert fitted.covariance(block.at) == pytest.approx(whole[block.at, block.at], abs=1e-6)
     assert fitted.mean == pytest.approx(np.linalg.solve(precision, design.W.T @ seen(design)), abs=1e-5)
 
 
