@@ -149,7 +149,7 @@ def test_what_is_left_unexplained(seed: int, size: float) -> None:
 
 @pytest.mark.parametrize("numbers", [(), (1,), (2, 0)])
 def test_posterior_means_and_their_spread(numbers: Sequence[int]) -> None:
-    """With some blocks raised coefficients are those of a ridge regression, each block's covariance from its inverse."""
+    """With blocks raised coefficients are those of a ridge regression, each block's covariance from its inverse."""
     design = tiny()
     sd, sizes = np.full(7, 0.2), [3.0, 0.7][: len(numbers)]
     fitted = state_of(design, sd).raised([design.blocks[i].at for i in numbers], sizes)
