@@ -5,10 +5,11 @@ picklable; processes are spawned, as on Windows, so functions must be importable
 """
 
 import os
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from types import TracebackType
 from typing import Any, Self
 
@@ -69,7 +70,7 @@ class Executor:
         left = dict.fromkeys(range(len(tasks)), 0)
         while left:
             if self._pool is None:
-                self._pool = ProcessPoolExecutor(self.workers, mp_context=get_context("spawn"))
+                self._pool = spawned(self.workers)
             futures: dict[Future, int] = {}
             try:
                 futures = {self._pool.submit(function, tasks[k]): k for k in left}
@@ -111,6 +112,20 @@ class Executor:
                 yield futures[future], result
         finally:
             self._client.cancel(list(futures))
+
+
+def spawned(workers: int) -> ProcessPoolExecutor:
+    """Processes for calls; they end with the one that asked for them, also where that is killed."""
+    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_end_with_parent)
+
+
+def _end_with_parent() -> None:
+    def end() -> None:
+        if (parent := parent_process()) is not None:
+            parent.join()
+            os._exit(1)  # nothing to put away: nobody waits for the result
+
+    threading.Thread(target=end, name="labrig parent", daemon=True).start()
 
 
 def _give_up_after(attempts: int, task: int) -> None:

@@ -1,7 +1,9 @@
 """The executor: the same results from this process, from processes and from a cluster, whoever dies."""
 
 import importlib
+import subprocess
 import sys
+import time
 
 import pytest
 
@@ -38,6 +40,22 @@ def killed_always(number):
 
 def fails(number):
     raise LabrigError(f"task {number} is wrong")
+
+
+def stays(folder):
+    Path(folder, str(os.getpid())).touch()
+    time.sleep(120)
+"""
+LEFT = """
+import sys
+from labrig._executor import Executor
+from labrig.workbench._worker import Worker
+from labrig_test_tasks import stays
+
+if __name__ == "__main__":
+    if sys.argv[1] == "executor":
+        list(Executor(2).map(stays, [sys.argv[2]] * 2))
+    Worker().ask(stays, sys.argv[2])
 """
 
 
@@ -118,3 +136,28 @@ def test_workers_are_counted():
     with pytest.raises(LabrigError, match=r"^--workers -1: a number of processes, or 0 for one per core$"):
         Executor(-1)
     assert Executor().workers >= 1
+
+
+@pytest.mark.parametrize(("who", "count"), [("executor", 2), ("workbench", 1)])
+def test_workers_end_with_who_is_killed(who, count, tasks, tmp_path):
+    """Where the process that asked is killed, its workers do not stay behind with what they hold."""
+    psutil = pytest.importorskip("psutil")
+    script, pids = tmp_path / "left.py", tmp_path / "pids"
+    script.write_text(LEFT, encoding="utf-8")
+    pids.mkdir()
+    asking = subprocess.Popen([sys.executable, str(script), who, str(pids)])
+    try:
+        until(lambda: len(list(pids.iterdir())) == count, "the workers did not begin")
+    finally:
+        asking.kill()
+        asking.wait()
+    workers = [int(file.name) for file in pids.iterdir()]
+    until(lambda: not any(psutil.pid_exists(pid) for pid in workers), "the workers stay")
+
+
+def until(true, what):
+    """Wait for something, a minute at most."""
+    end = time.monotonic() + 60
+    while not true():
+        assert time.monotonic() < end, what
+        time.sleep(0.05)

@@ -3,7 +3,6 @@
 One process, which holds what is open; what is asked waits its turn. Results are plain values.
 """
 
-import multiprocessing
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -11,6 +10,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
 from labrig._errors import LabrigError
+from labrig._executor import spawned
 from labrig.workbench._held import Key, names, ready, warm
 
 
@@ -55,12 +55,12 @@ class Worker:
             if self._closed:
                 raise LabrigError("the workbench is closing")
             if self._pool is None:
-                self._pool = ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn"))
+                self._pool = spawned(1)
             try:
                 return self._pool.submit(work, *given)
             except BrokenProcessPool:
                 self._warmed.clear()
-                self._pool = ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn"))
+                self._pool = spawned(1)
                 return self._pool.submit(work, *given)
 
     def _next(self, key: Key, left: list[str]) -> None:
