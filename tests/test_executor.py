@@ -141,7 +141,7 @@ def test_workers_are_counted():
 @pytest.mark.parametrize(("who", "count"), [("executor", 2), ("workbench", 1)])
 def test_workers_end_with_who_is_killed(who, count, tasks, tmp_path):
     """Where the process that asked is killed, its workers do not stay behind with what they hold."""
-    psutil = pytest.importorskip("psutil")
+    pytest.importorskip("psutil")
     script, pids = tmp_path / "left.py", tmp_path / "pids"
     script.write_text(LEFT, encoding="utf-8")
     pids.mkdir()
@@ -152,7 +152,17 @@ def test_workers_end_with_who_is_killed(who, count, tasks, tmp_path):
         asking.kill()
         asking.wait()
     workers = [int(file.name) for file in pids.iterdir()]
-    until(lambda: not any(psutil.pid_exists(pid) for pid in workers), "the workers stay")
+    until(lambda: all(ended(pid) for pid in workers), "the workers stay")
+
+
+def ended(pid):
+    """Whether a process is over, also where nobody has asked yet how it ended."""
+    import psutil
+
+    try:
+        return psutil.Process(pid).status() == psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return True
 
 
 def until(true, what):

@@ -1,7 +1,8 @@
 """The simulators that a rig's models start from: pressures in, the shape of the inflated surface out."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from labrig._lazy import lazy
 
 if TYPE_CHECKING:
     from labrig.physics._rig_file import has_shell, of_rig_file, read_rig_file
@@ -65,8 +66,4 @@ __all__ = [
     "simulate",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _LAZY:
-        return getattr(import_module(f"labrig.physics.{_LAZY[name]}"), name)
-    raise AttributeError(f"module 'labrig.physics' has no attribute {name!r}")
+__getattr__ = lazy(__name__, _LAZY)

@@ -1,8 +1,8 @@
 """Learned models: the forward model and its sim-to-real correction; both run without torch."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from labrig._lazy import lazy
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._models import load_forward, load_model, save_forward, save_model
 from labrig.surrogate._warped import WarpedModel
@@ -53,8 +53,4 @@ __all__ = [
     "training_set",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _LAZY:
-        return getattr(import_module(f"labrig.surrogate.{_LAZY[name]}"), name)
-    raise AttributeError(f"module 'labrig.surrogate' has no attribute {name!r}")
+__getattr__ = lazy(__name__, _LAZY)

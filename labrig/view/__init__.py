@@ -1,7 +1,8 @@
 """What a person looks at: reports in HTML, recordings and the live view in rerun, still pictures."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from labrig._lazy import lazy
 
 if TYPE_CHECKING:
     from labrig.view._colours import STEPS
@@ -158,8 +159,4 @@ __all__ = [
     "write_versus",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _LAZY:
-        return getattr(import_module(f"labrig.view.{_LAZY[name]}"), name)
-    raise AttributeError(f"module 'labrig.view' has no attribute {name!r}")
+__getattr__ = lazy(__name__, _LAZY)

@@ -3,8 +3,9 @@
 A small server on this computer. What its pages know lies in files, and what they do is a labrig command.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from labrig._lazy import lazy
 
 if TYPE_CHECKING:
     from labrig.workbench._desk import Desk, open_desk
@@ -20,8 +21,4 @@ _LAZY = {
 
 __all__ = ["Desk", "Running", "application", "open_desk", "start"]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _LAZY:
-        return getattr(import_module(f"labrig.workbench.{_LAZY[name]}"), name)
-    raise AttributeError(f"module 'labrig.workbench' has no attribute {name!r}")
+__getattr__ = lazy(__name__, _LAZY)

@@ -104,9 +104,8 @@ def test_nothing_is_nothing(tmp_path):
     believed = yaml.safe_load((folder / "model.yaml").read_text())["base"]["parameters"]
     fresh = "base: {kind: simulator, rig: rig.yaml, calibrated: [modulus_1_kpa, modulus_2_kpa]}\n"
     (folder / "fresh.yaml").write_text(fresh)
-    rows = rows_of(
-        open_run(folder / "run").isel(capture=slice(0, 10))
-    )  # all forty say the same, and take longer
+    # ten captures say the same as forty, and sooner
+    rows = rows_of(open_run(folder / "run").isel(capture=slice(0, 10)))
     fitted = Model.load(folder / "fresh.yaml").predictor(rows).base
     assert isinstance(fitted, SimulatorModel)
     assert fitted.values == pytest.approx(believed, rel=0.01)

@@ -232,8 +232,7 @@ def build_plant(rig: dict, folder: Path) -> SimulatedPlant:
 
 
 def _body_of(rig: dict, folder: Path) -> PlantBody:
-    from labrig.physics import (
-        load_body,  # here, since it takes half a second to import, and only shells need it
-    )
+    # here, since it takes half a second to import, and only shells need it
+    from labrig.physics import load_body
 
     return load_body(rig, folder)

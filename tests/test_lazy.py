@@ -1,0 +1,30 @@
+"""Packages whose public names are imported when they are first asked for."""
+
+import subprocess
+import sys
+from importlib import import_module
+
+import pytest
+
+
+@pytest.mark.parametrize("package", ["physics", "surrogate", "view", "workbench"])
+def test_every_public_name_is_there(package):
+    """Each name is found where the package says that it is; another is an attribute error that names it."""
+    module = import_module(f"labrig.{package}")
+    for name in module.__all__:
+        assert getattr(module, name) is not None
+    with pytest.raises(
+        AttributeError, match=rf"^module 'labrig\.{package}' has no attribute 'nothing_of_the_kind'$"
+    ):
+        _ = module.nothing_of_the_kind
+
+
+def test_a_reduced_surface_waits_for_no_compiler():
+    """A simulated rig with a reduced surface is made without what only shells need."""
+    code = (
+        "import sys; from pathlib import Path; from labrig_drivers.simulated import build_plant; "
+        "build_plant({'name': 'bench', 'simulated': {'surface': 'membrane'}}, Path()); "
+        "print([name for name in ('numba', 'scipy.optimize', 'scipy.sparse') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
