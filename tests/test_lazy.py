@@ -22,8 +22,10 @@ def test_every_public_name_is_there(package):
 def test_a_reduced_surface_waits_for_no_compiler():
     """A simulated rig with a reduced surface is made without what only shells need."""
     code = (
-        "import sys; from pathlib import Path; from labrig_drivers.simulated import build_plant; "
-        "build_plant({'name': 'bench', 'simulated': {'surface': 'membrane'}}, Path()); "
+        "import sys; from pathlib import Path; from labrig.physics import load_surface; "
+        "from labrig_drivers.simulated import build_plant; "
+        "rig = {'name': 'bench', 'simulated': {'surface': 'membrane'}}; "
+        "build_plant(rig, Path()); load_surface(rig); "
         "print([name for name in ('numba', 'scipy.optimize', 'scipy.sparse') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

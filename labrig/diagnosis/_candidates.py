@@ -22,6 +22,11 @@ class Candidate:
     columns: DesignMatrix
     score: Score
 
+    @cached_property
+    def alone(self) -> "Fit":
+        """This form as the only one of a fit."""
+        return Fit((self,), self.columns, self.score)
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -52,6 +57,8 @@ class Fit:
 
 def fit(parts: Sequence[Candidate]) -> Fit:
     """Fit effects together and score them out of sample."""
+    if len(parts) == 1:
+        return parts[0].alone
     columns = join([p.columns for p in parts])
     return Fit(tuple(parts), columns, score(columns))
 

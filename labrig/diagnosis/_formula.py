@@ -96,7 +96,7 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     if narrower:  # off the search's grid a plainer one may be good enough
         plainest, likeliest = min(narrower, key=lambda c: c.columns.width), narrower[0]
         for one in [plainest] if plainest is likeliest else [plainest, likeliest]:
-            (moved,) = refined(regression, context, fit([one]), 0).parts
+            (moved,) = refined(regression, context, one.alone, 0).parts
             if _good_enough(moved, best):
                 return [moved, *forms]
     return [plain, *(c for c in forms if c is not plain)]
@@ -127,7 +127,7 @@ def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
 def _quoted(chosen: Candidate | Fit) -> float:
     """The held-out error as it is quoted."""
     regression = chosen.columns.regression
-    whole = chosen if isinstance(chosen, Fit) else fit([chosen])
+    whole = chosen if isinstance(chosen, Fit) else chosen.alone
     return float(np.sqrt(square_of(regression, regression.residual - whole.heldout)))
 
 

@@ -12,7 +12,9 @@ from labrig.diagnosis._score import score
 from labrig.effects import Context, Effect, Term, Variant, centre_of
 from labrig.model import EffectEntry, FittedOn, Value
 
-_ROUNDS = 10
+_ROUNDS = 9
+"""How often an interval is narrowed: from a factor of nine to one of three per cent."""
+_GOLDEN = (np.sqrt(5) - 1) / 2
 
 
 def entry_of(
@@ -80,24 +82,26 @@ def refined(regression: Regression, context: Context, chosen: Fit, i: int) -> Fi
             continue
         low = max(start / 3, parameter.low, 1e-9)
         high = min(start * 3, parameter.high)
-        ratio = (np.sqrt(5) - 1) / 2
         a, b = np.log(low), np.log(high)
-        best = chosen
-        for _ in range(_ROUNDS):
-            inner, outer = b - ratio * (b - a), a + ratio * (b - a)
-            tried = [
-                _with_shape(regression, context, chosen, i, name, float(np.exp(v))) for v in (inner, outer)
-            ]
-            gains = [f.score.gain if f else -np.inf for f in tried]
-            if gains[0] > gains[1]:
-                b = outer
+        inner, outer = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+        tried = [_with_shape(regression, context, chosen, i, name, float(np.exp(v))) for v in (inner, outer)]
+        best = max([chosen, *tried], key=_gain)
+        for _ in range(_ROUNDS):  # of the two inside, one stays inside
+            lower = _gain(tried[0]) > _gain(tried[1])
+            if lower:
+                b, inner, outer = outer, outer - _GOLDEN * (outer - a), inner
             else:
-                a = inner
-            for f in tried:
-                if f is not None and f.score.gain > best.score.gain:
-                    best = f
-        chosen = best
+                a, inner, outer = inner, outer, inner + _GOLDEN * (b - inner)
+            value = float(np.exp(inner if lower else outer))
+            new = _with_shape(regression, context, chosen, i, name, value)
+            tried = [new, tried[0]] if lower else [tried[1], new]
+            best = max([best, new], key=_gain)
+        chosen = best or chosen
     return chosen
+
+
+def _gain(one: Fit | None) -> float:
+    return -np.inf if one is None else one.score.gain
 
 
 def _with_shape(

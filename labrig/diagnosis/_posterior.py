@@ -103,18 +103,17 @@ class Search:
 
     def score(self, background: Raised, slow: float, raised: Raised) -> float:
         """Log evidence and prior of one form of one set."""
-        return self.keep(background, slow, raised, self.raise_blocks(background, slow, raised).parts())
+        quad, logdet = self.raise_blocks(background, slow, raised).parts()
+        whole = tuple(sorted([*background, *raised]))
+        return self.keep(whole, slow, self.prior(whole) - 0.5 * (quad + logdet))
 
     def raise_blocks(self, background: Raised, slow: float, raised: Raised) -> RaisedState:
         """The state of a background with the blocks of a set raised."""
         ats = [self.design.blocks[b].at for _, b, _ in raised]
         return self.state(background, slow).raised(ats, [s for _, _, s in raised])
 
-    def keep(self, background: Raised, slow: float, raised: Raised, parts: tuple[float, float]) -> float:
+    def keep(self, whole: Raised, slow: float, value: float) -> float:
         """Remember a form of a set by its score."""
-        quad, logdet = parts
-        whole = tuple(sorted([*background, *raised]))
-        value = -0.5 * (quad + logdet) + self.prior(whole)
         if (whole, slow) not in self.seen:
             self.seen.add((whole, slow))
             owners = frozenset(o for o, _, size in whole if size not in self.traces)
@@ -126,17 +125,19 @@ class Search:
         out = []
         have = {o for o, _, _ in start}
         full = sum(size not in self.traces for _, _, size in start) >= k.MOST_EFFECTS
-        sizes = self.traces if full else (*self.traces, *self.sizes)
-        begun = self.raise_blocks(background, slow, start)
+        sizes = np.array(self.traces if full else (*self.traces, *self.sizes))
+        begun, already = self.raise_blocks(background, slow, start), self.prior((*background, *start))
         for owner in self.owners:
             if owner in have:
                 continue
             best: dict[bool, tuple[float, Raised]] = {}
             for block in self.blocks[owner]:
-                quads, logdets = begun.further(self.design.blocks[block].at, np.array(sizes))
-                for size, parts in zip(sizes, zip(quads, logdets, strict=True), strict=True):
-                    raised = tuple(sorted([*start, (owner, block, size)]))
-                    value, trace = self.keep(background, slow, raised, parts), size in self.traces
+                quads, logdets = begun.further(self.design.blocks[block].at, sizes)
+                for size, evidence in zip(sizes.tolist(), (-0.5 * (quads + logdets)).tolist(), strict=True):
+                    part = (owner, block, size)
+                    raised, trace = tuple(sorted((*start, part))), size in self.traces
+                    whole = tuple(sorted((*background, *raised))) if background else raised
+                    value = self.keep(whole, slow, evidence + already + self.prior((part,)))
                     if trace not in best or value > best[trace][0]:
                         best[trace] = (value, raised)
             out += best.values()

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from labrig.contents import Ranked
-from labrig.diagnosis._candidates import Candidate, fit, square_of
+from labrig.diagnosis._candidates import Candidate, square_of
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._regression import Regression
@@ -44,7 +44,7 @@ def ranking_of(
     probability = {c.effect: c.probability for c in verdict.considered}
     out: list[Ranked] = []
     for name, forms in found.items():
-        one = fit([forms[0]])
+        one = forms[0].alone
         left = regression.residual - one.heldout
         error = float(np.sqrt(max(square_of(regression, left), 0.0)))
         gains = np.bincount(

@@ -146,19 +146,18 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     seen = np.asarray(np.isfinite(values).any(axis=2))
     n_bins = int(np.clip(row_budget // n_captures, _MIN_BINS, _MAX_BINS))
 
-    picked: dict[str, list[Any]] = {n: [] for n in ("capture", "hold", "time", "values", "measured", "cov")}
+    picked: dict[str, list[Any]] = {n: [] for n in ("capture", "hold", "time", "all")}
     for c in range(n_captures):
         index = np.flatnonzero(seen[c])
         if not len(index):
             continue
+        together = np.concatenate([values[c], measured_all[c], covariates_all[c]], axis=1)
         chunks = _bins(index, hold[c], n_bins)
         for chunk in chunks:
             picked["capture"].append(c)
             picked["hold"].append(_mean(hold[c, chunk]))
             picked["time"].append(_mean(time[c, chunk]))
-            picked["values"].append(_middle(values[c, chunk]))
-            picked["measured"].append(_middle(measured_all[c, chunk]))
-            picked["cov"].append(_middle(covariates_all[c, chunk]))
+            picked["all"].append(_middle(together[chunk]))
     if not picked["capture"]:
         raise LabrigError(f"{_where(dataset)}: no observable was seen in any capture")
 
@@ -170,8 +169,8 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     event_sessions = [str(v) for v in dataset["event_session"].values]
     sessions = tuple(dict.fromkeys(event_sessions + session_names))
     code = {s: i for i, s in enumerate(sessions)}
-    # median |difference of two normal deviates| is 0.954 sd
-    cov = np.array(picked["cov"]).reshape(len(capture), len(covariate_names))
+    widths = [values.shape[2], measured_all.shape[2]]
+    observed_rows, measured_rows, cov = np.split(np.array(picked["all"]), np.cumsum(widths), axis=1)
     rest = np.asarray(dataset["rest_mm"].values, float) if "rest_mm" in dataset else None
     return Rows(
         chambers=tuple(str(v) for v in dataset["chamber"].values),
@@ -179,8 +178,8 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         low=low,
         high=high,
         actuation=commanded[capture],
-        measured=np.array(picked["measured"]).reshape(len(capture), -1),
-        values=np.array(picked["values"]),
+        measured=measured_rows,
+        values=observed_rows,
         capture=capture,
         session=np.array([code[session_names[c]] for c in capture], dtype=np.int64),
         event=event_of[capture],

@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING
 from labrig._lazy import lazy
 
 if TYPE_CHECKING:
+    from labrig.physics._load_surface import load_surface
     from labrig.physics._rig_file import has_shell, of_rig_file, read_rig_file
     from labrig.physics._shell import Shell, Solution, load_shell
     from labrig.physics._shell_file import shipped_shells
     from labrig.physics._shell_parameters import ShellParameter
     from labrig.physics._shell_plant import ShellBody, load_body, plant_shell
     from labrig.physics._shell_rig import load_model_shell, rig_shell
-    from labrig.physics._shell_surface import ShellSurface, load_surface
+    from labrig.physics._shell_surface import ShellSurface
     from labrig.physics._shell_system import History
     from labrig.physics._simulate import simulate
     from labrig.physics._simulations import Simulations, open_simulations
@@ -30,7 +31,7 @@ _LAZY = {
     "load_body": "_shell_plant",
     "load_model_shell": "_shell_rig",
     "load_shell": "_shell",
-    "load_surface": "_shell_surface",
+    "load_surface": "_load_surface",
     "of_rig_file": "_rig_file",
     "open_simulations": "_simulations",
     "plant_shell": "_shell_plant",

@@ -4,7 +4,6 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -14,10 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.physics._cache import ArrayCache, content_folder
-from labrig.physics._rig_file import has_shell
 from labrig.physics._shell import Shell, Solution, load_shell
-from labrig.physics._shell_rig import rig_shell
-from labrig.physics._surface import Surface, as_pressures, reduced_surface
+from labrig.physics._surface import as_pressures
 from labrig.physics._warm_start import LEAST_SHAPES, StartPredictor, nearest_state
 from labrig.surface import grid
 
@@ -211,25 +208,6 @@ class ShellSurface:
         return as_pressures(pressure_kpa, len(self.chamber_names), f"shell {self.shell.name}")
 
 
-def load_surface(
-    rig: dict[str, Any], folder: Path | None = None, parameters: Mapping[str, float] | None = None
-) -> Surface | ShellSurface:
-    """The base simulator of a rig, from the content of its rig.yaml, which lies in `folder`.
-
-    That is the shell as the model knows it (see `rig_shell`), unless `simulated: {surface: ...}` names a reduced model
-    (see `reduced_surface`). A shell is taken at other `parameters` where they are given; its surface is made once: what
-    it has solved is there for the next who asks. Raises `LabrigError` as they do.
-    """
-    if not has_shell(rig):
-        if parameters:
-            raise LabrigError(
-                f"rig: a reduced surface has no parameters: {', '.join(parameters)} cannot be set"
-            )
-        return reduced_surface(rig)
-    content = json.dumps(rig_shell(rig, folder).changed(None, **(parameters or {})).content())
-    return _surface_of(content, tuple(str(marker) for marker in rig.get("markers") or []))
-
-
 @lru_cache(maxsize=4)
-def _surface_of(content: str, markers: tuple[str, ...]) -> ShellSurface:
+def surface_of(content: str, markers: tuple[str, ...]) -> ShellSurface:
     return ShellSurface(load_shell(json.loads(content)), markers)
