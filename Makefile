@@ -6,7 +6,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: demo test docs check format lock clean
+.PHONY: demo test tests docs check format lock clean
 
 demo: .venv/.demo-installed
 	$(BIN)/labrig demo
@@ -17,7 +17,11 @@ export OMP_NUM_THREADS ?= 1
 # One worker more than there are cores: many tests wait for devices, servers and pages.
 WORKERS ?= $(shell $(PYTHON) -c "import os; print(min(4, (os.cpu_count() or 1) + 1))")
 
-test: check .venv/.system-libraries
+# The checks keep one core busy for a while: they run beside the tests.
+test: .venv/.all-installed .venv/.system-libraries
+	@$(MAKE) --no-print-directory --jobs 2 --keep-going check tests
+
+tests:
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 docs: .venv/.all-installed

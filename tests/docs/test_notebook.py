@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 import labrig
+from tests.rigs import RIG
 
 pytestmark = pytest.mark.slow  # two diagnoses and an experiment
 
@@ -18,15 +19,8 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The files that the page speaks of: a simulated rig that hides creep, its first run, and a model without it."""
     from labrig_drivers.simulated import hide, seal
 
-    rig = {
-        "name": "bench",
-        "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
-        "pressure": {"kind": "simulated"},
-        "mocap": {"kind": "simulated", "rate_hz": 20},
-        "simulated": {"surface": "membrane", "seed": 0, "hidden": "sealed.json"},
-    }
     monkeypatch.chdir(tmp_path)
-    Path("rig.yaml").write_text(yaml.safe_dump(rig), encoding="utf-8")
+    Path("rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
     Path("model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\neffects: []\n", encoding="utf-8")
     seal(tmp_path, hide("creep", seed=1))
     labrig.run("capture", "rig.yaml", out="runs/first", captures=40)
