@@ -1,6 +1,6 @@
 """An effect as a family of laws: a space of functions with a prior, wide enough for every published law of its kind."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -55,11 +55,15 @@ def motion_scale(context: Context) -> Floats:
     """
     unit = np.array(context.rows.unit)
     scale = np.zeros(len(unit))
-    full = (context.jacobian * context.span).sum(axis=2)
+    sizes: tuple[Callable[[], Floats], ...] = (
+        lambda: context.displacement,
+        lambda: (context.jacobian * context.span).sum(axis=2),  # asked for by few rigs, and large
+        lambda: np.nan_to_num(context.residual),
+    )
     for name in dict.fromkeys(context.rows.unit):
         own = unit == name
-        for size in (context.displacement, full, np.nan_to_num(context.residual)):
-            value = float(np.sqrt((size[:, own] ** 2).mean()))
+        for size in sizes:
+            value = float(np.sqrt((size()[:, own] ** 2).mean()))
             if value > 0:
                 break
         scale[own] = value or 1.0

@@ -1,10 +1,12 @@
 """Where a surface may meet something: limits in space, found by a scan of the residuals where there are many."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
 from labrig.effects._family import Feature, Space, acting, field, motion_scale
 
@@ -52,6 +54,21 @@ def _ends(context: Context) -> Iterator[Space]:
             yield Space(f"end of motion {'+' if side > 0 else '-'}{j}", "contact end", acting(out))
 
 
+@dataclass(frozen=True)
+class _Facing:
+    """Markers that go one way: which (F, M), how far they are along it (F, M), from the lowest to the highest, mm."""
+
+    met: NDArray[np.bool_]
+    height: Floats
+    low: float
+    high: float
+
+    def past(self, level: float, rows: Ints | slice = slice(None)) -> Floats:
+        """How far they go behind a plane at this share of the way, (rows, M)."""
+        plane = self.low + level * (self.high - self.low)
+        return np.where(self.met[rows], np.maximum(self.height[rows] - plane, 0.0), 0.0)
+
+
 class _Places:
     """Markers' predicted ways, and what of the residual stands against them, by capture."""
 
@@ -68,27 +85,25 @@ class _Places:
         sums = np.add.reduceat(by_marker(context, np.nan_to_num(context.residual)), self.first, axis=0)
         self.left = sums / count[:, None, None]
 
-    def past(self, normal: Floats, level: float, captures: bool = False) -> Floats | None:
-        """How far markers go behind a plane across `normal`, (F, M) or (captures, M); None where hardly any does."""
-        along = self.move @ normal
-        far = float(self.length.max())
+    def facing(self, normal: Floats) -> _Facing | None:
+        """What lies before planes across `normal`; None where hardly any marker goes that way."""
         height = self.here @ normal
-        met = along > 0.1 * far
+        met = self.move @ normal > 0.1 * float(self.length.max())
         if met.mean() < 0.01:
             return None
         low, high = np.percentile(height[met], (5, 100))
-        behind = np.where(met, np.maximum(height - (low + level * (high - low)), 0.0), 0.0)
-        return behind[self.first] if captures else behind
+        return _Facing(met, height, float(low), float(high))
 
     def planes(self) -> Iterator[Space]:
         """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
         found = []
         normals = _normals()
-        for i, normal in enumerate(normals):
-            against = -(self.left @ normal)
+        all_facing = {i: facing for i, n in enumerate(normals) if (facing := self.facing(n)) is not None}
+        for i, facing in all_facing.items():
+            against = -(self.left @ normals[i])
             for level in _LEVELS:
-                past = self.past(normal, level, captures=True)
-                if past is not None and past.max() > 0:
+                past = facing.past(level, self.first)
+                if past.max() > 0:
                     gain = max(float((past * against).sum()), 0.0) / np.sqrt((past**2).sum())
                     found.append((gain, i, level))
         chosen: list[tuple[int, float]] = []
@@ -98,10 +113,10 @@ class _Places:
             if len(chosen) == _BEST:
                 break
         for i, level in chosen:
-            features = acting(self._plane(normals[i], level))
+            features = acting(self._plane(normals[i], all_facing[i], level))
             yield Space(f"plane {i} {level}", "contact plane", features, scanned=len(normals) * len(_LEVELS))
 
-    def _plane(self, normal: Floats, level: float) -> list[Feature]:
+    def _plane(self, normal: Floats, facing: _Facing, level: float) -> list[Feature]:
         context = self.context
         out = []
         for name, at, weight in (
@@ -109,11 +124,8 @@ class _Places:
             ("sooner", level - 0.1, 0.3),
             ("later", level + 0.07, 0.3),
         ):
-            past = self.past(normal, at)
-            if past is not None:
-                out.append(field(name, to_rows(context, -past[..., None] * normal), weight))
-        past = self.past(normal, level)
-        assert past is not None
+            out.append(field(name, to_rows(context, -facing.past(at)[..., None] * normal), weight))
+        past = facing.past(level)
         climb = self.way @ normal
         slip = self.way - climb[..., None] * normal
         stuck = np.where(climb > _SHALLOW, past / np.maximum(climb, _SHALLOW), 0.0)
