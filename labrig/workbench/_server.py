@@ -95,7 +95,6 @@ def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Runni
     if desk.rig_file is not None:
         desk = replace(desk, vent=VentButton(desk.rig_file, host))
     names = () if host in LOOPBACK else (host, socket.gethostname())
-    desk.worker.begin()
     return Running(desk, listener, names)
 
 
@@ -126,6 +125,7 @@ def _index(desk: Desk) -> Any:
     text = (_PAGE / "index.html").read_text(encoding="utf-8")
 
     def page(request: Request) -> Response:
+        desk.worker.begin()  # it is ready by the time that somebody has chosen something
         filled = text.replace("{{token}}", escape(desk.token, quote=True))
         filled = filled.replace("{{folder}}", escape(str(desk.folder), quote=True))
         filled = filled.replace("{{rig}}", escape(desk.rig_file.name if desk.rig_file else "", quote=True))

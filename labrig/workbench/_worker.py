@@ -31,8 +31,9 @@ class Worker:
             raise LabrigError("the computation ended unexpectedly (out of memory?); try again") from None
 
     def begin(self) -> None:
-        """Start the process before somebody needs it."""
-        self._submit(ready)
+        """Start the process before somebody needs it; once."""
+        if self._pool is None and not self._closed:
+            self._submit(ready)
 
     def warm(self, key: Key) -> None:
         """While nobody asks, find the forms of every effect of what was opened, one after the other."""

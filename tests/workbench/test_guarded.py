@@ -2,6 +2,7 @@
 
 import os
 import re
+from multiprocessing import active_children
 
 import pytest
 
@@ -101,3 +102,13 @@ def test_what_goes_wrong_is_said_in_one_line(ask):
     """An error of labrig reaches the page as one line, and what is no JSON object is refused."""
     assert ask("/api/run?run=nothing")[1]["error"].startswith("there is no nothing in ")
     assert ask("/api/tag", [1])[0] == 400
+
+
+def test_what_computes_starts_with_the_page(ask):
+    """A workbench that only watches a rig takes no process for diagnoses; the first page that opens does, and once."""
+    before = set(active_children())
+    assert ask("/api/runs")[0] == 200
+    assert set(active_children()) == before
+    assert ask("/")[0] == 200
+    assert ask("/")[0] == 200
+    assert len(set(active_children()) - before) == 1
