@@ -163,3 +163,29 @@ class NewCaptures(TypedDict):
 
     captures: list[CaptureContent]
     actuations: list[list[Any]]
+
+
+class CaptureError(TypedDict):
+    """The error of a capture: root mean square per coordinate, mm."""
+
+    step: int
+    time_s: float
+    rms: float
+
+
+class LastCapture(TypedDict):
+    """Where the markers of the last capture were and should be, (M, 3) mm."""
+
+    step: int
+    label: str
+    measured_mm: Any
+    predicted_mm: Any
+
+
+class LiveError(TypedDict, total=False):
+    """How far a model is from a run so far, or why that cannot be said."""
+
+    captures: list[CaptureError]
+    rms: float | None
+    last: LastCapture
+    error: str

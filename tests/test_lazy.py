@@ -30,3 +30,17 @@ def test_a_reduced_surface_waits_for_no_compiler():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+def test_the_server_of_the_workbench_computes_nothing(tmp_path):
+    """It answers, and vents, before what computes is imported: that is another process's business."""
+    code = (
+        "import sys; from pathlib import Path; from labrig.workbench import open_desk, start; "
+        "running = start(open_desk(Path()), port=0); "
+        "print([name for name in ('labrig.diagnosis', 'labrig.model', 'pandas', 'xarray', 'scipy') "
+        "if name in sys.modules]); running.stop()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n"

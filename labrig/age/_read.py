@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._json import write_json
 from labrig.age._known import Beside, Known
 from labrig.age._places import place_readings
 from labrig.age._reading import Reading, ReadingContent, reading
 from labrig.age._scales import GAIN, scales
 from labrig.age._sensors import lost_readings, sensor_readings
-from labrig.diagnosis import write_json
 from labrig.effects import rows_of
 from labrig.log import open_run, read_run_yaml, run_id, segment_paths
 from labrig.model import Model, model_text

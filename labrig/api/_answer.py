@@ -92,7 +92,7 @@ class Answer(ABC, Generic[Found]):
 
     def save(self, folder: Place) -> Path:
         """Write the JSON and report.html into `folder`, as the command line does; returns the report's path."""
-        from labrig.diagnosis import write_json
+        from labrig._json import write_json
 
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)

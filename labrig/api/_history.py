@@ -116,7 +116,7 @@ class History:
 
     def save(self, folder: Place) -> Path:
         """Write history.json, history.png and report.html into `folder`; returns the report's path."""
-        from labrig.diagnosis import write_json
+        from labrig._json import write_json
         from labrig.view import write_history
 
         folder = Path(folder)

@@ -71,7 +71,7 @@ class Proposal:
         `procedure` is a file (.yaml) to write the programme to, for `labrig run`. Raises `LabrigError` for another
         ending.
         """
-        from labrig.diagnosis import write_json
+        from labrig._json import write_json
         from labrig.experiment import write_procedure
         from labrig.view import write_experiment
 

@@ -153,7 +153,7 @@ def _model(campaign: Campaign, folder: Path) -> "Model":
 def run_settle(folder: Path, first_seed: int, count: int, minutes: float = MINUTES) -> Iterator[SettleRecord]:
     """Every strategy on `count` campaigns that leave a doubt; each record is written as it is done, and skipped if
     it is there already."""
-    from labrig.diagnosis import plain
+    from labrig._json import plain
 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / RECORDS

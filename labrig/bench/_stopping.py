@@ -65,7 +65,8 @@ def acted(campaign: Campaign, captures: int) -> dict[str, float]:
 
 def watch(half: str, name: str, seed: int, captures: int = CAPTURES) -> StoppingRecord:
     """Draw a campaign and diagnose it as it grows; the record is plain JSON."""
-    from labrig.diagnosis import diagnose, plain
+    from labrig._json import plain
+    from labrig.diagnosis import diagnose
     from labrig.live import Look
     from labrig.model import Model
 

@@ -148,7 +148,8 @@ def _diagnosis(console: Console, folder: Path) -> "tuple[Result, Result]":
     """
     with console.status("comparing"):
         import labrig
-        from labrig.diagnosis import compare, diagnose, improve, write_json
+        from labrig._json import write_json
+        from labrig.diagnosis import compare, diagnose, improve
         from labrig.model import Model
         from labrig.view import summary_words
 

@@ -15,7 +15,7 @@ from labrig.diagnosis._posterior import Explanation
 from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import Prepared, prepare, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
-from labrig.diagnosis._result import Result, Signature, VersusResult, plain, write_json
+from labrig.diagnosis._result import Result, Signature, VersusResult
 from labrig.diagnosis._versus import versus
 
 __all__ = [
@@ -46,12 +46,10 @@ __all__ = [
     "kernel",
     "noise_floor",
     "observe",
-    "plain",
     "prepare",
     "prepared",
     "rows_from",
     "square_of",
     "versus",
     "whole_change",
-    "write_json",
 ]

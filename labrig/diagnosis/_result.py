@@ -1,14 +1,13 @@
 """What a diagnosis gives back."""
 
-import json
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._json import write_json
 from labrig.arrays import Floats
 from labrig.contents import Place, PlaceGap, Summary, Versus
 
@@ -71,27 +70,3 @@ class Result(_Findings[Summary, Place]):
 
 class VersusResult(_Findings[Versus, PlaceGap]):
     """Two models on the same measurements; as comparison.json has it."""
-
-
-def write_json(content: Mapping[str, Any], path: Path) -> None:
-    """Write JSON, in one piece or not at all; NaN and infinities become null."""
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(json.dumps(plain(content), indent=1, allow_nan=False) + "\n", encoding="utf-8")
-    partial.replace(path)
-
-
-def plain(value: Any) -> Any:
-    """The same content in what JSON knows; NaN and infinities as None."""
-    if value is None or isinstance(value, str):
-        return value
-    if isinstance(value, dict):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [plain(v) for v in value]
-    if isinstance(value, bool | np.bool_):
-        return bool(value)
-    if isinstance(value, int | np.integer):
-        return int(value)
-    if isinstance(value, float | np.floating):
-        return float(f"{value:.6g}") if np.isfinite(value) else None
-    return value

@@ -58,7 +58,7 @@ def fresh_programme(work: Work) -> Procedure:
 
 def experiment(work: Work, result: "Result", left_min: float) -> Procedure | None:
     """The programme that would settle what is open; None where nothing is, or nothing would, or time is short."""
-    from labrig.diagnosis import write_json
+    from labrig._json import write_json
     from labrig.experiment import limits_of, on_rig, propose_experiment
     from labrig.view import write_experiment
     from labrig_procedures import Programme

@@ -109,7 +109,7 @@ class State:
 
     def write(self) -> None:
         """Write investigation.json and report.html."""
-        from labrig.diagnosis import write_json
+        from labrig._json import write_json
         from labrig.view import write_investigation
 
         write_json(dict(self.content()), self.folder / STATE)

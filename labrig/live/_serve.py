@@ -46,7 +46,8 @@ def serve(
 
 def _look(folder: Path, model: "Model", adapt: RangeContent | None) -> tuple[Look, LiveAnswer]:
     """Diagnose all that is whole in the log; with the range of a plan to `adapt`, propose what comes next, too."""
-    from labrig.diagnosis import diagnose, plain
+    from labrig._json import plain
+    from labrig.diagnosis import diagnose
     from labrig.live._adapt import propose
     from labrig.log import open_run
 
@@ -67,7 +68,7 @@ def _earlier(folder: Path) -> list[Look]:
 
 
 def _keep(folder: Path, looks: Sequence[Look], ended: str | None, draw: Draw) -> None:
-    from labrig.diagnosis import write_json
+    from labrig._json import write_json
 
     if not looks:
         return

@@ -10,7 +10,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from labrig._errors import LabrigError
-from labrig.diagnosis import plain
+from labrig._json import plain
 from labrig_drivers import DeviceError
 
 __all__ = ["Answer", "answering", "body_of", "failed", "plain", "says", "told"]

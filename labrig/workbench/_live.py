@@ -15,9 +15,9 @@ from labrig._errors import LabrigError
 from labrig._running import GoneError, Note, notes
 from labrig.log import RunSummary, summarise
 from labrig.rig import load_rig, runs_on
+from labrig.run_contents import LiveError
 from labrig.view import ERROR_SCALE, STEPS, skin
 from labrig.workbench._desk import Desk
-from labrig.workbench._live_error import LiveError
 
 UNWATCHED_S = 20.0
 """A page that is closed asks no more: after this the errors are no longer computed."""

@@ -12,48 +12,22 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from labrig._errors import LabrigError
+from labrig._json import plain
 from labrig._running import Note, notes
-from labrig.diagnosis import plain
 from labrig.effects import rows_of
 from labrig.log import read_run_yaml
 from labrig.model import Model
-from labrig.run_contents import CaptureContent, NewCaptures, RunStatus
+from labrig.run_contents import CaptureContent, LiveError, NewCaptures, RunStatus
 
 _LOOK_S = 0.5
 _REST = 3.0
 """After a look that took so long it rests three times as long: it never has more than a quarter of a core."""
-
-
-class CaptureError(TypedDict):
-    """The error of a capture: root mean square per coordinate, mm."""
-
-    step: int
-    time_s: float
-    rms: float
-
-
-class LastCapture(TypedDict):
-    """Where the markers of the last capture were and should be, (M, 3) mm."""
-
-    step: int
-    label: str
-    measured_mm: Any
-    predicted_mm: Any
-
-
-class LiveError(TypedDict, total=False):
-    """How far a model is from a run so far, or why that cannot be said."""
-
-    captures: list[CaptureError]
-    rms: float | None
-    last: LastCapture
-    error: str
 
 
 class Watched:

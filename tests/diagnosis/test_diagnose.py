@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import Result, compare, diagnose, write_json
+from labrig._json import write_json
+from labrig.diagnosis import Result, compare, diagnose
 from labrig.effects._registry import shipped
 from tests.conftest import Lab
 

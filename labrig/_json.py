@@ -1,0 +1,32 @@
+"""JSON that is whole or not there, of values that JSON knows."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def write_json(content: Mapping[str, Any], path: Path) -> None:
+    """Write JSON, in one piece or not at all; NaN and infinities become null."""
+    partial = path.with_name(path.name + ".part")
+    partial.write_text(json.dumps(plain(content), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def plain(value: Any) -> Any:
+    """The same content in what JSON knows; NaN and infinities as None."""
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(v) for v in value]
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, int | np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(f"{value:.6g}") if np.isfinite(value) else None
+    return value
