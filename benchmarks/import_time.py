@@ -1,4 +1,4 @@
-"""How long `import labrig` takes, beside `import numpy`, and how long `labrig --help` does.
+"""How long `import labrig` takes, beside `import numpy`, and how long `labrig --help` and the workbench's server do.
 
     python benchmarks/import_time.py [--quick] [--out benchmarks/RESULTS.md]
 
@@ -27,6 +27,20 @@ with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
     main(["--help"])
 print(time.perf_counter() - began)
 """
+WORKBENCH = """
+import time; began = time.perf_counter()
+import tempfile, urllib.request
+from pathlib import Path
+from labrig.workbench import open_desk, start
+with tempfile.TemporaryDirectory() as folder:
+    running = start(open_desk(Path(folder)), port=0)
+    asked = urllib.request.Request(running.address.partition("?")[0] + "api/runs")
+    asked.add_header("x-labrig-token", running.desk.token)
+    urllib.request.urlopen(asked).read()
+    took_s = time.perf_counter() - began
+    running.stop()
+print(took_s)
+"""
 WORK = {
     "`import labrig`": CODE.format(work="import labrig"),
     "`import labrig`, then `dir` and a first use (`labrig.LabrigError`)": CODE.format(
@@ -36,6 +50,7 @@ WORK = {
         work="import labrig; labrig.open_run"
     ),
     "`labrig --help`": HELP,
+    "`labrig workbench`, until it answers": WORKBENCH,
     "`import numpy`": CODE.format(work="import numpy"),
 }
 ALTERNATIVE = "`import numpy`"

@@ -3,12 +3,12 @@
 import importlib
 import subprocess
 import sys
-import time
 
 import pytest
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from tests.waiting import wait_for
 
 TASKS = """
 import os
@@ -147,12 +147,12 @@ def test_workers_end_with_who_is_killed(who, count, tasks, tmp_path):
     pids.mkdir()
     asking = subprocess.Popen([sys.executable, str(script), who, str(pids)])
     try:
-        until(lambda: len(list(pids.iterdir())) == count, "the workers did not begin")
+        wait_for(lambda: len(list(pids.iterdir())) == count, "the workers did not begin")
     finally:
         asking.kill()
         asking.wait()
     workers = [int(file.name) for file in pids.iterdir()]
-    until(lambda: all(ended(pid) for pid in workers), "the workers stay")
+    wait_for(lambda: all(ended(pid) for pid in workers), "the workers stay")
 
 
 def ended(pid):
@@ -163,11 +163,3 @@ def ended(pid):
         return psutil.Process(pid).status() == psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
         return True
-
-
-def until(true, what):
-    """Wait for something, a minute at most."""
-    end = time.monotonic() + 60
-    while not true():
-        assert time.monotonic() < end, what
-        time.sleep(0.05)

@@ -8,6 +8,7 @@ import pytest
 
 from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError
 from labrig_drivers._wired_pressure import PressureOptions, WiredPressure, WireError
+from tests.waiting import wait_for
 
 CHANNELS = (Channel("a", 0, 60), Channel("b", -20, 40))
 FINE, CALM = (20.0, 10.0), (1.0, -1.0)
@@ -71,14 +72,6 @@ def device(wire):
     device.connect()
     yield device
     device.close()
-
-
-def wait_for(condition):
-    """Wait until a condition holds."""
-    end = time.monotonic() + 20
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 def hear(wire, *readings):

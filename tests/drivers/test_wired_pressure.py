@@ -11,6 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError
 from labrig_drivers._transport import LinkError
 from labrig_drivers._wired_pressure import PressureOptions, WiredPressure, WireError
+from tests.waiting import wait_for
 
 CHANNELS = (Channel("a", 0, 60), Channel("b", -20, 40))
 
@@ -84,14 +85,6 @@ def make(wire):
     yield make
     for device in made:
         device.close()
-
-
-def wait_for(condition):
-    """Wait until a condition holds."""
-    end = time.monotonic() + 10
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 def test_set_points_reach_the_wire_and_are_read_back(wire, make):

@@ -22,6 +22,7 @@ import labrig
 from labrig_drivers import RealClock
 from labrig_drivers.simulated import build_plant
 from labrig_drivers.simulated._twins import TwinOptions, TwinRig
+from tests.waiting import wait_for
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -59,23 +60,13 @@ class Rig:
 
     def wait_above(self, pressure_kpa: float) -> None:
         """Wait until some chamber holds more."""
-        wait(lambda: self.highest_kpa > pressure_kpa, "no chamber was filled")
-
-
-def wait(condition: Callable[[], Any], what: str, seconds: float = SLOW_S) -> Any:
-    """Wait until a condition holds, and give back what it gave."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if result := condition():
-            return result
-        time.sleep(0.05)
-    raise AssertionError(f"{what}, after {seconds:g} s")
+        wait_for(lambda: self.highest_kpa > pressure_kpa, "no chamber was filled")
 
 
 @pytest.fixture
 def until() -> Callable[..., Any]:
     """Waits for something."""
-    return wait
+    return wait_for
 
 
 @pytest.fixture
@@ -151,7 +142,7 @@ class Bench:
             found = self.now(run)
             return found if found.get("live") and found.get("position_mm") else None
 
-        return wait(state, "the run does not answer")
+        return wait_for(state, "the run does not answer")
 
     def stop(self) -> str:
         """Ctrl-C; what it said."""
@@ -230,7 +221,7 @@ def _end_runs(folder: Path) -> None:
     for note in going():
         with contextlib.suppress(LabrigError):
             note.ask("end", 2.0, why="the test is over")
-    wait(lambda: not any(_alive(note) for note in going()), "a run goes on", 20.0)
+    wait_for(lambda: not any(_alive(note) for note in going()), "a run goes on", 20.0)
 
 
 def _alive(note: Any) -> bool:

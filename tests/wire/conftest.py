@@ -3,12 +3,14 @@
 import socket
 import threading
 import time
+from functools import partial
 
 import numpy as np
 import pytest
 
 from labrig_drivers import Channel, RealClock
 from labrig_drivers.simulated._wire_plant import SharedPlant
+from tests.waiting import wait_for
 
 CHAMBERS = ("c1", "c2", "c3", "c4")
 MARKERS = tuple(f"m{number:02d}" for number in range(1, 35))
@@ -142,15 +144,7 @@ def script(closing):
 def until():
     """Waits until `condition()` holds, at most ten seconds, and returns what it gave."""
 
-    def wait(condition, seconds=10.0):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            if result := condition():
-                return result
-            time.sleep(0.005)
-        raise AssertionError("it never happened")
-
-    return wait
+    return partial(wait_for, seconds=10.0)
 
 
 @pytest.fixture(autouse=True)

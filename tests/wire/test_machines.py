@@ -1,7 +1,5 @@
 """State machines: each driver against its twin, in any order of calls and mishaps."""
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -15,9 +13,9 @@ from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
 from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
 from labrig_drivers.simulated._vicon_server import ViconServer
 from labrig_drivers.simulated._wire_plant import SharedPlant
+from tests.waiting import wait_for
 
 CHANNELS = tuple(Channel(name, 0.0, 60.0) for name in ("c1", "c2", "c3", "c4"))
-PATIENCE_S = 20.0
 PLANTS = []
 
 
@@ -25,15 +23,6 @@ PLANTS = []
 def _plant_class(small_plant_class):
     """Hands the plant of the other tests to the machines."""
     PLANTS[:] = [small_plant_class]
-
-
-def wait_for(condition):
-    """Wait until a condition holds; what it gave."""
-    end = time.monotonic() + PATIENCE_S
-    while not (result := condition()):
-        assert time.monotonic() < end, "it never happened"
-        time.sleep(0.003)
-    return result
 
 
 def refuses(device):

@@ -231,7 +231,7 @@ def test_a_flood_keeps_memory_bounded(client, script, until):
 
     device = client(script(talk).port, markers=("a",))
     device.connect()
-    until(lambda: device.dropped == 40_000 - 16384, 60)
+    until(lambda: device.dropped == 40_000 - 16384, seconds=60)
     frames = device.frames()
     assert [frame.number for frame in frames] == list(range(40_000 - 16384 + 1, 40_001))
 

@@ -1,7 +1,6 @@
 """Long work: what is known of it lies in files."""
 
 import sys
-import time
 
 import psutil
 import pytest
@@ -9,6 +8,7 @@ import pytest
 from labrig._errors import LabrigError
 from labrig.workbench import open_desk
 from labrig.workbench._locked import hold, is_held
+from tests.waiting import wait_for
 
 
 @pytest.fixture
@@ -25,21 +25,14 @@ def desk(tmp_path):
 def long_job(desk):
     """A job that would go on for minutes: a command of labrig that serves a page until it is ended."""
     job = desk.jobs.start(["workbench", ".", "--no-browser"], "long", "a/run")
-    _wait(lambda: "http://" in job.output())
+    wait_for(lambda: "http://" in job.output())
     return job
-
-
-def _wait(fits, timeout_s=60.0):
-    end = time.monotonic() + timeout_s
-    while not fits():
-        assert time.monotonic() < end
-        time.sleep(0.05)
 
 
 def test_a_job_is_a_labrig_command(desk):
     """A job runs the command that it shows, keeps its output, and is done."""
     job = desk.jobs.start(["effects", "list"], "list")
-    _wait(lambda: job.state != "running")
+    wait_for(lambda: job.state != "running")
     assert (job.state, job.command) == ("done", "labrig effects list")
     assert "creep" in job.output()
     assert desk.jobs.usual_s(["effects"]) > 0
@@ -49,7 +42,7 @@ def test_a_job_is_a_labrig_command(desk):
 def test_a_failed_job_says_why(desk):
     """The last line of a job that failed is the command's one line."""
     job = desk.jobs.start(["show", "nothing"], "show")
-    _wait(lambda: job.state != "running")
+    wait_for(lambda: job.state != "running")
     assert job.state == "failed"
     assert job.facts()["last"].startswith("labrig: ")
 
@@ -58,7 +51,7 @@ def test_a_job_can_be_cancelled(desk, long_job):
     """A cancelled job ends by itself, as with Ctrl-C, and is called cancelled or done, not failed."""
     assert long_job.state == "running"
     desk.jobs.cancel(long_job)
-    _wait(lambda: long_job.state != "running")
+    wait_for(lambda: long_job.state != "running")
     assert long_job.ended is not None
     assert long_job.state in ("cancelled", "done")
 
@@ -75,13 +68,13 @@ def test_another_server_on_the_folder_knows_the_jobs(desk, long_job, tmp_path):
     (seen,) = other.jobs.all()
     assert (seen.facts(), seen.state, seen.run) == (long_job.facts(), "running", "a/run")
     other.jobs.cancel(seen)
-    _wait(lambda: seen.state != "running")
+    wait_for(lambda: seen.state != "running")
 
 
 def test_a_job_that_was_killed_is_not_running(desk, long_job):
     """What was killed with all that watches it counts as ended, without having said so."""
     desk.jobs.cancel(long_job, harder=True)
-    _wait(lambda: long_job.state != "running")
+    wait_for(lambda: long_job.state != "running")
     assert long_job.ended is None
     assert long_job.state == "cancelled"
 
@@ -96,10 +89,10 @@ def test_a_job_outlives_its_server(tmp_path, desk):
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True, timeout=60)
     (job,) = desk.jobs.all()
-    _wait(lambda: "http://" in job.output())
+    wait_for(lambda: "http://" in job.output())
     assert job.state == "running"
     desk.jobs.cancel(job)
-    _wait(lambda: job.state != "running")
+    wait_for(lambda: job.state != "running")
 
 
 def test_a_job_that_is_killed_before_it_begins_has_ended(desk):
@@ -110,7 +103,7 @@ def test_a_job_that_is_killed_before_it_begins_has_ended(desk):
     (job.folder / "alive").write_bytes(b"")  # opened, and not yet held
     assert desk.jobs.get(job.id).state == "running"
     process.kill()
-    _wait(lambda: desk.jobs.get(job.id).state != "running")
+    wait_for(lambda: desk.jobs.get(job.id).state != "running")
     assert job.state == "failed"
     assert job.ended["code"] != 0
 
