@@ -27,7 +27,7 @@ def ready() -> None:
     import labrig.view
 
     labrig.effects.library()
-    _ = labrig.open_run, labrig.Model, labrig.view.cloud, labrig.view.pictures_of
+    _ = labrig.open_run, labrig.Model, labrig.physics.ShellSurface, labrig.view.cloud, labrig.view.pictures_of
     xarray.Dataset({"nothing": ("n", [0.0])})  # looks for every kind of array that is installed
 
 
