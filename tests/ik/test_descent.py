@@ -110,13 +110,18 @@ def test_a_step_stays_within_the_limits(chambers):
 
 
 def test_a_step_where_two_chambers_do_the_same():
-    """Equations that hardly tell two chambers apart give a finite step."""
-    slope = np.array([[1.0, 1.0, *np.eye(6)[k]] for k in range(6)])
-    step = _kernels.bounded_step(
-        slope.T @ slope, np.ones(8), 1e-18, np.full(2, 20.0), np.zeros(2), np.full(2, 40.0)
-    )
-    assert np.isfinite(step).all()
-    assert (np.abs(step[:2]) <= 16.0 + 1e-9).all()
+    """Equations that do not tell two chambers apart give a finite step, whichever way they are rounded."""
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        slope = 1e4 * random.normal(
+            size=(6, 8)
+        )  # so large that rounding outweighs what is added to the diagonal
+        slope[:, 1] = slope[:, 0]
+        step = _kernels.bounded_step(
+            slope.T @ slope, random.normal(size=8), 1e-18, np.full(2, 20.0), np.zeros(2), np.full(2, 40.0)
+        )
+        assert np.isfinite(step).all()
+        assert (np.abs(step[:2]) <= 16.0 + 1e-9).all()
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 7, 40])
