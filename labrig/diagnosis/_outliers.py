@@ -1,10 +1,11 @@
-"""Mistaken values: entries that neither their neighbours nor the other observables believe."""
+"""Mistaken values: entries far from what their neighbours and the other observables say, which nothing bears out."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import capture_means
+from labrig.diagnosis._witnesses import Moments, borne_out, moments_of
 from labrig.effects import Context, fill
 
 FORM = 0.03
@@ -24,42 +25,44 @@ _TO_TELL = 3
 """Rows of a hold, at least, of which one can be told to be mistaken."""
 _RARE = 3.0
 """What goes beyond nine in ten at the same place of a hold by so much is rare there."""
-_NEAREST = 8
-_WITNESSES = 3
-_NEAR = 0.1
-_DECADE = 2.3
 _PULLED = 0.2
 
 
 def clean(context: Context) -> tuple[Floats, int]:
     """The base's residual (F, K) without the entries far from what their neighbours in time and space say; how many.
 
-    Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has
-    low rank, a mistaken marker has not); with few, against the neighbours along the campaign, unless others at the same
-    pressures and time in hold say the same. Rows, rows within their holds (where noise is smaller) and captures are
-    looked at in turn, since a mistake may last for a whole hold or for one frame.
+    Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has low rank, a
+    mistaken marker has not); with few, against the neighbours along the campaign. Rows, rows within their holds (where
+    noise is smaller) and captures are looked at in turn, since a mistake may last for a whole hold or for one frame.
+    What is borne out stays.
     """
-    at = np.column_stack([context.rows.fraction, np.log1p(np.maximum(context.elapsed_s, 0.0)) / _DECADE])
-    return _clean(context.residual, context.rows.capture, at)
+    return _clean(context.residual, moments_of(context))
 
 
-def _clean(residual: Floats, capture: Ints, at: Floats) -> tuple[Floats, int]:
-    if len(np.unique(capture)) < 6 and len(residual) < 20:
+def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
+    captures = int(at.index.max()) + 1
+    if captures < 6 and len(residual) < 20:
         return residual, 0
     seen = np.isfinite(residual).any(axis=0)
     if not seen.all():
         rows = residual.copy()
-        rows[:, seen], dropped = _clean(residual[:, seen], capture, at)
+        rows[:, seen], dropped = _clean(residual[:, seen], at.of(seen))
         return rows, dropped
-    captures, index = np.unique(capture, return_inverse=True)
-    rows = np.where(_passing(_far(residual, at, index), index), np.nan, residual)
-    rows = np.where(_far_in_hold(rows, index), np.nan, rows)
-    means, _ = capture_means(rows, capture)
-    if len(captures) >= 6:
-        own = np.arange(len(captures))
-        held_at, _ = capture_means(at, capture)
-        rows = np.where(_passing(_far(means, held_at, own), own)[index], np.nan, rows)
+    rows = _without(residual, _passing(_far(residual), at.index), at)
+    rows = _without(rows, _far_in_hold(rows, at.index), at)
+    if captures >= 6:
+        means, _ = capture_means(rows, at.index)
+        held = at.of_captures()
+        gone = np.isnan(_without(means, _passing(_far(means), held.index), held)) & np.isfinite(means)
+        rows = np.where(gone[at.index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
+
+
+def _without(values: Floats, far: NDArray[np.bool_], at: Moments) -> Floats:
+    """The values (n, K) without those that are far and that nothing bears out; a marker goes with all its axes."""
+    mistaken = far & ~borne_out(values, far, at)
+    same = at.owner[:, None] == at.owner
+    return np.where(mistaken @ same, np.nan, values)
 
 
 def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
@@ -76,12 +79,11 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
     return far & ~stays[index]
 
 
-def _far(values: Floats, at: Floats, index: Ints) -> NDArray[np.bool_]:
-    """Which entries are far from what the others say, (n, K); measured `at` (n, q), in the captures `index` (n,)."""
+def _far(values: Floats) -> NDArray[np.bool_]:
+    """Which entries are far from what the others say, (n, K)."""
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
-        far = _far_from_neighbours(values, spread)
-        return far & ~_believed(values, far, at, index)
+        return _far_from_neighbours(values, spread)
     off = np.abs(values - _smooth(values))
     bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), FORM * spread)
     # a mistake pulls the fit of its neighbours along a little
@@ -167,20 +169,3 @@ def _far_from_neighbours(values: Floats, spread: Floats) -> NDArray[np.bool_]:
     usual = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
     off = np.abs(values - np.clip(values, 2 * low - high, 2 * high - low))
     return off > _FAR_FROM_NEIGHBOURS * np.maximum(usual, FORM * spread)
-
-
-def _believed(values: Floats, far: NDArray[np.bool_], at: Floats, index: Ints) -> NDArray[np.bool_]:
-    """Which of those that are `far` say what the nearest in other captures say, at one of the pressures or that time.
-
-    One coordinate is enough: a limit is met by one chamber, and a leak seen in the long holds.
-    """
-    out = np.zeros_like(far)
-    off = values - np.nanmedian(values, axis=0)
-    for i, k in np.argwhere(far):
-        others = np.flatnonzero((index != index[i]) & np.isfinite(values[:, k]))
-        alike = off[others, k] * np.sign(off[i, k]) > 0.5 * np.abs(off[i, k])
-        for coordinate in at.T:
-            away = np.abs(coordinate[others] - coordinate[i])
-            near = np.argsort(away, kind="stable")[:_NEAREST]
-            out[i, k] |= (alike[near] & (away[near] <= _NEAR)).sum() >= _WITNESSES
-    return out

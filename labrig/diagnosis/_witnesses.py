@@ -1,0 +1,179 @@
+"""What bears out an entry that looks mistaken: then it is no mistake, but something that the model lacks.
+
+A mistake of a camera or a sensor is of one observable, at any time. What a rig does comes again where it is at the same
+pressures, moves other observables as its chambers move them, or comes at certain pressures, steps or times only.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.arrays import Floats, Ints
+from labrig.effects import Context
+
+Mask = NDArray[np.bool_]
+
+_NEAREST = 8
+_WITNESSES = 3
+_NEAR = 0.1
+_DECADE = 2.3
+BY_CHANCE = 0.01
+"""Share of campaigns in which mistakes that come anywhere may look as if they came at certain places only."""
+_ENOUGH = 2
+"""Other observables for each chamber from which on they can say what the chambers do."""
+_UNSEEN = 0.01
+"""Motions of the chambers of which the other observables see so little are left out."""
+
+
+@dataclass(frozen=True)
+class Moments:
+    """What is known of n rows, or captures, beside what was measured, of C chambers and K observables.
+
+    `pressure` and `step` (n, C): what was commanded, and by how much more than before, as shares of the range; `late`
+    (n,): the time in the hold, in decades; `slopes` (n, K, C) of the base; `owner` (K,) numbers the markers, or what
+    else an observable belongs to; `index` (n,) numbers the captures.
+    """
+
+    pressure: Floats
+    step: Floats
+    late: Floats
+    slopes: Floats
+    owner: Ints
+    index: Ints
+
+    def of(self, observables: Mask) -> "Moments":
+        """The same for some observables (K,)."""
+        return Moments(
+            self.pressure,
+            self.step,
+            self.late,
+            self.slopes[:, observables],
+            self.owner[observables],
+            self.index,
+        )
+
+    def of_captures(self) -> "Moments":
+        """The same for captures: their pressures and steps, the middle of their times."""
+        first = np.unique(self.index, return_index=True)[1]
+        late = np.bincount(self.index, self.late) / np.bincount(self.index)
+        own = np.arange(len(first))
+        return Moments(self.pressure[first], self.step[first], late, self.slopes[first], self.owner, own)
+
+
+def moments_of(context: Context) -> Moments:
+    """Those of a campaign's rows."""
+    rows = context.rows
+    pressure = rows.fraction
+    step = pressure - ((context.previous - rows.low) / context.span)[rows.event]
+    late = np.log1p(context.elapsed_s) / _DECADE
+    alone = rows.marker < 0
+    owner = np.where(alone, rows.marker.max(initial=-1) + 1 + np.cumsum(alone), rows.marker)
+    return Moments(
+        pressure, step, late, context.jacobian, owner, np.unique(rows.capture, return_inverse=True)[1]
+    )
+
+
+def borne_out(values: Floats, far: Mask, at: Moments) -> Mask:
+    """Which of the entries that are `far` (n, K) from what is usual are no mistakes."""
+    if not far.any():
+        return far
+    said, asked = _said_by_others(values, far, at)
+    return said | _said_again(values, far & ~asked, at) | _at_one_place(far, at)
+
+
+def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
+    """Which are nearer to what the other markers say, through the base's slopes, than to nothing; which they can judge.
+
+    They can where there are enough of them for each chamber.
+    """
+    said, asked = np.zeros_like(far), np.zeros_like(far)
+    noise = 1.4826 * np.nanmedian(np.abs(values - np.nanmedian(values, axis=0)), axis=0)
+    noise = np.where(noise > 0, noise, 1.0)
+    for i in np.flatnonzero(far.any(axis=1)):
+        slopes, x = at.slopes[i] / noise[:, None], values[i] / noise
+        size = np.sqrt(np.sum(slopes**2, axis=0))
+        slopes = slopes[:, size > 0] / size[size > 0]
+        for owner in np.unique(at.owner[far[i]]):
+            own = at.owner == owner
+            others = ~own & np.isfinite(x)
+            if others.sum() < max(_ENOUGH * slopes.shape[1], 1):
+                continue
+            moved = np.linalg.lstsq(slopes[others], x[others], rcond=_UNSEEN)[0]
+            said[i, own] = far[i, own] & (np.abs(x[own] - slopes[own] @ moved) < 0.5 * np.abs(x[own]))
+            asked[i, own] = far[i, own]
+    return said, asked
+
+
+def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
+    """Which say what the nearest in other captures say, at one of the pressures or that time.
+
+    One coordinate is enough: a limit is met by one chamber, and a leak seen in the long holds.
+    """
+    out = np.zeros_like(far)
+    off = values - np.nanmedian(values, axis=0)
+    for i, k in np.argwhere(far):
+        others = np.flatnonzero((at.index != at.index[i]) & np.isfinite(values[:, k]))
+        alike = off[others, k] * np.sign(off[i, k]) > 0.5 * np.abs(off[i, k])
+        for coordinate in (*at.pressure.T, at.late):
+            away = np.abs(coordinate[others] - coordinate[i])
+            near = np.argsort(away, kind="stable")[:_NEAREST]
+            out[i, k] |= (alike[near] & (away[near] <= _NEAR)).sum() >= _WITNESSES
+    return out
+
+
+def _at_one_place(far: Mask, at: Moments) -> Mask:
+    """Which stand at one end of the pressures, the steps or the times, where mistakes, which come anywhere, would not.
+
+    Each observable by itself, and all of them together for the time in a hold, which mistakes that last are spread
+    over. How unlikely it is is bounded as by Chernoff (1952), over all ends, coordinates and observables.
+    """
+    out = np.zeros_like(far)
+    commanded = np.column_stack([at.pressure, at.step, np.abs(at.step).max(axis=1, initial=0.0)])
+    tests = 2 * far.shape[1] * (commanded.shape[1] + 1) / BY_CHANCE
+    each = 1.0 / np.bincount(at.index)[at.index]
+    place = _shares(np.column_stack([commanded, -commanded]), each)
+    time = _shares(np.column_stack([at.late, -at.late]), each)
+    for k in np.flatnonzero(far.any(axis=0)):
+        rows = np.flatnonzero(far[:, k])
+        out[rows, k] = _at_an_end(place[rows], _runs(at.index[rows]), tests)
+        out[rows, k] |= _at_an_end(time[rows], at.index[rows], tests)
+    rows = np.flatnonzero(far.any(axis=1))
+    out[rows] |= far[rows] & _at_an_end(time[rows], at.index[rows], tests)[:, None]
+    return out
+
+
+def _shares(values: Floats, each: Floats) -> Floats:
+    """The share of all rows, each counting for so much (n,), that are not above each of the values (n, q)."""
+    out = np.empty_like(values)
+    for own, share in zip(values.T, out.T, strict=True):
+        order = np.argsort(own, kind="stable")
+        total = np.cumsum(each[order]) / each.sum()
+        share[:] = total[np.searchsorted(own[order], own, side="right") - 1]
+    return out
+
+
+def _runs(capture: Ints) -> Ints:
+    """Numbers of the runs of captures, one after the other, that the captures (r,) are in: one mistake may last."""
+    known, code = np.unique(capture, return_inverse=True)
+    return np.cumsum(np.diff(known, prepend=known[0]) > 1)[code]
+
+
+def _at_an_end(share: Floats, unit: Ints, tests: float) -> Mask:
+    """Which of r entries are, by one of q coordinates, at an end where too many are for chance, (r,).
+
+    `share` (r, q): that of all rows which are as far out; units (r,) count once each, one alone says nothing.
+    """
+    _, unit, count = np.unique(unit, return_inverse=True, return_counts=True)
+    n = len(count)
+    if n < 2:
+        return np.zeros(len(unit), dtype=bool)
+    order = np.argsort(share, axis=0, kind="stable")
+    s = np.clip(np.take_along_axis(share, order, axis=0), 1e-12, 1 - 1e-12)
+    m = np.clip(np.cumsum(1.0 / count[unit][order], axis=0) / n, 1e-12, 1 - 1e-12)
+    unlikely = n * (m * np.log(m / s) + (1 - m) * np.log((1 - m) / (1 - s)))
+    last = np.diff(s, axis=0, append=2.0) > 0
+    unlikely = np.where(last & (m > s), unlikely, 0.0)
+    best = np.argmax(unlikely, axis=0)[None]
+    enough = np.take_along_axis(unlikely, best, axis=0) > np.log(n * tests)
+    return ((share <= np.take_along_axis(s, best, axis=0)) & enough).any(axis=1)
