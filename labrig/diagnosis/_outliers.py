@@ -48,19 +48,24 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
         rows = residual.copy()
         rows[:, seen], dropped = _clean(residual[:, seen], at.of(seen))
         return rows, dropped
-    rows = _without(residual, _passing(_far(residual), at.index), at)
-    rows = _without(rows, _far_in_hold(rows, at.index), at)
+    far = _passing(_far(residual), at.index)
+    borne = borne_out(residual, far, at)
+    rows = _without(residual, far & ~borne, at)
+    means, _ = capture_means(rows, at.index)
+    far = _far_in_hold(rows, at.index)
+    again = borne_out(rows - means[at.index], far, at)
+    rows = _without(rows, far & ~again, at)
     if captures >= 6:
-        means, _ = capture_means(rows, at.index)
+        means, _ = capture_means(np.where(borne | again, np.nan, rows), at.index)
         held = at.of_captures()
-        gone = np.isnan(_without(means, _passing(_far(means), held.index), held)) & np.isfinite(means)
-        rows = np.where(gone[at.index], np.nan, rows)
+        far = _passing(_far(means), held.index)
+        kept = _without(means, far & ~borne_out(means, far, held), held)
+        rows = np.where((np.isfinite(means) & np.isnan(kept))[at.index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
 
 
-def _without(values: Floats, far: NDArray[np.bool_], at: Moments) -> Floats:
-    """The values (n, K) without those that are far and that nothing bears out; a marker goes with all its axes."""
-    mistaken = far & ~borne_out(values, far, at)
+def _without(values: Floats, mistaken: NDArray[np.bool_], at: Moments) -> Floats:
+    """The values (n, K) without those that are mistaken; a marker is with all its axes."""
     same = at.owner[:, None] == at.owner
     return np.where(mistaken @ same, np.nan, values)
 
@@ -80,7 +85,10 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
 
 
 def _far(values: Floats) -> NDArray[np.bool_]:
-    """Which entries are far from what the others say, (n, K)."""
+    """Which entries are far from what the others say, (n, K).
+
+    Few observables follow a mistaken one, so there those are asked, too, that were measured before and after.
+    """
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
         return _far_from_neighbours(values, spread)
@@ -89,7 +97,8 @@ def _far(values: Floats) -> NDArray[np.bool_]:
     # a mistake pulls the fit of its neighbours along a little
     bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
     structure = bad.mean(axis=1) > _MOST_FAR
-    return bad & ~structure[:, None]
+    far = bad & ~structure[:, None]
+    return far if values.shape[1] >= 3 * _SMOOTH_RANK else far | _far_from_neighbours(values, spread)
 
 
 def _far_in_hold(values: Floats, index: Ints) -> NDArray[np.bool_]:

@@ -20,8 +20,8 @@ _NEAR = 0.1
 _DECADE = 2.3
 BY_CHANCE = 0.01
 """Share of campaigns in which mistakes that come anywhere may look as if they came at certain places only."""
-_ENOUGH = 2
-"""Other observables for each chamber from which on they can say what the chambers do."""
+_CERTAIN = 3.0
+"""Standard deviations that what the others say must be away from nothing."""
 _UNSEEN = 0.01
 """Motions of the chambers of which the other observables see so little are left out."""
 
@@ -85,7 +85,7 @@ def borne_out(values: Floats, far: Mask, at: Moments) -> Mask:
 def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
     """Which are nearer to what the other markers say, through the base's slopes, than to nothing; which they can judge.
 
-    They can where there are enough of them for each chamber.
+    They can where there are more of them than chambers.
     """
     said, asked = np.zeros_like(far), np.zeros_like(far)
     noise = 1.4826 * np.nanmedian(np.abs(values - np.nanmedian(values, axis=0)), axis=0)
@@ -97,12 +97,21 @@ def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]
         for owner in np.unique(at.owner[far[i]]):
             own = at.owner == owner
             others = ~own & np.isfinite(x)
-            if others.sum() < max(_ENOUGH * slopes.shape[1], 1):
+            if others.sum() <= slopes.shape[1]:
                 continue
-            moved = np.linalg.lstsq(slopes[others], x[others], rcond=_UNSEEN)[0]
-            said[i, own] = far[i, own] & (np.abs(x[own] - slopes[own] @ moved) < 0.5 * np.abs(x[own]))
+            there, sd = _from_others(slopes[others], x[others], slopes[own])
+            near = np.abs(x[own] - there) < 0.5 * np.abs(x[own])
+            said[i, own] = far[i, own] & near & (np.abs(there) > _CERTAIN * sd)
             asked[i, own] = far[i, own]
     return said, asked
+
+
+def _from_others(slopes: Floats, x: Floats, own: Floats) -> tuple[Floats, Floats]:
+    """What others that moved by x (r,), with slopes (r, C), say of those with slopes `own` (a, C); and its sd."""
+    inverse = np.linalg.pinv(slopes, rcond=_UNSEEN)
+    moved = inverse @ x
+    left = np.sum((x - slopes @ moved) ** 2) / (len(x) - slopes.shape[1])
+    return own @ moved, np.sqrt(max(left, 1.0)) * np.linalg.norm(own @ inverse, axis=1)
 
 
 def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
@@ -125,8 +134,9 @@ def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
 def _at_one_place(far: Mask, at: Moments) -> Mask:
     """Which stand at one end of the pressures, the steps or the times, where mistakes, which come anywhere, would not.
 
-    Each observable by itself, and all of them together for the time in a hold, which mistakes that last are spread
-    over. How unlikely it is is bounded as by Chernoff (1952), over all ends, coordinates and observables.
+    Each observable by itself, and all of them together for the time in a hold, where what is far at other times of the
+    same hold, too, is a mistake that lasts. How unlikely it is is bounded as by Chernoff (1952), over all ends,
+    coordinates and observables.
     """
     out = np.zeros_like(far)
     commanded = np.column_stack([at.pressure, at.step, np.abs(at.step).max(axis=1, initial=0.0)])
@@ -134,13 +144,21 @@ def _at_one_place(far: Mask, at: Moments) -> Mask:
     each = 1.0 / np.bincount(at.index)[at.index]
     place = _shares(np.column_stack([commanded, -commanded]), each)
     time = _shares(np.column_stack([at.late, -at.late]), each)
+    early = np.zeros_like(far)
     for k in np.flatnonzero(far.any(axis=0)):
         rows = np.flatnonzero(far[:, k])
         out[rows, k] = _at_an_end(place[rows], _runs(at.index[rows]), tests)
-        out[rows, k] |= _at_an_end(time[rows], at.index[rows], tests)
+        early[rows, k] = _at_an_end(time[rows], at.index[rows], tests)
     rows = np.flatnonzero(far.any(axis=1))
-    out[rows] |= far[rows] & _at_an_end(time[rows], at.index[rows], tests)[:, None]
-    return out
+    early[rows] |= far[rows] & _at_an_end(time[rows], at.index[rows], tests)[:, None]
+    return out | early & ~_within_hold(far & ~early, at.index)
+
+
+def _within_hold(entries: Mask, index: Ints) -> Mask:
+    """Whether an observable has any of these entries (n, K) in the same capture, (n, K)."""
+    found = np.zeros((index.max() + 1, entries.shape[1]), dtype=bool)
+    np.logical_or.at(found, index, entries)
+    return found[index]
 
 
 def _shares(values: Floats, each: Floats) -> Floats:

@@ -1,0 +1,84 @@
+"""What bears out an entry that looks mistaken, and what does not."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis._outliers import clean
+from labrig.effects import rows_of
+
+ROWS_S = (1.6, 3.0, 3.5, 4.0)
+
+
+def gone_of(lab: Any, values: np.ndarray) -> np.ndarray:
+    """Which entries (n, T, K) are taken for mistakes."""
+    cleaned, _ = clean(lab.model().context(rows_of(lab.dataset(values))))
+    return np.isnan(cleaned).reshape(values.shape)
+
+
+def late(lab: Any, rate_kpa_s: float) -> np.ndarray:
+    """Pressures of the rows (n, T, C) behind a small valve, which fills and vents at one rate at most."""
+    before = np.concatenate([np.zeros((1, lab.chambers)), lab.commanded[:-1]])[:, None]
+    way = before - lab.u
+    return lab.u + np.sign(way) * np.maximum(np.abs(way) - rate_kpa_s * lab.hold_s[:, :, None], 0.0)
+
+
+@pytest.mark.parametrize("settings", [{"markers": 1}, {"markers": 10}, {"force": True, "chambers": 1}])
+def test_what_only_the_largest_steps_show_stays(make_lab, settings: dict[str, Any]) -> None:
+    """A valve that is too slow for the largest steps shows in a few first rows only: they are no mistakes."""
+    lab = make_lab(captures=240, rows_s=ROWS_S, **settings)
+    u = late(lab, rate_kpa_s=20.0)
+    effect = lab.predict(u) - lab.predict(lab.u)
+    shown = np.abs(effect).max(axis=2) > 1.0
+    assert not shown[:, 1:].any()
+    assert 0.02 < shown[:, 0].mean() < 0.6
+    gone = gone_of(lab, lab.predict(u) + lab.noise(row=0.03, capture=0.05))
+    assert np.sum(effect[gone] ** 2) < 0.2 * np.sum(effect**2)
+
+
+def test_a_stop_that_one_marker_meets_stays(make_lab) -> None:
+    """What one marker does whenever one chamber is nearly full is borne out by where it comes."""
+    lab = make_lab(captures=120, markers=12, rows_s=ROWS_S)
+    values = lab.predict(lab.u) + lab.noise()
+    met = lab.commanded[:, 1] > 0.92 * 60.0
+    assert 4 <= met.sum() <= 20
+    values[met, :, 17] -= 6.0
+    assert gone_of(lab, values)[met, :, 17].mean() < 0.1
+
+
+def test_mistakes_that_come_anywhere_go(make_lab) -> None:
+    """Markers that are mistaken for a row or a hold, at moments that chance picks, go with all their axes."""
+    lab = make_lab(captures=120, markers=12, rows_s=ROWS_S)
+    values = lab.predict(lab.u) + lab.noise()
+    wrong = np.zeros(values.shape, dtype=bool)
+    for _ in range(40):
+        capture, marker = lab.random.integers(120), lab.random.integers(12)
+        rows = slice(None) if lab.random.random() < 0.5 else int(lab.random.integers(4))
+        wrong[capture, rows, 3 * marker : 3 * marker + 3] = True
+    values += np.where(wrong, 8.0 * np.sign(lab.random.normal(size=values.shape)), 0.0)
+    gone = gone_of(lab, values)
+    assert gone[wrong].mean() > 0.97
+    assert gone[~wrong].mean() < 0.003
+
+
+@pytest.mark.parametrize("markers", [4, 5, 6])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_one_marker_of_few_that_is_off_for_a_hold_goes(make_lab, markers: int, seed: int) -> None:
+    """Few markers follow a wild one, but those of the captures before and after do not."""
+    lab = make_lab(captures=85, markers=markers, rows_s=ROWS_S, seed=seed)
+    values = lab.predict(lab.u) + lab.noise(row=0.05, capture=0.06)
+    values[30, :, 9:12] += (-4.7, 3.4, -6.1)
+    gone = gone_of(lab, values)
+    assert gone[30, :, 9:12].all()
+    assert gone.sum() <= 12 + 0.005 * gone.size
+
+
+def test_what_comes_again_at_the_same_pressure_stays(make_lab) -> None:
+    """A wall that snaps through at one pressure, in the middle of the range, shows in a few captures: no mistakes."""
+    lab = make_lab(captures=120, force=True, chambers=1, rows_s=ROWS_S)
+    values = lab.predict(lab.u) + lab.noise()
+    snapped = np.abs(lab.commanded[:, 0] - 31.0) < 1.8
+    assert 3 <= snapped.sum() <= 8
+    values[snapped] += 5.0
+    assert not gone_of(lab, values)[snapped].any()
