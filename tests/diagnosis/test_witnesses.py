@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from labrig.diagnosis import diagnose
 from labrig.diagnosis._outliers import clean
 from labrig.effects import rows_of
 
@@ -82,3 +83,15 @@ def test_what_comes_again_at_the_same_pressure_stays(make_lab) -> None:
     assert 3 <= snapped.sum() <= 8
     values[snapped] += 5.0
     assert not gone_of(lab, values)[snapped].any()
+
+
+def test_a_valve_that_only_large_steps_show_is_a_delay(make_lab) -> None:
+    """A valve that opens and closes softly, and takes the longer the larger the step, is named by a few first rows."""
+    lab = make_lab(captures=120, markers=8, rows_s=(1.2, 2.0, 3.0, 4.0))
+    before = np.concatenate([np.zeros((1, 3)), lab.commanded[:-1]])[:, None]
+    way = np.abs(before - lab.u)
+    gone = np.clip(lab.hold_s[:, :, None] / np.maximum(way / 18.0, 1e-9), 0.0, 1.0)
+    u = before + (lab.u - before) * gone**2 * (3 - 2 * gone)
+    dataset = lab.dataset(lab.predict(u) + lab.noise(row=0.05, capture=0.05))
+    summary = diagnose(dataset, lab.model()).summary
+    assert (summary["verdict"], summary["effects"]) == ("identified", ["delay"])
