@@ -91,27 +91,37 @@ def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]
     noise = 1.4826 * np.nanmedian(np.abs(values - np.nanmedian(values, axis=0)), axis=0)
     noise = np.where(noise > 0, noise, 1.0)
     for i in np.flatnonzero(far.any(axis=1)):
-        slopes, x = at.slopes[i] / noise[:, None], values[i] / noise
+        known = np.isfinite(values[i])
+        x, slopes = values[i, known] / noise[known], at.slopes[i, known] / noise[known, None]
         size = np.sqrt(np.sum(slopes**2, axis=0))
         slopes = slopes[:, size > 0] / size[size > 0]
+        all_of_them = slopes.T @ slopes, slopes.T @ x
         for owner in np.unique(at.owner[far[i]]):
-            own = at.owner == owner
-            others = ~own & np.isfinite(x)
-            if others.sum() <= slopes.shape[1]:
+            own = at.owner[known] == owner
+            if np.sum(~own) <= slopes.shape[1]:
                 continue
-            there, sd = _from_others(slopes[others], x[others], slopes[own])
+            there, sd = _from_others(slopes, x, own, all_of_them)
             near = np.abs(x[own] - there) < 0.5 * np.abs(x[own])
-            said[i, own] = far[i, own] & near & (np.abs(there) > _CERTAIN * sd)
-            asked[i, own] = far[i, own]
+            entries = np.flatnonzero(known)[own]
+            said[i, entries] = far[i, entries] & near & (np.abs(there) > _CERTAIN * sd)
+            asked[i, entries] = far[i, entries]
     return said, asked
 
 
-def _from_others(slopes: Floats, x: Floats, own: Floats) -> tuple[Floats, Floats]:
-    """What others that moved by x (r,), with slopes (r, C), say of those with slopes `own` (a, C); and its sd."""
-    inverse = np.linalg.pinv(slopes, rcond=_UNSEEN)
-    moved = inverse @ x
-    left = np.sum((x - slopes @ moved) ** 2) / (len(x) - slopes.shape[1])
-    return own @ moved, np.sqrt(max(left, 1.0)) * np.linalg.norm(own @ inverse, axis=1)
+def _from_others(
+    slopes: Floats, x: Floats, own: Mask, all_of_them: tuple[Floats, Floats]
+) -> tuple[Floats, Floats]:
+    """What the others of r that moved by x (r,), with slopes (r, C), say of those that are `own` (r,); and its sd.
+
+    `all_of_them`: the sums (C, C) and (C,) of the normal equations, from which the own part is taken off.
+    """
+    power, turn = np.linalg.eigh(all_of_them[0] - slopes[own].T @ slopes[own])
+    seen = power > _UNSEEN**2 * power.max(initial=0.0)
+    inverse = (turn[:, seen] / power[seen]) @ turn[:, seen].T
+    moved = inverse @ (all_of_them[1] - slopes[own].T @ x[own])
+    left = np.sum((x - slopes @ moved)[~own] ** 2) / (np.sum(~own) - slopes.shape[1])
+    way = slopes[own] @ inverse
+    return slopes[own] @ moved, np.sqrt(max(left, 1.0) * np.sum(way * slopes[own], axis=1))
 
 
 def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
