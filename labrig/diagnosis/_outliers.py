@@ -43,7 +43,7 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
     captures = int(at.index.max()) + 1
     if captures < 6 and len(residual) < 20:
         return residual, 0
-    seen = np.isfinite(residual).any(axis=0)
+    seen = np.asarray(np.isfinite(residual).any(axis=0))
     if not seen.all():
         rows = residual.copy()
         rows[:, seen], dropped = _clean(residual[:, seen], at.of(seen))

@@ -184,7 +184,7 @@ def _shares(values: Floats, each: Floats) -> Floats:
 def _runs(capture: Ints) -> Ints:
     """Numbers of the runs of captures, one after the other, that the captures (r,) are in: one mistake may last."""
     known, code = np.unique(capture, return_inverse=True)
-    return np.cumsum(np.diff(known, prepend=known[0]) > 1)[code]
+    return np.asarray(np.cumsum(np.diff(known, prepend=known[0]) > 1)[code], dtype=np.int64)
 
 
 def _at_an_end(share: Floats, unit: Ints, tests: float) -> Mask:
