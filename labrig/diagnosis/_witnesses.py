@@ -20,6 +20,8 @@ _NEAR = 0.1
 _DECADE = 2.3
 BY_CHANCE = 0.01
 """Share of campaigns in which mistakes that come anywhere may look as if they came at certain places only."""
+_FEWEST = 12
+"""Captures up to which only the nearest are asked: the other witnesses were measured on long campaigns."""
 _CERTAIN = 3.0
 """Standard deviations that what the others say must be away from nothing."""
 _UNSEEN = 0.01
@@ -78,6 +80,8 @@ def borne_out(values: Floats, far: Mask, at: Moments) -> Mask:
     """Which of the entries that are `far` (n, K) from what is usual are no mistakes."""
     if not far.any():
         return far
+    if at.index.max() < _FEWEST:
+        return _said_again(values, far, at)
     said, asked = _said_by_others(values, far, at)
     return said | _said_again(values, far & ~asked, at) | _at_one_place(far, at)
 

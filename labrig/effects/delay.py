@@ -14,9 +14,6 @@ from labrig.effects._skin import lag_behind
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
 SAMPLES = (1, 2, 3, 5, 8, 13, 21)
 """Lags and dead times of a record without holds, in samples."""
-DEAD_S = (0.3, 0.6, 1.2, 1.7, 2.4, 3.4, 4.8)
-WHOLE_S = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
-"""How long a chamber takes over its whole range: laws that are over at a moment need a finer grid than decays."""
 
 
 class Delay(Effect):
@@ -64,14 +61,12 @@ class Delay(Effect):
             behind = (context.relaxed(tau) - context.rows.actuation) / context.span
             out.append(pressure(f"venting {tau}", np.maximum(behind, 0.0), 0.3))
             q = context.elapsed_s[:, None] / tau
-            out.append(pressure(f"second order {tau}", gap * (1 + q) * np.exp(-q), 0.5))
-        for dead_s in DEAD_S:
-            out.append(pressure(f"dead {dead_s}", gap * (context.elapsed_s[:, None] < dead_s), 0.3))
-        for whole_s in WHOLE_S:
             out += [
-                pressure(f"filling {whole_s}", _behind(context, whole_s, 2), 0.3),
-                pressure(f"rate {whole_s}", _behind(context, whole_s, 1), 0.3),
+                pressure(f"second order {tau}", gap * (1 + q) * np.exp(-q), 0.5),
+                pressure(f"dead {tau}", gap * (q < 1), 0.3),
             ]
+        for whole_s in (2.0, 4.0, 8.0):
+            out.append(pressure(f"filling {whole_s}", _filling(context, whole_s), 0.3))
         yield Space("late", "delay", acting(out), 0.8)
         if dt := context.sample_s:
             yield Space(
@@ -88,18 +83,18 @@ class Delay(Effect):
         return "" if context.has_time else MOMENTS
 
 
-def _behind(context: Context, whole_s: float, power: int) -> Floats:
-    """How far each chamber stays behind, (F, C), where it fills at one rate (`power` 1) or through an orifice (2).
+def _filling(context: Context, whole_s: float) -> Floats:
+    """How far each chamber stays behind, (F, C), where its flow goes with the root of what is left: orifice flow.
 
-    The whole range takes `whole_s`. The flow of an orifice goes with the root of what is left, so a ninth of the range
-    takes a third of that; see J. F. Blackburn, G. Reethof, J. L. Shearer, Fluid Power Control, MIT Press 1960.
+    The whole range takes `whole_s`, a ninth of it a third of that; see J. F. Blackburn, G. Reethof, J. L. Shearer,
+    Fluid Power Control, MIT Press 1960.
     """
     rows, t = context.rows, context.rows.event_time_s
     drive = rows.event_actuation / context.span
     begin = np.zeros_like(drive)  # what is left to go when an event begins
 
     def after(left: Floats, gone_s: Floats | float) -> Floats:
-        return np.sign(left) * np.maximum(np.abs(left) ** (1 / power) - gone_s / whole_s, 0.0) ** power
+        return np.sign(left) * np.maximum(np.sqrt(np.abs(left)) - gone_s / whole_s, 0.0) ** 2
 
     for e, before in enumerate(context.started):
         if before < 0:
