@@ -18,10 +18,10 @@ _NEAREST = 8
 _WITNESSES = 3
 _NEAR = 0.1
 _DECADE = 2.3
-BY_CHANCE = 0.01
-"""Share of campaigns in which mistakes that come anywhere may look as if they came at certain places only."""
+_BY_CHANCE = 0.01
+"""Share of campaigns, at each look, in which mistakes that come anywhere may seem to come at certain places only."""
 _FEWEST = 12
-"""Captures up to which only the nearest are asked: the other witnesses were measured on long campaigns."""
+"""Captures up to which only the nearest are asked: the other witnesses were measured on campaigns of 60 and more."""
 _CERTAIN = 3.0
 """Standard deviations that what the others say must be away from nothing."""
 _UNSEEN = 0.01
@@ -154,7 +154,7 @@ def _at_one_place(far: Mask, at: Moments) -> Mask:
     """
     out = np.zeros_like(far)
     commanded = np.column_stack([at.pressure, at.step, np.abs(at.step).max(axis=1, initial=0.0)])
-    tests = 2 * far.shape[1] * (commanded.shape[1] + 1) / BY_CHANCE
+    tests = 2 * far.shape[1] * (commanded.shape[1] + 1) / _BY_CHANCE
     each = 1.0 / np.bincount(at.index)[at.index]
     place = _shares(np.column_stack([commanded, -commanded]), each)
     time = _shares(np.column_stack([at.late, -at.late]), each)

@@ -7,6 +7,7 @@ import pytest
 
 from labrig.diagnosis import diagnose
 from labrig.diagnosis._outliers import clean
+from labrig.diagnosis._witnesses import Moments, _at_one_place
 from labrig.effects import rows_of
 
 ROWS_S = (1.6, 3.0, 3.5, 4.0)
@@ -61,6 +62,21 @@ def test_mistakes_that_come_anywhere_go(make_lab) -> None:
     gone = gone_of(lab, values)
     assert gone[wrong].mean() > 0.97
     assert gone[~wrong].mean() < 0.003
+
+
+def test_mistakes_seldom_seem_to_have_a_place() -> None:
+    """Of campaigns whose mistakes come anywhere, rows and whole holds, hardly one has any that its place bears out."""
+    believed = 0
+    for seed in range(100):
+        random = np.random.default_rng(seed)
+        capture = np.repeat(np.arange(200), 4)
+        kpa = random.random((200, 4))
+        step = np.diff(kpa, axis=0, prepend=0.0)
+        late = np.tile(np.log1p(ROWS_S), 200)
+        at = Moments(kpa[capture], step[capture], late, np.zeros((800, 30, 4)), np.arange(30) // 3, capture)
+        wrong = (random.random((800, 10)) < 0.005) | (random.random((200, 10)) < 0.005)[capture]
+        believed += bool(_at_one_place(np.repeat(wrong, 3, axis=1), at).any())
+    assert believed <= 4
 
 
 @pytest.mark.parametrize("markers", [4, 5, 6])
