@@ -14,6 +14,7 @@ PORTIONS = {
     "third": "labrig.bench.development.third",
     "fourth": "labrig.bench.development.fourth",
     "fifth": "labrig.bench.development.fifth",
+    "sixth": "labrig.bench.development.sixth",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)

@@ -21,7 +21,7 @@ def draw_campaign(
     ] = "single",
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam, third, fourth or fifth.")
+        str, typer.Option(help="Whose rigs and laws: development, exam, third, fourth, fifth or sixth.")
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
@@ -40,7 +40,7 @@ def blind(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, both of them, third, fourth or fifth."),
+        typer.Option(help="Whose rigs and laws: development, exam, both, third, fourth, fifth or sixth."),
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
     count: Annotated[
@@ -127,13 +127,15 @@ def learn(
     third: Annotated[int, typer.Option(min=0, help="Campaigns of the third portion beside them.")] = 0,
     fourth: Annotated[int, typer.Option(min=0, help="Campaigns of the fourth portion beside them.")] = 0,
     fifth: Annotated[int, typer.Option(min=0, help="Campaigns of the fifth portion beside them.")] = 0,
+    sixth: Annotated[int, typer.Option(min=0, help="Campaigns of the sixth portion beside them.")] = 0,
 ) -> None:
     """Learn how large which member of each effect's family is, from the laws of the development half."""
     from labrig.bench import learn_all, write_spectra
 
     check_file(out, "--out")
     how = f"labrig bench learn --n {count} --seed {seed} --third {third} --fourth {fourth} --fifth {fifth}"
-    counts = {"development": count, "third": third, "fourth": fourth, "fifth": fifth}
+    how += f" --sixth {sixth}" if sixth else ""
+    counts = {"development": count, "third": third, "fourth": fourth, "fifth": fifth, "sixth": sixth}
     write_spectra(learn_all({half: range(seed, seed + n) for half, n in counts.items()}), out, how)
     typer.echo(f"{out}: learnt from {sum(counts.values())} campaigns")
 
@@ -185,7 +187,7 @@ def stopping(
     count: Annotated[int, typer.Option("--n", min=1, help="Campaigns.")] = 200,
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, both of them, third, fourth or fifth."),
+        typer.Option(help="Whose rigs and laws: development, exam, both, third, fourth, fifth or sixth."),
     ] = "both",
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,

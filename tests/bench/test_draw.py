@@ -233,9 +233,9 @@ def test_names_that_do_not_exist() -> None:
         draw("force", 0)
     with pytest.raises(
         LabrigError,
-        match=r"^bench: there is no half 'sixth' \(known: development, exam, third, fourth, fifth\)",
+        match=r"^bench: there is no half 'seventh' \(known: development, exam, third, fourth, fifth, sixth\)",
     ):
-        draw("null", 0, "sixth")
+        draw("null", 0, "seventh")
 
 
 def test_only_what_is_plain_is_pickled() -> None:

@@ -24,9 +24,10 @@ from labrig.bench._programmes import CONFOUNDED_DESIGNS, DESIGNS, make_plan
 from labrig.bench.development import DEVELOPMENT
 from labrig.bench.development.fifth import FIFTH
 from labrig.bench.development.fourth import FOURTH
+from labrig.bench.development.sixth import SIXTH
 from labrig.bench.development.third import THIRD
 
-PORTIONS = (THIRD, FOURTH, FIFTH)
+PORTIONS = (THIRD, FOURTH, FIFTH, SIXTH)
 
 
 def laws_of(half: Half) -> list[type[Law]]:
@@ -35,10 +36,10 @@ def laws_of(half: Half) -> list[type[Law]]:
 
 
 LAWS = {law.__name__: (half, law) for half in PORTIONS for law in laws_of(half)}
-SEVERAL = {"third": "trunk", "fourth": "tower", "fifth": "walker"}
+SEVERAL = {"third": "trunk", "fourth": "tower", "fifth": "walker", "sixth": "tongue"}
 """A rig of each portion with six chambers or more, and markers."""
-OTHER = {"third": "sheet", "fourth": "cuff", "fifth": "snake"}
-BENT = {"third": "wing", "fourth": "bell", "fifth": "face"}
+OTHER = {"third": "sheet", "fourth": "cuff", "fifth": "snake", "sixth": "ray"}
+BENT = {"third": "wing", "fourth": "bell", "fifth": "face", "sixth": "vine"}
 
 
 def named(effect: str) -> list[str]:
@@ -153,8 +154,9 @@ def test_a_rig_rests_when_vented_and_moves_when_full(kind: type[Rig]) -> None:
         (THIRD, {1, 12}, 100, {"mm", "N", "kPa", "deg"}, {"sheet"}),
         (FOURTH, {2, 8}, 90, {"mm", "N", "V", "deg"}, set()),
         (FIFTH, {1, 12}, 120, {"mm", "N", "dpt", "deg", "um/m"}, {"snake"}),
+        (SIXTH, {1, 14}, 100, {"mm", "ml", "N m", "um", "deg"}, {"ray"}),
     ],
-    ids=["third", "fourth", "fifth"],
+    ids=["third", "fourth", "fifth", "sixth"],
 )
 def test_rigs_are_as_unlike_as_laboratories(
     half: Half, chambers: set[int], most: int, units: set[str], both_ways: set[str]
@@ -278,7 +280,7 @@ def test_delay_is_over_at_the_end_of_a_long_hold(name: str) -> None:
 def test_friction_is_behind_whichever_way_it_comes_from(name: str) -> None:
     """The same set-point is reached from below and from above with different shapes, and stays as it is in a hold."""
     half, law = LAWS[name]
-    rig, _ = case(half.name, {"third": "boom", "fourth": "bell", "fifth": "face"}[half.name])
+    rig, _ = case(half.name, {"third": "boom", "fourth": "bell", "fifth": "face", "sixth": "ray"}[half.name])
     plan = make_plan("one_level", np.random.default_rng(0), rig.high_kpa, 4)
     for level in (0.0, 0.5, 1.0, 0.5):
         plan.capture(level * rig.high_kpa, 6.0, 4)
