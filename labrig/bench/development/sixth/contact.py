@@ -114,24 +114,24 @@ class RoundBar(Law):
         out = (1 - seen) if seen.sum() < 3 else direction(random)
         along = np.cross(way / length, np.cross(out, way / length))  # as square to the way as can be
         self._along = along / max(float(np.linalg.norm(along)), 1e-9)
+        self._aside = np.cross(self._along, way / length)
         self._round_mm = radius * random.uniform(0.15, 0.5)
         self._from_mm, self._way = rig.rest_mm[met], way / length
         self._far_mm, self._sooner = float(far_mm[met]), random.uniform(0.3, 0.8)
+        # it is as thick as it can be without touching at rest
+        self._thick_mm = np.minimum(self._round_mm, self._past(rig.rest_mm[None], 0.0)[2][0])
 
-    def _around(self, points: Floats, near: float) -> tuple[Floats, Floats]:
-        """From the axis to the points (T, M, 3), square to it, and their distance (T, M, 1)."""
-        at_mm = self._from_mm + self._way * (self._far_mm * np.exp(-near) + self._round_mm)
-        ray = points - at_mm
-        ray = ray - (ray @ self._along)[..., None] * self._along
-        return ray, np.linalg.norm(ray, axis=2, keepdims=True)
+    def _past(self, points: Floats, far_mm: float) -> tuple[Floats, Floats, Floats]:
+        """How far points (T, M, 3) are before the axis (below 0) and aside of it, and from it or the way behind it."""
+        ray = points - (self._from_mm + self._way * (far_mm + self._round_mm))
+        before, aside = np.minimum(ray @ self._way, 0.0), ray @ self._aside
+        return before, aside, np.hypot(before, aside)
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         if strength <= 0:
             return values
-        assert self.rig.rest_mm is not None
         points = positions(self.rig, values)
-        ray, away_mm = self._around(points, strength * self._sooner)
-        at_rest = self._around(self.rig.rest_mm[None], strength * self._sooner)[1]
-        thick_mm = np.minimum(self._round_mm, at_rest)  # it touches nothing at rest
-        inside = np.maximum(thick_mm - away_mm, 0.0)
-        return moved(self.rig, values, points + inside * ray / np.maximum(away_mm, 1e-9))
+        before, aside, away_mm = self._past(points, self._far_mm * np.exp(-strength * self._sooner))
+        out = np.maximum(self._thick_mm - away_mm, 0.0) / np.maximum(away_mm, 1e-9)
+        change = (out * before)[..., None] * self._way + (out * aside)[..., None] * self._aside
+        return moved(self.rig, values, points + change)

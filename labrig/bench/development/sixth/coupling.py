@@ -39,7 +39,7 @@ class KinkedHoses(Law):
 class PullsAtAnAngle(Law):
     """Parallelogram of forces: chambers that pull aslant of each other lose by the diagonal, however hard they pull.
 
-    S. Stevin, De Beghinselen der Weeghconst, Plantijn, Leyden, 1586.
+    P. Varignon, Projet d'une nouvelle mechanique, Paris, 1687.
     """
 
     effect = "coupling"

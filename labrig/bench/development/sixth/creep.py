@@ -51,12 +51,12 @@ class WaterInGel(Law):
         self._size = some(random, count, 0.06, 0.2, 0.85)
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
-        late = np.stack([lagged(path, deflection, tau_s) for tau_s in self._tau_s], axis=1)
+        late = lagged(path, deflection, self._tau_s)
         return deflection + strength * self._size * np.einsum("tnc,n->tc", late, self._yields)
 
 
 class WedgeOfTimes(Law):
-    """Tobolsky's wedge: relaxation times between two ends, the fewer, the longer they are, by the root of their inverse.
+    """Tobolsky's wedge: relaxation times between two ends, the fewer, the longer they are, by one over their root.
 
     A. V. Tobolsky, Properties and Structure of Polymers, Wiley, 1960. What yields is as if by more pressure.
     """

@@ -1,4 +1,4 @@
-"""Delay of the sixth portion: Bessel's filter, tubes by their conductance, pilot valves, volumes that grow as they fill.
+"""Delay of the sixth portion: Bessel's filter, tubes by conductance, pilot valves, volumes that grow as they fill.
 
 The stronger the law, the longer it takes.
 """

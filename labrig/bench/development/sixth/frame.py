@@ -8,7 +8,7 @@ from labrig.bench.development._places import body_mm, direction, moved, position
 
 
 class FisheyeAsPinhole(Law):
-    """Fisheye: its image goes with the angle, and is read as if with the tangent: all far from its axis seems nearer it.
+    """Fisheye: its image goes with the angle, and is read as if with the tangent: what is far aside seems less far.
 
     J. Kannala, S. S. Brandt, A generic camera model and calibration method for conventional, wide-angle, and fish-eye
     lenses, IEEE Trans. Pattern Analysis and Machine Intelligence 28, 2006. The axis is beside the body.

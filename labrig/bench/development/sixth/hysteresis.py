@@ -1,4 +1,4 @@
-"""Hysteresis of the sixth portion: loops like flags, rubber springs of a train, a back stress with an error function."""
+"""Hysteresis of the sixth portion: loops like flags, rubber springs of trains, a back stress and an error function."""
 
 import numpy as np
 from scipy.special import erf

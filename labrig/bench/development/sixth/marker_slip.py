@@ -1,4 +1,4 @@
-"""Marker slip of the sixth portion: steps to any side, oil under a skin that is stretched, a pin that unscrews itself."""
+"""Marker slip of the sixth portion: steps to any side, oil under stretched skin, a pin that unscrews."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ class WandersByChance(Slip):
 
 
 class OilUnderIt(Slip):
-    """Film of oil: it flows in proportion to what the stretched skin pulls with, so a marker slides while that is filled.
+    """Film of oil: it flows in proportion to what the stretched skin pulls with, and a marker slides while it is.
 
     I. Newton, Philosophiae Naturalis Principia Mathematica, London, 1687 (the resistance of liquids). Vented it stays
     where it is. The oil has crept in by some moment.

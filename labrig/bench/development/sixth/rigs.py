@@ -22,7 +22,7 @@ def bent(along: Floats, turn: Floats, beside: Floats) -> Floats:
 
 
 class Vine(Rig):
-    """A vine robot: one chamber pushes it out at its tip once a pressure is passed, and pouches along its sides bend it.
+    """A vine robot: one chamber pushes it out at its tip past a pressure, and pouches along its sides bend it.
 
     E. W. Hawkes, L. H. Blumenschein, J. D. Greer, A. M. Okamura, A soft robot that navigates its environment through
     growth, Science Robotics 2, 2017. Rings with two markers each slide along; walls give way with a kink, hardly at

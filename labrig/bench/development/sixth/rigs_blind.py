@@ -21,7 +21,7 @@ class Heart(Rig):
         self.chambers = chambers(count)
         self.high_kpa = random.uniform(60, 160) * random.uniform(0.95, 1.05, count)
         self.observables = tuple(Observable(f"volume{k + 1}", "ml") for k in range(seen))
-        self.noise = float(random.uniform(0.15, 0.4))
+        self.noise = float(random.uniform(0.04, 0.12))
         self._full_ml = random.uniform(70, 140, seen)
         self._squeezes = random.uniform(0.1, 0.3) * random.uniform(0.4, 1.2, (count, seen))
         self._floor = random.uniform(0.1, 0.3)

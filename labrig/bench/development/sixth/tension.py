@@ -9,7 +9,7 @@ from labrig.bench.development.tension import HeldBack
 
 
 class CapOfFilm(HeldBack):
-    """Young: a film of constant tension over a round opening presses by its curvature: most at a half sphere, then less.
+    """Young: a film of constant tension over a round opening presses by its curvature: most as a half sphere.
 
     T. Young, An essay on the cohesion of fluids, Philosophical Transactions 95, 1805.
     """
