@@ -69,7 +69,7 @@ class DomedModel(Law):
 
 
 class EncoderOffAxis(Law):
-    """Encoder off its axis: a tracker's azimuth is wrong by a sine of it, and the points turn about the tracker by that.
+    """Encoder off its axis: a tracker's azimuth is wrong by a sine of it, and points turn about the tracker by that.
 
     B. Muralikrishnan, S. Phillips, D. Sawyer, Laser trackers for large-scale dimensional metrology: a review, Precision
     Engineering 44, 2016.
