@@ -389,6 +389,41 @@ def test_a_stale_frame_is_what_was_seen_before_the_actuation() -> None:
     np.testing.assert_allclose((values + off)[first], np.broadcast_to(before, values[first].shape), atol=0.5)
 
 
+def test_a_tongue_keeps_its_length_times_its_width() -> None:
+    """Squeezed across, a tongue is longer, and thinner by the root of that, ring by ring."""
+    rig, _ = case("sixth", "tongue")
+    sides = rig._sides  # pyright: ignore[reportAttributeAccessIssue]
+    squeezed = rig.high_kpa * (np.arange(len(rig.chambers)) >= sides)
+    places = rig.settled(np.stack([0.0 * squeezed, squeezed])).reshape(2, -1, 3)
+    assert places[1, :, 2].max() > 1.1 * places[0, :, 2].max()
+    wide = np.linalg.norm(places[..., :2], axis=2)
+    assert (wide[1] < wide[0]).all()
+
+
+def test_nothing_gets_into_a_round_bar() -> None:
+    """No marker comes nearer to the bar than it is at rest, or than the bar is thick; at rest none is touched."""
+    law, path = law_on("RoundBar", "ray")
+    rig = law.rig
+    before, after = (
+        law._past(values.reshape(len(values), -1, 3), law._far_mm * np.exp(-law._sooner))[2]  # pyright: ignore[reportAttributeAccessIssue]
+        for values in (rig.settled(path.kpa), law.seen(path, path.kpa, rig.settled(path.kpa), 1.0))
+    )
+    thick = law._thick_mm  # pyright: ignore[reportAttributeAccessIssue]
+    assert (before < thick - 1e-3).any()
+    assert (after > thick - 1e-6).all()
+    rest = rig.at_rest[None]
+    np.testing.assert_allclose(law.seen(path, rest, rest, 1.0), rest)
+
+
+def test_a_flag_is_shut_at_low_loads() -> None:
+    """Vented, and below the load at which the loops begin, a wall is where it would be without them."""
+    law, path = law_on("FlagLoops", "suit")
+    off = law.pressure(path, path.kpa, 1.0) - path.kpa
+    low = path.kpa / law.rig.high_kpa < law._above  # pyright: ignore[reportAttributeAccessIssue]
+    assert np.abs(off[low]).max() < 1e-9
+    assert np.abs(off).max() > 1e-2 * law.rig.high_kpa.max()
+
+
 def test_spectra_are_learnt_from_both_portions() -> None:
     """Of one campaign of each portion the spectra are those of both of its effects, and its own where alone."""
     (ours, ours_example), (theirs, theirs_example) = (
