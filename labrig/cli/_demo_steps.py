@@ -37,7 +37,7 @@ mocap: {{kind: simulated}}
 follow: {{tolerance_kpa: 20, tolerance_share: 0.5}}  # what it hides may be a leak, which shall be named and not mended
 simulated:
   shell: mannequin
-  plant: {{count: [34, 34], seed: 0, spread: 0.15, vary: materials}}
+  plant: {{count: [34, 34], seed: 0, spread: 0.15, vary: materials, shapes: 120}}
   seed: SEED
   noise_mm: 0.1
   occlusion: 0.03
