@@ -6,8 +6,9 @@ Laird, Rubin, J. R. Stat. Soc. B 39 (1977) 1). Every law counts alike. Each memb
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -186,10 +187,33 @@ def learn_all(seeds: Mapping[str, Iterable[int]]) -> dict[str, dict]:
             name, example = drawn_example(seed, half)
             if example is not None:
                 examples.setdefault(name, []).append(example)
+    return learn_together(examples)
+
+
+def learn_together(examples: Mapping[str, Sequence[Example]]) -> dict[str, dict]:
+    """The spectra of all effects, from examples of each one's laws.
+
+    A spectrum that several effects have is learnt from all their laws, apart from what each has for itself: laws that
+    are unlike those of its own may be like those of another.
+    """
+    owners = Counter(
+        name for own in examples.values() for name in {s.spectrum for e in own for s in e.spaces}
+    )
+    shared = sorted(name for name, count in owners.items() if count > 1)
     spectra: dict[str, dict] = {}
     for name in sorted(examples):
-        spectra |= learn(examples[name])
+        own = [only(example, lambda spectrum: spectrum not in shared) for example in examples[name]]
+        spectra |= learn([example for example in own if example.spaces])
+    for name in shared:
+        all_laws = [only(example, name.__eq__) for own in examples.values() for example in own]
+        spectra |= learn([example for example in all_laws if example.spaces])
     return spectra
+
+
+def only(example: Example, wanted: Callable[[str], bool]) -> Example:
+    """An example laid out in those of its spaces alone whose spectrum is wanted."""
+    pairs = [p for p in zip(example.spaces, example.columns, strict=True) if wanted(p[0].spectrum)]
+    return replace(example, spaces=tuple(s for s, _ in pairs), columns=tuple(c for _, c in pairs))
 
 
 def drawn_example(seed: int, half: str) -> tuple[str, Example | None]:

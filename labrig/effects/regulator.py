@@ -7,6 +7,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
+from labrig.effects._own_pressure import any_curve, curves
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_chamber
 
@@ -68,26 +69,10 @@ class Regulator(Effect):
         """Gain, offset, dead band, steps and a curved characteristic of each chamber's own pressure."""
         if not context.moves:
             return
-        x = context.rows.fraction
-        on = (np.abs(context.rows.actuation - context.vented) > 1e-9 * context.span).astype(float)
-        out = [
-            pressure("gain", x),
-            pressure("offset", on, 0.3),
-            pressure("zero", np.ones_like(x), 0.3),
-            pressure("band 0.04", -np.minimum(x, 0.04), 0.15),
-            pressure("band 0.1", -np.minimum(x, 0.1), 0.15),
-            pressure("wave 2", on * np.sin(2 * np.pi * x) / np.pi, 0.15),
-            pressure("wave 1", on * np.sin(np.pi * x), 0.15),
-        ]
-        grid = np.linspace(0, 1, 13)
-        steps = [pressure(f"from {at:.2f}", on * (x >= at), 0.02) for at in (grid[1:] + grid[:-1])[:-1] / 2]
-        hats = [
-            pressure(f"at {at:.2f}", on * np.maximum(1 - np.abs(x - at) / grid[1], 0), 0.02)
-            for at in grid[1:]
-        ]
-        out += [*steps, *hats]
-        yield Space("settled", "regulator", acting(out), 0.4)
+        yield Space("settled", "regulator", curves(context), 0.4)
+        yield any_curve(context)
         if (each := in_sessions(context)) is not None:
+            x = context.rows.fraction
             for name, values in (("gain", x), ("zero", np.ones_like(x))):
                 own = [pressure(f"session {s}", values * there[:, None]) for s, there in enumerate(each.T)]
                 spectrum = f"regulator {name} by session"

@@ -9,6 +9,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
+from labrig.effects._own_pressure import any_curve
 from labrig.effects._sign import Part, Sign, by_chamber
 
 _LEAST = 1e-3
@@ -82,6 +83,7 @@ class Stiffening(Effect):
                 for n, w in ((1, 0.5), (2, 0.5), (4, 0.25))
             ]
         yield Space("compliance", "stiffening", acting(out), 0.8)
+        yield any_curve(context)
 
     def sign(self, context: Context, part: Part) -> Sign:
         return by_chamber(context, part, named=True)

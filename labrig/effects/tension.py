@@ -9,6 +9,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
+from labrig.effects._own_pressure import any_curve
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
 
@@ -72,6 +73,7 @@ class Tension(Effect):
                 field(f"fading {s}", context.displacement / (1 + (context.travel / (s * far)) ** 2), 0.5)
             )
         yield Space("pre-stretch", "tension", acting(out), 0.95)
+        yield any_curve(context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean travel", context.rows.unit[0], context.travel.mean(axis=1))
