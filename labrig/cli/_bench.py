@@ -66,7 +66,6 @@ def blind(
     ] = None,
 ) -> None:
     """Hide effects in many drawn campaigns, diagnose each, and report how often the verdict is right."""
-    from rich.console import Console
     from rich.progress import Progress
 
     from labrig.bench import (
@@ -84,6 +83,7 @@ def blind(
         wrong_lines,
     )
     from labrig.bench._run import key_of
+    from labrig.cli._console import new_console
 
     check_folder(out)
     _check_results(results)
@@ -93,7 +93,7 @@ def blind(
     halves = list(HALVES) if half == "both" else [half]
     todo = plan(names, count, seed, halves)
     asked = {key_of(*one) for one in todo}
-    console = Console()
+    console = new_console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("campaigns", total=len(todo))
         if resume:
@@ -153,14 +153,14 @@ def settle(
     ] = None,
 ) -> None:
     """Settle confounded campaigns by proposed experiments, and by set-points at random and evenly spread."""
-    from rich.console import Console
     from rich.table import Table
 
     from labrig.bench import compared_rows, run_settle, settle_records, settle_rows, write_settle
+    from labrig.cli._console import new_console
 
     check_folder(out)
     _check_results(results)
-    console = Console(highlight=False)
+    console = new_console(highlight=False)
     for record in run_settle(out, seed, count, minutes):
         end = f"{record['minutes']:.1f} min" if record["settled"] else f"not settled ({record['verdict']})"
         console.print(
@@ -196,7 +196,6 @@ def stopping(
     ] = None,
 ) -> None:
     """Diagnose campaigns as they grow, and compare the verdicts where they would be stopped with those at their end."""
-    from rich.console import Console
     from rich.progress import track
     from rich.table import Table
 
@@ -209,11 +208,12 @@ def stopping(
         stopping_records,
         write_stopping,
     )
+    from labrig.cli._console import new_console
 
     check_folder(out)
     _check_results(results)
     halves = list(HALVES) if half == "both" else [half]
-    console = Console(highlight=False)
+    console = new_console(highlight=False)
     todo = stopping_plan(count, seed, halves)
     for _ in track(run_stopping(todo, out, jobs), "campaigns", len(todo), console=console, transient=True):
         pass
@@ -236,10 +236,9 @@ def speed(
     ] = None,
 ) -> None:
     """Time diagnoses of campaigns of growing size: nine chambers, many markers, the whole library."""
-    from rich.console import Console
-
     from labrig._errors import LabrigError
     from labrig.bench import speed_table, time_diagnosis, write_speed
+    from labrig.cli._console import new_console
 
     try:
         sizes = [int(size) for size in _names(captures)]
@@ -247,7 +246,7 @@ def speed(
         raise LabrigError(f"bench: --captures {captures}: whole numbers with commas between them") from None
     _check_results(results)
     timed = [time_diagnosis(size, seed) for size in sizes]
-    Console().print(speed_table(timed))
+    new_console().print(speed_table(timed))
     if results is not None:
         write_speed(timed, results)
 

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from labrig._errors import LabrigError
 from labrig._near import meant
+from labrig.cli._console import new_console
 from labrig.cli._program import activation, call
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def run_demo(hide: str, seed: int, out: Path) -> Path:
     """The whole demo, with what it does printed; returns the folder that it made."""
     # The matrices are small: on a busy computer more threads would only wait for each other.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    console = Console(highlight=False)
+    console = new_console(highlight=False)
     hidden = _hidden(hide, seed)
     began = time.monotonic()
     folder = _new_folder(out)

@@ -122,15 +122,15 @@ def _effects(context: typer.Context) -> None:
 @effects_app.command("list")
 def list_effects() -> None:
     """List the effects: labrig's own and those in ./effects."""
-    from rich.console import Console
     from rich.table import Table
 
+    from labrig.cli._console import new_console
     from labrig.effects import library
 
     table = Table("effect", "acts on", "signature")
     for name, effect in sorted(library().items()):
         table.add_row(name, effect.acts_on, effect.signature)
-    Console().print(table)
+    new_console().print(table)
 
 
 @effects_app.command("show")

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from labrig.cli._console import new_console
 from labrig.contents import HistoryContent, Quantity
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ _FIRST = 3
 @contextmanager
 def reading_progress() -> Iterator[Callable[[int, int], None]]:
     """Says how many runs were read, where somebody watches."""
-    with Console(stderr=True).status("") as status:
+    with new_console(stderr=True).status("") as status:
         yield lambda done, total: status.update(f"reading runs: {done} of {total}")
 
 
@@ -102,7 +102,7 @@ def _print_table(summary: HistoryContent) -> None:
             f"{last:.3g}{give} {quantity['unit']}",
             changed.get(key, ""),
         )
-    Console().print(table)
+    new_console().print(table)
 
 
 def _labels() -> dict[str, str]:

@@ -34,16 +34,16 @@ def ik(
     cluster: Annotated[str | None, typer.Option(help="Address of a Dask scheduler, tcp://...")] = None,
 ) -> None:
     """Find the pressures that bring a surface closest to given shapes, and where it cannot follow them."""
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     import labrig
     from labrig._executor import Executor
+    from labrig.cli._console import new_console
     from labrig.ik import write_solved
     from labrig.view import write_ik_report
 
     check_folder(out)
-    console = Console(stderr=True)
+    console = new_console(stderr=True)
     columns = TextColumn("targets"), BarColumn(), MofNCompleteColumn()
     with (
         Executor(workers, cluster) as executor,
@@ -74,10 +74,11 @@ def ik(
 
 
 def _print_table(solved: "Sequence[Solved]") -> None:
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console()
+    from labrig.cli._console import new_console
+
+    console = new_console()
     table = Table("target", title="distance between model and target, mm")
     for column in ("mean", "95 %", "max", "compared", "time, ms"):
         table.add_column(column, justify="right")

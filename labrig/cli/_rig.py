@@ -313,8 +313,9 @@ def _one_of(option: str, value: str, allowed: tuple[str, ...]) -> None:
 
 
 def _print_findings(name: str, findings: "list[Finding]") -> None:
-    from rich.console import Console
     from rich.table import Table
+
+    from labrig.cli._console import new_console
 
     table = Table(title=f"rig {name}", title_justify="left")
     for column in ("device", "looked at", "", "seen"):
@@ -322,6 +323,6 @@ def _print_findings(name: str, findings: "list[Finding]") -> None:
     for finding in findings:
         mark = {"well": "[green]well[/]", "look": "[yellow]look[/]", "bad": "[red]NOT WELL[/]"}[finding.state]
         table.add_row(finding.device, finding.what, mark, finding.text.replace("[", "\\["))
-    Console(highlight=False).print(table)
+    new_console(highlight=False).print(table)
     for finding in [finding for finding in findings if finding.state == "bad"]:
         typer.echo(f"labrig: {finding.device}: {finding.what}: {finding.text}", err=True)

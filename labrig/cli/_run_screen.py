@@ -17,11 +17,12 @@ class Screen(Observer):
     """A progress bar on standard error, or plain lines where that is no terminal; warnings as they come."""
 
     def __init__(self, control: Control) -> None:
-        from rich.console import Console
         from rich.progress import BarColumn, SpinnerColumn, TextColumn
         from rich.progress import Progress as Bar
 
-        self.console = Console(stderr=True, highlight=False)
+        from labrig.cli._console import new_console
+
+        self.console = new_console(stderr=True, highlight=False)
         self.control = control
         self._bar = Bar(
             SpinnerColumn(),

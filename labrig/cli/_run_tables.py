@@ -10,6 +10,7 @@ from rich.table import Table
 
 from labrig._errors import LabrigError
 from labrig.catalogue import Row, list_runs, write_parquet
+from labrig.cli._console import new_console
 from labrig.cli._places import check_file, replaced
 from labrig.cli._run_screen import duration_text
 from labrig.log import RunSummary, summarise
@@ -38,7 +39,7 @@ def print_runs(named: Path | None, where: str | None = None, parquet: Path | Non
 
 def _listed(folder: Path, where: str | None) -> list[Row]:
     """The rows; where somebody watches, with how many logs there are still to be read."""
-    status = Console(stderr=True).status("")
+    status = new_console(stderr=True).status("")
 
     def progress(done: int, total: int) -> None:
         status.update(f"reading logs that are new or have changed: {done} of {total}")
@@ -101,7 +102,7 @@ def _shortened(text: str) -> str:
 
 def _console() -> Console:
     """As wide as the terminal; wide enough for everything where there is none."""
-    console = Console(highlight=False, markup=False, soft_wrap=True)
+    console = new_console(highlight=False, markup=False, soft_wrap=True)
     if not console.is_terminal:
         console.width = 240
     return console

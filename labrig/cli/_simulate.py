@@ -26,14 +26,14 @@ def simulate_command(
     resume: Annotated[bool, typer.Option("--resume", help="Go on where the folder was left.")] = False,
 ) -> None:
     """Solve the shell of a rig at many pressures, for models to be trained on."""
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+    from labrig.cli._console import new_console
     from labrig.physics import load_model_shell, simulate
 
     check_folder(out)
     shell = load_model_shell(source)
-    console = Console()
+    console = new_console()
     columns = (
         TextColumn(f"simulating {shell.name}"),
         BarColumn(),

@@ -3,6 +3,7 @@
 from rich.console import Console
 from rich.table import Table
 
+from labrig.cli._console import new_console
 from labrig.contents import InvestigationContent, Proposed, Summary, Versus
 
 _VERDICTS = {
@@ -19,7 +20,7 @@ _RANKING_ROWS = 5
 
 def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
-    console = Console()
+    console = new_console()
     units = summary["units"]
     error = summary["error"]
     if verdict := summary.get("verdict"):
@@ -60,7 +61,7 @@ def print_versus(summary: Versus) -> None:
     """Print what comparison.json says of two models: the difference, both errors, and where each is nearer."""
     from labrig.view import difference_words, interval_words, share_words, versus_headline
 
-    console = Console()
+    console = new_console()
     units, names = summary["units"], [model["name"] for model in summary["models"]]
     for line in (versus_headline(summary), difference_words(summary), share_words(summary)):
         console.print(line, highlight=False, soft_wrap=True)
@@ -112,7 +113,7 @@ def _print_effects(console: Console, summary: Summary) -> None:
 
 def print_experiment(report: Proposed) -> None:
     """The table of probes, what it is expected to say, and why this programme."""
-    console = Console(highlight=False)
+    console = new_console(highlight=False)
     console.print(
         f"verdict: {report['verdict']}; to separate: {', '.join(report['separates']) or 'what is open'}"
     )
@@ -148,7 +149,7 @@ def print_experiment(report: Proposed) -> None:
 
 def print_investigation(content: InvestigationContent) -> None:
     """The table of an investigation's rounds (the content of investigation.json), and how it ended."""
-    console, units = Console(highlight=False), content["units"]
+    console, units = new_console(highlight=False), content["units"]
     head = ("round", "programme", "captures", "min", "verdict", "effects", f"error, {units}", "floor")
     table = Table(*head, box=None, pad_edge=False)
     for each in content["rounds"]:

@@ -89,12 +89,13 @@ def train_sim2real(
 
 
 def _print(words: "Table", title: str) -> None:
-    from rich.console import Console
     from rich.table import Table
+
+    from labrig.cli._console import new_console
 
     table = Table(title=title)
     for index, name in enumerate(words.head):
         table.add_column(name, justify="left" if index == 0 else "right", no_wrap=True)
     for row in words.rows:
         table.add_row(*row)
-    Console().print(table)
+    new_console().print(table)

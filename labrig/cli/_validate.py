@@ -102,8 +102,9 @@ def report(run: Path) -> None:
 
 
 def _print(summaries: Sequence[Realisation]) -> None:
-    from rich.console import Console
     from rich.table import Table
+
+    from labrig.cli._console import new_console
 
     table = Table(
         "target", "model", title="mean distance from the target, mm; differ: realised from predicted"
@@ -128,4 +129,4 @@ def _print(summaries: Sequence[Realisation]) -> None:
             ),
             f"{min([*refined, *first]):.3f} ({len(refined)})" if refined else "-",
         )
-    Console().print(table)
+    new_console().print(table)

@@ -39,9 +39,9 @@ def test_verdicts_are_counted_by_their_word(tmp_path) -> None:
 def test_what_is_shipped_was_counted_on_a_portion_that_nothing_was_learnt_from() -> None:
     """Each verdict that makes a claim has its record, from enough campaigns, and says how it was made."""
     content = json.loads(FILE.read_text(encoding="utf-8"))
-    assert "--half fifth" in content["how"]
+    assert "--half sixth" in content["how"]
     assert content["spectra"].startswith("labrig bench learn ")
-    assert "--fifth" not in content["spectra"]
+    assert "--sixth" not in content["spectra"]
     assert sum(counted["of"] for counted in content["verdicts"].values()) >= 60
     for verdict in ("identified", "multiple", "nothing_missing", "unknown"):
         counted = track_record(verdict)
