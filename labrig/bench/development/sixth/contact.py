@@ -3,6 +3,8 @@
 The stronger the law, the sooner the body meets what is in its way.
 """
 
+from abc import abstractmethod
+
 import numpy as np
 
 from labrig.arrays import Floats
@@ -22,9 +24,9 @@ class _Before(Law):
         self._top = reached(self.rig, setting.path)[self._which]
         self._sooner = random.uniform(0.25, 0.8, len(self._which))
 
+    @abstractmethod
     def _goes(self, past: Floats) -> Floats:
         """How far walls go that would be as far as `past` (T, W) beyond, without what is there."""
-        raise NotImplementedError
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
