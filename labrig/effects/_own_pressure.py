@@ -1,8 +1,8 @@
 """What a chamber's own pressure does by a law that nobody knows yet: one space for all effects that act through it.
 
 A regulator that is off, a wall that stiffens and a skin that is stretched each change how far a chamber moves with its
-own pressure. Which of them a curve is by can be said of the laws that are known. One that is unlike those lies here, as
-probable under each name: then these effects can't be told apart.
+own pressure. Which of them a curve is by can be said of the laws that are known. One that is unlike those lies here,
+where it is as good under each name: then these effects can't be told apart.
 """
 
 import numpy as np
@@ -11,6 +11,7 @@ from labrig.effects._context import Context
 from labrig.effects._family import Feature, Space, acting, pressure
 
 _POINTS = 13
+"""Of the grid of hats and steps over the range: a grid, no limit of a verdict."""
 
 
 def curves(context: Context) -> tuple[Feature, ...]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose
+from labrig.diagnosis._spectra import shipped as learnt
 from labrig.effects._registry import shipped
 from tests.effects.test_family import context_of, with_all
 
@@ -16,10 +17,11 @@ def any_curve(effect, context):
 
 
 def test_three_effects_share_it_and_nobody_else(make_lab) -> None:
-    """It is the same for each of its owners: names, weights and values."""
+    """It is the same for each of its owners: names, weights and values; what was learnt about it is shipped."""
     context = with_all(make_lab)
     found = {name: space for name, e in shipped().items() if (space := any_curve(e, context)) is not None}
     assert set(found) == OWNERS
+    assert "own pressure" in learnt()  # else its features' own weights would stand in, silently
     one, *others = found.values()
     for other in others:
         assert [(f.name, f.kind, f.weight) for f in other.features] == [
