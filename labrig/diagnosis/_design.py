@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.diagnosis._columns import Columns, gram
 from labrig.diagnosis._constants import EVEN
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
@@ -47,7 +48,7 @@ class FreeBlock:
 
 @dataclass(frozen=True)
 class Design:
-    """All columns `W` (S r, P) along directions `V` (K, r), in floors, each of unit prior variance.
+    """All columns `W` (P over S r) along directions `V` (K, r), in floors, each of unit prior variance.
 
     Every space makes one floor, root mean square, before it is scaled. `free` blocks are
     patterns over all observables.
@@ -57,7 +58,7 @@ class Design:
     V: Floats
     spread: Floats
     """Prior variance (r,) of free patterns along each direction; over all observables one on average."""
-    W: Floats
+    W: Columns
     blocks: tuple[Block, ...]
     free: tuple[FreeBlock, ...]
 
@@ -81,7 +82,9 @@ def design_of(
         ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
     ]
     V, spread = directions(observations, known)
-    made, free = [], []
+    made: list[tuple[str, Space, Floats]] = []
+    through: list[tuple[str, Space, Floats]] = []
+    free: list[FreeBlock] = []
     count: dict[str, int] = {}
     layout = _Layout(observations, V)
     for owner, space in [*named, *others]:
@@ -90,9 +93,12 @@ def design_of(
             if G.shape[1]:
                 free.append(FreeBlock(owner, space, G))
             continue
-        columns = layout.columns(space, spectra)
+        if not space.features:
+            continue
+        acts = all(f.kind == "pressure" for f in space.features)
+        columns = layout.through_pressures(space, spectra) if acts else layout.columns(space, spectra)
         if columns is not None:
-            made.append((owner, space, columns))
+            (through if acts else made).append((owner, space, columns))
             count[owner] = count.get(owner, 0) + 1
     made.append((SLOW, Space(SLOW, SLOW, ()), layout.slow()))
     count[SLOW] = 1
@@ -104,15 +110,15 @@ def design_of(
         keep = np.abs(G).max(axis=0) > 0
         free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
     blocks, start = [], 0
-    for owner, space, W in made:
-        stop = start + W.shape[1]
+    for owner, space, each in (*through, *made):
+        stop = start + each.shape[2]
         blocks.append(Block(owner, space, slice(start, stop), _share(owner, space, count, context)))
         start = stop
     return Design(
         observations,
         V,
         spread,
-        np.concatenate([W for _, _, W in made], axis=1),
+        layout.together([each for _, _, each in through], [each for _, _, each in made]),
         tuple(blocks),
         tuple(free),
     )
@@ -219,14 +225,11 @@ class _Layout:
         self.T = observations.whiten.astype(self.dtype)
 
     def columns(self, space: Space, spectra: dict | None) -> Floats | None:
-        """Whitened columns (S r, q), of one floor in all, rotated to principal axes."""
-        if not space.features:
-            return None
-        if all(f.kind == "pressure" for f in space.features):
-            return self.through_pressures(space, spectra)
+        """Whitened columns (S, r, q), of one floor in all, rotated to principal axes."""
         raw = self.raw(space, spectra)
-        flat = raw.reshape(-1)
-        U = self.axes(space, float(np.einsum("i,i->", flat, flat, dtype=np.float64)), W := self.lift(raw))
+        flat, W = raw.reshape(-1), self.lift(raw)
+        square = float(np.einsum("i,i->", flat, flat, dtype=np.float64))
+        U = self.axes(space, square, W.reshape(-1, W.shape[2]))
         return None if U is None else W @ U
 
     def axes(self, space: Space, square: float, W: Floats) -> Floats | None:
@@ -240,7 +243,7 @@ class _Layout:
         return (U[:, keep][:, ::-1] / np.sqrt(total)).astype(self.dtype) if keep.any() else None
 
     def through_pressures(self, space: Space, spectra: dict | None) -> Floats | None:
-        """The same for changes of pressures alone.
+        """The same for changes of pressures alone, as what they do to the pressures, (S, C, q).
 
         How they move the observables is one matrix (r, C) all through a capture. So only the pressures are whitened,
         and the axes are found in the chambers' own coordinates, where these are fewer.
@@ -263,7 +266,14 @@ class _Layout:
             Z[:, c, start : start + own.shape[1]] = lifted[:, c] @ own
         fewer = np.linalg.qr(self.moves, mode="r") if self.moves.shape[1] > C else self.moves
         U = self.axes(space, square, (fewer[capture] @ Z).reshape(-1, Z.shape[2]))
-        return None if U is None else (self.moves[capture] @ (Z @ U)).reshape(-1, U.shape[1])
+        return None if U is None else Z @ U
+
+    def together(self, through: Sequence[Floats], plain: Sequence[Floats]) -> Columns:
+        """All columns: those that act through pressures (S, C, q), then the others (S, r, q)."""
+        C, observations = self.moves.shape[2], self.observations
+        nothing = np.zeros((len(observations.capture), C, 0), dtype=self.dtype)
+        both = [np.concatenate(parts, axis=2) for parts in ([*through, nothing], plain)]
+        return Columns(both[0], self.moves, observations.capture, both[1])
 
     def _said(self) -> float:
         """The power of a direction of which the data say as much as its prior, at the size of all to explain."""
@@ -306,9 +316,9 @@ class _Layout:
         return np.concatenate(out, axis=2)
 
     def lift(self, raw: Floats) -> Floats:
-        """Rows (F, r, q) to observations (S r, q)."""
+        """Rows (F, r, q) to observations (S, r, q)."""
         F, r, q = raw.shape
-        return np.asarray(self.T @ raw.reshape(F, r * q)).reshape(-1, q)
+        return np.asarray(self.T @ raw.reshape(F, r * q)).reshape(-1, r, q)
 
     def regressors(self, space: Space) -> Floats:
         """Regressors (S, g) of free patterns, of one floor in all, as principal axes."""
@@ -341,8 +351,3 @@ class _Layout:
             [series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2
         )
         return self.lift(raw)
-
-
-def gram(W: Floats) -> Floats:
-    """W' W of columns, in double precision."""
-    return (W.T @ W).astype(np.float64)

@@ -2,16 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs, solve_triangular
 
 from labrig.arrays import Floats
+from labrig.diagnosis._columns import gram
 from labrig.diagnosis._constants import NEGLIGIBLE
-from labrig.diagnosis._design import DECLARED, Design, gram
+from labrig.diagnosis._design import DECLARED, Design
 
+_PANEL = 256
 _JITTER = 1e-12
 """Added to a unit diagonal against rounding; numerical, it decides nothing."""
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
@@ -40,23 +41,19 @@ class Sums:
         wrong in is not independent from number to number. The prior keeps its whole weight.
         """
         Y, W, V = design.observations.values, design.W, design.V
-        S, r = len(Y), V.shape[1]
-        G = np.concatenate([f.G for f in design.free], axis=1) if design.free else np.zeros((S, 0))
-        W3 = W.reshape(S, r, -1)
+        G = np.concatenate([f.G for f in design.free], axis=1) if design.free else np.zeros((len(Y), 0))
         if keep is not None:
-            Y, G, W3 = Y[keep], G[keep], W3[keep]
-        flat = W3.reshape(-1, W.shape[1])
+            Y, G, W = Y[keep], G[keep], W.some(keep)
         YV = (Y @ V).astype(W.dtype)
         return cls(
-            A=worth * gram(flat),
-            b=worth * (flat.T @ YV.reshape(-1)).astype(np.float64),
+            A=worth * W.gram(),
+            b=worth * W.times(YV),
             GG=worth * (G.T @ G),
             GY=worth * (G.T @ YV),
-            GW=worth
-            * np.asarray(G.T.astype(W.dtype) @ W3.reshape(len(Y), -1)).reshape(G.shape[1], r, W.shape[1]),
+            GW=worth * W.beside(G),
             square=worth * float((YV.astype(np.float64) ** 2).sum()),
             worth=worth,
-            r=r,
+            r=V.shape[1],
         )
 
 
@@ -124,10 +121,13 @@ def _marginalised(out: Beside, sums: Sums, variance: Floats) -> Beside:
     TY = T @ sums.GY
     gain = spread / (1 + power[:, None] * spread)
     keep = power[:, None] * spread > NEGLIGIBLE
-    some = keep.any(axis=1)
-    TW = np.tensordot(T[some].astype(sums.GW.dtype), sums.GW, axes=1)[keep[some]]
-    half = np.concatenate([TY[keep][:, None], TW], axis=1, dtype=sums.GW.dtype)
-    half *= np.sqrt(gain[keep])[:, None].astype(half.dtype)
+    half = np.empty((int(keep.sum()), 1 + len(out.b)), dtype=sums.GW.dtype)
+    start = 0
+    for j, own in enumerate(keep.T):
+        to = T[own] * np.sqrt(gain[own, j])[:, None]
+        rows = slice(start, start + len(to))
+        half[rows, 0], half[rows, 1:] = to @ sums.GY[:, j], to.astype(half.dtype) @ sums.GW[:, j]
+        start += len(to)
     said = gram(half)
     return replace(
         out,
@@ -142,41 +142,30 @@ def _marginalised(out: Beside, sums: Sums, variance: Floats) -> Beside:
 class State:
     """The posterior when every column has a prior sd `sd` (P,), from which some are raised at little cost."""
 
-    sums: Beside
     sd: Floats
+    covariance: Floats
+    mean: Floats
+    quad: float
+    logdet: float
 
-    @cached_property
-    def _inverse(self) -> tuple[Floats, Floats, float]:
-        precision = self.sums.A.copy()
-        precision[np.diag_indices_from(precision)] += self.sd**-2.0 + self.sums.grain
+    @classmethod
+    def of(cls, sums: Beside, sd: Floats) -> "State":
+        """The posterior beside free patterns: covariance (P, P), mean (P,), y' C^-1 y and log det C."""
+        precision = sums.A.copy()
+        precision[np.diag_indices_from(precision)] += sd**-2.0 + sums.grain
         # the transpose is as LAPACK lays it out: nothing is copied
         L, wrong = _POTRF(precision.T, lower=1, overwrite_a=1)
         if wrong:
             raise np.linalg.LinAlgError("the precision is not positive definite")
-        logdet = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(self.sd).sum())
-        lower = _POTRI(L, lower=1, overwrite_c=1)[0]  # zero above the diagonal
-        cov = lower + lower.T
-        cov[np.diag_indices_from(cov)] /= 2
-        return cov, cov @ self.sums.b, logdet
-
-    @property
-    def covariance(self) -> Floats:
-        return self._inverse[0]
-
-    @property
-    def mean(self) -> Floats:
-        return self._inverse[1]
-
-    def parts(self) -> tuple[float, float]:
-        """The quadratic form y' C^-1 y and log det C, as things stand."""
-        _, mean, logdet = self._inverse
-        return self.sums.square - float(self.sums.b @ mean), self.sums.logdet + logdet
+        logdet = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(sd).sum())
+        cov = _mirrored(_POTRI(L, lower=1, overwrite_c=1)[0])
+        mean = cov @ sums.b
+        return cls(sd, cov, mean, sums.square - float(sums.b @ mean), sums.logdet + logdet)
 
     def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> "RaisedState":
         """The same state when the columns of some blocks have larger prior sds."""
-        quad, logdet = self.parts()
         if not slices:
-            return RaisedState(self, np.zeros((0, len(self.mean))), self.mean, quad, logdet)
+            return RaisedState(self, np.zeros((0, len(self.mean))), self.mean, self.quad, self.logdet)
         index = np.concatenate([np.arange(s.start, s.stop) for s in slices])
         wanted = np.concatenate([np.full(s.stop - s.start, sd) for s, sd in zip(slices, sds, strict=True)])
         delta = np.sqrt(np.maximum(self.sd[index] ** -2.0 - wanted**-2.0, 0.0))
@@ -185,7 +174,17 @@ class State:
         half = solve_triangular(L, rows, lower=True, check_finite=False)
         z = solve_triangular(L, delta * self.mean[index], lower=True, check_finite=False)
         more = 2 * float(np.log(np.diag(L)).sum() + np.log(wanted / self.sd[index]).sum())
-        return RaisedState(self, half, self.mean + z @ half, quad - float(z @ z), logdet + more)
+        return RaisedState(self, half, self.mean + z @ half, self.quad - float(z @ z), self.logdet + more)
+
+
+def _mirrored(lower: Floats) -> Floats:
+    """A symmetric matrix of which only the lower half was worked out, in its place."""
+    for start in range(0, len(lower), _PANEL):
+        stop = start + _PANEL
+        corner = lower[start:stop, start:stop]
+        corner[:] = np.tril(corner) + np.tril(corner, -1).T
+        lower[start:stop, stop:] = lower[stop:, start:stop].T
+    return lower.T  # rows lie together
 
 
 @dataclass(frozen=True)
@@ -197,10 +196,6 @@ class RaisedState:
     mean: Floats
     quad: float
     logdet: float
-
-    def parts(self) -> tuple[float, float]:
-        """The quadratic form y' C^-1 y and log det C."""
-        return self.quad, self.logdet
 
     def covariance(self, at: slice) -> Floats:
         """The posterior covariance (q, q) of a block's columns."""

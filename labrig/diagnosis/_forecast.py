@@ -136,7 +136,6 @@ class Explained:
         known = observations.capture < self.observations.n_captures
         sums = Sums.of(design, self.observations.worth, keep=known)
         S, r = len(known), design.V.shape[1]
-        W = design.W.reshape(S, r, -1)
         G = np.concatenate([np.zeros((S, 0)), *(f.G for f in design.free if f.owner == DECLARED)], axis=1)
         raised = {number for form in forms for _, number, _ in form.raised}
         again = {number: self._again(design, self.design.blocks[number], known) for number in raised}
@@ -152,7 +151,7 @@ class Explained:
             own = np.flatnonzero(of_capture[observations.capture] == number)
             new = np.setdiff1d(observations.condition[of_row == number], measured)
             weight = as_recorded[own]
-            columns = (weight[:, None, None] * W[own]).reshape(len(own) * r, -1).astype(float)
+            columns = (np.repeat(weight, r)[:, None] * design.W.some(own).whole).astype(float)
             Q = basis(columns[:, named] @ differ)  # chosen by what is raised; all else is added
             columns = np.concatenate(
                 [Q.T @ columns, Q.T @ np.kron(weight[:, None] * G[own], np.eye(r))], axis=1
@@ -201,7 +200,7 @@ class Explained:
         more = int(free.sum()) * r
         sd, raised = self._sizes(design, form, again)
         sd = np.concatenate([sd, np.full(more, DECLARED_FLOORS)])
-        cross = sums.GW[free].astype(float).reshape(more, design.W.shape[1])
+        cross = sums.GW[free].astype(float).reshape(more, design.W.width)
         apart = np.kron(sums.GG[np.ix_(free, free)], np.eye(r))
         M = sd[:, None] * np.block([[sums.A, cross.T], [cross, apart]]) * sd
         # columns may be of single precision: their products are off by as much
@@ -213,7 +212,7 @@ class Explained:
 
     def _sizes(self, design: Design, form: Explanation, again: "_Again") -> tuple[Floats, Ints]:
         """The prior sd (P,) of each column in one form, and which columns it raises."""
-        sd = np.empty(design.W.shape[1])
+        sd = np.empty(design.W.width)
         fixed = {SLOW: form.slow, DECLARED: DECLARED_FLOORS}
         owners = Counter(b.owner for b in design.blocks)
         for block in design.blocks:
@@ -237,11 +236,11 @@ class Explained:
         if not own:
             return None
         r = self.design.V.shape[1]
-        columns = self.design.W[:, was.at].reshape(-1, r, was.at.stop - was.at.start)
+        columns = self.design.W.of(was.at).reshape(-1, r, was.at.stop - was.at.start)
         target = np.einsum("srq,rp->spq", columns, self.design.V.T @ design.V).reshape(-1, columns.shape[2])
 
         def held(block: Block) -> float:
-            W = design.W[:, block.at].reshape(len(known), -1)[known].reshape(len(target), -1)
+            W = design.W.of(block.at).reshape(len(known), -1)[known].reshape(len(target), -1)
             return _square(np.linalg.qr(W)[0].T @ target)
 
         block = own[0] if len(own) == 1 else max(own, key=held)
@@ -252,8 +251,8 @@ class Explained:
 
         Where next to nothing of them falls on the campaign, as if the least did that a design keeps.
         """
-        W = design.W[:, block.at].reshape(len(known), -1)
-        before, all_of_it, now = (_square(each) for each in (self.design.W[:, of_run.at], W, W[known]))
+        W = design.W.of(block.at).reshape(len(known), -1)
+        before, all_of_it, now = (_square(each) for each in (self.design.W.of(of_run.at), W, W[known]))
         return float(np.sqrt(before / max(now, LEAST_SHARE * all_of_it)))
 
 

@@ -42,7 +42,7 @@ def noise_scale(design: Design) -> float:
 
 def _everything(design: Design, n: int, r: int) -> Floats:
     """Columns (n r, q) of unit prior variance for the means when every owner acts at one floor."""
-    W = design.W.reshape(-1, r, design.W.shape[1])[:n].reshape(n * r, -1).astype(float)
+    W = design.W.some(np.arange(n)).whole.astype(float)
     owners = [b.owner for b in design.blocks]
     columns = [W[:, block.at] / np.sqrt(owners.count(block.owner)) for block in design.blocks]
     columns += [np.kron(free.G[:n], np.diag(np.sqrt(design.spread))) for free in design.free]

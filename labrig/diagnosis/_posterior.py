@@ -73,12 +73,12 @@ class Search:
         key = (background, slow)
         if key not in self.states:
             beside = beside_free(self.sums, free_variances(self.design, self.free_sizes(background)))
-            own = np.empty(self.design.W.shape[1])
+            own = np.empty(self.design.W.width)
             for block in self.design.blocks:
                 several = len(self.blocks[block.owner])
                 fixed = {SLOW: slow, DECLARED: k.DECLARED_FLOORS}
                 own[block.at] = fixed.get(block.owner, self.spike / np.sqrt(several))
-            self.states[key] = State(beside, own)
+            self.states[key] = State.of(beside, own)
         return self.states[key]
 
     def free_sizes(self, background: Raised) -> dict[str, float]:
@@ -103,9 +103,9 @@ class Search:
 
     def score(self, background: Raised, slow: float, raised: Raised) -> float:
         """Log evidence and prior of one form of one set."""
-        quad, logdet = self.raise_blocks(background, slow, raised).parts()
+        fitted = self.raise_blocks(background, slow, raised)
         whole = tuple(sorted([*background, *raised]))
-        return self.keep(whole, slow, self.prior(whole) - 0.5 * (quad + logdet))
+        return self.keep(whole, slow, self.prior(whole) - 0.5 * (fitted.quad + fitted.logdet))
 
     def raise_blocks(self, background: Raised, slow: float, raised: Raised) -> RaisedState:
         """The state of a background with the blocks of a set raised."""
@@ -260,7 +260,7 @@ def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
     out = {}
     for (owner, _, _), block in zip(raised, blocks, strict=True):
         w, cov = fitted.mean[block.at], fitted.covariance(block.at)
-        columns = design.W[:, block.at].astype(float)
+        columns = design.W.of(block.at).astype(float)
         made = columns @ w
         counts = np.repeat(design.observations.counts_for, design.V.shape[1])
         size = float(np.sqrt(counts @ made**2))
@@ -274,7 +274,7 @@ def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
         start, all_free = start + free.G.shape[1], all_free + part
         if any(owner == free.owner for owner, _, _ in background):
             out[free.owner] = (observations.size_of(part @ design.V.T), 0.0)
-    explained = (design.W @ fitted.mean.astype(design.W.dtype)).reshape(all_free.shape) + all_free
+    explained = design.W.made(fitted.mean) + all_free
     out[REST] = (observations.size_of(observations.values - explained @ design.V.T, noise=1.0), 0.0)
     return out
 

@@ -12,12 +12,21 @@ from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._columns import Columns
 from labrig.diagnosis._design import DECLARED, SLOW, Block, Design, FreeBlock
-from labrig.diagnosis._evidence import State, Sums, beside_free, free_fit, free_variances, unexplained
+from labrig.diagnosis._evidence import (
+    RaisedState,
+    State,
+    Sums,
+    beside_free,
+    free_fit,
+    free_variances,
+    unexplained,
+)
 from labrig.diagnosis._posterior import Search
 from labrig.effects._family import Space
 
-S, K, R = 11, 5, 3
+S, K, R, C = 11, 5, 3, 2
 WIDTHS = {"a": 2, "b": 3, SLOW: 2}
 SEEDS = st.integers(0, 10_000)
 
@@ -28,7 +37,10 @@ def space(name: str) -> Space:
 
 
 def tiny(seed: int = 0, widths: Mapping[str, int] = WIDTHS, free: Mapping[str, int] | None = None) -> Design:
-    """S observations of K observables along R directions; the widths of its blocks and free blocks, by owner."""
+    """S observations of K observables along R directions; the widths of its blocks and free blocks, by owner.
+
+    The first two columns act through the pressures of C chambers.
+    """
     rng = np.random.default_rng(seed)
     V, _ = np.linalg.qr(rng.normal(size=(K, R)))
     blocks, start = [], 0
@@ -40,13 +52,18 @@ def tiny(seed: int = 0, widths: Mapping[str, int] = WIDTHS, free: Mapping[str, i
         for owner, g in (free or {}).items()
     ]
     observations = SimpleNamespace(values=rng.normal(size=(S, K)), to_explain=2.0, worth=1.0)
-    spread, W = np.array([1.5, 1.0, 0.5]), rng.normal(size=(S * R, start))
+    capture = np.sort(rng.integers(0, 4, S))
+    through, moves = rng.normal(size=(S, C, 2)), rng.normal(size=(4, R, C))
+    spread, W = (
+        np.array([1.5, 1.0, 0.5]),
+        Columns(through, moves, capture, rng.normal(size=(S, R, start - 2))),
+    )
     return Design(cast(Any, observations), V, spread, W, tuple(blocks), tuple(patterns))
 
 
 def covariance(design: Design, sd: np.ndarray, variance: np.ndarray | None = None) -> np.ndarray:
     """Of the observations (S R,), where columns have prior sds (P,) and free regressors variances (g, R)."""
-    C = np.eye(S * R) + (design.W * sd**2) @ design.W.T
+    C = np.eye(S * R) + (design.W.whole * sd**2) @ design.W.whole.T
     if variance is not None:
         G = np.concatenate([f.G for f in design.free], axis=1)
         for j in range(R):
@@ -64,9 +81,9 @@ def log_density(design: Design, C: np.ndarray) -> float:
     return float(multivariate_normal(np.zeros(S * R), C).logpdf(seen(design)))
 
 
-def log_evidence(parts: tuple[float, float]) -> float:
+def log_evidence(state: State | RaisedState) -> float:
     """The same of the fast formulas, up to a constant."""
-    return -0.5 * sum(parts)
+    return -0.5 * (state.quad + state.logdet)
 
 
 def raise_to(design: Design, sd: np.ndarray, numbers: Sequence[int], sizes: Sequence[float]) -> np.ndarray:
@@ -79,7 +96,7 @@ def raise_to(design: Design, sd: np.ndarray, numbers: Sequence[int], sizes: Sequ
 
 def state_of(design: Design, sd: np.ndarray) -> State:
     """The state of a design without free patterns."""
-    return State(beside_free(Sums.of(design), np.zeros((0, R))), sd)
+    return State.of(beside_free(Sums.of(design), np.zeros((0, R))), sd)
 
 
 @given(SEEDS, st.floats(0.01, 0.5), st.floats(0.6, 50.0), st.floats(0.6, 50.0))
@@ -89,9 +106,9 @@ def test_raised_is_the_gaussian_evidence(seed: int, small: float, one: float, tw
     design = tiny(seed)
     sd = np.full(7, small)
     state = state_of(design, sd)
-    before, dense = log_evidence(state.parts()), log_density(design, covariance(design, sd))
+    before, dense = log_evidence(state), log_density(design, covariance(design, sd))
     for numbers, sizes in (([0], [one]), ([1], [two]), ([0, 1], [one, two]), ([0, 1, 2], [one, two, 1.0])):
-        fast = log_evidence(state.raised([design.blocks[i].at for i in numbers], sizes).parts()) - before
+        fast = log_evidence(state.raised([design.blocks[i].at for i in numbers], sizes)) - before
         slow = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes))) - dense
         assert fast == pytest.approx(slow, abs=1e-3)
 
@@ -106,15 +123,15 @@ def test_one_more_block_at_several_sizes(seed: int, small: float, one: float, tw
     for begun in ([], [0], [0, 1]):
         before = state.raised([at[i] for i in begun], [one] * len(begun))
         for quad, logdet, size in zip(*before.further(at[2], np.array([two, 1.0])), (two, 1.0), strict=True):
-            alone = state.raised([*(at[i] for i in begun), at[2]], [one] * len(begun) + [size]).parts()
-            assert (quad, logdet) == pytest.approx(alone, rel=1e-6, abs=1e-6)
+            alone = state.raised([*(at[i] for i in begun), at[2]], [one] * len(begun) + [size])
+            assert (quad, logdet) == pytest.approx((alone.quad, alone.logdet), rel=1e-6, abs=1e-6)
 
 
 def test_the_evidence_is_absolute() -> None:
     """With the constant of a unit normal it is the log density itself."""
     design = tiny()
     sd = np.full(7, 0.7)
-    whole = log_evidence(state_of(design, sd).parts()) - S * R / 2 * np.log(2 * np.pi)
+    whole = log_evidence(state_of(design, sd)) - S * R / 2 * np.log(2 * np.pi)
     assert whole == pytest.approx(log_density(design, covariance(design, sd)), abs=1e-4)
 
 
@@ -127,11 +144,11 @@ def test_beside_free_is_the_kronecker_product(seed: int, one: float, two: float)
     assert variance[:2] == pytest.approx(np.outer([one**2] * 2, design.spread))
     assert variance[2:] == pytest.approx(two**2)  # the base's own parameters spread evenly
     sd = np.full(7, 0.3)
-    state = State(beside_free(Sums.of(design), variance), sd)
+    state = State.of(beside_free(Sums.of(design), variance), sd)
     for numbers, sizes in (([], []), ([1], [4.0]), ([0, 1], [1.0, 2.0])):
         wanted = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes), variance))
-        parts = state.raised([design.blocks[i].at for i in numbers], sizes).parts()
-        assert log_evidence(parts) - S * R / 2 * np.log(2 * np.pi) == pytest.approx(wanted, abs=2e-3)
+        raised = state.raised([design.blocks[i].at for i in numbers], sizes)
+        assert log_evidence(raised) - S * R / 2 * np.log(2 * np.pi) == pytest.approx(wanted, abs=2e-3)
 
 
 @given(SEEDS, st.floats(0.1, 20.0))
@@ -153,11 +170,11 @@ def test_posterior_means_and_their_spread(numbers: Sequence[int]) -> None:
     design = tiny()
     sd, sizes = np.full(7, 0.2), [3.0, 0.7][: len(numbers)]
     fitted = state_of(design, sd).raised([design.blocks[i].at for i in numbers], sizes)
-    precision = design.W.T @ design.W + np.diag(raise_to(design, sd, numbers, sizes) ** -2.0)
+    precision = design.W.whole.T @ design.W.whole + np.diag(raise_to(design, sd, numbers, sizes) ** -2.0)
     whole = np.linalg.inv(precision)
     for block in design.blocks:
         assert fitted.covariance(block.at) == pytest.approx(whole[block.at, block.at], abs=1e-6)
-    assert fitted.mean == pytest.approx(np.linalg.solve(precision, design.W.T @ seen(design)), abs=1e-5)
+    assert fitted.mean == pytest.approx(np.linalg.solve(precision, design.W.whole.T @ seen(design)), abs=1e-5)
 
 
 @pytest.mark.parametrize("worth", [0.1, 1.0])
@@ -165,11 +182,11 @@ def test_an_observation_may_be_worth_less_than_one(worth: float) -> None:
     """The likelihood to a power is one of more noise; the prior keeps its whole weight."""
     design = tiny()
     sd = np.full(7, 0.5)
-    quad, logdet = State(beside_free(Sums.of(design, worth), np.zeros((0, R))), sd).parts()
+    state = State.of(beside_free(Sums.of(design, worth), np.zeros((0, R))), sd)
     C = covariance(design, sd) + (1 / worth - 1) * np.eye(S * R)
     y = seen(design)
-    assert quad == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
-    assert logdet == pytest.approx(np.linalg.slogdet(worth * C)[1], abs=1e-4)
+    assert state.quad == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
+    assert state.logdet == pytest.approx(np.linalg.slogdet(worth * C)[1], abs=1e-4)
 
 
 def test_parts_of_the_observations_add_up() -> None:
@@ -192,11 +209,11 @@ def test_the_order_of_blocks_does_not_matter(seed: int, order: list[int]) -> Non
         replace(design.blocks[i], at=slice(int(a), int(b)))
         for i, a, b in zip(order, ends, ends[1:], strict=False)
     )
-    other = replace(design, W=design.W[:, columns], blocks=blocks)
+    other = replace(design, W=Columns.of_matrix(design.W.whole[:, columns], R), blocks=blocks)
     sd = np.linspace(0.1, 0.4, 7)
-    one = state_of(design, sd).raised([b.at for b in design.blocks[:2]], [2.0, 5.0]).parts()
+    one = state_of(design, sd).raised([b.at for b in design.blocks[:2]], [2.0, 5.0])
     again = [other.blocks[order.index(i)].at for i in (1, 0)]
-    two = state_of(other, sd[columns]).raised(again, [5.0, 2.0]).parts()
+    two = state_of(other, sd[columns]).raised(again, [5.0, 2.0])
     assert log_evidence(one) == pytest.approx(log_evidence(two), abs=1e-3)
 
 
@@ -208,15 +225,13 @@ def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
     rng = np.random.default_rng(turn)
     Q, _ = np.linalg.qr(rng.normal(size=(R, R)))
     P, _ = np.linalg.qr(rng.normal(size=(K, K)))
-    W = np.einsum("srp,rq->sqp", design.W.reshape(S, R, -1), Q).reshape(S * R, -1)
+    W = replace(design.W, moves=Q.T @ design.W.moves, plain=Q.T @ design.W.plain)
     observations = SimpleNamespace(values=design.observations.values @ P)
     other = replace(design, V=P.T @ design.V @ Q, W=W, observations=cast(Any, observations))
     variance = free_variances(design, {DECLARED: 2.0})
-    one, two = (State(beside_free(Sums.of(d), variance), np.full(7, 0.3)) for d in (design, other))
+    one, two = (State.of(beside_free(Sums.of(d), variance), np.full(7, 0.3)) for d in (design, other))
     at = [design.blocks[0].at]
-    assert log_evidence(one.raised(at, [3.0]).parts()) == pytest.approx(
-        log_evidence(two.raised(at, [3.0]).parts()), abs=1e-3
-    )
+    assert log_evidence(one.raised(at, [3.0])) == pytest.approx(log_evidence(two.raised(at, [3.0])), abs=1e-3)
 
 
 def test_a_search_scores_by_evidence_and_prior() -> None:
@@ -249,7 +264,7 @@ def test_a_search_scores_by_evidence_and_prior() -> None:
 def test_probabilities_of_all_that_was_looked_at() -> None:
     """They sum to one, the likeliest first; what acts on the observations is in it, what does not is not."""
     design = tiny(5, {"a": 2, "b": 3, SLOW: 1})
-    moved = (design.W[:, design.blocks[1].at] @ np.array([4.0, -3.0, 5.0])).reshape(S, R) @ design.V.T
+    moved = (design.W.of(design.blocks[1].at) @ np.array([4.0, -3.0, 5.0])).reshape(S, R) @ design.V.T
     observations = SimpleNamespace(values=design.observations.values + moved, to_explain=6.0, worth=1 / 1.09)
     posterior = Search(replace(design, observations=cast(Any, observations))).run().posterior()
     assert posterior.probability.sum() == pytest.approx(1.0)
@@ -264,11 +279,11 @@ def test_probabilities_of_all_that_was_looked_at() -> None:
 def test_free_patterns_are_those_of_the_joint_fit() -> None:
     """Free coefficients beside the columns' posterior means are the joint posterior mean, solved densely."""
     design = tiny(3, free={"?f": 2})
-    sd, variance = np.full(design.W.shape[1], 0.8), np.outer([0.5, 2.0], [1.0, 0.3, 1.7])
+    sd, variance = np.full(design.W.width, 0.8), np.outer([0.5, 2.0], [1.0, 0.3, 1.7])
     sums = Sums.of(design)
-    columns = State(beside_free(sums, variance), sd).mean
+    columns = State.of(beside_free(sums, variance), sd).mean
     G = design.free[0].G
-    X = np.column_stack([design.W, *(np.kron(G[:, [g]], np.eye(R)) for g in range(2))])
+    X = np.column_stack([design.W.whole, *(np.kron(G[:, [g]], np.eye(R)) for g in range(2))])
     prior = np.concatenate([sd**-2.0, (1 / variance).ravel()])
     joint = np.linalg.solve(X.T @ X + np.diag(prior), X.T @ seen(design))
     assert np.allclose(columns, joint[: len(columns)], atol=1e-3)
@@ -280,17 +295,18 @@ def test_what_has_no_variance_is_not_there() -> None:
     design = tiny(4, free={"?history": 2, DECLARED: 3})
     variance = free_variances(design, {"?history": 0.0, DECLARED: 2.0})
     alone = replace(design, free=design.free[1:])
-    sd = np.full(design.W.shape[1], 0.3)
-    one = State(beside_free(Sums.of(design), variance), sd).parts()
-    two = State(beside_free(Sums.of(alone), variance[2:]), sd).parts()
-    assert one == pytest.approx(two)
+    sd = np.full(design.W.width, 0.3)
+    one = State.of(beside_free(Sums.of(design), variance), sd)
+    two = State.of(beside_free(Sums.of(alone), variance[2:]), sd)
+    assert (one.quad, one.logdet) == pytest.approx((two.quad, two.logdet))
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_columns_in_single_precision_that_say_the_same(seed: int) -> None:
     """Of columns that are sums of others, thousands of floors large and free to be, there is a covariance."""
     design = tiny(seed, {"a": 3, "b": 4, SLOW: 1})
-    W = (1e5 * design.W).astype(np.float32)
+    W = (1e5 * design.W.whole).astype(np.float32)
     W[:, 3:7] = W[:, :3] @ np.random.default_rng(seed).normal(size=(3, 4)).astype(np.float32)
-    state = State(beside_free(Sums.of(replace(design, W=W)), np.zeros((0, R))), np.full(8, 300.0))
+    sums = Sums.of(replace(design, W=Columns.of_matrix(W, R)))
+    state = State.of(beside_free(sums, np.zeros((0, R))), np.full(8, 300.0))
     assert (np.diag(state.covariance) > 0).all()

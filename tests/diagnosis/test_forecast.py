@@ -50,14 +50,14 @@ def dense(
     spaces = [b.owner for b in design.blocks]
     prior = np.zeros((len(known), len(known)))
     for block in design.blocks:
-        W, key = design.W[:, block.at], block.space.key
+        W, key = design.W.of(block.at), block.space.key
         square = explained.search.spike**2 / spaces.count(block.owner)
         if block.owner == SLOW:
             square = form.slow**2
         elif (block.owner, key) in sizes:
             run = next(b for b in explained.design.blocks if (b.owner, b.space.key) == (block.owner, key))
             square = sizes[block.owner, key] ** 2
-            square *= np.sum(explained.design.W[:, run.at] ** 2) / np.sum(W[known] ** 2)
+            square *= np.sum(explained.design.W.of(run.at) ** 2) / np.sum(W[known] ** 2)
         prior += square * W @ W.T
     for free in design.free:
         if free.owner == DECLARED:
