@@ -1,5 +1,6 @@
 """The design matrix: every space as columns over the observations, under its own prior."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ from labrig.diagnosis._constants import EVEN
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
-from labrig.effects import Context, Effect, Space, frame_modes, motion_scale
+from labrig.effects import Effect, Space, frame_modes, motion_scale
 
 SLOW = "slow noise"
 DECLARED = "declared"
@@ -28,7 +29,7 @@ _SINGLE = 30_000
 
 @dataclass(frozen=True)
 class Block:
-    """The columns of one space: `at` says which."""
+    """The columns of one space: `at` says which; owners of the same space have the same."""
 
     owner: str
     space: Space
@@ -82,10 +83,8 @@ def design_of(
         ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
     ]
     V, spread = directions(observations, known)
-    made: list[tuple[str, Space, Floats]] = []
-    through: list[tuple[str, Space, Floats]] = []
+    made: list[_Made] = []
     free: list[FreeBlock] = []
-    count: dict[str, int] = {}
     layout = _Layout(observations, V)
     for owner, space in [*named, *others]:
         if owner.startswith("?") and all(f.kind == "pattern" for f in space.features):
@@ -95,36 +94,52 @@ def design_of(
             continue
         if not space.features:
             continue
+        if again := next((m for m in made if _alike(m.space, space)), None):
+            again.owners.append((owner, space))
+            continue
         acts = all(f.kind == "pressure" for f in space.features)
         columns = layout.through_pressures(space, spectra) if acts else layout.columns(space, spectra)
         if columns is not None:
-            (through if acts else made).append((owner, space, columns))
-            count[owner] = count.get(owner, 0) + 1
-    made.append((SLOW, Space(SLOW, SLOW, ()), layout.slow()))
-    count[SLOW] = 1
+            made.append(_Made(space, columns, acts, [(owner, space)]))
+    slow = Space(SLOW, SLOW, ())
+    made.append(_Made(slow, layout.slow(), False, [(SLOW, slow)]))
     if calibrated is not None and calibrated.shape[2]:
-        made.append((DECLARED, Space(DECLARED, DECLARED, ()), layout.fields(calibrated)))
-        count[DECLARED] = 1
+        space = Space(DECLARED, DECLARED, ())
+        made.append(_Made(space, layout.fields(calibrated), False, [(DECLARED, space)]))
     if declared is not None:
         G = observations.whiten @ declared
         keep = np.abs(G).max(axis=0) > 0
         free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
+    made.sort(key=lambda m: not m.through)
+    count = Counter(owner for m in made for owner, _ in m.owners)
     blocks, start = [], 0
-    for owner, space, each in (*through, *made):
-        stop = start + each.shape[2]
-        blocks.append(Block(owner, space, slice(start, stop), _share(owner, space, count, context)))
-        start = stop
-    return Design(
-        observations,
-        V,
-        spread,
-        layout.together([each for _, _, each in through], [each for _, _, each in made]),
-        tuple(blocks),
-        tuple(free),
+    for m in made:
+        at = slice(start, start := start + m.columns.shape[2])
+        blocks += [Block(owner, space, at, _share(owner, space, count)) for owner, space in m.owners]
+    return Design(observations, V, spread, layout.together(made), tuple(blocks), tuple(free))
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A space that was laid out, once for all its owners: (S, C, q) where it acts through pressures, or (S, r, q)."""
+
+    space: Space
+    columns: Floats
+    through: bool
+    owners: list[tuple[str, Space]]
+
+
+def _alike(one: Space, other: Space) -> bool:
+    """Whether two spaces are the same, of whatever owners: then they differ in nothing that the data could tell."""
+    if (one.spectrum, one.key) != (other.spectrum, other.key):
+        return False
+    both = zip(one.features, other.features, strict=False)
+    return len(one.features) == len(other.features) and all(
+        f.name == g.name and np.array_equal(f.values, g.values) for f, g in both
     )
 
 
-def _share(owner: str, space: Space, count: Mapping[str, int], context: Context) -> float:
+def _share(owner: str, space: Space, count: Mapping[str, int]) -> float:
     """Spaces of one owner are equally likely; where they were found by a scan, as likely as each place scanned."""
     if space.scanned:
         return 1.0 / space.scanned
@@ -268,12 +283,13 @@ class _Layout:
         U = self.axes(space, square, (fewer[capture] @ Z).reshape(-1, Z.shape[2]))
         return None if U is None else Z @ U
 
-    def together(self, through: Sequence[Floats], plain: Sequence[Floats]) -> Columns:
-        """All columns: those that act through pressures (S, C, q), then the others (S, r, q)."""
-        C, observations = self.moves.shape[2], self.observations
-        nothing = np.zeros((len(observations.capture), C, 0), dtype=self.dtype)
-        both = [np.concatenate(parts, axis=2) for parts in ([*through, nothing], plain)]
-        return Columns(both[0], self.moves, observations.capture, both[1])
+    def together(self, made: "Sequence[_Made]") -> Columns:
+        """All columns: first those that act through pressures, then the others."""
+        capture, C = self.observations.capture, self.moves.shape[2]
+        nothing = np.zeros((len(capture), C, 0), dtype=self.dtype)
+        through = np.concatenate([nothing, *(m.columns for m in made if m.through)], axis=2)
+        plain = np.concatenate([m.columns for m in made if not m.through], axis=2)
+        return Columns(through, self.moves, capture, plain)
 
     def _said(self) -> float:
         """The power of a direction of which the data say as much as its prior, at the size of all to explain."""

@@ -163,18 +163,27 @@ class State:
         return cls(sd, cov, mean, sums.square - float(sums.b @ mean), sums.logdet + logdet)
 
     def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> "RaisedState":
-        """The same state when the columns of some blocks have larger prior sds."""
-        if not slices:
-            return RaisedState(self, np.zeros((0, len(self.mean))), self.mean, self.quad, self.logdet)
-        index = np.concatenate([np.arange(s.start, s.stop) for s in slices])
-        wanted = np.concatenate([np.full(s.stop - s.start, sd) for s, sd in zip(slices, sds, strict=True)])
-        delta = np.sqrt(np.maximum(self.sd[index] ** -2.0 - wanted**-2.0, 0.0))
+        """The same state when the columns of some blocks have larger prior sds; of blocks with the same columns the
+        squares of these add up.
+        """
+        square: dict[tuple[int, int], float] = {}
+        for at, sd in zip(slices, sds, strict=True):
+            square[at.start, at.stop] = square.get((at.start, at.stop), 0.0) + sd**2
+        sd = self.sd.copy()
+        for (start, stop), value in square.items():
+            sd[start:stop] = np.sqrt(value)
+        index = np.concatenate([np.zeros(0, dtype=np.int64), *(np.arange(*at) for at in square)])
+        wanted, was = sd[index], self.sd[index]
+        delta = np.sqrt(np.maximum(was**-2.0 - wanted**-2.0, 0.0))
         rows = delta[:, None] * self.covariance[index]
         L = np.linalg.cholesky((1 + _JITTER) * np.eye(len(index)) - rows[:, index] * delta)
         half = solve_triangular(L, rows, lower=True, check_finite=False)
         z = solve_triangular(L, delta * self.mean[index], lower=True, check_finite=False)
-        more = 2 * float(np.log(np.diag(L)).sum() + np.log(wanted / self.sd[index]).sum())
-        return RaisedState(self, half, self.mean + z @ half, self.quad - float(z @ z), self.logdet + more)
+        more = 2 * float(np.log(np.diag(L)).sum() + np.log(wanted / was).sum())
+        raised = frozenset(square)
+        return RaisedState(
+            self, sd, raised, half, self.mean + z @ half, self.quad - float(z @ z), self.logdet + more
+        )
 
 
 def _mirrored(lower: Floats) -> Floats:
@@ -189,9 +198,14 @@ def _mirrored(lower: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class RaisedState:
-    """A state with some blocks raised: what they add to its covariance (half' half) and mean, y' C^-1 y, log det C."""
+    """A state with some blocks raised, to prior sds `sd` (P,): what they add to its covariance (half' half) and mean,
+    y' C^-1 y, log det C.
+    """
 
     state: State
+    sd: Floats
+    raised: frozenset[tuple[int, int]]
+    """Where the columns that are raised begin and end."""
     half: Floats
     mean: Floats
     quad: float
@@ -207,8 +221,10 @@ class RaisedState:
 
         Both are read off one Cholesky factor of the block, bordered by its mean and the quadratic form as it stands.
         """
-        mean, was = self.mean[at], self.state.sd[at.start]
+        mean, was = self.mean[at], self.sd[at.start]
         q = len(mean)
+        if (at.start, at.stop) in self.raised:  # by another owner of the same space
+            sds = np.hypot(sds, was)
         delta = np.sqrt(np.maximum(was**-2.0 - sds**-2.0, 0.0))
         M = np.zeros((len(sds), q + 1, q + 1))
         M[:, :q, :q] = -(delta**2)[:, None, None] * self.covariance(at)

@@ -1,6 +1,5 @@
 """What each explanation of a campaign expects of captures that were not measured yet, and how surely."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -10,11 +9,11 @@ from scipy.linalg import solve_triangular
 
 from labrig.arrays import Bools, Floats, Ints
 from labrig.diagnosis._constants import DECLARED_FLOORS
-from labrig.diagnosis._design import DECLARED, LEAST_SHARE, SLOW, Block, Design, design_of
+from labrig.diagnosis._design import DECLARED, LEAST_SHARE, Block, Design, design_of
 from labrig.diagnosis._diagnose import observed
 from labrig.diagnosis._evidence import Sums
 from labrig.diagnosis._observations import Counted, Observations, contrasts, observe, worth_of
-from labrig.diagnosis._posterior import Explanation, Raised, Search
+from labrig.diagnosis._posterior import Explanation, Raised, Search, small_sizes
 from labrig.diagnosis._problem import Prepared
 from labrig.effects import Context, Effect
 
@@ -212,18 +211,15 @@ class Explained:
 
     def _sizes(self, design: Design, form: Explanation, again: "_Again") -> tuple[Floats, Ints]:
         """The prior sd (P,) of each column in one form, and which columns it raises."""
-        sd = np.empty(design.W.width)
-        fixed = {SLOW: form.slow, DECLARED: DECLARED_FLOORS}
-        owners = Counter(b.owner for b in design.blocks)
-        for block in design.blocks:
-            sd[block.at] = fixed.get(block.owner, self.search.spike / np.sqrt(owners[block.owner]))
+        sd = small_sizes(design, self.search.spike, form.slow)
+        square = np.zeros_like(sd)
         raised = [np.zeros(0, dtype=np.int64)]
         for _, number, size in form.raised:
             if found := again[number]:
                 block, ratio = found
-                sd[block.at] = size * ratio
+                square[block.at] += (size * ratio) ** 2  # owners of the same space have the same columns
                 raised.append(np.arange(block.at.start, block.at.stop))
-        return sd, np.concatenate(raised)
+        return np.where(square > 0, np.sqrt(square), sd), np.concatenate(raised)
 
     def _again(self, design: Design, was: Block, known: Bools) -> tuple[Block, float] | None:
         """The block of a design that holds most of one of the campaign's, among those of its owner, and how much

@@ -1,5 +1,6 @@
 """The posterior: every set of up to three effects, beside what has no name, with its probability."""
 
+from collections import Counter
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -73,12 +74,7 @@ class Search:
         key = (background, slow)
         if key not in self.states:
             beside = beside_free(self.sums, free_variances(self.design, self.free_sizes(background)))
-            own = np.empty(self.design.W.width)
-            for block in self.design.blocks:
-                several = len(self.blocks[block.owner])
-                fixed = {SLOW: slow, DECLARED: k.DECLARED_FLOORS}
-                own[block.at] = fixed.get(block.owner, self.spike / np.sqrt(several))
-            self.states[key] = State.of(beside, own)
+            self.states[key] = State.of(beside, small_sizes(self.design, self.spike, slow))
         return self.states[key]
 
     def free_sizes(self, background: Raised) -> dict[str, float]:
@@ -209,6 +205,15 @@ class Search:
         return Posterior(out, p / p.sum())
 
 
+def small_sizes(design: Design, spike: float, slow: float) -> Floats:
+    """The prior sd (P,) of each column where nothing acts: that of all columns of an owner together is the `spike`."""
+    several, square = Counter(b.owner for b in design.blocks), np.zeros(design.W.width)
+    fixed = {SLOW: slow, DECLARED: k.DECLARED_FLOORS}
+    for block in design.blocks:
+        square[block.at] += fixed.get(block.owner, spike / np.sqrt(several[block.owner])) ** 2
+    return np.sqrt(square)
+
+
 def missed(search: "Search", e: Explanation, least: float) -> dict[str, float]:
     """What would be missed without each part of an explanation, all else fitted again, in floors, by owner.
 
@@ -258,8 +263,10 @@ def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
     blocks = [design.blocks[b] for _, b, _ in raised]
     fitted = search.raise_blocks(background, e.slow, raised)
     out = {}
-    for (owner, _, _), block in zip(raised, blocks, strict=True):
-        w, cov = fitted.mean[block.at], fitted.covariance(block.at)
+    for (owner, _, sd), block in zip(raised, blocks, strict=True):
+        share = (sd / fitted.sd[block.at.start]) ** 2  # of columns that another part has, too, a share only
+        w, cov = share * fitted.mean[block.at], share**2 * fitted.covariance(block.at)
+        cov[np.diag_indices_from(cov)] += (1 - share) * sd**2
         columns = design.W.of(block.at).astype(float)
         made = columns @ w
         counts = np.repeat(design.observations.counts_for, design.V.shape[1])

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis._columns import Columns
+from labrig.diagnosis._design import Block, Design, design_of
+from labrig.diagnosis._observations import observe
+from labrig.diagnosis._problem import prepared, rows_from
 
 SHAPES = [(7, 3, 2, 4, 5), (7, 2, 3, 200, 1), (6, 4, 2, 3, 0), (6, 1, 1, 0, 4)]
 """Observations, directions, chambers, columns that act through pressures, and others."""
@@ -59,3 +62,32 @@ def test_single_precision_stays_single() -> None:
     assert made.whole.dtype == made.beside(np.ones((7, 1))).dtype == np.float32
     assert made.gram().dtype == made.times(np.ones((7, 3))).dtype == np.float64
     assert Columns.of_matrix(made.whole, 3).whole == pytest.approx(made.whole)
+
+
+def test_a_space_of_several_owners_is_laid_out_once(make_lab) -> None:
+    """Three effects share one space, and its columns; all other blocks have columns of their own, and each space that
+    acts through pressures is what it would be alone.
+    """
+    lab = make_lab(captures=30)
+    model = lab.model()
+    ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), model)
+    library = model.library()
+    observations = observe(ready.context, ready.residual, ready.floor)
+    design = design_of(observations, library)
+    places = [(b.at.start, b.at.stop) for b in design.blocks]
+    same = [b for b in design.blocks if places.count((b.at.start, b.at.stop)) > 1]
+    assert {b.owner for b in same} == {"regulator", "stiffening", "tension"}
+    assert {b.space.key for b in same} == {"any curve"}
+    covered = np.concatenate([np.arange(*at) for at in sorted(set(places))])
+    assert np.array_equal(covered, np.arange(design.W.width))
+    alone = design_of(observations, {"tension": library["tension"]})
+    for block in (b for b in alone.blocks if b.owner == "tension"):
+        other = next(b for b in design.blocks if (b.owner, b.space.key) == ("tension", block.space.key))
+        one, two = variance(alone, block), variance(design, other)
+        assert one == pytest.approx(two, rel=0.05, abs=1e-3 * one.max())
+
+
+def variance(design: Design, block: Block) -> np.ndarray:
+    """The prior variance (S, K) of each observation when one block acts at one floor."""
+    columns = design.W.of(block.at).reshape(-1, design.V.shape[1], block.at.stop - block.at.start)
+    return np.square(design.V @ columns).sum(axis=2)

@@ -23,7 +23,7 @@ from labrig.diagnosis._evidence import (
     free_variances,
     unexplained,
 )
-from labrig.diagnosis._posterior import Search
+from labrig.diagnosis._posterior import Explanation, Search, sizes, small_sizes
 from labrig.effects._family import Space
 
 S, K, R, C = 11, 5, 3, 2
@@ -107,9 +107,9 @@ def test_raised_is_the_gaussian_evidence(seed: int, small: float, one: float, tw
     sd = np.full(7, small)
     state = state_of(design, sd)
     before, dense = log_evidence(state), log_density(design, covariance(design, sd))
-    for numbers, sizes in (([0], [one]), ([1], [two]), ([0, 1], [one, two]), ([0, 1, 2], [one, two, 1.0])):
-        fast = log_evidence(state.raised([design.blocks[i].at for i in numbers], sizes)) - before
-        slow = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes))) - dense
+    for numbers, sds in (([0], [one]), ([1], [two]), ([0, 1], [one, two]), ([0, 1, 2], [one, two, 1.0])):
+        fast = log_evidence(state.raised([design.blocks[i].at for i in numbers], sds)) - before
+        slow = log_density(design, covariance(design, raise_to(design, sd, numbers, sds))) - dense
         assert fast == pytest.approx(slow, abs=1e-3)
 
 
@@ -145,9 +145,9 @@ def test_beside_free_is_the_kronecker_product(seed: int, one: float, two: float)
     assert variance[2:] == pytest.approx(two**2)  # the base's own parameters spread evenly
     sd = np.full(7, 0.3)
     state = State.of(beside_free(Sums.of(design), variance), sd)
-    for numbers, sizes in (([], []), ([1], [4.0]), ([0, 1], [1.0, 2.0])):
-        wanted = log_density(design, covariance(design, raise_to(design, sd, numbers, sizes), variance))
-        raised = state.raised([design.blocks[i].at for i in numbers], sizes)
+    for numbers, sds in (([], []), ([1], [4.0]), ([0, 1], [1.0, 2.0])):
+        wanted = log_density(design, covariance(design, raise_to(design, sd, numbers, sds), variance))
+        raised = state.raised([design.blocks[i].at for i in numbers], sds)
         assert log_evidence(raised) - S * R / 2 * np.log(2 * np.pi) == pytest.approx(wanted, abs=2e-3)
 
 
@@ -158,9 +158,9 @@ def test_what_is_left_unexplained(seed: int, size: float) -> None:
     design = tiny(seed, free={"?history": 2})
     variance = free_variances(design, {"?history": 1.0})
     beside, y = beside_free(Sums.of(design), variance), seen(design)
-    for numbers, sizes in (([], []), ([1], [size]), ([2, 0], [size, 1.0])):
-        C = covariance(design, raise_to(design, np.zeros(7), numbers, sizes), variance)
-        left = unexplained(beside, [design.blocks[i].at for i in numbers], sizes)
+    for numbers, sds in (([], []), ([1], [size]), ([2, 0], [size, 1.0])):
+        C = covariance(design, raise_to(design, np.zeros(7), numbers, sds), variance)
+        left = unexplained(beside, [design.blocks[i].at for i in numbers], sds)
         assert left == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
 
 
@@ -215,6 +215,50 @@ def test_the_order_of_blocks_does_not_matter(seed: int, order: list[int]) -> Non
     again = [other.blocks[order.index(i)].at for i in (1, 0)]
     two = state_of(other, sd[columns]).raised(again, [5.0, 2.0])
     assert log_evidence(one) == pytest.approx(log_evidence(two), abs=1e-3)
+
+
+def twice(seed: int) -> tuple[Design, Design]:
+    """A design in which two owners have the same space: with the same columns, and with columns of their own."""
+    one = tiny(seed)
+    W, first = one.W.whole, one.blocks[0].at
+    observations = SimpleNamespace(**vars(one.observations), counts_for=np.full(S, 1 / (S * R)))
+    observations.size_of = lambda values, noise=0.0: float(np.sqrt(np.mean(values**2)))
+    again = Columns.of_matrix(np.concatenate([W, W[:, first]], axis=1), R)
+    shared, own = (Block("c", space("a"), at) for at in (first, slice(7, 9)))
+    both = [
+        replace(one, W=W, observations=cast(Any, observations), blocks=(*one.blocks, block))
+        for W, block in ((one.W, shared), (again, own))
+    ]
+    return both[0], both[1]
+
+
+@given(SEEDS, st.floats(0.6, 50.0), st.floats(0.6, 50.0))
+@settings(max_examples=40, deadline=None)
+def test_owners_of_the_same_space(seed: int, one: float, two: float) -> None:
+    """What several owners have is laid out once: the evidence of either, of both and of one beside the other is that of
+    columns of their own, and so is how large each part is.
+    """
+    small, found = 1e-3, []
+    assert small_sizes(twice(seed)[0], small, small)[:2] == pytest.approx(np.sqrt(2) * small)
+    for design in twice(seed):
+        state = state_of(design, small_sizes(design, small, small))
+        a, b, _, c = (block.at for block in design.blocks)
+        before = state.raised([a], [one])
+        alone = [
+            log_evidence(state.raised(at, sds)) for at, sds in (([c], [two]), ([a, b, c], [one, 1.0, two]))
+        ]
+        beside = np.add(*before.further(c, np.array([two])))
+        found.append([*alone, log_evidence(before), *(-0.5 * beside)])
+    assert np.diff(found[0]) == pytest.approx(np.diff(found[1]), rel=1e-3, abs=1e-2)
+
+
+def test_parts_that_are_the_same() -> None:
+    """Two parts of an explanation that have the same columns share what these say by the squares of their sizes."""
+    form = Explanation(frozenset("abc"), (("a", 0, 3.0), ("b", 1, 2.0), ("c", 3, 1.0)), 0.0, k.SLOW_FLOORS[0])
+    once, apart = (sizes(Search(design), form) for design in twice(1))
+    for owner in "abc":
+        assert once[owner] == pytest.approx(apart[owner], rel=0.02)
+    assert once["a"][0] == pytest.approx(9 * once["c"][0])
 
 
 @given(SEEDS, SEEDS)
