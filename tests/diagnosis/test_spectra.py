@@ -100,11 +100,12 @@ def test_pressures_are_whitened_as_pressures(make_lab, markers: int) -> None:
     for space in spaces:
         raw = layout.raw(space, None)
         lifted = layout.lift(raw)
-        axes = layout.axes(space, float((raw.astype(float) ** 2).sum()), lifted)
-        quick = layout.columns(space, None)
+        axes = layout.axes(space, float((raw.astype(float) ** 2).sum()), lifted.reshape(-1, lifted.shape[2]))
+        pressures = layout.through_pressures(space, None)
         assert axes is not None
-        assert quick is not None
-        slow = lifted @ axes
+        assert pressures is not None
+        quick = (layout.moves[observations.capture] @ pressures).reshape(-1, pressures.shape[2])
+        slow = (lifted @ axes).reshape(len(quick), -1)
         assert quick @ quick.T == pytest.approx(
             slow @ slow.T, rel=1e-6, abs=1e-6 * np.abs(slow @ slow.T).max()
         )

@@ -102,7 +102,7 @@ def test_what_is_open_is_settled_three_times_over(doubt, monkeypatch: pytest.Mon
     problem, choice = chosen(monkeypatch, doubt)
     parts, together = 0, None
     for outlook in choice.outlooks:
-        together = outlook if together is None else together.beside(outlook)
+        together = outlook if together is None else together.beside(outlook).condensed()
         if (problem.log_bayes(together) >= problem.goals).all():
             parts, together = parts + 1, None
     assert parts == 3
