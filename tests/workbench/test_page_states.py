@@ -3,6 +3,7 @@
 import psutil
 import pytest
 
+from tests.waiting import wait_for
 from tests.workbench.conftest import served
 from tests.workbench.test_page import _at, _error
 
@@ -37,12 +38,13 @@ def test_reloading_in_the_middle_of_a_job_loses_nothing(compared, bench):
     run, page = compared()
     page.evaluate("run => location.hash = `#/run/${run}/which`", run)
     page.click("[data-start=diagnose]")
-    page.wait_for_selector(".empty progress")
-    (job,) = (job for job in bench.desk.jobs.all() if job.state == "running")
-    child = psutil.Process(int((job.folder / "pid").read_text()))
+    (job,) = wait_for(lambda: [job for job in bench.desk.jobs.all() if job.state == "running"])
+    pid = wait_for(lambda: (job.folder / "pid").is_file() and (job.folder / "pid").read_text())
+    child = psutil.Process(int(pid))
     processes = [child, *child.children(recursive=True)]
-    for process in processes:  # so that the diagnosis is not done before the page is
+    for process in processes:  # at once, so that the diagnosis is not done before the page is
         process.suspend()
+    page.wait_for_selector(".empty progress")
     page.reload()
     page.wait_for_selector(".empty progress")
     for process in processes:
