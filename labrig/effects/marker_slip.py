@@ -119,15 +119,14 @@ class MarkerSlip(Effect):
         error = fill(error)
         scale = motion_scale(context)
         found = []
-        for m in markers:
-            for group in _groups(rows, m):
-                own = np.isin(rows.marker, group)
-                if own.mean() > _MOST_OF_ALL:
-                    continue
-                e = _beside_others(error, own)
-                gain = _step_gain(e)
-                i = int(np.argmax(gain))
-                found.append((float(gain[i]) - _DEARER * own.sum(), group, i, e))
+        for group in dict.fromkeys(group for m in markers for group in _groups(rows, m)):
+            own = np.isin(rows.marker, group)
+            if own.mean() > _MOST_OF_ALL:
+                continue
+            e = _beside_others(error, own)
+            gain = _step_gain(e)
+            i = int(np.argmax(gain))
+            found.append((float(gain[i]) - _DEARER * own.sum(), group, i, e))
         found.sort(key=lambda one: -one[0])
         for _, group, i, e in found[:_SHOWN]:
             since, others = int(captures[i + 1]), [int(captures[j + 1]) for j in _more_steps(e, i)]
@@ -149,7 +148,11 @@ class MarkerSlip(Effect):
                     field(f"{way} {rows.marker[k]} {rows.axis[k]}", q[:, None] * one, w)
                     for way, q, w in (ways if len(group) == 1 else ways[:2])
                 ]
-            name = f"marker {group[0]} since {since}" if len(group) == 1 else f"markers {group} since {since}"
+            name = (
+                f"marker {group[0]} since {since}"
+                if len(group) == 1
+                else f"markers {list(group)} since {since}"
+            )
             yield Space(name, "marker_slip", tuple(out), scanned=2 * len(markers) * len(captures))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
@@ -201,12 +204,12 @@ def _median(x: Floats) -> Floats:
     return out
 
 
-def _groups(rows: Rows, marker: int) -> list[list[int]]:
+def _groups(rows: Rows, marker: int) -> list[tuple[int, ...]]:
     """A marker by itself, and with its three nearest neighbours, as on one plate."""
-    out = [[int(marker)]]
+    out = [(int(marker),)]
     if rows.rest_mm is not None and np.isfinite(rows.rest_mm).all() and marker < len(rows.rest_mm):
         away = np.linalg.norm(rows.rest_mm - rows.rest_mm[int(marker)], axis=1)
-        out.append(sorted(int(m) for m in np.argsort(away)[:_ON_A_PLATE]))
+        out.append(tuple(sorted(int(m) for m in np.argsort(away)[:_ON_A_PLATE])))
     return out
 
 

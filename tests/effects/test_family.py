@@ -64,6 +64,14 @@ def occluded(make_lab) -> Context:
     return context_of(lab, values.reshape(30, -1, 18))
 
 
+def with_a_plate(make_lab) -> Context:
+    """The four markers at one end step together: each of them has the others as its nearest."""
+    lab = make_lab(markers=10, captures=40)
+    values = lab.predict(lab.u) + lab.noise()
+    values[20:, :, :12] += 2.0 * np.sin(np.arange(12))
+    return context_of(lab, values)
+
+
 def check(context: Context, space: Space) -> None:
     """Names, shapes and weights of one space are what the diagnosis relies on."""
     (F, K), C = context.base.shape, len(context.rows.chambers)
@@ -79,7 +87,7 @@ def check(context: Context, space: Space) -> None:
 
 
 @pytest.mark.parametrize(
-    "build", [with_all, one_force, single_rows, unmoved, occluded], ids=lambda b: b.__name__
+    "build", [with_all, one_force, single_rows, unmoved, occluded, with_a_plate], ids=lambda b: b.__name__
 )
 def test_spaces_have_the_right_shapes(make_lab, build) -> None:
     """On any run every space is finite, shaped as its kind says, and its features have names of their own."""
