@@ -210,7 +210,8 @@ def small_sizes(design: Design, spike: float, slow: float) -> Floats:
     several, square = Counter(b.owner for b in design.blocks), np.zeros(design.W.width)
     fixed = {SLOW: slow, DECLARED: k.DECLARED_FLOORS}
     for block in design.blocks:
-        square[block.at] += fixed.get(block.owner, spike / np.sqrt(several[block.owner])) ** 2
+        own = fixed[block.owner] if block.owner in fixed else spike / np.sqrt(several[block.owner])
+        square[block.at] += own**2
     return np.sqrt(square)
 
 

@@ -206,7 +206,7 @@ def _median(x: Floats) -> Floats:
 
 def _groups(rows: Rows, marker: int) -> list[tuple[int, ...]]:
     """A marker by itself, and with its three nearest neighbours, as on one plate."""
-    out = [(int(marker),)]
+    out: list[tuple[int, ...]] = [(int(marker),)]
     if rows.rest_mm is not None and np.isfinite(rows.rest_mm).all() and marker < len(rows.rest_mm):
         away = np.linalg.norm(rows.rest_mm - rows.rest_mm[int(marker)], axis=1)
         out.append(tuple(sorted(int(m) for m in np.argsort(away)[:_ON_A_PLATE])))
