@@ -48,9 +48,8 @@ class Columns:
         p = self.through.shape[2]
         acting = self.through[:, :, slice(min(at.start, p), min(at.stop, p))]
         plain = self.plain[:, :, slice(max(at.start - p, 0), max(at.stop - p, 0))]
-        parts = [self._slopes @ acting] * (acting.shape[2] > 0) + [plain] * (plain.shape[2] > 0)
-        both = parts[0] if len(parts) == 1 else np.concatenate([*parts, plain[:, :, :0]], axis=2)
-        return both.reshape(len(plain) * plain.shape[1], -1)
+        both = np.concatenate([self._slopes @ acting, plain], axis=2)
+        return both.reshape(len(both) * both.shape[1], both.shape[2])
 
     @property
     def whole(self) -> Floats:

@@ -12,7 +12,7 @@ ERRORS = "e => e.data[0].marker.color"
 @pytest.mark.slow
 def test_before_and_after_are_turned_together(asked: Any, browser: Any) -> None:
     """Two surfaces in one scale of colours; who turns one turns both; a capture is shown by both, at an address."""
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page = browser.new_page(viewport={"width": 1280, "height": 900}, reduced_motion="reduce")
     page.set_default_timeout(60_000)
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))

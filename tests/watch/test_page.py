@@ -18,7 +18,7 @@ BUTTON = (80, PLACE["height"] - 30)
 @pytest.fixture
 def page(bench: Any, browser: Any) -> Iterator[Any]:
     """The page as `labrig workbench` opens it; errors in its console fail the test."""
-    context = browser.new_context(viewport=PLACE)
+    context = browser.new_context(viewport=PLACE, reduced_motion="reduce")
     page = context.new_page()
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))

@@ -163,7 +163,7 @@ def open_page(browser: "Browser", bench: Running) -> "Iterator[Callable[[], Page
     contexts, complaints = [], []
 
     def opening() -> "Page":
-        context = browser.new_context(viewport={"width": 1280, "height": 800})
+        context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
         context.set_default_timeout(40_000)
         contexts.append(context)
         page = context.new_page()
