@@ -51,6 +51,7 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
     """What the values of a form refer to on this run."""
     rows = context.rows
     turns = effect.name == "frame" or any(term.kind == "frame" for term in variant.terms)
+    turns = turns or variant.form == "plane"
     dated = "since_s" in variant.shape and np.isfinite(rows.start_s)
     return FittedOn(
         chambers=list(rows.chambers),

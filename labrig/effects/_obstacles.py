@@ -25,7 +25,7 @@ def obstacles(context: Context) -> Iterator[Space]:
     rows = context.rows
     if (rows.axis >= 0).sum() < 3 or not (rows.marker >= 0).any():
         return
-    places = _Places(context)
+    places = Places(context)
     far = float(context.travel.max())
     for share in (0.3, 0.5, 0.7, 0.85):
         past = np.maximum(places.length - share * far, 0)
@@ -69,7 +69,7 @@ class _Facing:
         return np.where(self.met[rows], np.maximum(self.height[rows] - plane, 0.0), 0.0)
 
 
-class _Places:
+class Places:
     """Markers' predicted ways, and what of the residual stands against them, by capture."""
 
     def __init__(self, context: Context) -> None:
@@ -97,7 +97,7 @@ class _Places:
     def planes(self) -> Iterator[Space]:
         """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
         found = []
-        normals = _normals()
+        normals = sphere_normals()
         all_facing = {i: facing for i, n in enumerate(normals) if (facing := self.facing(n)) is not None}
         for i, facing in all_facing.items():
             against = -(self.left @ normals[i])
@@ -193,7 +193,7 @@ class _Places:
             )
 
 
-def _normals() -> Floats:
+def sphere_normals() -> Floats:
     """Directions (42, 3) spread evenly over the sphere: the corners of a twice divided icosahedron."""
     golden = (1 + np.sqrt(5)) / 2
     corners = [np.roll([0.0, s, t * golden], j) for j in range(3) for s in (1, -1) for t in (1, -1)]

@@ -1,6 +1,6 @@
 """Contact: a limit is reached and the motion stops there."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, pressure
 from labrig.effects._inside import FORM, inside
 from labrig.effects._obstacles import obstacles
+from labrig.effects._planes import NORMAL, planes
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
 
@@ -40,7 +41,15 @@ class Contact(Effect):
             1.0,
             meaning="where the limit lies, fraction of the range (or of the deflection at full range)",
         ),
-        Parameter("distance", "observable", 0.0, meaning="how far from the vented place the limit lies"),
+        Parameter(
+            "distance",
+            "observable",
+            meaning="how far from the vented place the limit lies; of a plane, from the middle of the markers at rest",
+        ),
+        *(
+            Parameter(name, "1", -1.0, 1.0, meaning=f"{name[-1]} of the plane's direction", given=True)
+            for name in NORMAL
+        ),
         Parameter("chamber", "1", 0.0, meaning="the only chamber that is stopped, counted from 0"),
     )
     reference = (
@@ -78,6 +87,9 @@ class Contact(Effect):
                     {"limit": limit},
                 )
         yield from self._positions(context)
+        for plane, back in planes(context):
+            if context.shows((back != 0).any(axis=1).mean() >= 0.02):
+                yield Variant("plane", (Term.field("stopped", back),), plane.shape)
 
     def _positions(self, context: Context) -> Iterator[Variant]:
         """The limit as a distance travelled, and as a wall across each axis."""
@@ -128,6 +140,9 @@ class Contact(Effect):
             yield from _together(context)
         yield from obstacles(context)
 
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        return "the places of the markers at rest" if form == "plane" else ""
+
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))
 
@@ -135,7 +150,7 @@ class Contact(Effect):
         if part.form.startswith("wall at "):
             letter = part.form[-1]
             return by_marker(context, part, "xyz".index(letter), 1.0 if part.form[-2] == "+" else -1.0)
-        if part.form in ("travel", FORM):
+        if part.form in ("travel", "plane", FORM):
             return by_marker(context, part)
         return by_chamber(context, part, named=True)
 

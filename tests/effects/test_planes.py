@@ -1,0 +1,82 @@
+"""A plane in space: found by what it stops, with where it stands and which way it faces in the model's own units."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig._errors import LabrigError
+from labrig.diagnosis import diagnose
+from labrig.effects import rows_of
+from labrig.effects._planes import Plane, planes
+from labrig.effects._registry import shipped
+from labrig.model import EffectEntry, Value
+from labrig.model._model import find_variant
+from tests.effects.test_family import context_of
+
+NORMAL = np.array([0.6, 0.0, 0.8])
+FROM_MIDDLE_MM = 22.0
+
+
+def behind_glass(lab: Any) -> np.ndarray:
+    """Markers push against a slanted plate that gives way a little: half of a soft corner, a root of a square."""
+    where = lab.predict(lab.u)
+    points = where.reshape(*where.shape[:-1], -1, 3)
+    deep = (points - lab.rest_mm.mean(axis=0)) @ NORMAL - FROM_MIDDLE_MM
+    at_rest = (lab.rest_mm - lab.rest_mm.mean(axis=0)) @ NORMAL - FROM_MIDDLE_MM
+    deep = deep - np.maximum(at_rest, 0.0)
+    back = 0.4 * (deep + np.sqrt(deep**2 + 0.5**2))
+    back -= 0.4 * (np.minimum(at_rest, 0.0) + np.sqrt(np.minimum(at_rest, 0.0) ** 2 + 0.5**2))
+    return (points - back[..., None] * NORMAL).reshape(where.shape)
+
+
+@pytest.fixture
+def lab(make_lab) -> Any:
+    """Ten markers on three chambers, of which a part reaches the plate."""
+    return make_lab(markers=10, captures=60)
+
+
+def test_where_it_stands(lab) -> None:
+    """A plate that a campaign ran against is named as contact with a plane, its direction to 5 degrees, its distance
+    to 1 mm, and most of the error on another programme is gone with it.
+    """
+    result = diagnose(lab.dataset(behind_glass(lab) + lab.noise()), lab.model())
+    assert (result.summary["verdict"], result.summary["effects"]) == ("identified", ["contact"])
+    assert result.improved is not None
+    (entry,) = result.improved.file.effects
+    value = {name: float(np.asarray(own.value)) for name, own in entry.parameters.items()}
+    assert entry.form == "plane"
+    normal = np.array([value[f"normal_{a}"] for a in "xyz"])
+    assert np.degrees(np.arccos(normal @ NORMAL)) < 5
+    assert value["distance"] == pytest.approx(FROM_MIDDLE_MM, abs=1)
+    assert value["stopped"] == pytest.approx(0.8, abs=0.1)
+    assert entry.parameters["distance"].unit == "mm"
+    fresh = replace(lab, seed=7)
+    rows = rows_of(fresh.dataset(behind_glass(fresh)))
+    before, after = (
+        np.sqrt(np.mean((model.context(rows).base - rows.values) ** 2))
+        for model in (lab.model(), result.improved)
+    )
+    assert after < 0.1 * before
+
+
+def test_a_plate_that_is_not_reached_changes_nothing(lab) -> None:
+    """What stands farther away than any marker goes is no error; what markers are behind at rest holds them there."""
+    context = context_of(lab)
+    for distance, moved in ((1000.0, False), (-1000.0, True)):
+        ((_, back),) = planes(context.pin(Plane(NORMAL, distance).shape))
+        assert bool(back.any()) is moved
+    points = context.displacement.reshape(len(back), -1, 3) @ NORMAL
+    assert back.reshape(len(back), -1, 3) @ NORMAL == pytest.approx(-np.maximum(points, 0.0))
+
+
+def test_where_nobody_knows_the_places_at_rest(lab) -> None:
+    """No plane is looked for, and a model that has one says what is lacking."""
+    context = context_of(lab)
+    unknown = replace(context, rows=replace(context.rows, rest_mm=None))
+    assert not list(planes(unknown))
+    values = {"stopped": Value(value=1.0)} | {k: Value(value=v) for k, v in Plane(NORMAL, 14.0).shape.items()}
+    entry = EffectEntry(name="contact", form="plane", parameters=values)
+    with pytest.raises(LabrigError, match="the places of the markers at rest"):
+        find_variant(unknown, shipped()["contact"], entry)
