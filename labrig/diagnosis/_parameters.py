@@ -51,13 +51,13 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
     """What the values of a form refer to on this run."""
     rows = context.rows
     turns = effect.name == "frame" or any(term.kind == "frame" for term in variant.terms)
-    turns = turns or variant.form == "plane"
+    centred = turns or variant.centred
     dated = "since_s" in variant.shape and np.isfinite(rows.start_s)
     return FittedOn(
         chambers=list(rows.chambers),
         low=rows.low.tolist(),
         high=rows.high.tolist(),
-        centre_mm=centre_of(context).tolist() if turns else None,
+        centre_mm=centre_of(context).tolist() if centred else None,
         start_s=rows.start_s if dated else None,
     )
 

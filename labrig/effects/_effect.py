@@ -93,11 +93,15 @@ class Term:
 
 @dataclass(frozen=True)
 class Variant:
-    """One form that an effect may take: its terms, and the values of what is not linear in it."""
+    """One form that an effect may take: its terms, and the values of what is not linear in it.
+
+    `centred`: its values refer to the middle of the markers at rest, which is saved with them.
+    """
 
     form: str
     terms: tuple[Term, ...]
     shape: dict[str, float] = field(default_factory=dict)
+    centred: bool = False
 
     @property
     def key(self) -> str:

@@ -89,7 +89,7 @@ class Contact(Effect):
         yield from self._positions(context)
         for plane, back in planes(context):
             if context.shows((back != 0).any(axis=1).mean() >= 0.02):
-                yield Variant("plane", (Term.field("stopped", back),), plane.shape)
+                yield Variant("plane", (Term.field("stopped", back),), plane.shape, centred=True)
 
     def _positions(self, context: Context) -> Iterator[Variant]:
         """The limit as a distance travelled, and as a wall across each axis."""

@@ -52,6 +52,8 @@ def test_where_it_stands(lab) -> None:
     assert value["distance"] == pytest.approx(FROM_MIDDLE_MM, abs=1)
     assert value["stopped"] == pytest.approx(0.8, abs=0.1)
     assert entry.parameters["distance"].unit == "mm"
+    assert entry.fitted_on is not None
+    assert entry.fitted_on.centre_mm == pytest.approx(lab.rest_mm.mean(axis=0))
     fresh = replace(lab, seed=7)
     rows = rows_of(fresh.dataset(behind_glass(fresh)))
     before, after = (
