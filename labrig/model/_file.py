@@ -104,7 +104,8 @@ class FittedOn(_Strict):
     """What an entry's values refer to, so that they mean the same on every run.
 
     `low`, `high`: the range of each of `chambers` that fractions are of; `centre_mm`: the point that rotations and
-    scales are about, and a plane's distance is from; `start_s`: when the run began that moments are counted from, by the rig's clock.
+    scales are about, and a plane's distance is from; `start_s`: when the run began that moments are counted from, by
+    the rig's clock.
     """
 
     chambers: list[str] = Field(default_factory=list)
