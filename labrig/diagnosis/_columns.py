@@ -26,13 +26,6 @@ class Columns:
     capture: Ints
     plain: Floats
 
-    @classmethod
-    def of_matrix(cls, matrix: Floats, r: int) -> "Columns":
-        """The same for columns that are written out, (S r, P), of which none is known to act through pressures."""
-        S = len(matrix) // r
-        nothing, moves = np.zeros((S, 0, 0), dtype=matrix.dtype), np.zeros((S, r, 0), dtype=matrix.dtype)
-        return cls(nothing, moves, np.arange(S), matrix.reshape(S, r, -1))
-
     @property
     def width(self) -> int:
         """How many columns there are, P."""

@@ -237,6 +237,8 @@ class _Layout:
         J = context.jacobian * context.span / observations.unit[None, :, None]
         first = observations.first
         self.moves = np.einsum("nkc,kr->nrc", J[first].astype(self.dtype), V)  # of each capture
+        few = self.moves.shape[1] <= self.moves.shape[2]
+        self.fewer = self.moves if few else np.linalg.qr(self.moves, mode="r")  # the same in fewer directions
         self.T = observations.whiten.astype(self.dtype)
 
     def columns(self, space: Space, spectra: dict | None) -> Floats | None:
@@ -279,8 +281,7 @@ class _Layout:
         for c in range(C):
             start = shared.shape[1] + c * own.shape[1]
             Z[:, c, start : start + own.shape[1]] = lifted[:, c] @ own
-        fewer = np.linalg.qr(self.moves, mode="r") if self.moves.shape[1] > C else self.moves
-        U = self.axes(space, square, (fewer[capture] @ Z).reshape(-1, Z.shape[2]))
+        U = self.axes(space, square, (self.fewer[capture] @ Z).reshape(-1, Z.shape[2]))
         return None if U is None else Z @ U
 
     def together(self, made: "Sequence[_Made]") -> Columns:

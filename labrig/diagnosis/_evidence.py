@@ -13,6 +13,7 @@ from labrig.diagnosis._constants import NEGLIGIBLE
 from labrig.diagnosis._design import DECLARED, Design
 
 _PANEL = 256
+"""How many rows of a matrix are mirrored at once: numerical, it changes no number."""
 _JITTER = 1e-12
 """Added to a unit diagonal against rounding; numerical, it decides nothing."""
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
@@ -140,7 +141,11 @@ def _marginalised(out: Beside, sums: Sums, variance: Floats) -> Beside:
 
 @dataclass(frozen=True)
 class State:
-    """The posterior when every column has a prior sd `sd` (P,), from which some are raised at little cost."""
+    """The posterior when every column has a prior sd `sd` (P,), from which some are raised at little cost.
+
+    `covariance` (P, P) and `mean` (P,) of the columns' coefficients; `quad` is y' C^-1 y, `logdet` log det C, of
+    the observations' covariance C.
+    """
 
     sd: Floats
     covariance: Floats
@@ -180,10 +185,7 @@ class State:
         half = solve_triangular(L, rows, lower=True, check_finite=False)
         z = solve_triangular(L, delta * self.mean[index], lower=True, check_finite=False)
         more = 2 * float(np.log(np.diag(L)).sum() + np.log(wanted / was).sum())
-        raised = frozenset(square)
-        return RaisedState(
-            self, sd, raised, half, self.mean + z @ half, self.quad - float(z @ z), self.logdet + more
-        )
+        return RaisedState(self, sd, half, self.mean + z @ half, self.quad - float(z @ z), self.logdet + more)
 
 
 def _mirrored(lower: Floats) -> Floats:
@@ -204,8 +206,6 @@ class RaisedState:
 
     state: State
     sd: Floats
-    raised: frozenset[tuple[int, int]]
-    """Where the columns that are raised begin and end."""
     half: Floats
     mean: Floats
     quad: float
@@ -223,7 +223,7 @@ class RaisedState:
         """
         mean, was = self.mean[at], self.sd[at.start]
         q = len(mean)
-        if (at.start, at.stop) in self.raised:  # by another owner of the same space
+        if was > self.state.sd[at.start]:  # raised already, by another owner of the same space
             sds = np.hypot(sds, was)
         delta = np.sqrt(np.maximum(was**-2.0 - sds**-2.0, 0.0))
         M = np.zeros((len(sds), q + 1, q + 1))

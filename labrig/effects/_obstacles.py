@@ -17,6 +17,20 @@ _SHALLOW = 0.2
 """Sine of the angle between way and plane below which a marker is taken to slide along it, not to meet it."""
 
 
+def _normals() -> Floats:
+    """Directions (42, 3) spread evenly over the sphere: the corners of a twice divided icosahedron."""
+    golden = (1 + np.sqrt(5)) / 2
+    corners = [np.roll([0.0, s, t * golden], j) for j in range(3) for s in (1, -1) for t in (1, -1)]
+    points = np.array(corners) / np.sqrt(1 + golden**2)
+    middles = [a + b for i, a in enumerate(points) for b in points[:i] if a @ b > 0.4]
+    out = np.array([*points, *middles])
+    return out / np.linalg.norm(out, axis=1, keepdims=True)
+
+
+NORMALS = _normals()
+"""The directions (42, 3) in which planes are looked for."""
+
+
 def obstacles(context: Context) -> Iterator[Space]:
     """Ends of the body's main motions; of the markers' travel; planes and posts in the way of markers."""
     if float(context.travel.max()) <= 0:
@@ -94,27 +108,29 @@ class Places:
         low, high = np.percentile(height[met], (5, 100))
         return _Facing(met, height, float(low), float(high))
 
-    def planes(self) -> Iterator[Space]:
-        """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
+    def best_planes(self) -> list[tuple[int, _Facing, float]]:
+        """The planes that the residuals speak for most: number of the normal, what lies before it, level of the way."""
         found = []
-        normals = sphere_normals()
-        all_facing = {i: facing for i, n in enumerate(normals) if (facing := self.facing(n)) is not None}
-        for i, facing in all_facing.items():
-            against = -(self.left @ normals[i])
+        for i, normal in enumerate(NORMALS):
+            if (facing := self.facing(normal)) is None:
+                continue
+            against = -(self.left @ normal)
             for level in _LEVELS:
                 past = facing.past(level, self.first)
                 if past.max() > 0:
                     gain = max(float((past * against).sum()), 0.0) / np.sqrt((past**2).sum())
-                    found.append((gain, i, level))
-        chosen: list[tuple[int, float]] = []
-        for _, i, level in sorted(found, reverse=True):
-            if all(i != other for other, _ in chosen):
-                chosen.append((i, level))
-            if len(chosen) == _BEST:
-                break
-        for i, level in chosen:
-            features = acting(self._plane(normals[i], all_facing[i], level))
-            yield Space(f"plane {i} {level}", "contact plane", features, scanned=len(normals) * len(_LEVELS))
+                    found.append((gain, i, level, facing))
+        chosen: dict[int, tuple[int, _Facing, float]] = {}
+        for _, i, level, facing in sorted(found, key=lambda one: one[:3], reverse=True):
+            if i not in chosen and len(chosen) < _BEST:
+                chosen[i] = (i, facing, level)
+        return list(chosen.values())
+
+    def planes(self) -> Iterator[Space]:
+        """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
+        for i, facing, level in self.best_planes():
+            features = acting(self._plane(NORMALS[i], facing, level))
+            yield Space(f"plane {i} {level}", "contact plane", features, scanned=len(NORMALS) * len(_LEVELS))
 
     def _plane(self, normal: Floats, facing: _Facing, level: float) -> list[Feature]:
         context = self.context
@@ -191,16 +207,6 @@ class Places:
             yield Space(
                 f"post before {self.context.rows.markers[m]}", "contact post", acting(out), scanned=len(top)
             )
-
-
-def sphere_normals() -> Floats:
-    """Directions (42, 3) spread evenly over the sphere: the corners of a twice divided icosahedron."""
-    golden = (1 + np.sqrt(5)) / 2
-    corners = [np.roll([0.0, s, t * golden], j) for j in range(3) for s in (1, -1) for t in (1, -1)]
-    points = np.array(corners) / np.sqrt(1 + golden**2)
-    middles = [a + b for i, a in enumerate(points) for b in points[:i] if a @ b > 0.4]
-    out = np.array([*points, *middles])
-    return out / np.linalg.norm(out, axis=1, keepdims=True)
 
 
 def by_marker(context: Context, values: Floats) -> Floats:

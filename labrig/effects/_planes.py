@@ -8,12 +8,10 @@ import numpy as np
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
 from labrig.effects._fields import centre_of
-from labrig.effects._obstacles import Places, by_marker, sphere_normals, to_rows
+from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 
 NORMAL = ("normal_x", "normal_y", "normal_z")
 """The parameters of a plane's direction, a vector of length 1."""
-_MOST = 3
-_LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
 _TURNS_RAD = (0.3, 0.15, 0.07)
 """By how much a plane that was found is turned, to see whether it stands better so: half-way to the next, and less."""
 
@@ -72,21 +70,14 @@ def _found(context: Context) -> list[Plane]:
         size = float(np.sqrt((past**2).sum()))
         return max(float((past * against).sum()), 0.0) / size if size > 0 else 0.0
 
-    each = []
-    for normal in sphere_normals():
-        if (facing := places.facing(normal)) is None:
-            continue
-        middle = float(centre @ normal)
-        at = [facing.low + level * (facing.high - facing.low) - middle for level in _LEVELS]
-        best = max((Plane(normal, distance) for distance in at), key=gain)
-        each.append((gain(best), best, (facing.high - facing.low) / len(_LEVELS)))
-    each = [one for one in sorted(each, key=lambda one: -one[0])[:_MOST] if one[0] > 0]
     out = []
-    for value, plane, step in each:
+    for i, facing, level in places.best_planes():
+        way = facing.high - facing.low
+        plane = Plane(NORMALS[i], facing.low + level * way - float(centre @ NORMALS[i]))
         for turn in _TURNS_RAD:
-            near = [(gain(other), other) for other in _near(plane, turn, step * turn / _TURNS_RAD[0])]
-            value, plane = max([(value, plane), *near], key=lambda one: one[0])
-        out.append(plane)
+            plane = max([plane, *_near(plane, turn, way * turn / 2)], key=gain)
+        if gain(plane) > 0:
+            out.append(plane)
     return out
 
 

@@ -141,7 +141,9 @@ class Contact(Effect):
         yield from obstacles(context)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
-        return "the places of the markers at rest" if form == "plane" else ""
+        rest = context.rows.rest_mm
+        unknown = rest is None or not np.isfinite(rest).all()
+        return "the places of the markers at rest" if form == "plane" and unknown else ""
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))

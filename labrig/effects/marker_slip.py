@@ -148,12 +148,10 @@ class MarkerSlip(Effect):
                     field(f"{way} {rows.marker[k]} {rows.axis[k]}", q[:, None] * one, w)
                     for way, q, w in (ways if len(group) == 1 else ways[:2])
                 ]
-            name = (
-                f"marker {group[0]} since {since}"
-                if len(group) == 1
-                else f"markers {list(group)} since {since}"
+            who = f"marker {group[0]}" if len(group) == 1 else f"markers {list(group)}"
+            yield Space(
+                f"{who} since {since}", "marker_slip", tuple(out), scanned=2 * len(markers) * len(captures)
             )
-            yield Space(name, "marker_slip", tuple(out), scanned=2 * len(markers) * len(captures))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))

@@ -61,7 +61,6 @@ def test_single_precision_stays_single() -> None:
     made = columns(*SHAPES[0], dtype=np.float32)
     assert made.whole.dtype == made.beside(np.ones((7, 1))).dtype == np.float32
     assert made.gram().dtype == made.times(np.ones((7, 3))).dtype == np.float64
-    assert Columns.of_matrix(made.whole, 3).whole == pytest.approx(made.whole)
 
 
 def test_a_space_of_several_owners_is_laid_out_once(make_lab) -> None:

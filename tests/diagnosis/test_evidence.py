@@ -61,6 +61,13 @@ def tiny(seed: int = 0, widths: Mapping[str, int] = WIDTHS, free: Mapping[str, i
     return Design(cast(Any, observations), V, spread, W, tuple(blocks), tuple(patterns))
 
 
+def plain(matrix: np.ndarray, r: int) -> Columns:
+    """Columns that are written out, (S r, P), of which none acts through pressures."""
+    made = matrix.reshape(-1, r, matrix.shape[1])
+    nothing, moves = np.zeros((len(made), 0, 0)), np.zeros((len(made), r, 0))
+    return Columns(nothing.astype(matrix.dtype), moves.astype(matrix.dtype), np.arange(len(made)), made)
+
+
 def covariance(design: Design, sd: np.ndarray, variance: np.ndarray | None = None) -> np.ndarray:
     """Of the observations (S R,), where columns have prior sds (P,) and free regressors variances (g, R)."""
     C = np.eye(S * R) + (design.W.whole * sd**2) @ design.W.whole.T
@@ -209,7 +216,7 @@ def test_the_order_of_blocks_does_not_matter(seed: int, order: list[int]) -> Non
         replace(design.blocks[i], at=slice(int(a), int(b)))
         for i, a, b in zip(order, ends, ends[1:], strict=False)
     )
-    other = replace(design, W=Columns.of_matrix(design.W.whole[:, columns], R), blocks=blocks)
+    other = replace(design, W=plain(design.W.whole[:, columns], R), blocks=blocks)
     sd = np.linspace(0.1, 0.4, 7)
     one = state_of(design, sd).raised([b.at for b in design.blocks[:2]], [2.0, 5.0])
     again = [other.blocks[order.index(i)].at for i in (1, 0)]
@@ -223,7 +230,7 @@ def twice(seed: int) -> tuple[Design, Design]:
     W, first = one.W.whole, one.blocks[0].at
     observations = SimpleNamespace(**vars(one.observations), counts_for=np.full(S, 1 / (S * R)))
     observations.size_of = lambda values, noise=0.0: float(np.sqrt(np.mean(values**2)))
-    again = Columns.of_matrix(np.concatenate([W, W[:, first]], axis=1), R)
+    again = plain(np.concatenate([W, W[:, first]], axis=1), R)
     shared, own = (Block("c", space("a"), at) for at in (first, slice(7, 9)))
     both = [
         replace(one, W=W, observations=cast(Any, observations), blocks=(*one.blocks, block))
@@ -351,6 +358,6 @@ def test_columns_in_single_precision_that_say_the_same(seed: int) -> None:
     design = tiny(seed, {"a": 3, "b": 4, SLOW: 1})
     W = (1e5 * design.W.whole).astype(np.float32)
     W[:, 3:7] = W[:, :3] @ np.random.default_rng(seed).normal(size=(3, 4)).astype(np.float32)
-    sums = Sums.of(replace(design, W=Columns.of_matrix(W, R)))
+    sums = Sums.of(replace(design, W=plain(W, R)))
     state = State.of(beside_free(sums, np.zeros((0, R))), np.full(8, 300.0))
     assert (np.diag(state.covariance) > 0).all()

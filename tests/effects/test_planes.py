@@ -19,16 +19,18 @@ NORMAL = np.array([0.6, 0.0, 0.8])
 FROM_MIDDLE_MM = 22.0
 
 
+ROUND_MM = 500.0
+
+
 def behind_glass(lab: Any) -> np.ndarray:
-    """Markers push against a slanted plate that gives way a little: half of a soft corner, a root of a square."""
-    where = lab.predict(lab.u)
+    """Markers push against a large ball, nearly flat, that gives way softly: they keep a root of how deep they are."""
+    where, middle = lab.predict(lab.u), lab.rest_mm.mean(axis=0) + (FROM_MIDDLE_MM + ROUND_MM) * NORMAL
     points = where.reshape(*where.shape[:-1], -1, 3)
-    deep = (points - lab.rest_mm.mean(axis=0)) @ NORMAL - FROM_MIDDLE_MM
-    at_rest = (lab.rest_mm - lab.rest_mm.mean(axis=0)) @ NORMAL - FROM_MIDDLE_MM
-    deep = deep - np.maximum(at_rest, 0.0)
-    back = 0.4 * (deep + np.sqrt(deep**2 + 0.5**2))
-    back -= 0.4 * (np.minimum(at_rest, 0.0) + np.sqrt(np.minimum(at_rest, 0.0) ** 2 + 0.5**2))
-    return (points - back[..., None] * NORMAL).reshape(where.shape)
+    away = points - middle
+    far = np.linalg.norm(away, axis=-1, keepdims=True)
+    deep = np.maximum(ROUND_MM - far, 0.0)
+    assert (np.linalg.norm(lab.rest_mm - middle, axis=-1) > ROUND_MM).all()
+    return (points + (deep - 0.6 * np.sqrt(deep)) * (deep > 0.36) * away / far).reshape(where.shape)
 
 
 @pytest.fixture
