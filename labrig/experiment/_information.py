@@ -6,8 +6,6 @@ Entropy 19 (2017) 361). How the odds will change is drawn instead, and its media
 less sure of what comes than the other, few draws make most of the mean.
 """
 
-from itertools import combinations
-
 import numpy as np
 from scipy.special import logsumexp
 
@@ -59,10 +57,12 @@ def bhattacharyya(outlook: Outlook) -> Floats:
     mean, C = _gaussians(outlook)
     half = np.linalg.slogdet(C)[1] / 2
     out = np.zeros((len(C), len(C)))
-    for m, n in combinations(range(len(C)), 2):
-        L = np.linalg.cholesky((C[m] + C[n]) / 2)
-        z = np.linalg.solve(L, mean[m] - mean[n])
-        out[m, n] = out[n, m] = z @ z / 8 + float(np.log(np.diag(L)).sum()) - (half[m] + half[n]) / 2
+    for m in range(len(C) - 1):
+        L = np.linalg.cholesky((C[m] + C[m + 1 :]) / 2)
+        z = np.linalg.solve(L, (mean[m] - mean[m + 1 :])[..., None])[..., 0]
+        logdet = np.log(np.diagonal(L, axis1=1, axis2=2)).sum(axis=1)
+        out[m, m + 1 :] = (z**2).sum(axis=1) / 8 + logdet - (half[m] + half[m + 1 :]) / 2
+    out += out.T
     return np.maximum(out, 0.0)
 
 
