@@ -8,13 +8,15 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, pressure
+from labrig.effects._family import Space, acting, field, pattern, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._obstacles import by_marker, to_rows
 from labrig.effects._sign import Part, Sign, by_chamber
 
 _PAIRS = 12
 """Most pairs of chambers that are asked one by one how one turns the other; of more, all others together."""
+_OTHERS, _THIRD = 6, 3
+"""Of how many neighbours each acts for itself, and of how many two act at once: grids, no limits of a verdict."""
 
 
 class Coupling(Effect):
@@ -73,7 +75,10 @@ class Coupling(Effect):
         return Term("pair", "pressure", feature, tuple(f"{names[i]}-{names[j]}" for i, j in pairs))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Products of a chamber's pressure with that of its neighbours, or of all chambers; linear or saturating."""
+        """Products of a chamber's pressure with that of its neighbours, or of all chambers; linear or saturating.
+
+        Also of each pair for itself, of three, and what two or three do together anywhere.
+        """
         C = len(context.rows.chambers)
         if C < 2 or not context.moves:
             return
@@ -95,6 +100,7 @@ class Coupling(Effect):
             order = np.argsort(-near, axis=1)[:, k - 1]
             out.append(pressure(f"neighbour {k}", x * x[:, order]))
         yield Space("together", "coupling", acting(out), 0.6)
+        yield from _pair_by_pair(context, near)
         yield from _turned_along(context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
@@ -108,6 +114,34 @@ class Coupling(Effect):
         return by_chamber(
             context, part, product, "pressure of the chamber x that of its neighbours", "of the range"
         )
+
+
+def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
+    """Each chamber by each other one for itself, by two of them at once; and what they do together, anywhere."""
+    x = context.rows.fraction
+    C = x.shape[1]
+    order = np.argsort(-near, axis=1, kind="stable")
+    others = [x[:, order[:, k]] for k in range(min(C - 1, _OTHERS))]
+    out = []
+    for k, y in enumerate(others, start=1):
+        out += [
+            pressure(f"by {k}", x * y),
+            pressure(f"by {k} early", x * y / (0.3 + y), 0.5),
+            pressure(f"by {k} late", x * np.maximum(y - 0.5, 0.0)),
+        ]
+    out += [
+        pressure(f"by {i} and {j}", x * y * z)
+        for (i, y), (j, z) in combinations(enumerate(others[:_THIRD], start=1), 2)
+    ]
+    yield Space("pair by pair", "coupling pairs", acting(out), 0.2)
+    groups = [g for size in (2, 3) for g in combinations(range(C), size)]
+    if len(groups) > _PAIRS:
+        groups = sorted(neighbour_pairs(near), key=lambda pair: -near[pair])[:_PAIRS]
+    yield Space(
+        "anywhere",
+        "coupling anywhere",
+        acting([pattern("x".join(map(str, g)), x[:, g].prod(axis=1)) for g in groups]),
+    )
 
 
 def neighbour_pairs(near: Floats) -> list[tuple[int, int]]:

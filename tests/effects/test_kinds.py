@@ -126,12 +126,29 @@ def through_a_narrow_hole(context: Context) -> np.ndarray:
     return np.einsum("fkc,fc->fk", context.jacobian, late)
 
 
+def by_one_that_is_far(context: Context) -> np.ndarray:
+    """One chamber, once it is past half of its range, holds another back that is not its neighbour, by an arctangent."""
+    x = context.rows.fraction
+    lost = np.zeros_like(x)
+    lost[:, 0] = -0.3 * x[:, 0] * (np.arctan(12 * (x[:, -1] - 0.5)) / np.pi + 0.5)
+    return np.einsum("fkc,fc->fk", context.jacobian, lost * context.span)
+
+
+def by_two_at_once(context: Context) -> np.ndarray:
+    """A place between chambers is lifted, in a way of its own, by the least of three pressures."""
+    x = context.rows.fraction
+    way = np.random.default_rng(7).normal(size=context.displacement.shape[1])
+    return 2.0 * x[:, :3].min(axis=1)[:, None] * way
+
+
 TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
 
 
 @pytest.mark.parametrize(
     ("effect", "change", "kind", "least", "extra"),
     [
+        ("coupling", by_one_that_is_far, "pair by pair", 0.9, {}),
+        ("coupling", by_two_at_once, "anywhere", 0.9, {}),
         ("contact", behind_a_plane, "plane", 0.9, {}),
         ("marker_slip", on_one_plate, "markers", 0.95, {}),
         ("leak", into_a_pocket, "lost", 0.97, {}),
