@@ -8,6 +8,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
+from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
 from labrig.effects._skin import play_behind
 
@@ -83,6 +84,7 @@ class Friction(Effect):
             out += [pressure(f"presliding {r}", z, 0.5), pressure(f"presliding {r} load", z * x, 0.5)]
         out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.1)]
         out.append(pressure("more one way", -np.abs(turn), 0.1))
+        out += memory(context)
         yield Space("sliding", "friction", acting(out))
         skin = [field(f"skin {w}", play_behind(context, w) / w, 0.5) for w in (0.02, 0.05, 0.12)]
         yield Space("under the skin", "friction skin", acting(skin))

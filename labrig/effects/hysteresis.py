@@ -9,6 +9,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, ball_of, field, pressure
+from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._skin import body_behind, play_behind
 
@@ -121,6 +122,7 @@ class Hysteresis(Effect):
         ]
         if not context.linear:
             out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
+        out += memory(context)
         yield Space("play", "hysteresis", acting(out), 0.8)
         skin = [field(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
         body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]

@@ -126,19 +126,37 @@ def through_a_narrow_hole(context: Context) -> np.ndarray:
     return np.einsum("fkc,fc->fk", context.jacobian, late)
 
 
-def by_one_that_is_far(context: Context) -> np.ndarray:
-    """One chamber, once it is past half of its range, holds another back that is not its neighbour, by an arctangent."""
-    x = context.rows.fraction
-    lost = np.zeros_like(x)
-    lost[:, 0] = -0.3 * x[:, 0] * (np.arctan(12 * (x[:, -1] - 0.5)) / np.pi + 0.5)
-    return np.einsum("fkc,fc->fk", context.jacobian, lost * context.span)
-
-
 def by_two_at_once(context: Context) -> np.ndarray:
     """A place between chambers is lifted, in a way of its own, by the least of three pressures."""
     x = context.rows.fraction
     way = np.random.default_rng(7).normal(size=context.displacement.shape[1])
     return 2.0 * x[:, :3].min(axis=1)[:, None] * way
+
+
+def back_to_the_other_branch(context: Context) -> np.ndarray:
+    """After each turn the pressure nears the other of two parallel branches by a hyperbola of the way, by steps."""
+    u = context.rows.event_actuation / context.span
+    z, last = np.zeros(u.shape[1]), np.zeros(u.shape[1])
+    behind = np.empty_like(u)
+    for e, now in enumerate(u):
+        for step in np.repeat([(now - last) / 400], 400, axis=0):
+            z = z + np.abs(step) / 0.08 * (np.sign(step) - z) ** 2 * np.sign(np.sign(step) - z)
+        behind[e], last = z, now
+    return np.einsum("fkc,fc->fk", context.jacobian, -0.06 * (behind * context.span)[context.rows.event])
+
+
+def let_go_at_once(context: Context) -> np.ndarray:
+    """What held back until now lets go, by a tenth of the range, where a chamber that went up comes down by a sixth."""
+    u = context.rows.event_actuation / context.span
+    top, held = np.zeros(u.shape[1]), np.ones(u.shape[1])
+    out = np.empty_like(u)
+    for e, now in enumerate(u):
+        top = np.maximum(top, now)
+        held = np.where(now < top - 1 / 6, 0.0, held)
+        over = now >= top
+        held, top = np.where(over, 1.0, held), np.where(held == 0, now, top)
+        out[e] = held
+    return np.einsum("fkc,fc->fk", context.jacobian, -0.1 * (out * context.span)[context.rows.event])
 
 
 TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
@@ -147,7 +165,6 @@ TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
 @pytest.mark.parametrize(
     ("effect", "change", "kind", "least", "extra"),
     [
-        ("coupling", by_one_that_is_far, "pair by pair", 0.9, {}),
         ("coupling", by_two_at_once, "anywhere", 0.9, {}),
         ("contact", behind_a_plane, "plane", 0.9, {}),
         ("marker_slip", on_one_plate, "markers", 0.95, {}),
@@ -156,6 +173,8 @@ TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
         ("gravity", from_heavy_markers, "anywhere", 0.99, TILT),
         ("hysteresis", held_back_as_a_whole, "in the skin", 0.9, {}),
         ("hysteresis", loops_at_medium_loads, "play", 0.9, {}),
+        ("friction", back_to_the_other_branch, "sliding", 0.997, {}),
+        ("friction", let_go_at_once, "sliding", 0.995, {}),
         ("delay", through_a_narrow_hole, "late", 0.99, {}),
     ],
 )
