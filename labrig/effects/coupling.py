@@ -14,7 +14,8 @@ from labrig.effects._obstacles import by_marker, to_rows
 from labrig.effects._sign import Part, Sign, by_chamber
 
 _PAIRS = 12
-"""Most pairs of chambers that are asked one by one how one turns the other; of more, all others together."""
+"""Most pairs of chambers that are asked one by one how one turns the other (of more, all others together), and most
+groups that may do something together anywhere (of more, pairs, those first that overlap most)."""
 _OTHERS, _THIRD = 6, 3
 """Of how many neighbours each acts for itself, and of how many two act at once: grids, no limits of a verdict."""
 
@@ -96,9 +97,8 @@ class Coupling(Effect):
         ]
         taken = x @ others / (C - 1)  # a supply gives no more than what the others leave
         out += [pressure(f"ceiling {t}", -np.maximum(x + 0.5 * taken - t, 0), 0.5) for t in (0.7, 0.9, 1.1)]
-        for k in range(1, min(C, 4)):  # each chamber by its k-th nearest neighbour
-            order = np.argsort(-near, axis=1)[:, k - 1]
-            out.append(pressure(f"neighbour {k}", x * x[:, order]))
+        for k, y in enumerate(nearest(near, x)[:3], start=1):  # each chamber by its k-th nearest neighbour
+            out.append(pressure(f"neighbour {k}", x * y))
         yield Space("together", "coupling", acting(out), 0.6)
         yield from _pair_by_pair(context, near)
         yield from _turned_along(context)
@@ -118,15 +118,12 @@ class Coupling(Effect):
 
 def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
     """Each chamber by each other one for itself, by two of them at once; and what they do together, anywhere."""
-    x = context.rows.fraction
-    C = x.shape[1]
-    order = np.argsort(-near, axis=1, kind="stable")
-    others = [x[:, order[:, k]] for k in range(min(C - 1, _OTHERS))]
-    out = []
+    x, out = context.rows.fraction, []
+    others = nearest(near, x)[:_OTHERS]
     for k, y in enumerate(others, start=1):
         out += [
             pressure(f"by {k}", x * y),
-            pressure(f"by {k} early", x * y / (0.3 + y), 0.5),
+            pressure(f"by {k} early", x * y / (0.3 + np.abs(y)), 0.5),
             pressure(f"by {k} late", x * np.maximum(y - 0.5, 0.0)),
         ]
     out += [
@@ -134,7 +131,7 @@ def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
         for (i, y), (j, z) in combinations(enumerate(others[:_THIRD], start=1), 2)
     ]
     yield Space("pair by pair", "coupling pairs", acting(out), 0.2)
-    groups = [g for size in (2, 3) for g in combinations(range(C), size)]
+    groups = [g for size in (2, 3) for g in combinations(range(x.shape[1]), size)]
     if len(groups) > _PAIRS:
         groups = sorted(neighbour_pairs(near), key=lambda pair: -near[pair])[:_PAIRS]
     yield Space(
@@ -142,6 +139,13 @@ def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
         "coupling anywhere",
         acting([pattern("x".join(map(str, g)), x[:, g].prod(axis=1)) for g in groups]),
     )
+
+
+def nearest(near: Floats, x: Floats) -> list[Floats]:
+    """What the pressures (F, C) of each chamber's nearest, second nearest, ... other chamber are, (F, C) each."""
+    apart = near - 2.0 * np.eye(len(near))  # no chamber is its own neighbour, however few it has
+    order = np.argsort(-apart, axis=1, kind="stable")[:, :-1]
+    return [x[:, k] for k in order.T]
 
 
 def neighbour_pairs(near: Floats) -> list[tuple[int, int]]:

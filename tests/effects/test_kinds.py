@@ -8,6 +8,7 @@ import pytest
 from labrig.effects import Context
 from labrig.effects._obstacles import by_marker, to_rows
 from labrig.effects._registry import shipped
+from labrig.effects.coupling import nearest
 from tests.effects.test_family import LONG_S, context_of, followed
 
 Change = Callable[[Context], np.ndarray]
@@ -182,3 +183,10 @@ def test_a_law_of_the_kind_lies_in_a_space(make_lab, effect, change, kind, least
     """What a law written here changes lies in the space that is meant for its kind, whatever the law."""
     held = best(make_lab, effect, change, **extra)
     assert max((share for key, share in held.items() if key.startswith(kind)), default=0.0) > least, held
+
+
+def test_no_chamber_is_its_own_neighbour() -> None:
+    """Where chambers reach nothing in common, each of the others stands once in the order of a chamber, it never."""
+    x = np.arange(5.0)[None]
+    order = np.concatenate(nearest(np.zeros((5, 5)), x))
+    assert [sorted(order[:, c]) for c in range(5)] == [[k for k in range(5) if k != c] for c in range(5)]
