@@ -22,13 +22,15 @@ def turns(context: Context) -> tuple[Floats, Floats, Floats]:
 
     A chamber that has not turned yet came from where it was vented.
     """
-    at = (context.rows.event_actuation - context.vented) / context.span
+    low = context.rows.low
+    at, vented = (context.rows.event_actuation - low) / context.span, (context.vented - low) / context.span
     last, before, way, far = (np.zeros_like(at) for _ in range(4))
     for e, b in enumerate(context.started):
         if b == e:  # it began at rest where it is
             last[e] = before[e] = far[e] = at[e]
             continue
-        old = tuple(v[b] for v in (last, before, way, far)) if b >= 0 else (np.zeros(at.shape[1]),) * 4
+        rest = (vented, vented, np.zeros_like(vented), vented)
+        old = tuple(v[b] for v in (last, before, way, far)) if b >= 0 else rest
         gone = at[e] - old[3]
         begins = (old[2] == 0) & (np.abs(gone) > _STILL)
         turned = (old[2] * gone < 0) & (np.abs(gone) > _STILL)
@@ -43,10 +45,9 @@ def memory(context: Context) -> list[Feature]:
     """Hats of the pressure by hats of each of the last two turns, and what comes up with the way since the last."""
     rows, x = context.rows, context.rows.fraction
     last, before, way = (values[rows.event] for values in turns(context))
-    lowest = np.minimum((rows.low - context.vented) / context.span, 0.0)
 
     def hats(values: Floats) -> list[Floats]:
-        place = (_POINTS - 1) * np.clip((values - lowest) / (1 - lowest), 0.0, 1.0)
+        place = (_POINTS - 1) * np.clip(values, 0.0, 1.0)
         return [np.maximum(1 - np.abs(place - k), 0.0) for k in range(_POINTS)]
 
     out = []

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from labrig.effects._memory import turns
+from labrig.effects import rows_of
+from labrig.effects._memory import memory, turns
 from tests.effects.test_family import context_of
 
 HIGH_KPA = 60.0
@@ -30,3 +31,30 @@ def test_a_tremble_is_no_turn(make_lab) -> None:
     last, _, way = told(make_lab, [0.5, 0.496, 0.503, 0.499, 0.6, 0.594, 0.588])
     assert last == pytest.approx([0, 0, 0, 0, 0, 0, 0.6])
     assert way == [1, 1, 1, 1, 1, 1, -1]
+
+
+def test_a_chamber_that_pulls_too_has_turned_as_far_from_its_turn(make_lab) -> None:
+    """Shares are of the range from its lower limit on: with vacuum, zero is half way."""
+    lab = make_lab(captures=5, chambers=1, repeats=False)
+    lab.commanded[:] = np.array([30.0, -30.0, -60.0, 0.0, 60.0])[:, None]
+    data = lab.dataset(lab.predict(lab.u))
+    data["chamber_min"][:] = -60.0
+    context = lab.model().context(rows_of(data))
+    last, before, _ = (values[:, 0].tolist() for values in turns(context))
+    assert last == pytest.approx([0.5, 0.75, 0.75, 0, 0])
+    assert before == pytest.approx([0.5, 0.5, 0.5, 0.75, 0.75])
+    way = next(f for f in memory(context) if f.name == "way 0.1 load0").values[:, 0]
+    gone = np.array([0.25, 0.5, 0.75, 0.5, 1.0])[context.rows.event]
+    assert np.abs(way) == pytest.approx(1 - np.exp(-gone / 0.1))
+
+
+def test_a_session_begins_vented_or_where_it_is(make_lab) -> None:
+    """Between sessions chambers are vented: the turns before are forgotten. At rest they are where they are."""
+    lab = make_lab(captures=6, chambers=1, repeats=False)
+    lab.commanded[:] = HIGH_KPA * np.array([0.8, 0.4, 0.6, 0.5, 0.7, 0.2])[:, None]
+    data = lab.dataset(lab.predict(lab.u))
+    data["session"], data["event_session"] = ((dim, np.repeat([0, 1], 3)) for dim in ("capture", "event"))
+    for between, begins in (("vented", 0.0), ("rest", 0.5)):
+        data.attrs["between_sessions"] = between
+        last = turns(lab.model().context(rows_of(data)))[0][:, 0]
+        assert last[3:] == pytest.approx([begins, begins, 0.7])
