@@ -17,6 +17,7 @@ import numpy as np
 from labrig.arrays import Floats, Ints
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
+from labrig.bench.records import WholeTruth
 from labrig.diagnosis._spectra import BLOCKS, Prior, factor, features_of, prior_of, unlearnt
 from labrig.effects import Context, Effect, Space, library, motion_scale, rows_of
 from labrig.model import Model
@@ -24,6 +25,8 @@ from labrig.model import Model
 MISFIT = 0.05
 """By this share, root mean square, a law may be off its family: what is smaller isn't written into the spectrum."""
 ROUNDS = 6
+COUNTS_FOR = 400
+"""As many independent numbers is a change worth: neighbours say the same."""
 FORGET = 0.1
 """Share of the covariance that stays what it was before anything was learnt: other laws than those seen exist."""
 _ROWS = 240
@@ -90,14 +93,22 @@ def _best(example: Example, spectra: dict) -> tuple[int, dict[str, Floats]]:
     """The space that holds an example best, and the second moments of its coefficients there."""
     best, out = -np.inf, (0, {})
     for i, (space, columns) in enumerate(zip(example.spaces, example.columns, strict=True)):
-        value, moments = _fit(example.change, columns, prior_of(space, spectra))
+        value, moments, _ = _fit(example.change, columns, prior_of(space, spectra))
         if value > best:
             best, out = value, (i, moments)
     return out
 
 
-def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats]]:
-    """Log evidence of a change under a prior of unit size, and the second moments of its coefficients by block."""
+def left_by(example: Example) -> float:
+    """What the best space leaves of an example, a share, root mean square, under what was learnt."""
+    pairs = zip(example.spaces, example.columns, strict=True)
+    return min(_fit(example.change, columns, prior_of(space))[2] for space, columns in pairs)
+
+
+def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats], float]:
+    """Log evidence of a change of unit size under a prior of unit size, the second moments of its coefficients by
+    block, and what is left of it, root mean square.
+    """
     parts = []
     shared = factor(prior.shared)
     if columns["shared"].shape[1]:
@@ -118,10 +129,10 @@ def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, di
     X = np.concatenate(parts, axis=1)
     total = float((X**2).sum() / len(y))
     if total <= 0:
-        return -np.inf, {}
+        return -np.inf, {}, 1.0
     X = X / np.sqrt(total)  # a member of unit size
     n = len(y)
-    noise = MISFIT**2 * n / 400.0  # neighbours say the same: as if 400 numbers were measured
+    noise = MISFIT**2 * n / COUNTS_FOR
     A = X.T @ X / noise + np.eye(X.shape[1])
     c = np.linalg.inv(A)
     w = c @ (X.T @ y) / noise
@@ -144,7 +155,7 @@ def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, di
         K, q = len(y) // len(P), M.shape[1]
         tensor = second[start:, start:].reshape(q, K, q, K)
         moments["pattern"] = M @ (np.einsum("akbk->ab", tensor) / K) @ M.T
-    return value, moments
+    return value, moments, float(np.sqrt(np.mean((y - X @ w) ** 2)))
 
 
 def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: float) -> dict:
@@ -216,11 +227,10 @@ def only(example: Example, wanted: Callable[[str], bool]) -> Example:
     return replace(example, spaces=tuple(s for s, _ in pairs), columns=tuple(c for _, c in pairs))
 
 
-def drawn_example(seed: int, half: str) -> tuple[str, Example | None]:
-    """The effect of a campaign that is drawn from a portion, and its law's change laid out in the family."""
+def drawn_change(seed: int, half: str) -> tuple[WholeTruth, Context, Floats]:
+    """The truth of a campaign of a portion with one effect, its context, and what the law changes (F, K)."""
     campaign = draw("single", seed, half)
-    (name,) = campaign.truth["effects"]
-    change = campaign.parts[name]
+    change = campaign.parts[campaign.truth["effects"][0]]
     dataset = campaign.dataset.copy(deep=True)
     held = np.isfinite(dataset["hold_s"].values)
     seen = "position_mm" if "position_mm" in dataset else "observed"
@@ -230,7 +240,14 @@ def drawn_example(seed: int, half: str) -> tuple[str, Example | None]:
         model = Model.load(write_model(campaign, Path(folder)))
         context = model.context(rows_of(campaign.dataset))
     dataset[seen].values[...] = values
-    return name, example_of(context, library()[name], rows_of(dataset).values, campaign.truth["laws"][0])
+    return campaign.truth, context, rows_of(dataset).values
+
+
+def drawn_example(seed: int, half: str) -> tuple[str, Example | None]:
+    """The effect of a campaign that is drawn from a portion, and its law's change laid out in the family."""
+    truth, context, change = drawn_change(seed, half)
+    name = truth["effects"][0]
+    return name, example_of(context, library()[name], change, truth["laws"][0])
 
 
 def write_spectra(spectra: dict[str, dict], path: Path, how: str) -> None:
