@@ -190,3 +190,15 @@ def test_no_chamber_is_its_own_neighbour() -> None:
     x = np.arange(5.0)[None]
     order = np.concatenate(nearest(np.zeros((5, 5)), x))
     assert [sorted(order[:, c]) for c in range(5)] == [[k for k in range(5) if k != c] for c in range(5)]
+
+
+def test_chambers_that_are_no_neighbours_are_a_pair_too(make_lab) -> None:
+    """Two chambers, once past half of their range, hold two far ones back by an arctangent: each pair for itself."""
+    lab = make_lab(captures=60, markers=12, chambers=7)
+    context = context_of(lab, lab.predict(lab.u))
+    x = context.rows.fraction
+    lost = np.zeros_like(x)
+    lost[:, :2] = -0.3 * x[:, :2] * (np.arctan(12 * (x[:, :-3:-1] - 0.5)) / np.pi + 0.5)
+    hidden = np.einsum("fkc,fc->fk", context.jacobian, lost * context.span)
+    held = {s.key: followed(context, s, hidden) for s in shipped()["coupling"].family(context)}
+    assert held["pair by pair"] > 0.98
