@@ -14,6 +14,9 @@ demo: .venv/.demo-installed
 # Small matrices: more threads would only wait for each other where the tests share a computer.
 export OMP_NUM_THREADS ?= 1
 
+# What one process compiles is there for the others, also where the environment forbids to keep it.
+unexport PYTHONDONTWRITEBYTECODE
+
 # One worker more than there are cores: many tests wait for devices, servers and pages.
 WORKERS ?= $(shell $(PYTHON) -c "import os; print(min(4, (os.cpu_count() or 1) + 1))")
 
@@ -22,6 +25,7 @@ test: .venv/.all-installed .venv/.system-libraries
 	@$(MAKE) --no-print-directory --jobs 2 --keep-going check tests
 
 tests:
+	@$(BIN)/python tests/compiled.py
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 docs: .venv/.all-installed
@@ -31,7 +35,7 @@ docs: .venv/.all-installed
 check: .venv/.all-installed
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/pyright
+	NODE_OPTIONS=--max-semi-space-size=128 $(BIN)/pyright
 	$(BIN)/lint-imports
 
 format: .venv/.all-installed

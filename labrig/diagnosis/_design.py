@@ -22,6 +22,8 @@ _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
+_UNSEEN = 1e-6
+"""The same before chambers are told apart: small beside it, so that all that is left out together still is."""
 _ROWS_COMPARED = 50
 _SINGLE = 30_000
 """Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
@@ -146,6 +148,12 @@ def _share(owner: str, space: Space, count: Mapping[str, int]) -> float:
     return 1.0 / count[owner]
 
 
+def _shown(L: Floats, shows: Floats) -> Floats:
+    """Functions L (a, q) as principal ones, without those that hardly show; their squares' sums are L' `shows` L."""
+    power, turn = np.linalg.eigh(L.T @ shows @ L)
+    return L @ turn[:, power > _UNSEEN * max(power.sum(), 0.0)]
+
+
 def has_name(space: Space, named: Sequence[Mapping[str, Floats]]) -> bool:
     """Whether one space with a name holds nearly all that this one does: what has a name is not unnamed as well."""
     own = by_kind(space)
@@ -266,13 +274,15 @@ class _Layout:
         and the axes are found in the chambers' own coordinates, where these are fewer.
         """
         prior, capture = prior_of(space, spectra), self.observations.capture
-        shared, own = factor(prior.shared).astype(self.dtype), factor(prior.own).astype(self.dtype)
         P = np.stack([f.values for f in space.features], axis=2).astype(self.dtype)  # (F, C, a)
         F, C, a = P.shape
+        both = np.einsum("nrc,nrd->ncd", self.moves, self.moves)[self.observations.index]
+        alone = np.einsum("fcc->fc", both)
+        shows = np.sum([size * P[:, c].T @ P[:, c] for c, size in enumerate(alone.mean(axis=0))], axis=0)
+        shared, own = (_shown(factor(L), shows).astype(self.dtype) for L in (prior.shared, prior.own))
         if C == 1:
             own = own[:, :0]
-        both = np.einsum("nrc,nrd->ncd", self.moves, self.moves)[self.observations.index]
-        rows, alone = P @ shared, np.einsum("fcc->fc", both)
+        rows = P @ shared
         square = float(np.einsum("fcq,fcq->", both @ rows, rows, dtype=np.float64))
         square += float(np.einsum("fc,fcq->", alone, (P @ own) ** 2, dtype=np.float64))
         lifted = np.asarray(self.T @ P.reshape(F, C * a)).reshape(-1, C, a)

@@ -14,9 +14,10 @@ from labrig.effects import (
     Space,
     Term,
     Variant,
-    columns_of_space,
     form_of,
     labels_of,
+    made_of,
+    pressures_of,
     weighable,
 )
 
@@ -27,22 +28,33 @@ DIRECTIONS = 24
 def family_forms(effect: Effect, context: Context) -> Iterator[Variant]:
     """The forms in which an effect's family is weighted."""
     for space in weighable(effect, context):
-        basis = _directions(space, context)[:, :DIRECTIONS]
-        columns = columns_of_space(space, context) @ basis
+        pressures = pressures_of(space, context)
+        basis = _directions(space, context, pressures)[:, :DIRECTIONS]
         labels = tuple(labels_of(space, context.rows.chambers))
         if basis.shape[1]:
-            yield Variant(form_of(space), (Term(WEIGHTS.name, "pressure", columns, labels, basis),))
+            term = Term(WEIGHTS.name, "pressure", made_of(pressures, basis), labels, basis)
+            yield Variant(form_of(space), (term,))
 
 
-def _directions(space: Space, context: Context) -> Floats:
-    """Principal directions (q, r) of the family's prior as it shows in the observables, most important first."""
+def _directions(space: Space, context: Context, pressures: Floats) -> Floats:
+    """Principal directions (q, r) of the family's prior as it shows in the observables, most important first.
+
+    What a chamber does by itself overlaps with what all do alike, and with no other chamber: so sums are one for each.
+    """
     prior = prior_of(space)
-    own, C = len(prior.own), len(context.rows.chambers)
-    apart = [factor(prior.own)] * (C if C > 1 else 0)
-    L = np.asarray(block_diag(factor(prior.shared[:own, :own]), *apart), dtype=float)
-    size = np.sqrt((context.jacobian**2).mean(axis=(0, 1)))
-    seen = columns_of_space(space, context) * size[:, None]
-    Z = seen.reshape(-1, seen.shape[2]) @ L
-    power, turn = np.linalg.eigh(Z.T @ Z)
+    own, C = len(prior.own), pressures.shape[1]
+    alike, apart = factor(prior.shared[:own, :own]), factor(prior.own)[:, : None if C > 1 else 0]
+    seen = (context.jacobian**2).mean(axis=(0, 1))
+    sums = [size * pressures[:, c].T @ pressures[:, c] for c, size in enumerate(seen)]
+    beside = np.concatenate([alike.T @ each @ apart for each in sums], axis=1)
+    power, turn = np.linalg.eigh(
+        np.block(
+            [
+                [alike.T @ np.sum(sums, axis=0) @ alike, beside],
+                [beside.T, block_diag(*(apart.T @ each @ apart for each in sums))],
+            ]
+        )
+    )
+    L = block_diag(alike, *[apart] * (C if C > 1 else 0))
     keep = power > 1e-9 * max(power[-1], 1e-300)
     return (L @ turn[:, keep])[:, ::-1]

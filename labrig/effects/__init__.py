@@ -10,7 +10,7 @@ from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._template import write_template
-from labrig.effects._weights import columns_of_space, form_of, is_family, labels_of, weighable, weighted
+from labrig.effects._weights import form_of, is_family, labels_of, made_of, pressures_of, weighable, weighted
 
 __all__ = [
     "MOST_SESSIONS",
@@ -30,7 +30,6 @@ __all__ = [
     "bulk_edge",
     "bulk_noise",
     "centre_of",
-    "columns_of_space",
     "contribution",
     "field",
     "fill",
@@ -41,9 +40,11 @@ __all__ = [
     "join_rows",
     "labels_of",
     "library",
+    "made_of",
     "motion_scale",
     "pattern",
     "pressure",
+    "pressures_of",
     "rows_of",
     "scale_mode",
     "weighable",

@@ -39,15 +39,19 @@ def labels_of(space: Space, chambers: Sequence[str]) -> list[str]:
     return [*names, *apart]
 
 
-def columns_of_space(space: Space, context: Context) -> Floats:
-    """What a weight of 1 of each of `labels_of` changes in the pressures, units of the actuation, (F, C, q)."""
-    P = np.stack([f.values for f in space.features if f.kind == "pressure"], axis=2) * context.span[:, None]
-    F, C, a = P.shape
-    if C == 1:
-        return P
-    apart = np.zeros((F, C, C, a))
-    apart[:, range(C), range(C)] = P
-    return np.concatenate([P, apart.reshape(F, C, C * a)], axis=2)
+def pressures_of(space: Space, context: Context) -> Floats:
+    """What each function of a space changes in the pressures, units of the actuation, (F, C, a)."""
+    return (
+        np.stack([f.values for f in space.features if f.kind == "pressure"], axis=2) * context.span[:, None]
+    )
+
+
+def made_of(pressures: Floats, weights: Floats) -> Floats:
+    """What such functions (F, C, a) change together by weights (q, r) of all `labels_of`, (F, C, r)."""
+    C, a = pressures.shape[1:]
+    alike, apart = weights[:a], weights[a:].reshape(-1, a, weights.shape[1])
+    each = (pressures[:, c] @ (alike + apart[c] if len(apart) else alike) for c in range(C))
+    return np.stack(list(each), axis=1)
 
 
 def weighted(effect: Effect, context: Context, form: str, labels: Sequence[str]) -> Variant:
@@ -55,9 +59,8 @@ def weighted(effect: Effect, context: Context, form: str, labels: Sequence[str])
     feature = np.zeros((*context.rows.actuation.shape, len(labels)))
     for space in weighable(effect, context):
         if form_of(space) == form:
-            at = {name: i for i, name in enumerate(labels_of(space, context.rows.chambers))}
-            known = columns_of_space(space, context)
-            for j, label in enumerate(labels):
-                if label in at:
-                    feature[:, :, j] = known[:, :, at[label]]
+            named = np.array(labels_of(space, context.rows.chambers))
+            feature = made_of(
+                pressures_of(space, context), (named[:, None] == np.array(labels)).astype(float)
+            )
     return Variant(form, (Term(WEIGHTS.name, "pressure", feature, tuple(labels)),))
