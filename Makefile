@@ -14,6 +14,10 @@ demo: .venv/.demo-installed
 # Small matrices: more threads would only wait for each other where the tests share a computer.
 export OMP_NUM_THREADS ?= 1
 
+# Memory that is freed stays with the process: asking for it anew takes a sixth of a diagnosis (glibc; others ignore it).
+export MALLOC_MMAP_MAX_ ?= 0
+export MALLOC_TRIM_THRESHOLD_ ?= 100000000000
+
 # What one process compiles is there for the others, also where the environment forbids to keep it.
 unexport PYTHONDONTWRITEBYTECODE
 

@@ -282,6 +282,8 @@ class _Layout:
         shared, own = (_shown(factor(L), shows).astype(self.dtype) for L in (prior.shared, prior.own))
         if C == 1:
             own = own[:, :0]
+        if shared.shape[1] + own.shape[1] == 0:
+            return None
         rows = P @ shared
         square = float(np.einsum("fcq,fcq->", both @ rows, rows, dtype=np.float64))
         square += float(np.einsum("fc,fcq->", alone, (P @ own) ** 2, dtype=np.float64))

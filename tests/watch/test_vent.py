@@ -13,6 +13,7 @@ import pytest
 
 from labrig._running import notes
 from labrig.log import summarise
+from tests.waiting import wait_for
 
 LONG = ("--captures", 80, "--settle-s", 1, "--record-s", 0.5)
 stopping = pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="POSIX only")
@@ -115,9 +116,9 @@ def test_a_vent_that_is_not_confirmed_is_never_called_so(bench: Any, rig: Any, p
     """With the board gone the page says that nothing is confirmed, and what to do."""
     text = rig.file.read_text(encoding="utf-8").replace("vent_patience_s: 20.0", "vent_patience_s: 1.0")
     rig.file.write_text(re.sub(r"socket://127.0.0.1:\d+", "socket://127.0.0.1:9", text), encoding="utf-8")
-    address = bench.vent_address()
-    _button(address).kill()  # its successor reads the rig file anew
-    text = press_vent(bench.vent_address())
+    before = bench.vent_address()
+    _button(before).kill()  # its successor reads the rig file anew
+    text = press_vent(wait_for(lambda: (now := bench.vent_address()) != before and now))
     assert "NOT confirmed" in text
     assert "relieve the pressure by hand" in text
     assert "vented, confirmed" not in text
