@@ -42,9 +42,19 @@ def predict(actuation):
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with slow tests come first: at the end no process is left alone with one of them."""
-    slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
-    items.sort(key=lambda item: -slow[item.path])
+    """Files with slow tests come first: at the end no process is left alone with one of them.
+
+    Those of one folder are spread: what computes (effects, diagnosis) runs beside what waits (devices, pages).
+    """
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    files = list(dict.fromkeys(item.path for item in items))
+    order: dict[Path, tuple[bool, float]] = {}
+    for first in (True, False):
+        kind = [file for file in files if (file in slow) == first]
+        for folder, many in Counter(file.parent for file in kind).items():
+            own = [file for file in kind if file.parent == folder]
+            order |= {file: (not first, (i + 0.5) / many) for i, file in enumerate(own)}
+    items.sort(key=lambda item: order[item.path])
 
 
 @pytest.fixture(scope="session", autouse=True)
