@@ -1,18 +1,23 @@
 """A family's own weights: for laws that no formula follows, in the model file and on another programme."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.linalg import block_diag
 
 from labrig._errors import LabrigError
 from labrig.bench import draw
 from labrig.bench._files import write_model
 from labrig.bench._learner import capture_error
-from labrig.diagnosis import diagnose, forms_of, prepared
+from labrig.diagnosis import diagnose, forms_of, prepared, rows_from
 from labrig.diagnosis._candidates import Candidate, fit, square_of
-from labrig.effects import is_family, library, rows_of
+from labrig.diagnosis._spectra import prior_of
+from labrig.diagnosis._weights import family_forms
+from labrig.effects import is_family, library, pressures_of, rows_of, weighable
 from labrig.model import Model
 
 
@@ -70,3 +75,26 @@ def test_a_family_that_cannot_act_says_so(tmp_path: Path) -> None:
         still[name].values[...] = np.nan
     with pytest.raises(LabrigError, match="effect 'leak'"):
         found.improved.context(rows_of(still))
+
+
+def test_a_family_is_weighted_by_its_principal_directions(make_lab: Callable[..., Any]) -> None:
+    """As they show in the observables, the functions that are weighted are uncorrelated under the prior, largest first.
+
+    Checked row by row against every chamber's functions written out, with zeros where a chamber is not concerned.
+    """
+    lab = make_lab(captures=12)
+    ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
+    context, effect = ready.context, library()["hysteresis"]
+    (space,), (form,) = weighable(effect, context), family_forms(effect, context)
+    P = pressures_of(space, context)
+    F, C, a = P.shape
+    out = np.zeros((F, C, a * (1 + C)))
+    for c in range(C):
+        out[:, c, :a] = out[:, c, a * (1 + c) : a * (2 + c)] = P[:, c]
+    prior = prior_of(space)
+    covariance = block_diag(prior.shared[:a, :a], *[prior.own] * C)
+    shows = (out * np.sqrt((context.jacobian**2).mean(axis=(0, 1)))[:, None]).reshape(F * C, -1)
+    made = form.terms[0].feature * np.sqrt((context.jacobian**2).mean(axis=(0, 1)))[:, None]
+    made = made.reshape(F * C, -1)
+    power = np.linalg.eigvalsh(shows @ covariance @ shows.T)[::-1][: made.shape[1]]
+    np.testing.assert_allclose(made.T @ made, np.diag(power), atol=1e-6 * power[0])
