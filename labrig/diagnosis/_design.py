@@ -23,7 +23,7 @@ _NEARLY_ALIKE = 0.1
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _UNSEEN = 1e-6
-"""The same before chambers are told apart: small beside it, so that all that is left out together still is."""
+"""The same for a function, before chambers are told apart: small enough that many of them together are small, too."""
 _ROWS_COMPARED = 50
 _SINGLE = 30_000
 """Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
