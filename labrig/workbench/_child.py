@@ -18,14 +18,17 @@ ALIVE, ENDED, PID = "alive", "ended.json", "pid"
 def main() -> None:
     """Hold the job's lock while its command runs; a signal to the group is for the command."""
     folder, words = Path(sys.argv[1]), sys.argv[2:]
+    asked: list[int] = []
     for name in ("SIGINT", "SIGTERM", "SIGBREAK"):
         if hasattr(signal, name):
-            signal.signal(getattr(signal, name), lambda *_: None)
+            signal.signal(getattr(signal, name), lambda number, _: asked.append(number))
     with hold(folder / ALIVE) as alive:
         alive.write(b"held")  # an empty file is one that is not held yet
         alive.flush()
         # A handler, unlike SIG_IGN, is not handed down: the command meets these signals as if it were typed.
         with subprocess.Popen([sys.executable, "-m", "labrig", *words], stdin=subprocess.DEVNULL) as command:
+            if asked:  # before there was a command that it could reach
+                command.terminate()
             code = command.wait()
         write_ended(folder, code)
 

@@ -1,5 +1,7 @@
 """Long work: what is known of it lies in files."""
 
+import json
+import subprocess
 import sys
 
 import psutil
@@ -56,6 +58,18 @@ def test_a_job_can_be_cancelled(desk, long_job):
     assert long_job.state in ("cancelled", "done")
 
 
+def test_a_job_is_cancelled_before_its_command_begins(tmp_path):
+    """Who cancels between the start of a job and that of its command is not forgotten."""
+    code = (
+        "import signal, sys; from labrig.workbench import _child; hold = _child.hold\n"
+        "def pressed(path):\n    signal.raise_signal(signal.SIGINT)\n    return hold(path)\n"
+        "_child.hold = pressed; _child.main()"
+    )
+    words = ["workbench", ".", "--no-browser"]
+    subprocess.run([sys.executable, "-c", code, tmp_path, *words], cwd=tmp_path, check=True, timeout=60)
+    assert json.loads((tmp_path / "ended.json").read_text())["code"] != 0
+
+
 def test_the_same_work_is_not_begun_twice(desk, long_job):
     """A command that runs already is refused."""
     with pytest.raises(LabrigError, match="runs already"):
@@ -81,8 +95,6 @@ def test_a_job_that_was_killed_is_not_running(desk, long_job):
 
 def test_a_job_outlives_its_server(tmp_path, desk):
     """Work that a server began goes on when the server is gone."""
-    import subprocess
-
     code = (
         "import sys; from pathlib import Path; from labrig.workbench import open_desk; "
         "open_desk(Path(sys.argv[1])).jobs.start(['workbench', '.', '--no-browser'], 'long'); import os; os._exit(0)"

@@ -1,5 +1,7 @@
 """The workbench in a real browser, with one server for all: jobs, addresses, keys, and what a page shows of them."""
 
+from contextlib import contextmanager
+
 import psutil
 import pytest
 
@@ -33,32 +35,47 @@ def compared(open_page, make_run, request):
     return opened
 
 
+@contextmanager
+def _standing_still(bench):
+    """The job that runs stands still meanwhile, so that it is not done before the page is; signals wait for it."""
+    (job,) = wait_for(lambda: [job for job in bench.desk.jobs.all() if job.state == "running"])
+    pid = wait_for(lambda: (job.folder / "pid").is_file() and (job.folder / "pid").read_text())
+    child = psutil.Process(int(pid))
+    processes = [child, *child.children(recursive=True)]
+    for process in processes:
+        process.suspend()
+    try:
+        yield job
+    finally:
+        for process in processes:
+            process.resume()
+
+
 def test_reloading_in_the_middle_of_a_job_loses_nothing(compared, bench):
     """A page that is loaded again while a diagnosis runs shows it still running, and then what it found."""
     run, page = compared()
     page.evaluate("run => location.hash = `#/run/${run}/which`", run)
     page.click("[data-start=diagnose]")
-    (job,) = wait_for(lambda: [job for job in bench.desk.jobs.all() if job.state == "running"])
-    pid = wait_for(lambda: (job.folder / "pid").is_file() and (job.folder / "pid").read_text())
-    child = psutil.Process(int(pid))
-    processes = [child, *child.children(recursive=True)]
-    for process in processes:  # at once, so that the diagnosis is not done before the page is
-        process.suspend()
-    page.wait_for_selector(".empty progress")
-    page.reload()
-    page.wait_for_selector(".empty progress")
-    for process in processes:
-        process.resume()
+    with _standing_still(bench):
+        page.wait_for_selector(".empty progress")
+        page.reload()
+        page.wait_for_selector(".empty progress")
     page.wait_for_selector(".effect.sure")
 
 
 def test_a_job_is_cancelled_from_the_page(compared, bench):
-    """Cancel ends the work, and the page says so and offers it again."""
+    """Cancel ends the work, however slowly it is pressed, and the page says so and offers it again."""
     run, page = compared()
     page.evaluate("run => location.hash = `#/run/${run}/which`", run)
     page.click("[data-start=diagnose]")
-    page.wait_for_selector(".empty progress")
-    page.click(".empty [data-cancel]")
+    with _standing_still(bench) as job:
+        page.hover(".empty [data-cancel]")
+        page.mouse.down()
+        with (job.folder / "output.txt").open("a") as output:
+            output.write("one more line\n")
+        page.wait_for_selector(".empty .progress >> text=one more line")
+        page.mouse.up()
+        page.wait_for_selector("text=stop it now")
     page.wait_for_selector("text=The last one was cancelled")
     page.wait_for_selector("[data-start=diagnose]")
     assert bench.desk.jobs.all()[0].state == "cancelled"

@@ -21,16 +21,13 @@ export async function comparison(context) {
 
 // What a page shows while a job runs that it waits for; the page is shown again when the job has ended.
 export function working(job, title, words) {
-  const place = h("div");
-  const end = jobs.watch((list) => {
-    if (!place.isConnected && place.childNodes.length) return;
-    const now = list.find((each) => each.id === job.id) || job;
-    place.replaceChildren(jobs.progress(now), jobs.cancelButton(now));
-  });
-  const timer = setInterval(() => {
+  const place = h("div", {}, jobs.progress(job), jobs.cancelButton(job));
+  const renew = () => {
     const now = jobs.all().find((each) => each.id === job.id) || job;
-    place.querySelector(".progress")?.replaceWith(jobs.progress(now));
-  }, 500);
+    place.querySelector(".progress").replaceWith(jobs.progress(now));
+  };
+  const end = jobs.watch(renew);
+  const timer = setInterval(renew, 500);
   const page = empty(title, h("p", {}, words), place, command(job.command));
   return [page, () => (clearInterval(timer), end())];
 }

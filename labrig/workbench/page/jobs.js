@@ -91,27 +91,34 @@ function draw() {
   if (!panel.hidden) list();
 }
 
+// What is drawn already stays and is only brought up to date: a button that is replaced while it is pressed does nothing.
 function list() {
+  const listed = jobs.slice(0, 20);
+  const drawn = JSON.stringify(listed.map((job) => [job.id, job.state]));
+  if (panel.dataset.drawn === drawn) {
+    for (const job of listed) renew(panel.querySelector(`[data-job="${job.id}"]`), job);
+    return;
+  }
   const kept = panel.querySelector("details[open]")?.dataset.job;
-  fill(
-    panel,
-    h("h2", {}, "Work"),
-    jobs.slice(0, 20).map((job) =>
-      h(
-        "details",
-        { data: { job: job.id }, open: job.id === kept },
-        h(
-          "summary",
-          {},
-          h("span", { class: `state ${job.state}` }, job.state),
-          ` ${job.title}`,
-          job.state === "running" ? [progress(job), cancelButton(job)] : null,
-        ),
-        h("code", {}, job.command),
-        h("pre", {}, job.lines.join("\n")),
-      ),
-    ),
+  panel.dataset.drawn = drawn;
+  fill(panel, h("h2", {}, "Work"), listed.map((job) => entry(job, job.id === kept)));
+}
+
+function entry(job, open) {
+  const state = h("span", { class: `state ${job.state}` }, job.state);
+  const goesOn = job.state === "running" ? [progress(job), cancelButton(job)] : null;
+  return h(
+    "details",
+    { data: { job: job.id }, open },
+    h("summary", {}, state, ` ${job.title}`, goesOn),
+    h("code", {}, job.command),
+    h("pre", {}, job.lines.join("\n")),
   );
+}
+
+function renew(details, job) {
+  details.querySelector(".progress")?.replaceWith(progress(job));
+  details.querySelector("pre").textContent = job.lines.join("\n");
 }
 
 export function begin() {
