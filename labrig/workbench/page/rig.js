@@ -9,22 +9,13 @@ import { get, rigFile } from "./server.js";
 const LOOK_MS = 3000;
 const OTHER = { "127.0.0.1": "localhost", localhost: "127.0.0.1" };
 let facts = null;
-const listeners = new Set();
 
 export const rig = () => facts;
-
-// Called with what is known of the rig, now and whenever it was asked for; gives a function that ends it.
-export function watchRig(listener) {
-  listeners.add(listener);
-  if (facts) listener(facts);
-  return () => listeners.delete(listener);
-}
 
 export async function look() {
   facts = await get("/api/watch/rig");
   strip();
   badge();
-  for (const each of [...listeners]) each(facts);
   return facts;
 }
 
@@ -53,9 +44,15 @@ function strip() {
   foot.querySelector("a").href = source;
 }
 
+// Made anew only where it changes: a link that is replaced while it is pressed leads nowhere.
 function badge() {
   const run = facts.running[0];
-  fill(document.getElementById("rig"), run ? h("a", { class: "live", title: `${run} goes on`, href: address({ step: "watch", query: { live: run } }) }, h("bdi", {}, run.split("/").pop())) : facts.rig ? h("span", { class: "muted small" }, `rig ${facts.rig}`) : null);
+  const place = document.getElementById("rig");
+  const drawn = JSON.stringify([run, facts.rig]);
+  if (place.dataset.drawn === drawn) return;
+  place.dataset.drawn = drawn;
+  const link = () => h("a", { class: "live", title: `${run} goes on`, href: address({ step: "watch", query: { live: run } }) }, h("bdi", {}, run.split("/").pop()));
+  fill(place, run ? link() : facts.rig ? h("span", { class: "muted small" }, `rig ${facts.rig}`) : null);
 }
 
 export function begin() {
