@@ -6,7 +6,6 @@ The laboratory's formulas are its own too: nothing of it comes from `labrig.effe
 import os
 import shutil
 import stat
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -47,13 +46,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     Those of one folder are spread: what computes (effects, diagnosis) runs beside what waits (devices, pages).
     """
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    files = list(dict.fromkeys(item.path for item in items))
-    order: dict[Path, tuple[bool, float]] = {}
-    for first in (True, False):
-        kind = [file for file in files if (file in slow) == first]
-        for folder, many in Counter(file.parent for file in kind).items():
-            own = [file for file in kind if file.parent == folder]
-            order |= {file: (not first, (i + 0.5) / many) for i, file in enumerate(own)}
+    folders: dict[tuple[bool, Path], list[Path]] = {}
+    for path in dict.fromkeys(item.path for item in items):
+        folders.setdefault((path not in slow, path.parent), []).append(path)
+    order = {
+        path: (later, (i + 0.5) / len(own))
+        for (later, _), own in folders.items()
+        for i, path in enumerate(own)
+    }
     items.sort(key=lambda item: order[item.path])
 
 

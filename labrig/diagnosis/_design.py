@@ -22,8 +22,6 @@ _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
-_UNSEEN = 1e-6
-"""The same for a function, before chambers are told apart: small enough that many of them together are small, too."""
 _ROWS_COMPARED = 50
 _SINGLE = 30_000
 """Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
@@ -149,9 +147,11 @@ def _share(owner: str, space: Space, count: Mapping[str, int]) -> float:
 
 
 def _shown(L: Floats, shows: Floats) -> Floats:
-    """Functions L (a, q) as principal ones, without those that hardly show; their squares' sums are L' `shows` L."""
+    """Functions L (a, q) as principal ones, their squares' sums L' `shows` L, without those that hardly show: all
+    that are left out together are a direction that would be.
+    """
     power, turn = np.linalg.eigh(L.T @ shows @ L)
-    return L @ turn[:, power > _UNSEEN * max(power.sum(), 0.0)]
+    return L @ turn[:, np.cumsum(power) > LEAST_SHARE * max(power.sum(), 0.0)]
 
 
 def has_name(space: Space, named: Sequence[Mapping[str, Floats]]) -> bool:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ _PANEL = 256
 """How many rows of a matrix are mirrored at once: numerical, it changes no number."""
 _JITTER = 1e-12
 """Added to a unit diagonal against rounding; numerical, it decides nothing."""
-_POTRF, _POTRS, _POTRI = get_lapack_funcs(("potrf", "potrs", "potri"), dtype=np.float64)
+_POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 EVEN = (DECLARED, "?place")
 """Free patterns that spread evenly over the observables, wherever the base moves them."""
 
@@ -143,20 +142,19 @@ def _marginalised(out: Beside, sums: Sums, variance: Floats) -> Beside:
 class State:
     """The posterior when every column has a prior sd `sd` (P,), from which some are raised at little cost.
 
-    `factor` is the Cholesky factor (P, P) of the precision of the columns' coefficients until their covariance is
-    asked for, which takes its place in memory; `mean` (P,) is their mean, `quad` y' C^-1 y and `logdet` log det C,
-    of the observations' covariance C.
+    `covariance` (P, P) and `mean` (P,) of the columns' coefficients; `quad` is y' C^-1 y, `logdet` log det C, of
+    the observations' covariance C.
     """
 
     sd: Floats
-    factor: Floats
+    covariance: Floats
     mean: Floats
     quad: float
     logdet: float
 
     @classmethod
     def of(cls, sums: Beside, sd: Floats) -> "State":
-        """The posterior beside free patterns."""
+        """The posterior beside free patterns: covariance (P, P), mean (P,), y' C^-1 y and log det C."""
         precision = sums.A.copy()
         precision[np.diag_indices_from(precision)] += sd**-2.0 + sums.grain
         # the transpose is as LAPACK lays it out: nothing is copied
@@ -164,27 +162,21 @@ class State:
         if wrong:
             raise np.linalg.LinAlgError("the precision is not positive definite")
         logdet = 2 * float(np.log(np.diag(L)).sum()) + 2 * float(np.log(sd).sum())
-        mean = _POTRS(L, sums.b, lower=1)[0]
-        return cls(sd, L, mean, sums.square - float(sums.b @ mean), sums.logdet + logdet)
-
-    @cached_property
-    def covariance(self) -> Floats:
-        """That of the columns' coefficients, (P, P); states that are only weighed never need it."""
-        return _mirrored(_POTRI(self.factor, lower=1, overwrite_c=1)[0])
+        cov = _mirrored(_POTRI(L, lower=1, overwrite_c=1)[0])
+        mean = cov @ sums.b
+        return cls(sd, cov, mean, sums.square - float(sums.b @ mean), sums.logdet + logdet)
 
     def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> "RaisedState":
         """The same state when the columns of some blocks have larger prior sds; of blocks with the same columns the
         squares of these add up.
         """
-        if not slices:
-            return RaisedState(self, self.sd, np.zeros((0, len(self.sd))), self.mean, self.quad, self.logdet)
         square: dict[tuple[int, int], float] = {}
         for at, sd in zip(slices, sds, strict=True):
             square[at.start, at.stop] = square.get((at.start, at.stop), 0.0) + sd**2
         sd = self.sd.copy()
         for (start, stop), value in square.items():
             sd[start:stop] = np.sqrt(value)
-        index = np.concatenate([np.arange(*at) for at in square])
+        index = np.concatenate([np.zeros(0, dtype=np.int64), *(np.arange(*at) for at in square)])
         wanted, was = sd[index], self.sd[index]
         delta = np.sqrt(np.maximum(was**-2.0 - wanted**-2.0, 0.0))
         rows = delta[:, None] * self.covariance[index]
