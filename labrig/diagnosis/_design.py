@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns, gram
 from labrig.diagnosis._constants import EVEN
@@ -205,7 +206,7 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
             if used.sum() <= 3 and space.scanned:
                 exact += list(np.eye(K)[np.flatnonzero(used)])
             elif used.sum() <= 3:  # one marker, which moves one way above all
-                _, _, Vt = np.linalg.svd(values, full_matrices=False)
+                _, _, Vt = svd(values)
                 exact.append(Vt[0])
             else:
                 clouds.append(values[:: max(1, len(values) // 60)])

@@ -7,6 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from labrig._linalg import svd
 from labrig.arrays import Bools, Floats, Ints
 from labrig.diagnosis._constants import DECLARED_FLOORS
 from labrig.diagnosis._design import DECLARED, LEAST_SHARE, Block, Design, design_of
@@ -65,7 +66,7 @@ def basis(Z: Floats) -> Floats:
     """Orthonormal combinations (d, e) of the rows of Z (d, q) that hold most of it, all where they are few."""
     if len(Z) <= _MOST_NUMBERS:
         return np.eye(len(Z))
-    return np.linalg.svd(Z, full_matrices=False)[0][:, :_MOST_NUMBERS]
+    return svd(Z)[0][:, :_MOST_NUMBERS]
 
 
 class Explained:

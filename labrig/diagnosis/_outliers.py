@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._witnesses import Moments, borne_out, moments_of
@@ -155,7 +156,7 @@ def _smooth(values: Floats) -> Floats:
     middle, spread = _middle_and_spread(values)
     limit = 4 * np.maximum(spread, np.median(spread))
     clipped = fill(np.clip(values, middle - limit, middle + limit))
-    _, _, Vt = np.linalg.svd(clipped, full_matrices=False)
+    _, _, Vt = svd(clipped)
     V = Vt[: min(_SMOOTH_RANK, min(values.shape) // 3)]
     known = np.where(np.isfinite(values), values, 0.0)
     w = np.isfinite(values).astype(float)

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor, capture_means
@@ -366,7 +367,7 @@ def _patterns(stacked: Floats, weight: Floats) -> Floats:
         return np.eye(K)
     whitened = np.where(weight > 0, stacked * np.sqrt(weight), np.nan)
     seen = np.isfinite(whitened).any(axis=1)
-    _, s, Vt = np.linalg.svd(fill(whitened[seen]), full_matrices=False)
+    _, s, Vt = svd(fill(whitened[seen]))
     clear = int((s > bulk_edge(int(seen.sum()), K)).sum())
     scale = 1 / np.sqrt(np.where(weight.max(axis=0) > 0, weight.max(axis=0), 1.0))
     return Vt[: int(np.clip(clear, 2, MAX_PATTERNS))] * scale

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
 from labrig.effects._family import Feature, Space, acting, field, motion_scale
@@ -54,7 +55,7 @@ def _ends(context: Context) -> Iterator[Space]:
     """The body as a whole, in one of its two main motions, runs against a stop."""
     scale = motion_scale(context)
     moved = context.displacement / scale
-    _, size, modes = np.linalg.svd(moved[:: max(1, len(moved) // 400)], full_matrices=False)
+    _, size, modes = svd(moved[:: max(1, len(moved) // 400)])
     for j, mode in enumerate(modes[:2]):
         if size[j] < 0.2 * size[0]:
             break

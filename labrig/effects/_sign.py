@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 
@@ -105,7 +106,7 @@ def along_own(
 ) -> Sign:
     """The size of the effect's own leading pattern over the observables, against `x` (F,) that betrays it."""
     one, x = by_capture(context, part), held(context, x)
-    _, _, Vt = np.linalg.svd(one.change / part.noise, full_matrices=False)
+    _, _, Vt = svd(one.change / part.noise)
     pattern = Vt[0] * part.noise
     unit_of = context.rows.unit
     commonest = max(dict.fromkeys(unit_of), key=unit_of.count)

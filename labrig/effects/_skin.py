@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._family import motion_scale
@@ -37,7 +38,7 @@ def lag_behind(context: Context, tau_s: float) -> Floats:
 def body_behind(context: Context, width: float) -> Floats:
     """How far the body stays behind, all of it, where a play of `width` holds its main way of moving back, (F, K)."""
     drive, scale = at_events(context), motion_scale(context)
-    _, _, ways = np.linalg.svd(drive / scale, full_matrices=False)
+    _, _, ways = svd(drive / scale)
     along = drive / scale @ ways[0]
     behind = context.played(width * np.sqrt(len(scale)), along) - along[context.rows.event]
     return behind[:, None] * ways[0] * scale

@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 
 
@@ -55,6 +56,6 @@ def fill(matrix: Floats, rank: int = 6, rounds: int = 12) -> Floats:
     out = np.where(seen, matrix, mean)
     rank = min(rank, max(1, min(matrix.shape) // 3))
     for _ in range(rounds):
-        U, s, Vt = np.linalg.svd(out, full_matrices=False)
+        U, s, Vt = svd(out)
         out = np.where(seen, matrix, (U[:, :rank] * s[:rank]) @ Vt[:rank])
     return out

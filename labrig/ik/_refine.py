@@ -6,6 +6,7 @@ from the model once, and every scan corrects them along the step that led to it.
 
 import numpy as np
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 
 _DAMPING = 3e-3
@@ -23,7 +24,7 @@ class Refinement:
     """
 
     def __init__(self, slope: Floats, motions: Floats, low: Floats, high: Floats) -> None:
-        U, size, _ = np.linalg.svd(np.nan_to_num(motions), full_matrices=False)
+        U, size, _ = svd(np.nan_to_num(motions))
         basis = U[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-12)]
         known = np.nan_to_num(slope)
         self._slope = known - basis @ (basis.T @ known)

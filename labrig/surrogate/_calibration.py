@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.surface import grid
 from labrig.surrogate._forward import ForwardModel
@@ -24,7 +25,7 @@ def calibrated(model: ForwardModel, missed: Floats, doubt: Floats) -> ForwardMod
     modes = model.modes_mm.reshape(len(model.modes_mm), -1)
     errors = np.linalg.lstsq(modes.T, missed.T, rcond=None)[0].T
     part = (errors / doubt[:, None]) / np.sqrt(len(errors))
-    _, size, direction = np.linalg.svd(part, full_matrices=False)
+    _, size, direction = svd(part)
     model = replace(model, spread=np.ascontiguousarray((direction * size[:, None])[:_PARTS].T), factor=1.0)
     uv, _ = grid(_GRID, _GRID)
     basis = model.spline.basis(uv)

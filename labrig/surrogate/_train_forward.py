@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.surface import grid
 from labrig.surrogate._calibration import NORMAL_95, calibrated
@@ -144,7 +145,7 @@ def _rank_correlation(a: Floats, b: Floats) -> float | None:
 def _reduced(data: TrainingSet) -> tuple[Floats, Floats, Floats]:
     """Mean (D,), orthonormal modes (K, D) and coordinates (n, K) of the shapes."""
     mean = data.flat.mean(axis=0)
-    _, size, modes = np.linalg.svd(data.flat - mean, full_matrices=False)
+    _, size, modes = svd(data.flat - mean)
     left = np.sqrt(np.maximum(1.0 - np.cumsum(size**2) / max(float((size**2).sum()), 1e-300), 0.0))
     count = min(_MODES, int((left > _TAIL).sum()) + 1, len(size))
     modes = modes[:count]
@@ -197,7 +198,7 @@ def _outside(data: TrainingSet, count: int) -> Floats:
     for k in range(_FOLDS):
         there = data.flat[fold != k]
         mean = there.mean(axis=0)
-        modes = np.linalg.svd(there - mean, full_matrices=False)[2][:count]
+        modes = svd(there - mean)[2][:count]
         moved = data.flat[fold == k] - mean
         left[fold == k] = moved - moved @ modes.T @ modes
     return left

@@ -95,12 +95,12 @@ function draw() {
 function list() {
   const listed = jobs.slice(0, 20);
   const drawn = JSON.stringify(listed.map((job) => [job.id, job.state]));
-  if (panel.dataset.drawn === drawn) {
+  if (panel.dataset.listed === drawn) {
     for (const job of listed) renew(panel.querySelector(`[data-job="${job.id}"]`), job);
     return;
   }
   const kept = panel.querySelector("details[open]")?.dataset.job;
-  panel.dataset.drawn = drawn;
+  panel.dataset.listed = drawn;
   fill(panel, h("h2", {}, "Work"), listed.map((job) => entry(job, job.id === kept)));
 }
 

@@ -49,8 +49,8 @@ function badge() {
   const run = facts.running[0];
   const place = document.getElementById("rig");
   const drawn = JSON.stringify([run, facts.rig]);
-  if (place.dataset.drawn === drawn) return;
-  place.dataset.drawn = drawn;
+  if (place.dataset.shown === drawn) return;
+  place.dataset.shown = drawn;
   const link = () => h("a", { class: "live", title: `${run} goes on`, href: address({ step: "watch", query: { live: run } }) }, h("bdi", {}, run.split("/").pop()));
   fill(place, run ? link() : facts.rig ? h("span", { class: "muted small" }, `rig ${facts.rig}`) : null);
 }
