@@ -12,7 +12,8 @@ from pathlib import Path
 
 from labrig.workbench._locked import hold
 
-ALIVE, ENDED, PID = "alive", "ended.json", "pid"
+ALIVE, CANCELLED, ENDED, PID = "alive", "cancelled", "ended.json", "pid"
+_INTERRUPTED = 130
 
 
 def main() -> None:
@@ -25,12 +26,17 @@ def main() -> None:
     with hold(folder / ALIVE) as alive:
         alive.write(b"held")  # an empty file is one that is not held yet
         alive.flush()
-        # A handler, unlike SIG_IGN, is not handed down: the command meets these signals as if it were typed.
-        with subprocess.Popen([sys.executable, "-m", "labrig", *words], stdin=subprocess.DEVNULL) as command:
-            if asked:  # before there was a command that it could reach
-                command.terminate()
-            code = command.wait()
+        # What was asked before there was a handler may have met nobody: whoever asks writes it down first.
+        code = _INTERRUPTED if (folder / CANCELLED).exists() else _run(words, asked)
         write_ended(folder, code)
+
+
+def _run(words: list[str], asked: list[int]) -> int:
+    # A handler, unlike SIG_IGN, is not handed down: the command meets these signals as if it were typed.
+    with subprocess.Popen([sys.executable, "-m", "labrig", *words], stdin=subprocess.DEVNULL) as command:
+        if asked:  # before there was a command that it could reach
+            command.terminate()
+        return command.wait()
 
 
 def write_ended(folder: Path, code: int) -> None:

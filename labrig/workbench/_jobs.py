@@ -22,10 +22,10 @@ from statistics import median
 from typing import Any, TypedDict
 
 from labrig._errors import LabrigError
-from labrig.workbench._child import ALIVE, ENDED, PID, write_ended
+from labrig.workbench._child import ALIVE, CANCELLED, ENDED, PID, write_ended
 from labrig.workbench._locked import is_held
 
-ABOUT, OUTPUT, CANCELLED = "job.json", "output.txt", "cancelled"
+ABOUT, OUTPUT = "job.json", "output.txt"
 KEPT = 60
 _STARTS_S = 120.0
 """A process that has not begun by then never will; one that this server started is known to have ended before."""

@@ -1,6 +1,7 @@
 """Long work: what is known of it lies in files."""
 
 import json
+import signal
 import subprocess
 import sys
 
@@ -58,12 +59,27 @@ def test_a_job_can_be_cancelled(desk, long_job):
     assert long_job.state in ("cancelled", "done")
 
 
-def test_a_job_is_cancelled_before_its_command_begins(tmp_path):
-    """Who cancels between the start of a job and that of its command is not forgotten."""
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows hands no ignored signals down")
+def test_a_job_is_cancelled_at_once_by_a_server_that_ignores_ctrl_c(desk):
+    """What runs in the background of a shell ignores Ctrl-C, and so does what it starts, until that says otherwise."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        job = desk.jobs.start(["workbench", ".", "--no-browser"], "long")
+        desk.jobs.cancel(job)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    wait_for(lambda: job.state != "running")
+    assert job.state == "cancelled"
+
+
+def test_a_job_is_cancelled_between_its_start_and_that_of_its_command(tmp_path):
+    """Who cancels as the command is being started is not forgotten."""
     code = (
-        "import signal, sys; from labrig.workbench import _child; hold = _child.hold\n"
-        "def pressed(path):\n    signal.raise_signal(signal.SIGINT)\n    return hold(path)\n"
-        "_child.hold = pressed; _child.main()"
+        "import signal, subprocess, sys; from labrig.workbench import _child; Popen = subprocess.Popen\n"
+        "def pressed(*args, **kwargs):\n"
+        "    signal.raise_signal(signal.SIGINT)\n"
+        "    return Popen(*args, **kwargs)\n"
+        "subprocess.Popen = pressed; _child.main()"
     )
     words = ["workbench", ".", "--no-browser"]
     subprocess.run([sys.executable, "-c", code, tmp_path, *words], cwd=tmp_path, check=True, timeout=60)
