@@ -4,6 +4,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import centre_of, contribution, frame_modes, scale_mode
+from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._registry import USER_FOLDER, get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, join_rows, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
@@ -14,6 +15,7 @@ from labrig.effects._weights import form_of, is_family, labels_of, made_of, pres
 
 __all__ = [
     "MOST_SESSIONS",
+    "NORMALS",
     "TRANSIENT_S",
     "USER_FOLDER",
     "WEIGHTS",
@@ -22,6 +24,7 @@ __all__ = [
     "Effect",
     "Parameter",
     "Part",
+    "Places",
     "Rows",
     "Space",
     "Term",
@@ -29,6 +32,7 @@ __all__ = [
     "acting",
     "bulk_edge",
     "bulk_noise",
+    "by_marker",
     "centre_of",
     "contribution",
     "field",
@@ -47,6 +51,7 @@ __all__ = [
     "pressures_of",
     "rows_of",
     "scale_mode",
+    "to_rows",
     "weighable",
     "weighted",
     "without_value",

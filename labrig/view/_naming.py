@@ -20,6 +20,7 @@ _CARRIES = {
     "history": "depends on earlier pressures (history-dependent)",
     "other chambers through the pressures": "depends on the pressures of the other chambers",
     "use so far through the pressures": "grows with how much the chambers have been moved",
+    "a plane in space": "comes as markers pass a plane in space, as where other cameras take over",
     "what was recorded beside": "follows another logged quantity",
     "nothing that was recorded": "follows no logged quantity",
 }

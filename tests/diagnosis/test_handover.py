@@ -1,0 +1,28 @@
+"""Markers that other cameras take over: no effect of the library, and said to come from a place in space."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import diagnose
+
+
+def seen_by_two(lab: Any) -> np.ndarray:
+    """What is nearer to a camera above than 485 mm is seen by it alone, which was turned by 2 mrad and moved."""
+    where = lab.predict(lab.u)
+    points = where.reshape(*where.shape[:-1], -1, 3)
+    camera = lab.rest_mm.mean(axis=0) + np.array([40.0, 0.0, 500.0])
+    away = points - camera
+    own = np.linalg.norm(away, axis=-1, keepdims=True) < 485.0
+    assert 0.1 < own.mean() < 0.6
+    return (points + own * (np.cross([0.002, -0.001, 0.001], away) + [0.3, -0.2, 0.5])).reshape(where.shape)
+
+
+@pytest.mark.parametrize("markers", [10, 24])
+def test_other_cameras_have_no_name(make_lab, markers) -> None:
+    """A step of all markers that pass a border in space is unknown, is no frame, and the report says what it follows."""
+    lab = make_lab(markers=markers, captures=60)
+    summary = diagnose(lab.dataset(seen_by_two(lab) + lab.noise()), lab.model()).summary
+    assert (summary["verdict"], summary["effects"]) == ("unknown", [])
+    assert summary["carried_by"] == "a plane in space"
