@@ -16,12 +16,13 @@ def seen_by_two(lab: Any) -> np.ndarray:
     away = points - camera
     own = np.linalg.norm(away, axis=-1, keepdims=True) < 485.0
     assert 0.1 < own.mean() < 0.6
-    return (points + own * (np.cross([0.002, -0.001, 0.001], away) + [0.3, -0.2, 0.5])).reshape(where.shape)
+    elsewhere = np.cross([0.002, -0.001, 0.001], away) + np.array([0.3, -0.2, 0.5])
+    return (points + own * elsewhere).reshape(where.shape)
 
 
 @pytest.mark.parametrize("markers", [10, 24])
 def test_other_cameras_have_no_name(make_lab, markers) -> None:
-    """A step of all markers that pass a border in space is unknown, is no frame, and the report says what it follows."""
+    """A step of all markers that pass a border in space is unknown, not a frame, and what carries it is said."""
     lab = make_lab(markers=markers, captures=60)
     summary = diagnose(lab.dataset(seen_by_two(lab) + lab.noise()), lab.model()).summary
     assert (summary["verdict"], summary["effects"]) == ("unknown", [])
