@@ -37,8 +37,36 @@ def lag_behind(context: Context, tau_s: float) -> Floats:
 
 def body_behind(context: Context, width: float) -> Floats:
     """How far the body stays behind, all of it, where a play of `width` holds its main way of moving back, (F, K)."""
+    along, way = _main_way(context)
+    return (context.played(width, along) - along[context.rows.event])[:, None] * way
+
+
+def body_settled(context: Context, power: float) -> Floats:
+    """How far the body would go along its main way if that went with a power of the way, (F, K)."""
+    along, way = _main_way(context)
+    now = along[context.rows.event]
+    return (np.sign(now) * np.abs(now) ** power)[:, None] * way
+
+
+def marker_behind(context: Context, width: float) -> Floats:
+    """How far each marker stays behind that is dragged in space by a thread of `width`, of the whole motion, (F, K).
+
+    Dry friction that knows no direction: J. J. Moreau, Trends in Applications of Pure Mathematics to Mechanics II
+    (Pitman 1979). Each observable without a marker by itself.
+    """
+    drive, scale, marker = at_events(context), motion_scale(context), context.rows.marker
+    state = drive / scale
+    for e, before in enumerate(context.started):
+        behind = drive[e] / scale - (state[before] if before >= 0 else 0.0)
+        square = behind**2
+        for m in np.unique(marker[marker >= 0]):
+            square[marker == m] = square[marker == m].sum()
+        state[e] = drive[e] / scale - behind * np.minimum(1.0, width / np.maximum(np.sqrt(square), 1e-12))
+    return (state * scale - drive)[context.rows.event]
+
+
+def _main_way(context: Context) -> tuple[Floats, Floats]:
+    """How far the body is along its main way at each event (E,), as a share of the whole motion, and that way (K,)."""
     drive, scale = at_events(context), motion_scale(context)
     _, _, ways = svd(drive / scale)
-    along = drive / scale @ ways[0]
-    behind = context.played(width * np.sqrt(len(scale)), along) - along[context.rows.event]
-    return behind[:, None] * ways[0] * scale
+    return drive / scale @ ways[0] / np.sqrt(len(scale)), ways[0] * scale * np.sqrt(len(scale))

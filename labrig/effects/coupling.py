@@ -12,10 +12,12 @@ from labrig.effects._family import Space, acting, field, pattern, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._obstacles import by_marker, to_rows
 from labrig.effects._sign import Part, Sign, by_chamber
+from labrig.effects._together import together
 
 _PAIRS = 12
 """Most pairs of chambers that are asked one by one how one turns the other (of more, all others together), and most
 groups that may do something together anywhere (of more, pairs, those first that overlap most)."""
+_OPEN = 0.05
 _OTHERS, _THIRD = 6, 3
 """Of how many neighbours each acts for itself, and of how many two act at once: grids, no limits of a verdict."""
 
@@ -87,6 +89,7 @@ class Coupling(Effect):
         d, slope = context.deflection, context.deflection_slope
         sat, others = x / (0.3 + x), 1 - np.eye(C)
         both = np.sqrt(np.clip(x[:, :, None] * x[:, None], 0, None))
+        root = np.sqrt(np.clip(d[:, :, None] * d[:, None], 0, None))
         out = [
             pressure("all", x * (x @ others) / (C - 1), 0.5),
             pressure("near", x * (x @ near)),
@@ -94,6 +97,7 @@ class Coupling(Effect):
             pressure("near root", (both * near).sum(axis=2), 0.5),
             pressure("wall near saturating", d * (np.tanh(1.5 * d) @ near) / slope, 0.7),
             pressure("wall near", d * (d @ near) / slope, 0.7),
+            pressure("wall near bows", (root * (d[:, :, None] - d[:, None]) * near).sum(axis=2) / slope, 0.5),
         ]
         taken = x @ others / (C - 1)  # a supply gives no more than what the others leave
         out += [pressure(f"ceiling {t}", -np.maximum(x + 0.5 * taken - t, 0), 0.5) for t in (0.7, 0.9, 1.1)]
@@ -102,6 +106,7 @@ class Coupling(Effect):
         yield Space("together", "coupling", acting(out), 0.6)
         yield from _pair_by_pair(context, near)
         yield from _turned_along(context)
+        yield from together(context, near)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         x = context.rows.fraction
@@ -125,6 +130,8 @@ def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
             pressure(f"by {k}", x * y),
             pressure(f"by {k} early", x * y / (0.3 + np.abs(y)), 0.5),
             pressure(f"by {k} late", x * np.maximum(y - 0.5, 0.0)),
+            pressure(f"by {k} once open", np.tanh(x / _OPEN) * y, 0.5),
+            pressure(f"by {k} if fuller", np.sign(x) * np.maximum(np.abs(x) - np.abs(y), 0.0) * np.tanh(np.abs(y) / _OPEN), 0.5),
         ]
     out += [
         pressure(f"by {i} and {j}", x * y * z)

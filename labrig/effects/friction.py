@@ -10,7 +10,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
-from labrig.effects._skin import play_behind
+from labrig.effects._skin import body_behind, marker_behind, play_behind
 
 
 class Friction(Effect):
@@ -87,6 +87,8 @@ class Friction(Effect):
         out += memory(context)
         yield Space("sliding", "friction", acting(out))
         skin = [field(f"skin {w}", play_behind(context, w) / w, 0.5) for w in (0.02, 0.05, 0.12)]
+        skin += [field(f"marker {w}", marker_behind(context, w) / w, 0.5) for w in (0.02, 0.05, 0.12)]
+        skin += [field(f"body {w}", body_behind(context, w) / w, 0.5) for w in (0.01, 0.03)]
         yield Space("under the skin", "friction skin", acting(skin))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:

@@ -11,7 +11,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, ball_of, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, by_chamber
-from labrig.effects._skin import body_behind, play_behind
+from labrig.effects._skin import body_behind, body_settled, play_behind
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
@@ -126,7 +126,8 @@ class Hysteresis(Effect):
         yield Space("play", "hysteresis", acting(out), 0.8)
         skin = [field(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
         body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]
-        yield Space("in the skin", "hysteresis skin", acting(skin + body))
+        settled = [field(f"body settled {p}", body_settled(context, p), 0.1) for p in (0.5, 1.0, 2.0)]
+        yield Space("in the skin", "hysteresis skin", acting(skin + body + settled))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

@@ -19,6 +19,8 @@ _ON_A_PLATE = 4
 _MOST_OF_ALL = 0.6
 """Share of all observables from which on a group is no few against the others."""
 _SHOWN = 4
+_SLOW = 7
+"""Slow motions over the run, cosines, that a loose marker may make beside its steps: a grid."""
 _DEARER = 2.0
 """What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
 
@@ -118,15 +120,26 @@ class MarkerSlip(Effect):
         error[np.stack([~seen[rows.capture == c].any(axis=0) for c in captures])] = np.nan
         error = fill(error)
         scale = motion_scale(context)
-        found = []
-        for group in dict.fromkeys(group for m in markers for group in _groups(rows, m)):
+        found, alone = [], {}
+
+        def look(group: tuple[int, ...]) -> None:
             own = np.isin(rows.marker, group)
             if own.mean() > _MOST_OF_ALL:
-                continue
+                return
             e = _beside_others(error, own)
             gain = _step_gain(e)
             i = int(np.argmax(gain))
             found.append((float(gain[i]) - _DEARER * own.sum(), group, i, e))
+            if len(group) == 1:
+                alone[group[0]] = gain - 2 * _DEARER * own.sum()
+
+        groups = dict.fromkeys(group for m in markers for group in _groups(rows, m))
+        for group in groups:
+            look(group)
+        at = max(found, key=lambda one: one[0])[2]
+        knocked = tuple(sorted(m for m, gain in alone.items() if gain[at] > 0))
+        if len(knocked) > 1 and knocked not in groups:
+            look(knocked)
         found.sort(key=lambda one: -one[0])
         for _, group, i, e in found[:_SHOWN]:
             since, others = int(captures[i + 1]), [int(captures[j + 1]) for j in _more_steps(e, i)]
@@ -140,13 +153,17 @@ class MarkerSlip(Effect):
             ways += [
                 (f"step again {n}", (rows.capture >= o).astype(float), 0.3) for n, o in enumerate(others)
             ]
+            along = (rows.capture - captures[0]) / max(np.ptp(captures), 1)
+            ways += [(f"slow {n}", np.cos(np.pi * n * along), 0.3 / n) for n in range(1, _SLOW)]
             out = []
             for k in np.flatnonzero(own):
                 one = np.zeros(context.base.shape[1])
                 one[k] = scale[k]
+                behind = -context.displacement[:, k] * after / scale[k]
+                loose = [("follows in part", behind, 0.3)]
                 out += [
                     field(f"{way} {rows.marker[k]} {rows.axis[k]}", q[:, None] * one, w)
-                    for way, q, w in (ways if len(group) == 1 else ways[:2])
+                    for way, q, w in ([*ways, *loose] if len(group) == 1 else ways[:2])
                 ]
             who = f"marker {group[0]}" if len(group) == 1 else f"markers {list(group)}"
             yield Space(
