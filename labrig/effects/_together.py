@@ -1,4 +1,4 @@
-"""What chambers do together that none does alone, anywhere on the body: sums and groups that the residuals speak for."""
+"""What chambers do together that none does alone, anywhere on the body, as far as the residuals speak for it."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -38,7 +38,7 @@ def together(context: Context, near: Floats) -> Iterator[Space]:
     if features:
         yield Space("some at once", "coupling groups", acting(features), scanned=len(groups) ** len(chosen))
     pairs = [i for i, g in enumerate(groups) if len(g) == 2]
-    if 2 < len(pairs) < len(first) / 2:
+    if 2 < len(pairs) < len(first):
         weights = _one_way(Z[:, pairs], R)
         way = acting([pattern("pairs", products[:, pairs] @ weights)])
         yield Space("all pairs, one way", "coupling way", way, scanned=3 ** len(pairs))
@@ -74,7 +74,7 @@ def _one_way(Z: Floats, R: Floats) -> Floats:
 
     Reduced-rank regression: A. J. Izenman, J. Multivariate Analysis 5 (1975) 248-264.
     """
-    ridge = 1e-3 * float(np.trace(Z.T @ Z)) / Z.shape[1] + 1e-300
+    ridge = 1e-2 * float(np.trace(Z.T @ Z)) / Z.shape[1] + 1e-300
     B = np.linalg.solve(Z.T @ Z + ridge * np.eye(Z.shape[1]), Z.T @ R)
     _, V = np.linalg.eigh((fitted := Z @ B).T @ fitted)
     return B @ V[:, -1]

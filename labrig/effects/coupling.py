@@ -8,16 +8,16 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, pattern, pressure
+from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._obstacles import by_marker, to_rows
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._together import together
 
 _PAIRS = 12
-"""Most pairs of chambers that are asked one by one how one turns the other (of more, all others together), and most
-groups that may do something together anywhere (of more, pairs, those first that overlap most)."""
+"""Most pairs of chambers that are asked one by one how one turns the other; of more, all others together."""
 _OPEN = 0.05
+"""Share of the range from which a chamber is open: a grid."""
 _OTHERS, _THIRD = 6, 3
 """Of how many neighbours each acts for itself, and of how many two act at once: grids, no limits of a verdict."""
 
@@ -122,7 +122,7 @@ class Coupling(Effect):
 
 
 def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
-    """Each chamber by each other one for itself, by two of them at once; and what they do together, anywhere."""
+    """Each chamber by each other one for itself, and by two at once; as soon as it is open; and if it is the fuller."""
     x, out = context.rows.fraction, []
     others = nearest(near, x)[:_OTHERS]
     for k, y in enumerate(others, start=1):
@@ -130,22 +130,20 @@ def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
             pressure(f"by {k}", x * y),
             pressure(f"by {k} early", x * y / (0.3 + np.abs(y)), 0.5),
             pressure(f"by {k} late", x * np.maximum(y - 0.5, 0.0)),
-            pressure(f"by {k} once open", np.tanh(x / _OPEN) * y, 0.5),
-            pressure(f"by {k} if fuller", np.sign(x) * np.maximum(np.abs(x) - np.abs(y), 0.0) * np.tanh(np.abs(y) / _OPEN), 0.5),
         ]
     out += [
         pressure(f"by {i} and {j}", x * y * z)
         for (i, y), (j, z) in combinations(enumerate(others[:_THIRD], start=1), 2)
     ]
     yield Space("pair by pair", "coupling pairs", acting(out), 0.2)
-    groups = [g for size in (2, 3) for g in combinations(range(x.shape[1]), size)]
-    if len(groups) > _PAIRS:
-        groups = sorted(neighbour_pairs(near), key=lambda pair: -near[pair])[:_PAIRS]
-    yield Space(
-        "anywhere",
-        "coupling anywhere",
-        acting([pattern("x".join(map(str, g)), x[:, g].prod(axis=1)) for g in groups]),
-    )
+    still = np.tanh(x / _OPEN)  # however full: an open valve, a wall that is off its seat
+    opened = [pressure(f"by {k}", still * y) for k, y in enumerate(others, start=1)]
+    opened += [pressure(f"by {k} load", x * y, 0.5) for k, y in enumerate(others, start=1)]
+    yield Space("once open", "coupling once open", acting(opened), 0.2)
+    more = [np.maximum(np.abs(x) - np.abs(y), 0.0) * np.tanh(np.abs(y) / _OPEN) for y in others]
+    fuller = [pressure(f"by {k}", np.sign(x) * over) for k, over in enumerate(more, start=1)]
+    fuller += [pressure(f"by {k} load", x * over) for k, over in enumerate(more, start=1)]
+    yield Space("the fuller", "coupling the fuller", acting(fuller), 0.2)
 
 
 def nearest(near: Floats, x: Floats) -> list[Floats]:

@@ -25,6 +25,8 @@ _TILTED = {"tilt", "orientation", "angle"}
 _SPACES = {"what gives": ("pressure", "field"), "anywhere": ("pattern",)}
 _FREE = 1.0
 """Prior variance of a sag whose shape over the body is free: weights may sit anywhere."""
+_OPEN = 0.05
+"""Share of the range from which a wall is off its seat: a grid."""
 _ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
 
 
@@ -102,7 +104,9 @@ class Gravity(Effect):
             whole = [(n, np.repeat(v[:, None], len(rows.chambers), axis=1)) for n, v in loads]
             out += [pressure(f"{n} held", v, 0.3) for n, v in whole]
             out += [pressure(f"{n} held load", v * rows.fraction, 0.3) for n, v in whole]
-            out += [pressure(f"{n} held square", v * rows.fraction * np.abs(rows.fraction), 0.1) for n, v in whole]
+            out += [
+                pressure(f"{n} held square", v * rows.fraction * np.abs(rows.fraction), 0.1) for n, v in whole
+            ]
             out += [pressure(f"{n} once open", v * np.tanh(rows.fraction / 0.05), 0.1) for n, v in whole]
             out += [field(f"{n} of the whole way", v[:, None] * context.displacement, 0.3) for n, v in loads]
         if has_axis and context.moves and context.jacobian.any():
@@ -130,6 +134,8 @@ class Gravity(Effect):
             some = [f for f in out if f.kind in kinds or "body" in f.name]
             if some:
                 yield Space(name, f"gravity {name}", acting(some), absolute=False)
+        if context.moves:
+            yield from _lifted(context, loads)
         body = [f for f in out if "body" in f.name]
         if body:
             yield Space("as one body", "gravity as one body", acting(body))
@@ -189,6 +195,22 @@ def _pulls(context: Context) -> list[tuple[str, Floats]]:
     turned = [(f"{one} {way}", load * along) for one, load in loads for way, along in tilts]
     since = [("cosine since upright", along - 1) for way, along in tilts if way == "cosine"]
     return [*loads, *tilts, *since, *turned]
+
+
+def _lifted(context: Context, loads: list[tuple[str, Floats]]) -> Iterator[Space]:
+    """A weight takes a share of all motions; or each wall lifts it by an arm that grows, once it is off its seat."""
+    x = context.rows.fraction
+    yield Space(
+        "the whole way",
+        "gravity the whole way",
+        acting([field(name, pull[:, None] * context.displacement) for name, pull in loads]),
+        absolute=False,
+    )
+    walls = [("", np.tanh(x / _OPEN), 1.0), (" load", x, 1.0), (" square", x * np.abs(x), 0.3)]
+    lifts = [
+        pressure(f"{name}{how}", pull[:, None] * wall, w) for name, pull in loads for how, wall, w in walls
+    ]
+    yield Space("what each wall lifts", "gravity lifted", acting(lifts), 0.5, absolute=False)
 
 
 def _products(along: Floats, features: Floats) -> Floats:

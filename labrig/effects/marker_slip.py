@@ -8,21 +8,16 @@ from scipy.ndimage import median_filter
 from labrig.arrays import Bools, Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, field, motion_scale
+from labrig.effects._family import Feature, Space, field, motion_scale
 from labrig.effects._rows import Rows
 from labrig.effects._sign import Part, Sign, by_capture
+from labrig.effects._slips import slips
 from labrig.effects._spectrum import fill
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
-_ON_A_PLATE = 4
-_MOST_OF_ALL = 0.6
-"""Share of all observables from which on a group is no few against the others."""
-_SHOWN = 4
 _SLOW = 7
 """Slow motions over the run, cosines, that a loose marker may make beside its steps: a grid."""
-_DEARER = 2.0
-"""What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
 
 
 class MarkerSlip(Effect):
@@ -119,56 +114,30 @@ class MarkerSlip(Effect):
         )
         error[np.stack([~seen[rows.capture == c].any(axis=0) for c in captures])] = np.nan
         error = fill(error)
-        scale = motion_scale(context)
-        found, alone = [], {}
-
-        def look(group: tuple[int, ...]) -> None:
-            own = np.isin(rows.marker, group)
-            if own.mean() > _MOST_OF_ALL:
-                return
-            e = _beside_others(error, own)
-            gain = _step_gain(e)
-            i = int(np.argmax(gain))
-            found.append((float(gain[i]) - _DEARER * own.sum(), group, i, e))
-            if len(group) == 1:
-                alone[group[0]] = gain - 2 * _DEARER * own.sum()
-
-        groups = dict.fromkeys(group for m in markers for group in _groups(rows, m))
-        for group in groups:
-            look(group)
-        at = max(found, key=lambda one: one[0])[2]
-        knocked = tuple(sorted(m for m, gain in alone.items() if gain[at] > 0))
-        if len(knocked) > 1 and knocked not in groups:
-            look(knocked)
-        found.sort(key=lambda one: -one[0])
-        for _, group, i, e in found[:_SHOWN]:
-            since, others = int(captures[i + 1]), [int(captures[j + 1]) for j in _more_steps(e, i)]
-            own = np.isin(rows.marker, group)
-            after = rows.capture >= since
+        for slip in slips(rows, error):
+            group, since = slip.group, int(captures[slip.first])
+            own, after = np.isin(rows.marker, group), rows.capture >= since
             ramp = np.clip((rows.capture - since) / max(captures[-1] - since, 1), 0, None)
             moved = np.abs(np.diff(context.displacement[:, own], axis=0)).sum(axis=1)
             worn = np.append(0.0, np.cumsum(moved)) * after
             worn = np.maximum(worn - worn[after].min(initial=np.inf), 0) / max(np.ptp(worn[after]), 1e-9)
             ways = [("step", after.astype(float), 1.0), ("slide", ramp, 0.3), ("worn", worn, 0.3)]
             ways += [
-                (f"step again {n}", (rows.capture >= o).astype(float), 0.3) for n, o in enumerate(others)
+                (f"step again {n}", (rows.capture >= captures[again]).astype(float), 0.3)
+                for n, again in enumerate(slip.again)
             ]
-            along = (rows.capture - captures[0]) / max(np.ptp(captures), 1)
-            ways += [(f"slow {n}", np.cos(np.pi * n * along), 0.3 / n) for n in range(1, _SLOW)]
-            out = []
-            for k in np.flatnonzero(own):
-                one = np.zeros(context.base.shape[1])
-                one[k] = scale[k]
-                behind = -context.displacement[:, k] * after / scale[k]
-                loose = [("follows in part", behind, 0.3)]
-                out += [
-                    field(f"{way} {rows.marker[k]} {rows.axis[k]}", q[:, None] * one, w)
-                    for way, q, w in ([*ways, *loose] if len(group) == 1 else ways[:2])
-                ]
             who = f"marker {group[0]}" if len(group) == 1 else f"markers {list(group)}"
             yield Space(
-                f"{who} since {since}", "marker_slip", tuple(out), scanned=2 * len(markers) * len(captures)
+                f"{who} since {since}",
+                "marker_slip",
+                _of_each(context, own, ways if len(group) == 1 else ways[:2]),
+                scanned=slip.among,
             )
+            if len(group) == 1:
+                along = (rows.capture - captures[0]) / max(np.ptp(captures), 1)
+                slow = [(f"slow {n}", np.cos(np.pi * n * along), 1 / n) for n in range(1, _SLOW)]
+                loose = [*_of_each(context, own, [*ways, *slow]), *_follows(context, own, after)]
+                yield Space(f"{who} loose since {since}", "marker_slip", tuple(loose), scanned=slip.among)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
@@ -199,6 +168,22 @@ class MarkerSlip(Effect):
         return "the moments of its rows" if missing else ""
 
 
+def _of_each(context: Context, own: Bools, ways: list[tuple[str, Floats, float]]) -> tuple[Feature, ...]:
+    """Each of some observables by itself in some ways in time (F,), with their weights."""
+    rows, scale, out = context.rows, motion_scale(context), []
+    for k in np.flatnonzero(own):
+        one = np.zeros(context.base.shape[1])
+        one[k] = scale[k]
+        out += [field(f"{way} {rows.marker[k]} {rows.axis[k]}", q[:, None] * one, w) for way, q, w in ways]
+    return tuple(out)
+
+
+def _follows(context: Context, own: Bools, after: Bools) -> tuple[Feature, ...]:
+    """A loose marker follows what is under it in part only, since it slipped."""
+    part = np.where(own, -context.displacement * after[:, None], 0.0)
+    return (field("follows in part", part),)
+
+
 def _moment(rows: Rows, capture: int) -> float:
     """The moment half-way between the last row before a capture and its first, s."""
     before, after = rows.time_s[rows.capture < capture].max(), rows.time_s[rows.capture >= capture].min()
@@ -216,53 +201,4 @@ def _median(x: Floats) -> Floats:
     out = np.zeros(len(x))
     some = np.isfinite(x).any(axis=1)
     out[some] = np.nanmedian(x[some], axis=1)
-    return out
-
-
-def _groups(rows: Rows, marker: int) -> list[tuple[int, ...]]:
-    """A marker by itself, and with its three nearest neighbours, as on one plate."""
-    out: list[tuple[int, ...]] = [(int(marker),)]
-    if rows.rest_mm is not None and np.isfinite(rows.rest_mm).all() and marker < len(rows.rest_mm):
-        away = np.linalg.norm(rows.rest_mm - rows.rest_mm[int(marker)], axis=1)
-        out.append(tuple(sorted(int(m) for m in np.argsort(away)[:_ON_A_PLATE])))
-    return out
-
-
-def _beside_others(error: Floats, own: Bools) -> Floats:
-    """What some observables' errors by capture have that the others' do not say, in units of their own scatter."""
-    A = error[:, ~own]
-    _, U = np.linalg.eigh(A.T @ A)
-    Z = np.column_stack([A @ U[:, -min(6, A.shape[1]) :], np.ones(len(A))])
-    ridge = 1e-2 * np.trace(Z.T @ Z) / len(Z.T) * np.eye(Z.shape[1])
-    e = error[:, own] - Z @ np.linalg.solve(Z.T @ Z + ridge, Z.T @ error[:, own])
-    e -= np.median(e, axis=0)
-    spread = 1.4826 * np.median(np.abs(np.diff(e, axis=0)), axis=0) / np.sqrt(2) + 1e-12
-    return np.clip(e / spread, -30, 30)
-
-
-def _step_gain(e: Floats) -> Floats:
-    """How much a step after each capture explains; nearer to an end it can't be told from an offset, or from chance."""
-    n = np.arange(1, len(e))
-    gain = (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
-    edge = max(3, len(e) // 10)
-    gain[:edge] = gain[-edge:] = 0
-    return gain
-
-
-def _more_steps(e: Floats, first: int) -> list[int]:
-    """Where the two pieces beside a first step are best cut again."""
-    out = []
-    for begin, end in ((0, first + 1), (first + 1, len(e))):
-        piece = e[begin:end]
-        if len(piece) < 8:
-            continue
-        n = np.arange(1, len(piece))
-        gain = (
-            (np.cumsum(piece - piece.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1)
-            * len(piece)
-            / (n * (len(piece) - n))
-        )
-        at = begin + int(np.argmax(gain[2:-2])) + 2
-        if at >= len(e) // 10:
-            out.append(at)
     return out
