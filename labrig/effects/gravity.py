@@ -104,11 +104,6 @@ class Gravity(Effect):
             whole = [(n, np.repeat(v[:, None], len(rows.chambers), axis=1)) for n, v in loads]
             out += [pressure(f"{n} held", v, 0.3) for n, v in whole]
             out += [pressure(f"{n} held load", v * rows.fraction, 0.3) for n, v in whole]
-            out += [
-                pressure(f"{n} held square", v * rows.fraction * np.abs(rows.fraction), 0.1) for n, v in whole
-            ]
-            out += [pressure(f"{n} once open", v * np.tanh(rows.fraction / 0.05), 0.1) for n, v in whole]
-            out += [field(f"{n} of the whole way", v[:, None] * context.displacement, 0.3) for n, v in loads]
         if has_axis and context.moves and context.jacobian.any():
             scale = motion_scale(context)
             give = np.abs(context.jacobian * context.span).sum(axis=2)
