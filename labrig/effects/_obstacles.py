@@ -49,7 +49,6 @@ def obstacles(context: Context) -> Iterator[Space]:
     yield from places.cages()
     yield from places.planes()
     yield from places.posts()
-    yield from places.pushes()
 
 
 def _ends(context: Context) -> Iterator[Space]:
@@ -209,40 +208,6 @@ class Places:
             yield Space(
                 f"post before {self.context.rows.markers[m]}", "contact post", acting(out), scanned=len(top)
             )
-
-    def pushes(self) -> Iterator[Space]:
-        """Pushes."""
-        far = float(self.length.max())
-        here, left = self.here[self.first], self.left
-        on = self.length[self.first] > 0.2 * far
-        spots = here[on]
-        if len(spots) < 10:
-            return
-        spots = spots[:: max(1, len(spots) // 300)]
-        for share in (0.12, 0.3):
-            r = share * far
-            rest = left.copy()
-            chosen = []
-            w = [np.where(on, np.exp(-((here - c) ** 2).sum(axis=2) / (2 * r * r)), 0.0) for c in spots]
-            for _ in range(8):
-                gains = [
-                    ((v[..., None] * rest).sum(axis=(0, 1)) ** 2).sum() / max((v**2).sum(), 1e-9) for v in w
-                ]
-                j = int(np.argmax(gains))
-                v = w[j]
-                rest = rest - v[..., None] * (
-                    (v[..., None] * rest).sum(axis=(0, 1)) / max((v**2).sum(), 1e-9)
-                )
-                chosen.append(j)
-            out = []
-            mask = self.length > 0.2 * far
-            for j in dict.fromkeys(chosen):
-                k = np.where(mask, np.exp(-((self.here - spots[j]) ** 2).sum(axis=2) / (2 * r * r)), 0.0)
-                for a in range(3):
-                    out.append(
-                        field(f"push {j} {a}", to_rows(self.context, k[..., None] * np.eye(3)[a] * 0.1 * far))
-                    )
-            yield Space(f"pushes {share}", "contact pushes", acting(out), scanned=len(spots))
 
 
 def by_marker(context: Context, values: Floats) -> Floats:

@@ -30,21 +30,26 @@ class Slip:
 
 
 def slips(rows: Rows, error: Floats) -> list[Slip]:
-    """The clearest steps of a few markers in their errors by capture (n, K), the clearest first."""
+    """The clearest steps of a few markers in their errors by capture (n, K), the clearest first.
+
+    Of groups that share a marker the clearest one.
+    """
     markers = np.unique(rows.marker[rows.marker >= 0])
     among = 2 * len(markers) * len(error)
     groups = dict.fromkeys(group for m in markers for group in _near(rows, m))
     looked = [one for group in groups if (one := _looked_at(rows, error, group, among)) is not None]
     if not looked:
         return []
-    at = int(np.argmax(max(looked, key=lambda one: one.clear).gain))
-    alone = [one for one in looked if len(one.group) == 1]
-    knocked = tuple(sorted(one.group[0] for one in alone if one.gain[at] > 2 * one.dear))
-    if len(knocked) > 1 and knocked not in groups:
+    knocked = _knocked(rows, error)
+    if knocked and knocked not in groups:
         sets = comb(len(markers), len(knocked)) * len(error)
         looked += [one for one in [_looked_at(rows, error, knocked, sets)] if one is not None]
-    looked.sort(key=lambda one: -one.clear)
-    return [one.slip for one in looked[:_SHOWN]]
+    shown: list[_Look] = []
+    for one in sorted(looked, key=lambda one: -one.clear):
+        rivals = [other for other in shown if (len(other.group) == 1) == (len(one.group) == 1)]
+        if not any(set(one.group) & set(other.group) for other in rivals):
+            shown.append(one)
+    return [one.slip for one in shown[:_SHOWN]]
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,32 @@ def _near(rows: Rows, marker: int) -> Iterator[tuple[int, ...]]:
         yield tuple(sorted(int(m) for m in np.argsort(away)[:_ON_A_PLATE]))
 
 
+def _knocked(rows: Rows, error: Floats) -> tuple[int, ...]:
+    """The few markers, two at least, that step at one moment against the middle of all; none where there is none."""
+    e = error.copy()
+    for axis in range(3):
+        own = rows.axis == axis
+        if own.any():
+            e[:, own] -= np.median(e[:, own], axis=1, keepdims=True)
+    e = _in_scatters(e)
+    markers = np.unique(rows.marker[rows.marker >= 0])
+    gains = np.stack([_step_gain(e[:, rows.marker == m]) for m in markers], axis=1)
+    chance = 2 * _DEARER * np.array([(rows.marker == m).sum() for m in markers])
+    stepped = gains > chance
+    few = (stepped.sum(axis=1) > 1) & (stepped.sum(axis=1) <= len(markers) / 3)
+    if not few.any():
+        return ()
+    at = int(np.argmax(np.where(few, (gains * stepped).sum(axis=1), -1.0)))
+    return tuple(int(m) for m in markers[stepped[at]])
+
+
+def _in_scatters(e: Floats) -> Floats:
+    """Errors by capture (n, K) about their middle, in units of their own scatter from one capture to the next."""
+    e = e - np.median(e, axis=0)
+    spread = 1.4826 * np.median(np.abs(np.diff(e, axis=0)), axis=0) / np.sqrt(2) + 1e-12
+    return np.clip(e / spread, -30, 30)
+
+
 def _beside_others(error: Floats, own: Bools) -> Floats:
     """What some observables' errors by capture have that the others' do not say, in units of their own scatter."""
     A = error[:, ~own]
@@ -92,9 +123,7 @@ def _beside_others(error: Floats, own: Bools) -> Floats:
     Z = np.column_stack([A @ U[:, -min(6, A.shape[1]) :], np.ones(len(A))])
     ridge = 1e-2 * np.trace(Z.T @ Z) / len(Z.T) * np.eye(Z.shape[1])
     e = error[:, own] - Z @ np.linalg.solve(Z.T @ Z + ridge, Z.T @ error[:, own])
-    e -= np.median(e, axis=0)
-    spread = 1.4826 * np.median(np.abs(np.diff(e, axis=0)), axis=0) / np.sqrt(2) + 1e-12
-    return np.clip(e / spread, -30, 30)
+    return _in_scatters(e)
 
 
 def _step_gain(e: Floats) -> Floats:

@@ -41,7 +41,8 @@ def together(context: Context, near: Floats) -> Iterator[Space]:
     if 2 < len(pairs) < len(first):
         weights = _one_way(Z[:, pairs], R)
         way = acting([pattern("pairs", products[:, pairs] @ weights)])
-        yield Space("all pairs, one way", "coupling way", way, scanned=3 ** len(pairs))
+        if way:
+            yield Space("all pairs, one way", "coupling way", way, scanned=3 ** len(pairs))
 
 
 def _groups(near: Floats) -> list[tuple[int, ...]]:

@@ -11,6 +11,7 @@ from labrig.effects._family import Space, acting, pressure
 from labrig.effects._inside import FORM, inside
 from labrig.effects._obstacles import obstacles
 from labrig.effects._planes import NORMAL, planes
+from labrig.effects._pushes import pushes
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
 
@@ -139,6 +140,7 @@ class Contact(Effect):
         if x.shape[1] > 1:
             yield from _together(context)
         yield from obstacles(context)
+        yield from pushes(context)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         rest = context.rows.rest_mm

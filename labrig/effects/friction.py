@@ -87,9 +87,11 @@ class Friction(Effect):
         out += memory(context)
         yield Space("sliding", "friction", acting(out))
         skin = [field(f"skin {w}", play_behind(context, w) / w, 0.5) for w in (0.02, 0.05, 0.12)]
-        skin += [field(f"marker {w}", marker_behind(context, w) / w, 0.5) for w in (0.02, 0.05, 0.12)]
-        skin += [field(f"body {w}", body_behind(context, w) / w, 0.5) for w in (0.01, 0.03)]
         yield Space("under the skin", "friction skin", acting(skin))
+        dragged = [field(f"marker {w}", marker_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
+        yield Space("under the markers", "friction markers", acting(dragged))
+        body = [field(f"body {w}", body_behind(context, w) / w) for w in (0.01, 0.03)]
+        yield Space("of the whole body", "friction body", acting(body))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         for name, cov in context.rows.covariates.items():

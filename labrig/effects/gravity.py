@@ -129,7 +129,7 @@ class Gravity(Effect):
             some = [f for f in out if f.kind in kinds or "body" in f.name]
             if some:
                 yield Space(name, f"gravity {name}", acting(some), absolute=False)
-        if context.moves:
+        if context.moves and loads:
             yield from _lifted(context, loads)
         body = [f for f in out if "body" in f.name]
         if body:

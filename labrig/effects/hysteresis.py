@@ -126,8 +126,9 @@ class Hysteresis(Effect):
         yield Space("play", "hysteresis", acting(out), 0.8)
         skin = [field(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
         body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]
-        settled = [field(f"body settled {p}", body_settled(context, p), 0.1) for p in (0.5, 1.0, 2.0)]
-        yield Space("in the skin", "hysteresis skin", acting(skin + body + settled))
+        yield Space("in the skin", "hysteresis skin", acting(skin + body))
+        body += [field(f"body settled {p}", body_settled(context, p), 0.3) for p in (0.5, 1.0, 2.0)]
+        yield Space("of the whole body", "hysteresis body", acting(body))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("mean pressure", context.rows.actuation_unit, context.rows.actuation.mean(axis=1))

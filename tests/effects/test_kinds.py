@@ -160,14 +160,111 @@ def let_go_at_once(context: Context) -> np.ndarray:
     return np.einsum("fkc,fc->fk", context.jacobian, -0.1 * (out * context.span)[context.rows.event])
 
 
+def around_a_bar(context: Context) -> np.ndarray:
+    """Markers that would be inside a round bar lie on it, on the side that is nearer (projection on a cylinder)."""
+    assert context.rows.rest_mm is not None
+    here = by_marker(context, context.displacement) + context.rows.rest_mm
+    far = np.unravel_index(np.argmax(np.linalg.norm(here - context.rows.rest_mm, axis=2)), here.shape[:2])
+    way = here[far] - context.rows.rest_mm[far[1]]
+    along = np.cross(way, [0.3, 0.5, -0.2])
+    along /= np.linalg.norm(along)
+    middle, radius = here[far] - 0.2 * way, 0.35 * np.linalg.norm(way)
+    across = (here - middle) - ((here - middle) @ along)[..., None] * along
+    length = np.linalg.norm(across, axis=2)
+    return to_rows(context, (np.maximum(radius - length, 0.0) / np.maximum(length, 1e-9))[..., None] * across)
+
+
+def twisted_by_each_two(context: Context) -> np.ndarray:
+    """The body turns about an axis through its middle by an angle of all pairs' products, some one way, some back."""
+    assert context.rows.rest_mm is not None
+    x, about = context.rows.fraction, context.rows.rest_mm - context.rows.rest_mm.mean(axis=0)
+    signs = np.triu(np.random.default_rng(8).choice([-1.0, 1.0], (x.shape[1], x.shape[1])), 1)
+    angle = 0.03 * np.einsum("fi,ij,fj->f", x, signs, x)
+    axis = np.array([0.6, 0.0, 0.8])
+    along, aside = np.outer(about @ axis, axis), np.cross(axis, about)
+    turned = along + np.cos(angle)[:, None, None] * (about - along) + np.sin(angle)[:, None, None] * aside
+    return to_rows(context, turned - about)
+
+
+def shifted_by_what_others_draw(context: Context) -> np.ndarray:
+    """Each open chamber's reading is shifted by the others' currents in a common wire, however full it is itself."""
+    x = context.rows.fraction
+    ohms = np.random.default_rng(9).uniform(0.02, 0.08, (x.shape[1], x.shape[1]))
+    np.fill_diagonal(ohms, 0.0)
+    shift = np.where(x > 0.02, x @ ohms.T, 0.0) * context.span
+    return np.einsum("fkc,fc->fk", context.jacobian, shift)
+
+
+def drained_by_the_emptier(context: Context) -> np.ndarray:
+    """Open chambers exchange air through one rail: each loses as the root of how much it is above each other one."""
+    x = context.rows.fraction
+    above = np.maximum(x[:, :, None] - x[:, None], 0.0) * (x > 0.03)[:, None]
+    lost = -0.08 * (np.sqrt(above + 0.04) - 0.2).sum(axis=2) * context.span
+    return np.einsum("fkc,fc->fk", context.jacobian, lost)
+
+
+def amplified_by_its_weight(context: Context) -> np.ndarray:
+    """A column's own thrust along its axis, by the tilt, makes each deflection larger by 1 / (1 - P / P_critical)."""
+    thrust = 0.35 * np.cos(np.deg2rad(context.rows.covariates["tilt"].values))
+    return context.displacement * (1 / (1 - thrust) - 1)[:, None]
+
+
+def lifted_by_a_growing_arm(context: Context) -> np.ndarray:
+    """Each wall lifts a weight by an arm that is longer the fuller it is, once it is off its seat."""
+    x, tilt = context.rows.fraction, np.deg2rad(context.rows.covariates["tilt"].values)
+    looks = np.random.default_rng(10).uniform(0, 2 * np.pi, x.shape[1])
+    arm = np.where(x > 0.03, (1 + 0.4 * x) ** 2.5, 0.0) * np.cos(tilt[:, None] + looks)
+    return np.einsum("fkc,fc->fk", context.jacobian, -0.05 * arm * context.span)
+
+
+def peels_off(context: Context) -> np.ndarray:
+    """A marker's tape lets go along a logistic curve, and the looser it is the less of the motion below it it shows."""
+    late = np.ptp(context.rows.capture) * 0.4
+    loose = 1 / (1 + np.exp(-(context.rows.capture - late) / 5.0))
+    arm = np.zeros((len(loose), len(context.rows.markers), 3))
+    below = by_marker(context, context.displacement)[:, 4]
+    arm[:, 4] = loose[:, None] * (np.array([0.8, -0.3, 0.4]) - 0.3 * (loose[:, None] > 0.5) * below)
+    return to_rows(context, arm)
+
+
+def knocked_by_a_hand(context: Context) -> np.ndarray:
+    """Three markers that are no neighbours are shifted at one moment, each its own way."""
+    arm = np.zeros((len(context.rows.markers), 3))
+    arm[[1, 6, 10]] = [[0.6, 0.1, 0.0], [-0.2, 0.5, 0.3], [0.0, -0.6, 0.4]]
+    return to_rows(context, (context.rows.capture >= 17)[:, None, None] * arm)
+
+
+def dragged_by_threads(context: Context) -> np.ndarray:
+    """Each marker's ground follows it by a thread in space, in steps of a thousandth of the way."""
+    first = np.searchsorted(context.rows.event, np.arange(len(context.rows.event_actuation)))
+    way = by_marker(context, context.displacement)[first]
+    ground, last, out = np.zeros_like(way[0]), np.zeros_like(way[0]), np.empty_like(way)
+    for e, now in enumerate(way):
+        for step in np.linspace(last, now, 1000):
+            behind = step - ground
+            length = np.linalg.norm(behind, axis=1, keepdims=True)
+            ground = step - behind * np.minimum(1.0, 0.4 / np.maximum(length, 1e-12))
+        out[e], last = ground - now, now
+    return to_rows(context, out[context.rows.event])
+
+
 TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
 
 
 @pytest.mark.parametrize(
     ("effect", "change", "kind", "least", "extra"),
     [
-        ("coupling", by_two_at_once, "anywhere", 0.9, {}),
+        ("coupling", by_two_at_once, "some at once", 0.9, {}),
+        ("coupling", twisted_by_each_two, "all pairs, one way", 0.95, {}),
+        ("coupling", shifted_by_what_others_draw, "once open", 0.95, {}),
+        ("coupling", drained_by_the_emptier, "the fuller", 0.95, {}),
+        ("gravity", amplified_by_its_weight, "the whole way", 0.98, TILT),
+        ("gravity", lifted_by_a_growing_arm, "what each wall lifts", 0.98, TILT),
+        ("marker_slip", peels_off, "marker 4 loose", 0.95, {}),
+        ("marker_slip", knocked_by_a_hand, "markers", 0.95, {}),
+        ("friction", dragged_by_threads, "under the markers", 0.95, {}),
         ("contact", behind_a_plane, "plane", 0.9, {}),
+        ("contact", around_a_bar, "pushes", 0.8, {}),
         ("marker_slip", on_one_plate, "markers", 0.95, {}),
         ("leak", into_a_pocket, "lost", 0.97, {}),
         ("frame", through_a_lens, "distorted", 0.98, {}),
