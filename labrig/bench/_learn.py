@@ -52,7 +52,7 @@ def example_of(context: Context, effect: Effect, change: Floats, law: str) -> Ex
     if size <= 0 or not spaces:
         return None
     J = (context.jacobian * context.span)[keep] / scale[None, :, None]
-    columns = tuple(_columns(s, J, keep, scale) for s in spaces)
+    columns = tuple(columns_of(s, J, keep, scale) for s in spaces)
     return Example(law, (y / size).ravel(), spaces, columns)
 
 
@@ -62,7 +62,7 @@ def learnable(space: Space) -> bool:
     return "pressure" in kinds and "pattern" not in kinds
 
 
-def _columns(space: Space, J: Floats, keep: Ints, scale: Floats) -> dict[str, Floats]:
+def columns_of(space: Space, J: Floats, keep: Ints, scale: Floats) -> dict[str, Floats]:
     """Columns of a space by block: shared (n, a), own (n, C, a), pattern features (F, a)."""
     n = J.shape[0] * J.shape[1]
     pressures = [f.values[keep] for f in space.features if f.kind == "pressure"]
@@ -93,21 +93,15 @@ def _best(example: Example, spectra: dict) -> tuple[int, dict[str, Floats]]:
     """The space that holds an example best, and the second moments of its coefficients there."""
     best, out = -np.inf, (0, {})
     for i, (space, columns) in enumerate(zip(example.spaces, example.columns, strict=True)):
-        value, moments, _ = _fit(example.change, columns, prior_of(space, spectra))
+        value, moments = _fit(example.change, columns, prior_of(space, spectra))
         if value > best:
             best, out = value, (i, moments)
     return out
 
 
-def left_by(example: Example) -> float:
-    """What the best space leaves of an example, a share, root mean square, under what was learnt."""
-    pairs = zip(example.spaces, example.columns, strict=True)
-    return min(_fit(example.change, columns, prior_of(space))[2] for space, columns in pairs)
-
-
-def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats], float]:
-    """Log evidence of a change of unit size under a prior of unit size, the second moments of its coefficients by
-    block, and what is left of it, root mean square.
+def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats]]:
+    """Log evidence of a change of unit size under a prior of unit size, and the second moments of its coefficients by
+    block.
     """
     parts = []
     shared = factor(prior.shared)
@@ -129,7 +123,7 @@ def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, di
     X = np.concatenate(parts, axis=1)
     total = float((X**2).sum() / len(y))
     if total <= 0:
-        return -np.inf, {}, 1.0
+        return -np.inf, {}
     X = X / np.sqrt(total)  # a member of unit size
     n = len(y)
     noise = MISFIT**2 * n / COUNTS_FOR
@@ -155,7 +149,7 @@ def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, di
         K, q = len(y) // len(P), M.shape[1]
         tensor = second[start:, start:].reshape(q, K, q, K)
         moments["pattern"] = M @ (np.einsum("akbk->ab", tensor) / K) @ M.T
-    return value, moments, float(np.sqrt(np.mean((y - X @ w) ** 2)))
+    return value, moments
 
 
 def _average(members: Sequence[tuple[str, Space, dict[str, Floats]]], forget: float) -> dict:

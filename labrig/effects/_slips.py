@@ -12,7 +12,8 @@ from labrig.effects._rows import Rows
 _ON_A_PLATE = 4
 _MOST_OF_ALL = 0.6
 """Share of all observables from which on a group is no few against the others."""
-_SHOWN = 4
+_SHOWN = 2
+"""How many single markers, and how many groups, are asked about."""
 _DEARER = 2.0
 """What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
 
@@ -47,9 +48,9 @@ def slips(rows: Rows, error: Floats) -> list[Slip]:
     shown: list[_Look] = []
     for one in sorted(looked, key=lambda one: -one.clear):
         rivals = [other for other in shown if (len(other.group) == 1) == (len(one.group) == 1)]
-        if not any(set(one.group) & set(other.group) for other in rivals):
+        if len(rivals) < _SHOWN and not any(set(one.group) & set(other.group) for other in rivals):
             shown.append(one)
-    return [one.slip for one in shown[:_SHOWN]]
+    return [one.slip for one in shown]
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,10 @@ def _knocked(rows: Rows, error: Floats) -> tuple[int, ...]:
     e = _in_scatters(e)
     markers = np.unique(rows.marker[rows.marker >= 0])
     gains = np.stack([_step_gain(e[:, rows.marker == m]) for m in markers], axis=1)
-    chance = 2 * _DEARER * np.array([(rows.marker == m).sum() for m in markers])
+    coordinates = np.array([(rows.marker == m).sum() for m in markers])
+    chance = coordinates + 2 * np.log(
+        len(markers) * len(e)
+    )  # the largest of so many by chance, in scatters squared
     stepped = gains > chance
     few = (stepped.sum(axis=1) > 1) & (stepped.sum(axis=1) <= len(markers) / 3)
     if not few.any():
