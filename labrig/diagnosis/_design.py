@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
 
 from labrig._linalg import svd
 from labrig.arrays import Floats
@@ -203,11 +205,8 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
                 continue
             values = f.values[first] / unit
             used = np.abs(values).max(axis=0) > 0
-            if used.sum() <= 3 and space.scanned:
-                exact += list(np.eye(K)[np.flatnonzero(used)])
-            elif used.sum() <= 3:  # one marker, which moves one way above all
-                _, _, Vt = svd(values)
-                exact.append(Vt[0])
+            if used.sum() <= 3:  # one marker: of a scan all its ways, else the one that it moves above all
+                exact += _ways(values[:, used], used, None if space.scanned else 1)
             else:
                 clouds.append(values[:: max(1, len(values) // 60)])
     power = np.zeros((K, K))
@@ -220,7 +219,9 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     else:
         E = (np.array(exact) * observations.seen).T
         size = np.linalg.norm(E, axis=0)
-        Q, R = np.linalg.qr(E[:, size > 0] / size[size > 0])
+        Q, R, _ = qr(
+            E[:, size > 0] / size[size > 0], mode="economic", pivoting=True
+        )  # of more than K columns, too
         Q = Q[:, np.abs(np.diag(R)) > _NEARLY_ALIKE]
         left = power - Q @ (Q.T @ power)
         w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
@@ -234,6 +235,14 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     along = (1 - EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + EVEN / len(along)
     many = len(observations.values) * V.shape[1] > _SINGLE
     return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
+
+
+def _ways(values: Floats, used: NDArray[np.bool_], most: int | None) -> list[Floats]:
+    """The directions (K,) that values (n, k) of some observables go in, those that they go in most first."""
+    _, size, Vt = svd(values)
+    out = np.zeros((int((size > _NEARLY_ALIKE * size[:1]).sum()), len(used)))
+    out[:, used] = Vt[: len(out)]
+    return list(out[:most])
 
 
 class _Layout:

@@ -12,8 +12,8 @@ from labrig.effects._rows import Rows
 _ON_A_PLATE = 4
 _MOST_OF_ALL = 0.6
 """Share of all observables from which on a group is no few against the others."""
-_SHOWN = 2
-"""How many single markers, and how many groups, are asked about."""
+_ALONE, _GROUPS = 2, 1
+"""How many single markers, and how many groups of them, are asked about: the clearest."""
 _DEARER = 2.0
 """What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
 
@@ -31,10 +31,7 @@ class Slip:
 
 
 def slips(rows: Rows, error: Floats) -> list[Slip]:
-    """The clearest steps of a few markers in their errors by capture (n, K), the clearest first.
-
-    Of groups that share a marker the clearest one.
-    """
+    """The clearest steps of a few markers in their errors by capture (n, K), the clearest first."""
     markers = np.unique(rows.marker[rows.marker >= 0])
     among = 2 * len(markers) * len(error)
     groups = dict.fromkeys(group for m in markers for group in _near(rows, m))
@@ -47,8 +44,9 @@ def slips(rows: Rows, error: Floats) -> list[Slip]:
         looked += [one for one in [_looked_at(rows, error, knocked, sets)] if one is not None]
     shown: list[_Look] = []
     for one in sorted(looked, key=lambda one: -one.clear):
-        rivals = [other for other in shown if (len(other.group) == 1) == (len(one.group) == 1)]
-        if len(rivals) < _SHOWN and not any(set(one.group) & set(other.group) for other in rivals):
+        alone = len(one.group) == 1
+        rivals = [other for other in shown if (len(other.group) == 1) == alone]
+        if len(rivals) < (_ALONE if alone else _GROUPS):
             shown.append(one)
     return [one.slip for one in shown]
 
