@@ -172,6 +172,8 @@ class Search:
             for sd in (self.traces[0], size):
                 background = ((owner, -1, sd),)
                 alone[owner, sd] = self.explore(background, slow, 2)
+                if alone[owner, sd] - self.prior(background) < floor:
+                    break  # what a trace of it makes worse, more of it does as well
         ranked = sorted(alone, key=lambda o: -alone[o])
         for a, b in combinations(ranked[:4], 2):
             if a[0] != b[0] and min(alone[a], alone[b]) > floor:

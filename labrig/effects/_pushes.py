@@ -11,7 +11,7 @@ from labrig.effects._obstacles import Places, to_rows
 
 _WIDE = (0.12, 0.3)
 """How wide the bells are, shares of the farthest way: grids, no limits of a verdict."""
-_SPOTS, _CAPTURES, _BEST = 300, 200, 8
+_SPOTS, _CAPTURES, _BEST = 300, 100, 8
 """How many places are looked at, on how many captures, and how many places are taken."""
 _AWAY = 0.2
 """Share of the farthest way from which a marker may meet something: nothing stands where the body rests."""

@@ -12,8 +12,8 @@ from labrig.effects._rows import Rows
 _ON_A_PLATE = 4
 _MOST_OF_ALL = 0.6
 """Share of all observables from which on a group is no few against the others."""
-_ALONE, _GROUPS = 2, 1
-"""How many single markers, and how many groups of them, are asked about: the clearest."""
+_ALONE = 2
+"""How many single markers are asked about: the clearest."""
 _DEARER = 2.0
 """What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
 
@@ -42,13 +42,12 @@ def slips(rows: Rows, error: Floats) -> list[Slip]:
     if knocked and knocked not in groups:
         sets = comb(len(markers), len(knocked)) * len(error)
         looked += [one for one in [_looked_at(rows, error, knocked, sets)] if one is not None]
-    shown: list[_Look] = []
-    for one in sorted(looked, key=lambda one: -one.clear):
-        alone = len(one.group) == 1
-        rivals = [other for other in shown if (len(other.group) == 1) == alone]
-        if len(rivals) < (_ALONE if alone else _GROUPS):
-            shown.append(one)
-    return [one.slip for one in shown]
+    looked.sort(key=lambda one: -one.clear)
+    alone = [one for one in looked if len(one.group) == 1][:_ALONE]
+    several = (
+        looked[:1] if len(looked[0].group) > 1 else []
+    )  # only where they are clearer than each by itself
+    return [one.slip for one in several + alone]
 
 
 @dataclass(frozen=True)
