@@ -54,6 +54,7 @@ class PropUnderIt(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         rig, path, random = self.rig, setting.path, setting.random
+        assert rig.rest_mm is not None
         along, gives = long_axis(rig)[1], compliance(rig)
         x = along if gives[along > 0.5].mean() >= gives[along <= 0.5].mean() else 1 - along
         moves = positions(rig, rig.settled(path.kpa[path.row][::3])) - rig.rest_mm

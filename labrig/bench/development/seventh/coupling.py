@@ -22,7 +22,7 @@ class CoilsSideBySide(Law):
         random, count = setting.random, len(self.rig.chambers)
         place = random.permutation(count)  # on the island of valves
         apart = np.abs(place[:, None] - place) + np.eye(count)
-        share = random.uniform(0.03, 0.09) * random.uniform(0.7, 1.3, (count, count)) / apart**2
+        share = random.uniform(0.015, 0.05) * random.uniform(0.7, 1.3, (count, count)) / apart**2
         self._share = 2 * (1 - np.eye(count)) * (share + share.T) / 2
         self._sign = random.choice([-1.0, 1.0])  # how the coils are wound
 
@@ -62,8 +62,8 @@ class PulledBothWays(Law):
         pairs = int(random.integers(1, max(2, count // 2) + 1))
         starts = random.permutation(count)[:pairs]
         self._pairs = [(int(order[k]), int(order[(k + 1) % count])) for k in starts]
-        self._pull = random.uniform(0.6, 1.8, pairs)
-        self._size = random.uniform(0.5, 1.2) * random.choice([1.0, -0.6])
+        self._pull = random.uniform(1.0, 3.0, pairs)
+        self._size = random.uniform(2.0, 5.0)  # so much stiffer is the sheet than the walls that pull it
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         out = deflection.copy()

@@ -23,7 +23,7 @@ class ThirdRootAndFlow(Law):
         random, count = setting.random, len(self.rig.chambers)
         self._tau_s, self._yields = as_chain(np.cbrt(_TIMES_S), _TIMES_S)
         self._size = some(random, count, 0.06, 0.18, 0.9)
-        self._flows = random.uniform(0.0, 0.04)  # in a minute, of what the root yields
+        self._flows = random.uniform(0.0, 0.02)  # in a minute, of what the root yields
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         late = np.einsum("tnc,n->tc", lagged(path, deflection, self._tau_s), self._yields)
@@ -46,7 +46,7 @@ class AgesAsItYields(Law):
         self._tau_s, self._yields = as_chain(_TIMES_S ** random.uniform(0.15, 0.45), _TIMES_S)
         self._power = random.uniform(0.1, 0.4)
         self._age_s = max(float(setting.path.time_s[-1]), 1.0) * random.uniform(0.1, 1.0)
-        self._size = some(random, count, 0.07, 0.2, 0.9)
+        self._size = some(random, count, 0.05, 0.14, 0.9)
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         young = (1 + path.time_s[:, None] / self._age_s) ** -self._power

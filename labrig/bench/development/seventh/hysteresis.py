@@ -21,7 +21,7 @@ class TellinensBranches(Law):
         random, count = setting.random, len(self.rig.chambers)
         self._middle = random.uniform(0.2, 0.6) * random.uniform(0.9, 1.1, count)
         self._apart, self._wide = random.uniform(0.05, 0.2, count), random.uniform(0.2, 0.6, count)
-        self._held = some(random, count, 0.06, 0.15, 0.9)
+        self._held = some(random, count, 0.1, 0.25, 0.9)
 
     def _branches(self, load: Floats) -> tuple[Floats, Floats]:
         """The branch on the way up, and the one on the way down."""
@@ -30,8 +30,7 @@ class TellinensBranches(Law):
         return np.tanh(up), np.tanh(down)
 
     def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
-        _, _, last = finely(path, full(self.rig, kpa), 0.02)
-        moves, _, _ = finely(path, full(self.rig, kpa), 0.02)
+        moves, _, last = finely(path, full(self.rig, kpa), 0.02)
         load = np.cumsum(moves, axis=0)
         low, high = self._branches(load)
         at, out = 0.5 * np.add(*self._branches(np.zeros(kpa.shape[1]))), np.empty_like(load)

@@ -116,6 +116,7 @@ class BehindAWire(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         rig, path, random = self.rig, setting.path, setting.random
+        assert rig.rest_mm is not None
         seen = positions(rig, rig.settled(path.kpa[path.row][::3]))
         main = np.linalg.svd((seen - rig.rest_mm).reshape(-1, 3), full_matrices=False)[2][0]
         across = main + 0.3 * direction(random)

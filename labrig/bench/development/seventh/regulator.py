@@ -13,7 +13,7 @@ class TapInTheStream(Law):
     """Tap in the stream: a bleed flows past the sensor, which misses the stream's own pressure, by its squared speed.
 
     D. Bernoulli, Hydrodynamica, Strasbourg, 1738. The bleed goes with the pressure, and the air is as dense as it is
-    compressed, so that the chamber holds too much, mostly at high set-points, or too little, if the tap faces the stream.
+    compressed: the chamber holds too much, mostly at high set-points, or too little if the tap faces the stream.
     """
 
     effect = "regulator"

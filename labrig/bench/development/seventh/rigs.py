@@ -84,7 +84,7 @@ class Spine(Rig):
         count = 3 * self._plates
         self.chambers = chambers(count)
         self.high_kpa = random.uniform(12, 30) * random.uniform(0.94, 1.06, count)
-        self._low_kpa = -self.high_kpa * random.uniform(1.0, 1.8)
+        self._low_kpa = -self.high_kpa * random.uniform(0.8, 1.3)
         self.marker_names, self.observables = markers(self._plates * seen)
         self.noise = float(random.uniform(0.04, 0.12))
         self._high_mm, self._wide_mm = random.uniform(25, 45, self._plates), random.uniform(20, 35)

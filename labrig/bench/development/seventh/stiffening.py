@@ -32,8 +32,8 @@ class FoamedRubber(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
-        self._strain = some(random, count, 0.08, 0.3, 0.9)
-        self._skin = random.uniform(0.15, 0.4)
+        self._strain = some(random, count, 0.06, 0.2, 0.9)
+        self._skin = random.uniform(0.3, 0.6)
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         if strength <= 0:
@@ -60,8 +60,8 @@ class GrainsYield(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
-        self._yields = some(random, count, 0.15, 0.5, 0.85)  # one over the strain at half of what they carry
-        self._wall = random.uniform(0.15, 0.4)
+        self._yields = some(random, count, 0.1, 0.35, 0.85)  # one over the strain at half of what they carry
+        self._wall = random.uniform(0.25, 0.5)
         self._packs = random.random() < 0.35
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
