@@ -15,6 +15,7 @@ PORTIONS = {
     "fourth": "labrig.bench.development.fourth",
     "fifth": "labrig.bench.development.fifth",
     "sixth": "labrig.bench.development.sixth",
+    "seventh": "labrig.bench.development.seventh",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)

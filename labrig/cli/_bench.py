@@ -21,7 +21,8 @@ def draw_campaign(
     ] = "single",
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
     half: Annotated[
-        str, typer.Option(help="Whose rigs and laws: development, exam, third, fourth, fifth or sixth.")
+        str,
+        typer.Option(help="Whose rigs and laws: development, exam, third, fourth, fifth, sixth or seventh."),
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
@@ -40,7 +41,9 @@ def blind(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, both, third, fourth, fifth or sixth."),
+        typer.Option(
+            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth or seventh."
+        ),
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
     count: Annotated[
@@ -128,6 +131,7 @@ def learn(
     fourth: Annotated[int, typer.Option(min=0, help="Campaigns of the fourth portion beside them.")] = 0,
     fifth: Annotated[int, typer.Option(min=0, help="Campaigns of the fifth portion beside them.")] = 0,
     sixth: Annotated[int, typer.Option(min=0, help="Campaigns of the sixth portion beside them.")] = 0,
+    seventh: Annotated[int, typer.Option(min=0, help="Campaigns of the seventh portion beside them.")] = 0,
 ) -> None:
     """Learn how large which member of each effect's family is, from the laws of the development half."""
     from labrig.bench import learn_all, write_spectra
@@ -135,7 +139,9 @@ def learn(
     check_file(out, "--out")
     how = f"labrig bench learn --n {count} --seed {seed} --third {third} --fourth {fourth} --fifth {fifth}"
     how += f" --sixth {sixth}" if sixth else ""
+    how += f" --seventh {seventh}" if seventh else ""
     counts = {"development": count, "third": third, "fourth": fourth, "fifth": fifth, "sixth": sixth}
+    counts["seventh"] = seventh
     write_spectra(learn_all({half: range(seed, seed + n) for half, n in counts.items()}), out, how)
     typer.echo(f"{out}: learnt from {sum(counts.values())} campaigns")
 
@@ -187,7 +193,9 @@ def stopping(
     count: Annotated[int, typer.Option("--n", min=1, help="Campaigns.")] = 200,
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, both, third, fourth, fifth or sixth."),
+        typer.Option(
+            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth or seventh."
+        ),
     ] = "both",
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,

@@ -233,9 +233,9 @@ def test_names_that_do_not_exist() -> None:
         draw("force", 0)
     with pytest.raises(
         LabrigError,
-        match=r"^bench: there is no half 'seventh' \(known: development, exam, third, fourth, fifth, sixth\)",
+        match=r"^bench: there is no half 'eighth' \(known: development, exam, third, fourth, fifth, sixth, seventh\)",
     ):
-        draw("null", 0, "seventh")
+        draw("null", 0, "eighth")
 
 
 def test_only_what_is_plain_is_pickled() -> None:

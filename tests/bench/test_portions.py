@@ -24,10 +24,11 @@ from labrig.bench._programmes import CONFOUNDED_DESIGNS, DESIGNS, make_plan
 from labrig.bench.development import DEVELOPMENT
 from labrig.bench.development.fifth import FIFTH
 from labrig.bench.development.fourth import FOURTH
+from labrig.bench.development.seventh import SEVENTH
 from labrig.bench.development.sixth import SIXTH
 from labrig.bench.development.third import THIRD
 
-PORTIONS = (THIRD, FOURTH, FIFTH, SIXTH)
+PORTIONS = (THIRD, FOURTH, FIFTH, SIXTH, SEVENTH)
 
 
 def laws_of(half: Half) -> list[type[Law]]:
@@ -36,10 +37,10 @@ def laws_of(half: Half) -> list[type[Law]]:
 
 
 LAWS = {law.__name__: (half, law) for half in PORTIONS for law in laws_of(half)}
-SEVERAL = {"third": "trunk", "fourth": "tower", "fifth": "walker", "sixth": "tongue"}
+SEVERAL = {"third": "trunk", "fourth": "tower", "fifth": "walker", "sixth": "tongue", "seventh": "auger"}
 """A rig of each portion with six chambers or more, and markers."""
-OTHER = {"third": "sheet", "fourth": "cuff", "fifth": "snake", "sixth": "ray"}
-BENT = {"third": "wing", "fourth": "bell", "fifth": "face", "sixth": "vine"}
+OTHER = {"third": "sheet", "fourth": "cuff", "fifth": "snake", "sixth": "ray", "seventh": "spine"}
+BENT = {"third": "wing", "fourth": "bell", "fifth": "face", "sixth": "vine", "seventh": "auger"}
 
 
 def named(effect: str) -> list[str]:
@@ -111,10 +112,10 @@ def test_a_law_is_the_same_law_each_time(name: str) -> None:
 
 @pytest.mark.parametrize("half", PORTIONS, ids=lambda half: half.name)
 def test_every_effect_has_three_new_published_laws_and_four_more_have_no_effect(half: Half) -> None:
-    """Each effect has three laws or more, each with its source, and none has the name of an older one."""
+    """Each effect has three laws (of the seventh portion two) or more, each with its source, and a name of its own."""
     assert set(half.laws) == set(EFFECTS)
     for effect, laws in half.laws.items():
-        assert len(laws) >= 3
+        assert len(laws) >= (2 if half is SEVENTH else 3)
         assert {law.effect for law in laws} == {effect}
     assert len(half.outside) >= 4
     assert not {law.effect for law in half.outside} & set(EFFECTS)
@@ -155,8 +156,9 @@ def test_a_rig_rests_when_vented_and_moves_when_full(kind: type[Rig]) -> None:
         (FOURTH, {2, 8}, 90, {"mm", "N", "V", "deg"}, set()),
         (FIFTH, {1, 12}, 120, {"mm", "N", "dpt", "deg", "um/m"}, {"snake"}),
         (SIXTH, {1, 14}, 100, {"mm", "ml", "N m", "um", "deg"}, {"ray"}),
+        (SEVENTH, {1, 12}, 80, {"mm", "l/min", "kPa"}, {"spine"}),
     ],
-    ids=["third", "fourth", "fifth", "sixth"],
+    ids=["third", "fourth", "fifth", "sixth", "seventh"],
 )
 def test_rigs_are_as_unlike_as_laboratories(
     half: Half, chambers: set[int], most: int, units: set[str], both_ways: set[str]
@@ -280,7 +282,10 @@ def test_delay_is_over_at_the_end_of_a_long_hold(name: str) -> None:
 def test_friction_is_behind_whichever_way_it_comes_from(name: str) -> None:
     """The same set-point is reached from below and from above with different shapes, and stays as it is in a hold."""
     half, law = LAWS[name]
-    rig, _ = case(half.name, {"third": "boom", "fourth": "bell", "fifth": "face", "sixth": "ray"}[half.name])
+    rig, _ = case(
+        half.name,
+        {"third": "boom", "fourth": "bell", "fifth": "face", "sixth": "ray", "seventh": "spine"}[half.name],
+    )
     plan = make_plan("one_level", np.random.default_rng(0), rig.high_kpa, 4)
     for level in (0.0, 0.5, 1.0, 0.5):
         plan.capture(level * rig.high_kpa, 6.0, 4)
