@@ -219,9 +219,8 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     else:
         E = (np.array(exact) * observations.seen).T
         size = np.linalg.norm(E, axis=0)
-        Q, R, _ = qr(
-            E[:, size > 0] / size[size > 0], mode="economic", pivoting=True
-        )  # of more than K columns, too
+        # pivots: there may be more of them than observables, and all but the first few the same
+        Q, R, _ = qr(E[:, size > 0] / size[size > 0], mode="economic", pivoting=True)
         Q = Q[:, np.abs(np.diag(R)) > _NEARLY_ALIKE]
         left = power - Q @ (Q.T @ power)
         w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)

@@ -54,15 +54,15 @@ def marker_behind(context: Context, width: float) -> Floats:
     Dry friction that knows no direction: J. J. Moreau, Trends in Applications of Pure Mathematics to Mechanics II
     (Pitman 1979). Each observable without a marker by itself.
     """
-    drive, scale, marker = at_events(context), motion_scale(context), context.rows.marker
-    state = drive / scale
+    scale, marker = motion_scale(context), context.rows.marker
+    drive = at_events(context) / scale
+    of_one = ((marker[:, None] == marker) & (marker >= 0) | np.eye(len(marker), dtype=bool)).astype(float)
+    state = drive.copy()
     for e, before in enumerate(context.started):
-        behind = drive[e] / scale - (state[before] if before >= 0 else 0.0)
-        square = behind**2
-        for m in np.unique(marker[marker >= 0]):
-            square[marker == m] = square[marker == m].sum()
-        state[e] = drive[e] / scale - behind * np.minimum(1.0, width / np.maximum(np.sqrt(square), 1e-12))
-    return (state * scale - drive)[context.rows.event]
+        behind = drive[e] - (state[before] if before >= 0 else 0.0)
+        length = np.sqrt(behind**2 @ of_one)
+        state[e] = drive[e] - behind * np.minimum(1.0, width / np.maximum(length, 1e-12))
+    return ((state - drive) * scale)[context.rows.event]
 
 
 def _main_way(context: Context) -> tuple[Floats, Floats]:
