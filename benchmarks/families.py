@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.bench._learn import COUNTS_FOR, MISFIT, columns_of, drawn_change
 from labrig.bench._report import write_section
 from labrig.diagnosis._spectra import factor, prior_of
@@ -37,10 +37,11 @@ def left_by_family(context: Context, effect: Effect, change: Floats) -> float:
     return min((_left_by(space, y, J, keep, scale) for space in effect.family(seen)), default=1.0)
 
 
-def _left_by(space: Space, y: Floats, J: Floats, keep: Floats, scale: Floats) -> float:
+def _left_by(space: Space, y: Floats, J: Floats, keep: Ints, scale: Floats) -> float:
     """What one space leaves of a change (n, K) of unit size; its free patterns are fitted without a prior."""
     prior, columns = prior_of(space), columns_of(space, J, keep, scale)
-    parts, P = [columns["shared"] @ factor(prior.shared)], columns["pattern"]
+    parts: list[Floats] = [columns["shared"] @ factor(prior.shared)]
+    P = columns["pattern"]
     if "own" in columns:
         parts.append((columns["own"] @ factor(prior.own)).reshape(y.size, -1))
 
@@ -50,9 +51,10 @@ def _left_by(space: Space, y: Floats, J: Floats, keep: Floats, scale: Floats) ->
     left, X = beside_patterns(y).ravel(), np.concatenate(parts, axis=1)
     total = float((X**2).sum() / y.size)
     if total > 0:
-        X = beside_patterns((X / np.sqrt(total)).reshape(len(y), -1)).reshape(X.shape)
+        wide = X.shape[1]
+        X = beside_patterns((X / np.sqrt(total)).reshape(len(y), -1)).reshape(y.size, wide)
         noise = MISFIT**2 * y.size / COUNTS_FOR
-        left = left - X @ np.linalg.solve(X.T @ X / noise + np.eye(X.shape[1]), X.T @ left / noise)
+        left = left - X @ np.linalg.solve(X.T @ X / noise + np.eye(wide), X.T @ left / noise)
     return float(np.sqrt(np.mean(left**2)))
 
 

@@ -3,13 +3,14 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from labrig._linalg import svd
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._columns import Columns, gram
 from labrig.diagnosis._constants import EVEN
 from labrig.diagnosis._observations import Observations
@@ -220,7 +221,8 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
         E = (np.array(exact) * observations.seen).T
         size = np.linalg.norm(E, axis=0)
         # pivots: there may be more of them than observables, and all but the first few the same
-        Q, R, _ = qr(E[:, size > 0] / size[size > 0], mode="economic", pivoting=True)
+        pivoted = qr(E[:, size > 0] / size[size > 0], mode="economic", pivoting=True)
+        Q, R, _ = cast("tuple[Floats, Floats, Ints]", pivoted)  # what it returns goes by its arguments
         Q = Q[:, np.abs(np.diag(R)) > _NEARLY_ALIKE]
         left = power - Q @ (Q.T @ power)
         w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
