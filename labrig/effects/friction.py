@@ -88,8 +88,11 @@ class Friction(Effect):
         yield Space("sliding", "friction", acting(out))
         skin = [field(f"skin {w}", play_behind(context, w) / w, 0.5) for w in (0.02, 0.05, 0.12)]
         yield Space("under the skin", "friction skin", acting(skin))
-        dragged = [field(f"marker {w}", marker_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
-        yield Space("under the markers", "friction markers", acting(dragged))
+        if len(context.rows.chambers) < 2:
+            return  # what a single chamber moves is held back as that chamber is
+        if (context.rows.marker >= 0).any():
+            dragged = [field(f"marker {w}", marker_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
+            yield Space("under the markers", "friction markers", acting(dragged))
         body = [field(f"body {w}", body_behind(context, w) / w) for w in (0.01, 0.03)]
         yield Space("of the whole body", "friction body", acting(body))
 

@@ -127,6 +127,8 @@ class Hysteresis(Effect):
         skin = [field(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
         body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]
         yield Space("in the skin", "hysteresis skin", acting(skin + body))
+        if len(context.rows.chambers) < 2:
+            return  # what a single chamber moves follows that chamber's own loop
         body += [field(f"body settled {p}", body_settled(context, p), 0.3) for p in (0.5, 1.0, 2.0)]
         yield Space("of the whole body", "hysteresis body", acting(body))
 
