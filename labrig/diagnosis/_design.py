@@ -3,32 +3,27 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import qr
 
-from labrig._linalg import svd
-from labrig.arrays import Floats, Ints
+from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns, gram
-from labrig.diagnosis._constants import EVEN
+from labrig.diagnosis._directions import directions
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
-from labrig.effects import Effect, Space, frame_modes, motion_scale
+from labrig.effects import Effect, Space, motion_scale
 
 SLOW = "slow noise"
 DECLARED = "declared"
 _MOST_COLUMNS = 64
-_MOST_DIRECTIONS = 24
 _FREE_COLUMNS = 160
 _NEARLY_ALIKE = 0.1
+"""Share of a function that another space may lack and still hold it."""
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 _ROWS_COMPARED = 50
-_SINGLE = 30_000
-"""Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +128,15 @@ class _Made:
     owners: list[tuple[str, Space]]
 
 
+def _side_by_side(made: list[_Made], rows: tuple[int, int], dtype: "np.dtype[Any]") -> Floats:
+    """The columns of all of these in one array; the list is empty after it."""
+    out, at = np.empty((*rows, sum(m.columns.shape[2] for m in made)), dtype=dtype), 0
+    while made:
+        columns = made.pop(0).columns
+        out[:, :, at : (at := at + columns.shape[2])] = columns
+    return out
+
+
 def _alike(one: Space, other: Space) -> bool:
     """Whether two spaces are the same, of whatever owners: then they differ in nothing that the data could tell."""
     if (one.spectrum, one.key) != (other.spectrum, other.key):
@@ -180,70 +184,6 @@ def _within(columns: Floats, basis: Floats | None) -> bool:
         return False
     left = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
     return bool(np.linalg.norm(left, axis=0).max() < _NEARLY_ALIKE)
-
-
-def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Floats, Floats]:
-    """Orthonormal directions (K, r) in which everything named lies, and the spread along each (r,).
-
-    What is unnamed spreads over them as what is named does: along how the base moves, above all; a share
-    (`EVEN`) of it evenly.
-    """
-    context, unit = observations.context, observations.unit
-    rows = context.rows
-    K = len(unit)
-    first = observations.first
-    exact = [(rows.axis == a).astype(float) for a in range(3) if (rows.axis == a).any()] or [np.ones(K)]
-    if (rows.axis >= 0).sum() >= 3:
-        exact += list((frame_modes(context)[first] / unit[None, :, None]).mean(axis=0).T)
-    moved = context.displacement[first] / unit
-    clouds = [
-        np.moveaxis((context.jacobian[first] * context.span) / unit[None, :, None], 2, 1).reshape(-1, K),
-        moved,
-    ]
-    for space in spaces:
-        for f in space.features:
-            if f.kind != "field":
-                continue
-            values = f.values[first] / unit
-            used = np.abs(values).max(axis=0) > 0
-            if used.sum() <= 3:  # one marker: of a scan all its ways, else the one that it moves above all
-                exact += _ways(values[:, used], used, None if space.scanned else 1)
-            else:
-                clouds.append(values[:: max(1, len(values) // 60)])
-    power = np.zeros((K, K))
-    for cloud in (c * observations.seen for c in clouds):
-        norm = (cloud**2).sum()
-        if norm > 0:
-            power += cloud.T @ cloud / norm / len(clouds)
-    if K <= _MOST_DIRECTIONS:
-        V = np.eye(K)[:, observations.seen]
-    else:
-        E = (np.array(exact) * observations.seen).T
-        size = np.linalg.norm(E, axis=0)
-        # pivots: there may be more of them than observables, and all but the first few the same
-        pivoted = qr(E[:, size > 0] / size[size > 0], mode="economic", pivoting=True)
-        Q, R, _ = cast("tuple[Floats, Floats, Ints]", pivoted)  # what it returns goes by its arguments
-        Q = Q[:, np.abs(np.diag(R)) > _NEARLY_ALIKE]
-        left = power - Q @ (Q.T @ power)
-        w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
-        need = int(
-            np.clip(
-                min((np.cumsum(w[::-1]) < w.sum() - 0.005).sum() + 1, (w > 1e-4).sum()), 2, _MOST_DIRECTIONS
-            )
-        )
-        V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
-    along, turn = np.linalg.eigh(V.T @ power @ V)
-    along = (1 - EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + EVEN / len(along)
-    many = len(observations.values) * V.shape[1] > _SINGLE
-    return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
-
-
-def _ways(values: Floats, used: NDArray[np.bool_], most: int | None) -> list[Floats]:
-    """The directions (K,) that values (n, k) of some observables go in, those that they go in most first."""
-    _, size, Vt = svd(values)
-    out = np.zeros((int((size > _NEARLY_ALIKE * size[:1]).sum()), len(used)))
-    out[:, used] = Vt[: len(out)]
-    return list(out[:most])
 
 
 class _Layout:
@@ -307,13 +247,15 @@ class _Layout:
         U = self.axes(space, square, (self.fewer[capture] @ Z).reshape(-1, Z.shape[2]))
         return None if U is None else Z @ U
 
-    def together(self, made: "Sequence[_Made]") -> Columns:
-        """All columns: first those that act through pressures, then the others."""
-        capture, C = self.observations.capture, self.moves.shape[2]
-        nothing = np.zeros((len(capture), C, 0), dtype=self.dtype)
-        through = np.concatenate([nothing, *(m.columns for m in made if m.through)], axis=2)
-        plain = np.concatenate([m.columns for m in made if not m.through], axis=2)
-        return Columns(through, self.moves, capture, plain)
+    def together(self, made: "list[_Made]") -> Columns:
+        """All columns: first those that act through pressures, then the others. Each is let go once it is copied, so
+        `made` is empty after it: of many captures there would not be room for all of them twice.
+        """
+        capture, C, r = self.observations.capture, self.moves.shape[2], self.V.shape[1]
+        of = {acts: [m for m in made if m.through == acts] for acts in (True, False)}
+        made.clear()
+        through = _side_by_side(of[True], (len(capture), C), self.dtype)
+        return Columns(through, self.moves, capture, _side_by_side(of[False], (len(capture), r), self.dtype))
 
     def _said(self) -> float:
         """The power of a direction of which the data say as much as its prior, at the size of all to explain."""

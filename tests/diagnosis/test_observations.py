@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from labrig.diagnosis._design import directions
+from labrig.diagnosis._directions import directions
 from labrig.diagnosis._floor import Floor
 from labrig.diagnosis._observations import Observations, fill_low_rank, observe
 from labrig.diagnosis._problem import prepared

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from labrig.diagnosis._design import LEAST_SHARE, _Layout, directions
+from labrig.diagnosis._design import LEAST_SHARE, _Layout
+from labrig.diagnosis._directions import directions
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._spectra import factor, features_of, prior_of, unlearnt
