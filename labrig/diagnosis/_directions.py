@@ -1,0 +1,84 @@
+"""The directions, over all observables, in which everything that has a name lies."""
+
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from labrig._linalg import svd
+from labrig.arrays import Floats, Ints
+from labrig.diagnosis._constants import EVEN
+from labrig.diagnosis._observations import Observations
+from labrig.effects import Space, frame_modes
+
+_MOST_DIRECTIONS = 24
+_NEW = 0.1
+"""Share of its length by which a direction must stand off those before it."""
+_SINGLE = 30_000
+"""Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
+
+
+def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Floats, Floats]:
+    """Orthonormal directions (K, r) in which everything named lies, and the spread along each (r,).
+
+    What is unnamed spreads over them as what is named does: along how the base moves, above all; a share
+    (`EVEN`) of it evenly.
+    """
+    context, unit = observations.context, observations.unit
+    rows = context.rows
+    K = len(unit)
+    first = observations.first
+    exact = [(rows.axis == a).astype(float) for a in range(3) if (rows.axis == a).any()] or [np.ones(K)]
+    if (rows.axis >= 0).sum() >= 3:
+        exact += list((frame_modes(context)[first] / unit[None, :, None]).mean(axis=0).T)
+    moved = context.displacement[first] / unit
+    clouds = [
+        np.moveaxis((context.jacobian[first] * context.span) / unit[None, :, None], 2, 1).reshape(-1, K),
+        moved,
+    ]
+    for space in spaces:
+        for f in space.features:
+            if f.kind != "field":
+                continue
+            values = f.values[first] / unit
+            used = np.abs(values).max(axis=0) > 0
+            if used.sum() <= 3:  # one marker: of a scan all its ways, else the one that it moves above all
+                exact += _ways(values[:, used], used, None if space.scanned else 1)
+            else:
+                clouds.append(values[:: max(1, len(values) // 60)])
+    power = np.zeros((K, K))
+    for cloud in (c * observations.seen for c in clouds):
+        norm = (cloud**2).sum()
+        if norm > 0:
+            power += cloud.T @ cloud / norm / len(clouds)
+    if K <= _MOST_DIRECTIONS:
+        V = np.eye(K)[:, observations.seen]
+    else:
+        E = (np.array(exact) * observations.seen).T
+        size = np.linalg.norm(E, axis=0)
+        # pivots: there may be more of them than observables, and all but the first few the same
+        pivoted = qr(E[:, size > 0] / size[size > 0], mode="economic", pivoting=True)
+        Q, R, _ = cast("tuple[Floats, Floats, Ints]", pivoted)  # what it returns goes by its arguments
+        Q = Q[:, np.abs(np.diag(R)) > _NEW]
+        left = power - Q @ (Q.T @ power)
+        w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
+        need = int(
+            np.clip(
+                min((np.cumsum(w[::-1]) < w.sum() - 0.005).sum() + 1, (w > 1e-4).sum()), 2, _MOST_DIRECTIONS
+            )
+        )
+        V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
+    along, turn = np.linalg.eigh(V.T @ power @ V)
+    along = (1 - EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + EVEN / len(along)
+    many = len(observations.values) * V.shape[1] > _SINGLE
+    return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
+
+
+def _ways(values: Floats, used: NDArray[np.bool_], most: int | None) -> list[Floats]:
+    """The directions (K,) that values (n, k) of some observables go in, those that they go in most first."""
+    _, size, Vt = svd(values)
+    out = np.zeros((int((size > _NEW * size[:1]).sum()), len(used)))
+    out[:, used] = Vt[: len(out)]
+    return list(out[:most])
