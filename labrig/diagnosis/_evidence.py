@@ -10,6 +10,7 @@ from scipy.linalg import get_lapack_funcs, solve_triangular
 from labrig.arrays import Floats
 from labrig.diagnosis._constants import NEGLIGIBLE
 from labrig.diagnosis._design import DECLARED, Design
+from labrig.diagnosis._freed import Taken
 
 _PANEL = 256
 """How many rows of a matrix are mirrored at once: numerical, it changes no number."""
@@ -165,6 +166,22 @@ class State:
         cov = _mirrored(_POTRI(L, lower=1, overwrite_c=1)[0])
         mean = cov @ sums.b
         return cls(sd, cov, mean, sums.square - float(sums.b @ mean), sums.logdet + logdet)
+
+    def beside(self, taken: Taken) -> "State":
+        """The same where free patterns are larger, which take so much of A and b, without another matrix factored."""
+        H = taken.rows.astype(np.float64)
+        rows = H @ self.covariance
+        L = np.linalg.cholesky((1 + _JITTER) * np.eye(len(H)) - rows @ H.T)
+        half = solve_triangular(L, rows, lower=True, check_finite=False)
+        z = solve_triangular(L, H @ self.mean - taken.values, lower=True, check_finite=False)
+        unheard = taken.square - float(taken.values @ taken.values)
+        return State(
+            self.sd,
+            self.covariance + half.T @ half,
+            self.mean + z @ half,
+            self.quad - float(z @ z) - unheard,
+            self.logdet + taken.logdet + 2 * float(np.log(np.diag(L)).sum()),
+        )
 
     def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> "RaisedState":
         """The same state when the columns of some blocks have larger prior sds; of blocks with the same columns the

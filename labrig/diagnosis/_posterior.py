@@ -1,6 +1,7 @@
 """The posterior: every set of up to three effects, beside what has no name, with its probability."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -18,6 +19,7 @@ from labrig.diagnosis._evidence import (
     free_variances,
     unexplained,
 )
+from labrig.diagnosis._freed import taken
 from labrig.diagnosis._unnamed import FORM, LEVER
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -46,6 +48,8 @@ OF_BASE = frozenset({"?" + FORM, "?" + LEVER})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""
+_HOPELESS = 30.0
+"""By how many nats a form of a part may be worse than its best one to be counted; numerical: it is a part in 10^13."""
 
 
 class Search:
@@ -73,8 +77,13 @@ class Search:
     def state(self, background: Raised, slow: float) -> State:
         key = (background, slow)
         if key not in self.states:
-            beside = beside_free(self.sums, free_variances(self.design, self.free_sizes(background)))
-            self.states[key] = State.of(beside, small_sizes(self.design, self.spike, slow))
+            small = free_variances(self.design, self.free_sizes(()))
+            if background:
+                larger = free_variances(self.design, self.free_sizes(background))
+                self.states[key] = self.state((), slow).beside(taken(self.sums, small, larger))
+            else:
+                sd = small_sizes(self.design, self.spike, slow)
+                self.states[key] = State.of(beside_free(self.sums, small), sd)
         return self.states[key]
 
     def free_sizes(self, background: Raised) -> dict[str, float]:
@@ -103,6 +112,19 @@ class Search:
         whole = tuple(sorted([*background, *raised]))
         return self.keep(whole, slow, self.prior(whole) - 0.5 * (fitted.quad + fitted.logdet))
 
+    def slow_beside(self, whole: Raised) -> float:
+        """The size of slow noise that has the most evidence beside a form: each larger one is the least one raised."""
+        least, *larger = sorted(k.SLOW_FLOORS)
+        background = tuple(q for q in whole if q[1] < 0)
+        begun = self.raise_blocks(background, least, tuple(q for q in whole if q[1] >= 0))
+        quads, logdets = begun.further(self.slow_at, np.array(larger))
+        evidence = -0.5 * np.array([begun.quad + begun.logdet, *(quads + logdets)])
+        values = [
+            self.keep(whole, s, self.prior(whole) + e)
+            for s, e in zip((least, *larger), evidence, strict=True)
+        ]
+        return (least, *larger)[int(np.argmax(values))]
+
     def raise_blocks(self, background: Raised, slow: float, raised: Raised) -> RaisedState:
         """The state of a background with the blocks of a set raised."""
         ats = [self.design.blocks[b].at for _, b, _ in raised]
@@ -121,23 +143,31 @@ class Search:
         out = []
         have = {o for o, _, _ in start}
         full = sum(size not in self.traces for _, _, size in start) >= k.MOST_EFFECTS
-        sizes = np.array(self.traces if full else (*self.traces, *self.sizes))
+        ways = [list(self.traces)] if full else [list(self.traces), self.sizes]
+        asked = np.concatenate(ways)
         begun, already = self.raise_blocks(background, slow, start), self.prior((*background, *start))
         for owner in self.owners:
             if owner in have:
                 continue
-            best: dict[bool, tuple[float, Raised]] = {}
-            for block in self.blocks[owner]:
-                quads, logdets = begun.further(self.design.blocks[block].at, sizes)
-                for size, evidence in zip(sizes.tolist(), (-0.5 * (quads + logdets)).tolist(), strict=True):
-                    part = (owner, block, size)
-                    raised, trace = tuple(sorted((*start, part))), size in self.traces
+            blocks = self.blocks[owner]
+            further = np.array([begun.further(self.design.blocks[b].at, asked) for b in blocks])
+            evidence, first = -0.5 * further.sum(axis=1), 0
+            for some in ways:
+                values = (
+                    evidence[:, first : (first := first + len(some))] + already + self._priors(owner, some)
+                )
+                best = values.max()
+                for i, j in np.argwhere(values > best - _HOPELESS).tolist():
+                    raised = tuple(sorted((*start, (owner, blocks[i], some[j]))))
                     whole = tuple(sorted((*background, *raised))) if background else raised
-                    value = self.keep(whole, slow, evidence + already + self.prior((part,)))
-                    if trace not in best or value > best[trace][0]:
-                        best[trace] = (value, raised)
-            out += best.values()
+                    self.keep(whole, slow, float(values[i, j]))
+                    if values[i, j] == best:
+                        out.append((float(best), raised))
         return out
+
+    def _priors(self, owner: str, sizes: Sequence[float]) -> Floats:
+        """Log prior probabilities (B, n) of each block of an owner at these sizes."""
+        return np.array([[self.prior(((owner, b, size),)) for size in sizes] for b in self.blocks[owner]])
 
     def explore(self, background: Raised, slow: float, wide: int) -> float:
         """Sets of up to three owners on a background: all singles, pairs of the best, triples of the best of those."""
@@ -158,16 +188,15 @@ class Search:
 
     def run(self) -> "Search":
         """Look at everything that is worth looking at."""
-        slow = max(k.SLOW_FLOORS, key=lambda s: self.score((), s, ()))
+        slow = self.slow_beside(())
         self.explore((), slow, 6)
-        top = self.best()
-        again = max(k.SLOW_FLOORS, key=lambda s: self.score_of(top, s))
+        again = self.slow_beside(self.best())
         if again != slow:
             slow = again
             self.explore((), slow, 6)
         size = max(self.T, k.LEAST_FLOORS)
         alone = {}
-        floor = self.floor_score(slow)
+        floor = self.floor_score()
         for owner in self.free:
             for sd in (self.traces[0], size):
                 background = ((owner, -1, sd),)
@@ -180,7 +209,7 @@ class Search:
                 self.explore(tuple(sorted([(a[0], -1, a[1]), (b[0], -1, b[1])])), slow, 2)
         return self
 
-    def floor_score(self, slow: float) -> float:
+    def floor_score(self) -> float:
         return max(
             v
             for owners, forms in self.found.items()
@@ -190,10 +219,6 @@ class Search:
 
     def best(self) -> Raised:
         return max((f for forms in self.found.values() for f in forms), key=lambda f: f[0])[1]
-
-    def score_of(self, whole: Raised, slow: float) -> float:
-        background = tuple(q for q in whole if q[1] < 0)
-        return self.score(background, slow, tuple(q for q in whole if q[1] >= 0))
 
     def posterior(self) -> Posterior:
         out = []

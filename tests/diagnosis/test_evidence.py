@@ -23,6 +23,7 @@ from labrig.diagnosis._evidence import (
     free_variances,
     unexplained,
 )
+from labrig.diagnosis._freed import taken
 from labrig.diagnosis._posterior import Explanation, Search, sizes, small_sizes
 from labrig.effects._family import Space
 
@@ -283,6 +284,26 @@ def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
     one, two = (State.of(beside_free(Sums.of(d), variance), np.full(7, 0.3)) for d in (design, other))
     at = [design.blocks[0].at]
     assert log_evidence(one.raised(at, [3.0])) == pytest.approx(log_evidence(two.raised(at, [3.0])), abs=1e-3)
+
+
+@given(SEEDS, st.floats(0.001, 0.3), st.floats(0.31, 20.0), st.sampled_from(["?history", "?place", "both"]))
+@settings(max_examples=40, deadline=None)
+def test_free_patterns_that_grow(seed: int, small: float, large: float, which: str) -> None:
+    """A state beside larger free patterns is the one that is worked out from the start, in all that it says."""
+    design = tiny(seed, free={"?history": 2, "?place": 3, DECLARED: 1})
+    sums, sd, at = Sums.of(design, 0.8), np.full(7, 0.4), design.blocks[1].at
+    size = {"?history": small, "?place": small, DECLARED: 50.0}
+    grown = {owner: large for owner in ("?history", "?place") if which in (owner, "both")}
+    before, after = (free_variances(design, way) for way in (size, size | grown))
+    begun = State.of(beside_free(sums, before), sd).beside(taken(sums, before, after))
+    anew = State.of(beside_free(sums, after), sd)
+    assert begun.quad == pytest.approx(anew.quad, abs=1e-3)
+    assert begun.logdet == pytest.approx(anew.logdet, abs=5e-3)
+    np.testing.assert_allclose(begun.mean, anew.mean, atol=1e-3)
+    np.testing.assert_allclose(begun.covariance, anew.covariance, atol=1e-3)
+    assert log_evidence(begun.raised([at], [3.0])) == pytest.approx(
+        log_evidence(anew.raised([at], [3.0])), abs=5e-3
+    )
 
 
 def test_a_search_scores_by_evidence_and_prior() -> None:
