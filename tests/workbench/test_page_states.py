@@ -40,15 +40,19 @@ def _standing_still(bench):
     """The job that runs stands still meanwhile, so that it is not done before the page is; signals wait for it."""
     (job,) = wait_for(lambda: [job for job in bench.desk.jobs.all() if job.state == "running"])
     pid = wait_for(lambda: (job.folder / "pid").is_file() and (job.folder / "pid").read_text())
-    child = psutil.Process(int(pid))
-    processes = [child, *child.children(recursive=True)]
-    for process in processes:
-        process.suspend()
+    processes = _stopped(psutil.Process(int(pid)))
     try:
         yield job
     finally:
         for process in processes:
             process.resume()
+
+
+def _stopped(process):
+    """A process and all that it has started, suspended: what stands still starts no more."""
+    process.suspend()
+    wait_for(lambda: process.status() in (psutil.STATUS_STOPPED, psutil.STATUS_ZOMBIE))
+    return [process, *(each for child in process.children() for each in _stopped(child))]
 
 
 def test_reloading_in_the_middle_of_a_job_loses_nothing(compared, bench):

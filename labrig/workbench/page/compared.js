@@ -32,12 +32,16 @@ export function working(job, title, words) {
   return [page, () => (clearInterval(timer), end())];
 }
 
-export const jobOf = (context, verb) =>
-  jobs.all().find((job) => job.run === context.run && job.command.startsWith(`labrig ${verb} `) && job.command.includes(` ${context.info.model} `));
+export async function jobOf(context, verb) {
+  await jobs.told();
+  return jobs.all().find((job) => job.run === context.run && job.command.startsWith(`labrig ${verb} `) && job.command.includes(` ${context.info.model} `));
+}
 
 export async function begin(context, path) {
   try {
-    return await post(path, asked(context));
+    const job = await post(path, asked(context));
+    jobs.begun(job);
+    return job;
   } catch (error) {
     complain(error);
     return null;

@@ -9,6 +9,11 @@ const finished = new Set();
 const waiting = new Map();
 const watchers = new Set();
 let known = false;
+let nowKnown;
+const firstList = new Promise((resolve) => (nowKnown = resolve));
+
+// Resolves once the server has told which jobs there are; a page that was just loaded does not know it yet.
+export const told = () => Promise.race([firstList, new Promise((resolve) => setTimeout(resolve, 5000))]);
 
 export const all = () => jobs;
 export const running = () => jobs.filter((job) => job.state === "running");
@@ -41,7 +46,14 @@ function received(list) {
     }
   }
   known = true;
+  nowKnown();
   for (const listener of [...watchers]) listener(jobs);
+  draw();
+}
+
+// A job that this page has started, which the server's next list will have.
+export function begun(job) {
+  if (!jobs.some((each) => each.id === job.id)) jobs = [job, ...jobs];
   draw();
 }
 

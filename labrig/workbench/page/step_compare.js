@@ -42,7 +42,7 @@ function noModel(root, context) {
 }
 
 async function notYet(root, context, data) {
-  let job = jobOf(context, "compare");
+  let job = await jobOf(context, "compare");
   if (!job || (job.state === "done" && !data.compared)) job = await begin(context, "/api/compare");
   if (!job) return undefined;
   if (job.state !== "running") {

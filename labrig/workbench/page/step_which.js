@@ -39,13 +39,13 @@ export async function show(root, context) {
 }
 
 async function notYet(root, context, data) {
-  const job = jobOf(context, "diagnose");
+  const job = await jobOf(context, "diagnose");
   if (job?.state === "running") {
     const [page, end] = working(job, "Looking for the missing effect", "Every effect of the library is tried, alone and beside the others, on captures that the fit has not seen. Close the page if you like: this goes on.");
     fill(root, page);
     return end;
   }
-  const start = h("button", { type: "button", class: "main", data: { start: "diagnose" }, onclick: () => begin(context, "/api/which").then((started) => started && setTimeout(context.again, 400)) }, "Find the missing effect");
+  const start = h("button", { type: "button", class: "main", data: { start: "diagnose" }, onclick: () => begin(context, "/api/which").then((started) => started && context.again()) }, "Find the missing effect");
   const failed = job && job.state !== "done" ? h("p", { class: "warning" }, job.state === "cancelled" ? "The last one was cancelled." : job.last) : null;
   fill(root, empty("Which effect is missing?", h("p", {}, "labrig tries every effect that it knows on this run, and says which is sure, which is possible, and which it is not; or honestly that none is missing, or that these data cannot tell."), failed, start, command(data.command)));
   return undefined;
