@@ -22,12 +22,12 @@ def information(outlook: Outlook, probability: Floats, explanation: Ints) -> flo
 
     `probability` (M,) of each form, all together one; `explanation` (M,) is the one that each belongs to.
     """
-    near = -bhattacharyya(outlook)
+    near = np.exp(-bhattacharyya(outlook))
     same = explanation[:, None] == explanation
-    weight = np.broadcast_to(probability, near.shape)
-    together = logsumexp(near, b=weight, axis=1)
-    alone = logsumexp(near, b=np.where(same, weight, 0.0), axis=1) - np.log(same @ probability)
-    return max(float(probability @ (alone - together)), 0.0)
+    likely = probability > 0  # each is 1 to itself: no sum of theirs vanishes
+    together = np.log((near @ probability)[likely])
+    alone = np.log(((near * same) @ probability)[likely]) - np.log((same @ probability)[likely])
+    return max(float(probability[likely] @ (alone - together)), 0.0)
 
 
 def log_bayes(outlook: Outlook, probability: Floats, explanation: Ints) -> Floats:
