@@ -66,9 +66,7 @@ def basis(Z: Floats) -> Floats:
     """Orthonormal combinations (d, e) of the rows of Z (d, q) that hold most of it, all where they are few."""
     if len(Z) <= _MOST_NUMBERS:
         return np.eye(len(Z))
-    if (
-        len(Z) <= Z.shape[1]
-    ):  # of their products, which are fewer: those that hold most are well above rounding
+    if len(Z) <= Z.shape[1]:  # of their products, which are fewer: what holds most is well above rounding
         return np.linalg.eigh(Z @ Z.T)[1][:, : -_MOST_NUMBERS - 1 : -1]
     return svd(Z)[0][:, :_MOST_NUMBERS]
 
