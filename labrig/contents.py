@@ -47,8 +47,15 @@ class Place(TypedDict):
     clear: NotRequired[bool]
 
 
+class TimesThere(TypedDict):
+    """How often an effect was there that was called sure, of how many times."""
+
+    there: int
+    of: int
+
+
 class Considered(TypedDict):
-    """What a diagnosis says of one effect."""
+    """What a diagnosis says of one effect; of one that is sure also how often that was so, where it was counted."""
 
     effect: str
     probability: float
@@ -57,6 +64,7 @@ class Considered(TypedDict):
     size_sd: NotRequired[float]
     size_floors: NotRequired[float]
     size_sd_floors: NotRequired[float]
+    track_record: NotRequired[TimesThere | None]
 
 
 class Ranked(TypedDict):

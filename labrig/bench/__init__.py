@@ -8,7 +8,7 @@ from labrig.bench._halves import HALVES, half_of, make_rig
 from labrig.bench._intervals import newcombe, wilson
 from labrig.bench._judge import brier, calibration_error, is_right
 from labrig.bench._learn import learn_all, write_spectra
-from labrig.bench._record import track_records, write_track_records
+from labrig.bench._record import times_there, track_records, write_track_records
 from labrig.bench._report import lines, tables, write_report, write_results, wrong_lines
 from labrig.bench._run import plan, read_records, run_blind, run_one
 from labrig.bench._settle import run_settle, settle, settle_records
@@ -51,6 +51,7 @@ __all__ = [
     "summarise",
     "tables",
     "time_diagnosis",
+    "times_there",
     "track_records",
     "wilson",
     "write_campaign",

@@ -1,11 +1,12 @@
-"""The track record that labrig shows beside a verdict: how often such a verdict was right."""
+"""The track record that labrig shows beside a verdict: how often such a verdict, and such a name, was right."""
 
 import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from labrig.bench._judge import SURE, called
 from labrig.bench.records import Record
-from labrig.contents import TrackRecord
+from labrig.contents import TimesThere, TrackRecord
 from labrig.diagnosis import _spectra
 
 NAMING = ("identified", "multiple")
@@ -28,13 +29,29 @@ def _counted(verdict: str, records: Sequence[Record]) -> TrackRecord:
     return counted
 
 
+def times_there(records: Iterable[Record]) -> dict[str, TimesThere]:
+    """By effect: how often it was there where it was called sure, of how many times."""
+    out: dict[str, TimesThere] = {}
+    for record in records:
+        for effect in sorted(called(record["answer"], SURE) or ()):
+            counted = out.setdefault(effect, {"there": 0, "of": 0})
+            counted["of"] += 1
+            counted["there"] += effect in _may_be_named(record)
+    return dict(sorted(out.items()))
+
+
 def _may_be_named(record: Record) -> set[str]:
     """What is hidden, and the names that the base's own error may go by."""
     return {*record["truth"]["effects"], *(record["truth"].get("also") or ())}
 
 
-def write_track_records(records: Iterable[Record], path: Path, how: str) -> None:
-    """Write them as the file that labrig ships, with how the spectra in use were learnt."""
+def write_track_records(records: Sequence[Record], path: Path, how: str) -> None:
+    """Write both as the file that labrig ships, with how the spectra in use were learnt."""
     spectra = json.loads(_spectra.FILE.read_text(encoding="utf-8"))["how"]
-    content = {"how": how, "spectra": spectra, "verdicts": track_records(records)}
+    content = {
+        "how": how,
+        "spectra": spectra,
+        "verdicts": track_records(records),
+        "effects": times_there(records),
+    }
     path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

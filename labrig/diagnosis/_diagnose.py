@@ -23,7 +23,7 @@ from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
-from labrig.diagnosis._track_record import track_record
+from labrig.diagnosis._track_record import times_there, track_record
 from labrig.diagnosis._verdict import Verdict, answers_of, decide, underpowered
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
@@ -140,6 +140,7 @@ def result_of(
                 "size_sd": c.size_sd_floors * unit_size,
                 "size_floors": c.size_floors,
                 "size_sd_floors": c.size_sd_floors,
+                "track_record": times_there(c.effect) if c.call == "sure" else None,
             }
             for c in verdict.considered
         ],

@@ -149,17 +149,32 @@ def _with_figures(one: Called, units: str) -> str:
 
 def share_of_all(summary: Summary) -> str:
     """How probable the answer is as a whole, and how often such a verdict was right; empty where nothing is known."""
-    return " ".join(filter(None, (_share_of_all(summary), _counted(summary.get("track_record")))))
+    return " ".join(filter(None, (_share_of_all(summary), _counted(summary))))
 
 
-def _counted(record: TrackRecord | None) -> str:
+def _counted(summary: Summary) -> str:
+    """How often such a verdict was right, and each name that is sure."""
+    counted = [*_of_verdict(summary.get("track_record")), *_of_names(summary)]
+    return f"On laws and rigs that nothing was learnt from, {'; '.join(counted)}." if counted else ""
+
+
+def _of_verdict(record: TrackRecord | None) -> list[str]:
     if not record:
-        return ""
-    unseen, right, of = "On laws and rigs that nothing was learnt from,", record["right"], record["of"]
+        return []
+    right, of = record["right"], record["of"]
     if "there" not in record:
-        return f"{unseen} {right} of {of} such verdicts were right."
-    names = f"what such a verdict names was there {record['there']} times of {of}"
-    return f"{unseen} {names}, and nothing else {right} times."
+        return [f"{right} of {of} such verdicts were right"]
+    return [
+        f"what such a verdict names was there {record['there']} times of {of}, and nothing else {right} times"
+    ]
+
+
+def _of_names(summary: Summary) -> list[str]:
+    rows = [row for row in summary.get("effects_considered") or () if row["call"] == "sure"]
+    known = [(row["effect"], found) for row in rows if (found := row.get("track_record"))]
+    return [
+        f"{word(name)}, where it was sure, {found['there']} times of {found['of']}" for name, found in known
+    ]
 
 
 def _share_of_all(summary: Summary) -> str:

@@ -3,8 +3,9 @@
 import json
 from typing import Any
 
-from labrig.bench import track_records, write_track_records
+from labrig.bench import times_there, track_records, write_track_records
 from labrig.diagnosis._track_record import FILE, track_record
+from labrig.diagnosis._track_record import times_there as shipped_times_there
 
 
 def campaign(verdict: str, right: bool, named: str = "", hidden: str = "", also: str = "") -> Any:
@@ -36,6 +37,24 @@ def test_verdicts_are_counted_by_their_word(tmp_path) -> None:
     assert written["spectra"].startswith("labrig bench learn ")
 
 
+def test_names_that_are_sure_are_counted() -> None:
+    """Each name that was called sure, and whether it was there; what is possible only is not counted."""
+
+    def considered(hidden: str, also: str = "", **probability: float) -> Any:
+        rows = [{"effect": name, "probability": p} for name, p in probability.items()]
+        truth = {"effects": hidden.split(), "also": also.split()}
+        return {"answer": {"verdict": "multiple", "effects": [], "effects_considered": rows}, "truth": truth}
+
+    records = [
+        considered("leak", leak=0.95, creep=0.92, drift=0.5),
+        considered("leak creep", leak=0.9, creep=0.89),
+        considered("leak", also="stiffening", stiffening=0.99),
+        considered("", drift=0.89),
+    ]
+    counted = {"creep": (0, 1), "leak": (2, 2), "stiffening": (1, 1)}
+    assert times_there(records) == {name: {"there": t, "of": n} for name, (t, n) in counted.items()}
+
+
 def test_what_is_shipped_was_counted_on_the_half_that_nothing_is_learnt_from() -> None:
     """Each verdict that makes a claim has its record, from enough campaigns, and says how it was made."""
     content = json.loads(FILE.read_text(encoding="utf-8"))
@@ -47,3 +66,8 @@ def test_what_is_shipped_was_counted_on_the_half_that_nothing_is_learnt_from() -
         assert counted is not None
         assert 0 <= counted["right"] <= counted.get("there", counted["of"]) <= counted["of"]
     assert track_record("confounded") is None
+    for effect in ("creep", "contact", "frame"):
+        found = shipped_times_there(effect)
+        assert found is not None
+        assert 0 <= found["there"] <= found["of"]
+    assert shipped_times_there("an effect of somebody's own") is None

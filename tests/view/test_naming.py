@@ -122,6 +122,18 @@ def test_how_often_such_a_verdict_was_right(make_summary, verdict, record, whole
     assert summary_words(summary).whole == whole
 
 
+def test_how_often_a_name_was_right(make_summary):
+    """Beside each name that is sure stands how often it was right where it was sure, and beside no other."""
+    summary = make_summary("multiple", 0.7, creep=0.98, rest_shape=0.97, leak=0.4)
+    for row, there in zip(summary["effects_considered"], (14, 9, 1), strict=True):
+        row["track_record"] = {"there": there, "of": 14}
+    whole = (
+        "Probability of creep and rest shape and nothing else: 70 %. On laws and rigs that nothing was learnt from, "
+        "creep, where it was sure, 14 times of 14; rest shape, where it was sure, 9 times of 14."
+    )
+    assert summary_words(summary).whole == whole
+
+
 def test_what_has_no_name(make_summary):
     """Structure without a name is said in plain words with its size, the largest first; traces are not spoken of."""
     unnamed = {"form": 0.21, "history": 0.432, "time": 0.004, "the weather": 0.1}

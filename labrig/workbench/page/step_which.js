@@ -65,7 +65,9 @@ function card(each, data, context, open) {
 async function closer(place, each, data, context) {
   const chart = h("div", { class: "chart" });
   const errors = h("div", { class: "errors" }, h("p", { class: "waiting" }, "fitting …"));
-  const settles = each.call === "sure" ? null : h("div", {}, h("h3", {}, "What it would take to be sure"), h("p", {}, each.experiment.replaceAll("\n", " ")), command(`labrig next ${context.run} --model ${context.info.model} --minutes 10 -o next.yaml`));
+  const seldom = each.track_record && each.track_record.there < 0.9 * each.track_record.of; // right, where it was sure
+  const title = each.call === "sure" ? `What would confirm it: the name was right ${each.track_record?.there} times of ${each.track_record?.of}` : "What it would take to be sure";
+  const settles = each.call === "sure" && !seldom ? null : h("div", {}, h("h3", {}, title), h("p", {}, each.experiment.replaceAll("\n", " ")), command(`labrig next ${context.run} --model ${context.info.model} --minutes 10 -o next.yaml`));
   fill(
     place,
     h("div", { class: "bar" }, h("h2", {}, each.effect.replaceAll("_", " ")), h("span", { class: `call ${each.call.replace(" ", "-")}` }, `${each.call}, ${percent(each.probability)}`)),
