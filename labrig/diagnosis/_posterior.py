@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -11,6 +12,7 @@ from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import (
+    Beside,
     RaisedState,
     State,
     Sums,
@@ -77,14 +79,18 @@ class Search:
     def state(self, background: Raised, slow: float) -> State:
         key = (background, slow)
         if key not in self.states:
-            small = free_variances(self.design, self.free_sizes(()))
             if background:
+                small = free_variances(self.design, self.free_sizes(()))
                 larger = free_variances(self.design, self.free_sizes(background))
-                self.states[key] = self.state((), slow).beside(taken(self.sums, small, larger))
+                self.states[key] = self.state((), slow).beside(taken(self.sums, small, larger), self.small)
             else:
-                sd = small_sizes(self.design, self.spike, slow)
-                self.states[key] = State.of(beside_free(self.sums, small), sd)
+                self.states[key] = State.of(self.small, small_sizes(self.design, self.spike, slow))
         return self.states[key]
+
+    @cached_property
+    def small(self) -> Beside:
+        """The sums beside all free patterns at their small size."""
+        return beside_free(self.sums, free_variances(self.design, self.free_sizes(())))
 
     def free_sizes(self, background: Raised) -> dict[str, float]:
         """The prior sd of each free pattern, floors, when those of a background are raised."""

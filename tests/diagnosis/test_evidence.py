@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -286,16 +287,26 @@ def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
     assert log_evidence(one.raised(at, [3.0])) == pytest.approx(log_evidence(two.raised(at, [3.0])), abs=1e-3)
 
 
-@given(SEEDS, st.floats(0.001, 0.3), st.floats(0.31, 20.0), st.sampled_from(["?history", "?place", "both"]))
-@settings(max_examples=40, deadline=None)
-def test_free_patterns_that_grow(seed: int, small: float, large: float, which: str) -> None:
-    """A state beside larger free patterns is the one that is worked out from the start, in all that it says."""
+@given(
+    SEEDS,
+    st.floats(0.001, 0.3),
+    st.floats(0.31, 20.0),
+    st.sampled_from(["?history", "?place", "both"]),
+    st.sampled_from([0.0, np.inf]),
+)
+@settings(max_examples=60, deadline=None)
+def test_free_patterns_that_grow(seed: int, small: float, large: float, which: str, many: float) -> None:
+    """A state beside larger free patterns is the one that is worked out from the start, in all that it says; also where
+    they take so many rows that it is factored anew.
+    """
     design = tiny(seed, free={"?history": 2, "?place": 3, DECLARED: 1})
     sums, sd, at = Sums.of(design, 0.8), np.full(7, 0.4), design.blocks[1].at
     size = {"?history": small, "?place": small, DECLARED: 50.0}
     grown = {owner: large for owner in ("?history", "?place") if which in (owner, "both")}
     before, after = (free_variances(design, way) for way in (size, size | grown))
-    begun = State.of(beside_free(sums, before), sd).beside(taken(sums, before, after))
+    smaller = beside_free(sums, before)
+    with patch("labrig.diagnosis._evidence._MANY", many):
+        begun = State.of(smaller, sd).beside(taken(sums, before, after), smaller)
     anew = State.of(beside_free(sums, after), sd)
     assert begun.quad == pytest.approx(anew.quad, abs=1e-3)
     assert begun.logdet == pytest.approx(anew.logdet, abs=5e-3)
