@@ -24,6 +24,7 @@ from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._track_record import times_there, track_record
+from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict, answers_of, decide, underpowered
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
@@ -273,7 +274,7 @@ def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]
 
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     rows = ready.context.rows
-    out = [*rows.warnings, *verdict.warnings]
+    out = [*rows.warnings, *units_off(ready.context), *verdict.warnings]
     if ready.floor.repeats.get("same history") is None:
         out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":

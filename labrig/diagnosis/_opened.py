@@ -18,6 +18,7 @@ from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._result import Result
+from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._where import where
 from labrig.effects import Effect, get
 from labrig.model import Model
@@ -189,7 +190,8 @@ class Opened:
     def _warnings(self) -> list[str]:
         dropped = self.ready.dropped
         left_out = [f"{dropped} outlying values were left out"] if dropped else []
-        return [*self.ready.context.rows.warnings, *left_out]
+        context = self.ready.context
+        return [*context.rows.warnings, *units_off(context), *left_out]
 
 
 def _rms(square: float) -> float:

@@ -125,7 +125,7 @@ def _lever(context: Context) -> Iterator[Space]:
         away = place - middle
         size = np.sqrt((weight[:, None] * away**2).sum(axis=0) / weight.sum())
         for a, letter in enumerate("xyz"):
-            if size[a] < 1e-3 * size.max():
+            if size[a] <= 1e-3 * size.max():  # a flat body, or one place alone
                 continue
             z = away[:, a] / size[a]
             out.append(field(f"{name} along {letter}", moved[:, :, c] * z))

@@ -1,0 +1,51 @@
+"""Measurements in other units than the model: a person is asked about it, and only then."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import compare
+from labrig.diagnosis._unnamed import unnamed
+from labrig.effects import rows_of
+from tests.conftest import Lab
+
+
+def said(lab: Lab, values: np.ndarray, noise: float = 1.0) -> list[str]:
+    """The warnings of a comparison that are about units."""
+    warnings = compare(lab.dataset(values + noise * lab.noise()), lab.model()).summary["warnings"]
+    return [line for line in warnings if "units" in line]
+
+
+@pytest.mark.parametrize(("scale", "words"), [(1e-3, "0.001"), (25.4, "25")])
+def test_metres_for_millimetres(tmp_path: Path, scale: float, words: str) -> None:
+    """What moves as the model says, but not as far, is said with how far, and what to check."""
+    lab = Lab(tmp_path)
+    (line,) = said(lab, scale * lab.predict(lab.u), scale)
+    assert line == (
+        f"what is measured in mm changes in the way that the model says, but {words} times as far: check the units of "
+        "both, and of the pressures"
+    )
+
+
+@pytest.mark.parametrize("change", ["nothing", "a third softer", "something else"])
+def test_what_is_physics_is_not_asked_about(tmp_path: Path, change: str) -> None:
+    """A rig that is off as rigs are, or that does not follow the model at all, is nothing of units."""
+    lab = Lab(tmp_path)
+    moved = lab.predict(lab.u)
+    changes: dict[str, Any] = {
+        "nothing": lambda: moved,
+        "a third softer": lambda: lab.rest + 1.5 * (moved - lab.rest),
+        "something else": lambda: lab.rest + 20 * np.random.default_rng(0).normal(size=moved.shape),
+    }
+    assert said(lab, changes[change]()) == []
+
+
+def test_a_chamber_that_moves_one_place_only(tmp_path: Path) -> None:
+    """Of a single place that moves nothing can be said of where the chamber acts, and nothing divides by zero."""
+    lab = Lab(tmp_path)
+    lab.reach[:, 1:] = 0.0
+    lab.reach[3:, 0] = 0.0
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u))))
+    assert "lever" not in {space.spectrum for space in unnamed(context)}
