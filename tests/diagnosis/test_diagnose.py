@@ -99,7 +99,9 @@ def test_each_effect_is_considered(slip) -> None:
         (c["probability"] for c in considered), reverse=True
     )
     for c in considered:
-        assert set(c) == {"effect", "probability", "call", "size", "size_sd", "size_floors", "size_sd_floors"}
+        sizes = {"size", "size_sd", "size_floors", "size_sd_floors"}
+        assert set(c) == {"effect", "probability", "call", "track_record"} | sizes
+        assert (c["track_record"] is None) == (c["call"] != "sure")
         assert 0 <= c["probability"] <= 1
         assert c["call"] in {"sure", "possible", "not it"}
     first = considered[0]

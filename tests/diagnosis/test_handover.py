@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose
+from tests.naming import verdict_of
 
 
 def seen_by_two(lab: Any) -> np.ndarray:
@@ -24,6 +24,6 @@ def seen_by_two(lab: Any) -> np.ndarray:
 def test_other_cameras_have_no_name(make_lab, markers) -> None:
     """A step of all markers that pass a border in space is unknown, not a frame, and what carries it is said."""
     lab = make_lab(markers=markers, captures=60)
-    summary = diagnose(lab.dataset(seen_by_two(lab) + lab.noise()), lab.model()).summary
-    assert (summary["verdict"], summary["effects"]) == ("unknown", [])
-    assert summary["carried_by"] == "a plane in space"
+    found = verdict_of(lab.dataset(seen_by_two(lab) + lab.noise()), lab.model())
+    assert (found.verdict, found.effects) == ("unknown", ())
+    assert found.carried_by == "a plane in space"

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._witnesses import Moments, _at_one_place
 from labrig.effects import rows_of
+from tests.naming import verdict_of
 
 ROWS_S = (1.6, 3.0, 3.5, 4.0)
 
@@ -110,5 +110,5 @@ def test_a_valve_that_only_large_steps_show_is_a_delay(make_lab, chambers: int) 
     gone = np.clip(lab.hold_s[:, :, None] / np.maximum(way / 24.0, 1e-9), 0.0, 1.0)
     u = before + (lab.u - before) * gone**2 * (3 - 2 * gone)
     dataset = lab.dataset(lab.predict(u) + lab.noise(row=0.05, capture=0.05))
-    summary = diagnose(dataset, lab.model()).summary
-    assert (summary["verdict"], summary["effects"]) == ("identified", ["delay"])
+    found = verdict_of(dataset, lab.model())
+    assert (found.verdict, found.effects) == ("identified", ("delay",))

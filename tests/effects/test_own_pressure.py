@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose
 from labrig.diagnosis._spectra import shipped as learnt
 from labrig.effects._registry import shipped
 from tests.effects.test_family import context_of, with_all
+from tests.naming import verdict_of
 
 OWNERS = {"regulator", "stiffening", "tension"}
 
@@ -47,7 +47,6 @@ def test_a_wall_that_gives_way_half_way_is_none_of_them_surely(make_lab, bent) -
     lab = make_lab(captures=60, bent=bent)
     x = lab.u / 60.0
     opened = x + 0.06 * np.tanh((x - 0.45) / 0.06)
-    summary = diagnose(lab.dataset(lab.predict(60.0 * opened) + lab.noise()), lab.model()).summary
-    assert summary["verdict"] == "confounded"
-    assert set(summary["rivals"]) == OWNERS
-    assert {e["effect"] for e in summary["effects_considered"] if e["call"] == "sure"} == set()
+    found = verdict_of(lab.dataset(lab.predict(60.0 * opened) + lab.noise()), lab.model())
+    assert (found.verdict, set(found.rivals)) == ("confounded", OWNERS)
+    assert {c.effect for c in found.considered if c.call == "sure"} == set()

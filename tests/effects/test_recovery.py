@@ -15,6 +15,7 @@ from labrig.diagnosis import Result, diagnose, improve
 from labrig.effects import rows_of
 from labrig.model import Model, base_context, build_base
 from labrig.view._signature_figure import binned
+from tests.naming import calls_of
 
 LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
 
@@ -27,7 +28,7 @@ def found(
     Returns the result, and the fitted parameters and their standard deviations by name.
     """
     model, data = lab.model(), lab.dataset(values + lab.noise(), **extra)
-    calls = {c["effect"]: c["call"] for c in diagnose(data, model).summary["effects_considered"]}
+    calls = calls_of(data, model) if named else {}
     result = improve(data, model, [name])
     summary = result.summary
     assert summary["error"]["model"] < 0.5 * summary["error"]["base"]
