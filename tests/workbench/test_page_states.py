@@ -1,5 +1,6 @@
 """The workbench in a real browser, with one server for all: jobs, addresses, keys, and what a page shows of them."""
 
+import json
 from contextlib import contextmanager
 
 import psutil
@@ -142,6 +143,23 @@ def test_the_scale_of_colours_is_dragged(compared):
     page.mouse.up()
     _at(page, "scale=")
     assert page.inner_text(".scale .ends") != ends
+
+
+def test_a_name_that_is_seldom_right_says_what_would_confirm_it(compared, ask, bench):
+    """Of a sure effect whose name was wrong before the page says how often, and the experiment; of others neither."""
+    run, page = compared()
+    ask("/api/which", {"run": run, "model": "model.yaml"})
+    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
+    page.wait_for_selector("h3:has-text('What betrays it')")
+    assert page.locator("text=What would confirm it").count() == 0
+    file = bench.desk.folder / run / "model" / "diagnosis.json"
+    found = json.loads(file.read_text(encoding="utf-8"))
+    for each in found["effects_considered"]:
+        if each["call"] == "sure":
+            each["track_record"] = {"there": 3, "of": 15}
+    file.write_text(json.dumps(found), encoding="utf-8")
+    page.reload()
+    page.wait_for_selector("text=What would confirm it: the name was right 3 times of 15")
 
 
 @pytest.mark.slow
