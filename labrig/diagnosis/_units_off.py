@@ -1,4 +1,4 @@
-"""Whether measurements and model may be in different units: they go the same way, and far from as far."""
+"""Whether measurements and model may be in different units, or the rig did not move at all."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ _TIMES = 5.0
 
 
 def units_off(context: Context) -> list[str]:
-    """A line for each unit whose observables follow the model's prediction, but at quite another scale."""
+    """A line for each unit whose observables hardly move, or follow the model's prediction many times as far."""
     rows, out = context.rows, []
     kinds = np.array(rows.unit)
     for unit in dict.fromkeys(rows.unit):
@@ -24,12 +24,12 @@ def units_off(context: Context) -> list[str]:
         both, of_base, of_measured = (
             float((a * b)[seen].sum()) for a, b in ((measured, base), (base, base), (measured, measured))
         )
-        if both <= _ALIKE * np.sqrt(of_base * of_measured) or both <= 0:
+        if of_base <= 0 or not seen.any():
             continue
-        times = both / of_base
-        if max(times, 1 / times) >= _TIMES:
+        times = np.sqrt(of_measured / of_base)
+        if times <= 1 / _TIMES or (times >= _TIMES and both >= _ALIKE * times * of_base):
             out.append(
-                f"what is measured in {unit} changes in the way that the model says, but {times:.2g} times as far: "
-                "check the units of both, and of the pressures"
+                f"what is measured in {unit} changes {times:.2g} times as far as the model says: check the units of "
+                "both and of the pressures, and whether these arrive"
             )
     return out

@@ -1,4 +1,4 @@
-"""Measurements in other units than the model: a person is asked about it, and only then."""
+"""Measurements in other units than the model, or of a rig that does not move: a person is asked, and only then."""
 
 from pathlib import Path
 from typing import Any
@@ -20,13 +20,20 @@ def said(lab: Lab, values: np.ndarray, noise: float = 1.0) -> list[str]:
 
 @pytest.mark.parametrize(("scale", "words"), [(1e-3, "0.001"), (25.4, "25")])
 def test_metres_for_millimetres(tmp_path: Path, scale: float, words: str) -> None:
-    """What moves as the model says, but not as far, is said with how far, and what to check."""
+    """What moves as the model says, but not as far, or farther, is said with how far, and what to check."""
     lab = Lab(tmp_path)
     (line,) = said(lab, scale * lab.predict(lab.u), scale)
     assert line == (
-        f"what is measured in mm changes in the way that the model says, but {words} times as far: check the units of "
-        "both, and of the pressures"
+        f"what is measured in mm changes {words} times as far as the model says: check the units of both and of the "
+        "pressures, and whether these arrive"
     )
+
+
+def test_a_rig_that_stands_still(tmp_path: Path) -> None:
+    """Where chambers stay empty, or cameras show one picture for ever, only noise is left, and it is said."""
+    lab = Lab(tmp_path)
+    (line,) = said(lab, np.broadcast_to(lab.rest, lab.predict(lab.u).shape))
+    assert line.endswith("and whether these arrive")
 
 
 @pytest.mark.parametrize("change", ["nothing", "a third softer", "something else"])
