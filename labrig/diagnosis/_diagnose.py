@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.contents import Errors, Next, Summary
 from labrig.diagnosis import _constants as k
@@ -83,7 +84,13 @@ def verdict_on(
     if few is not None and len(observations.values) < k.FEWEST_OBSERVATIONS:
         return few
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
-    search = Search(design).run()
+    try:
+        search = Search(design).run()
+    except np.linalg.LinAlgError:
+        raise LabrigError(
+            f"what is measured and what the model says are too far apart in size to be compared (the error is "
+            f"{observations.to_explain:.2g} times the noise): check the units of both"
+        ) from None
     verdict = decide(answers_of(search, least), tuple(effects), words_of(design))
     return few if few is not None and verdict.verdict == "nothing_missing" else verdict
 

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import compare
+from labrig import LabrigError
+from labrig.diagnosis import compare, diagnose
 from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import rows_of
 from tests.conftest import Lab
@@ -47,6 +48,20 @@ def test_what_is_physics_is_not_asked_about(tmp_path: Path, change: str) -> None
         "something else": lambda: lab.rest + 20 * np.random.default_rng(0).normal(size=moved.shape),
     }
     assert said(lab, changes[change]()) == []
+
+
+def test_numbers_too_far_apart_end_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a matrix is lost to rounding (from which size on, computers differ), a diagnosis says what to check."""
+
+    def lost(self: Any) -> Any:
+        raise np.linalg.LinAlgError("Matrix is not positive definite")
+
+    monkeypatch.setattr("labrig.diagnosis._diagnose.Search.run", lost)
+    lab = Lab(tmp_path)
+    with pytest.raises(LabrigError) as caught:
+        diagnose(lab.dataset(1e6 * lab.predict(lab.u) + lab.noise()), lab.model())
+    assert str(caught.value).startswith("what is measured and what the model says are too far apart in size")
+    assert str(caught.value).endswith("times the noise): check the units of both")
 
 
 def test_a_chamber_that_moves_one_place_only(tmp_path: Path) -> None:
