@@ -61,10 +61,17 @@ def test_reloading_in_the_middle_of_a_job_loses_nothing(compared, bench):
     run, page = compared()
     page.evaluate("run => location.hash = `#/run/${run}/which`", run)
     page.click("[data-start=diagnose]")
+    held = []
     with _standing_still(bench):
         page.wait_for_selector(".empty progress")
-        page.reload()
+        page.route("**/api/events", lambda route: held.append(route))  # the server says late which jobs run
+        with page.expect_response("**/api/which*"):
+            page.reload()
+        page.wait_for_timeout(500)
+        assert page.locator("[data-start=diagnose]").count() == 0  # it runs already
+        held[0].continue_()
         page.wait_for_selector(".empty progress")
+    page.unroute("**/api/events")
     page.wait_for_selector(".effect.sure")
 
 
