@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from labrig.experiment import Experiment
+from tests.conftest import Lab
 
 ROWS_S = (1.2, 2.0, 3.0, 4.0)
 Values = Callable[[Any], np.ndarray]
@@ -70,9 +71,9 @@ def long_holds(make_lab: Any) -> Any:
     return lab
 
 
-@pytest.fixture
-def doubt(make_lab) -> tuple[Any, Any, dict[str, Any]]:
-    """A run of three chambers, its model, and a diagnosis that leaves three explanations open."""
-    lab = make_lab(captures=30, rows_s=ROWS_S)
+@pytest.fixture(scope="module")
+def doubt(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Any, dict[str, Any]]:
+    """A run of two chambers, its model, and a diagnosis that leaves three explanations open."""
+    lab = Lab(tmp_path_factory.mktemp("doubt"), chambers=2, markers=4, captures=24, rows_s=ROWS_S)
     model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
     return run, model, open_between("hysteresis", "creep", "friction")

@@ -9,7 +9,7 @@ import pytest
 from labrig import LabrigError
 from labrig.diagnosis import Explained, covariates, diagnose, prepare, prepared, rows_from
 from labrig.diagnosis._unnamed import unnamed
-from labrig.experiment import Limits, plan_next, propose_experiment
+from labrig.experiment import Experiment, Limits, plan_next, propose_experiment
 from labrig.experiment._rivals import open_rivals, open_sets
 from labrig.experiment._unknown import _covariates_of
 
@@ -47,27 +47,34 @@ def test_with_the_experiment_the_right_name_comes_first(
     assert not set(rivals) & set(both["effects"])
 
 
-def test_what_is_proposed(doubt) -> None:
+LIMITS = Limits(np.zeros(2), np.array([60.0, 40.0]), np.full(2, 50.0))
+
+
+@pytest.fixture(scope="module")
+def proposed(doubt) -> Experiment:
+    """What is proposed where three explanations are open, limits are narrower than the run's, and time is short."""
+    run, model, found = doubt
+    return propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
+
+
+def test_what_is_proposed(doubt, proposed: Experiment) -> None:
     """Every pair has an expectation, every probe its share; times add up, limits are kept, and it is the same twice."""
     run, model, found = doubt
-    low, high = np.zeros(3), np.array([60.0, 40.0, 20.0])
-    limits = Limits(low, high, np.full(3, 50.0))
-    experiment = propose_experiment(run, model, summary=found, limits=limits, minutes=4)
-    summary = experiment.summary
+    summary = proposed.summary
     titles = {"hysteresis", "creep", "friction"}
     assert {(e["true"], e["other"]) for e in summary["expected"]} == {
         (a, b) for a in titles for b in titles if a != b
     }
     assert summary["separates"] == ["hysteresis", "creep", "friction"]
     assert sum(p["minutes"] for p in summary["probes"]) == pytest.approx(summary["minutes"], abs=0.02)
-    assert summary["minutes"] <= 4
-    assert summary["captures"] == len(experiment.points) == len(experiment.programme())
+    assert summary["minutes"] <= 2
+    assert summary["captures"] == len(proposed.points) == len(proposed.programme())
     assert min(e["floors"] for e in summary["expected"]) > 0
-    pressures = np.array([experiment.limits.actuation(p.share) for p in experiment.points])
-    assert (pressures >= low).all()
-    assert (pressures <= high).all()
-    again = propose_experiment(run, model, summary=found, limits=limits, minutes=4)
-    assert again.programme() == experiment.programme()
+    pressures = np.array([proposed.limits.actuation(p.share) for p in proposed.points])
+    assert (pressures >= LIMITS.low).all()
+    assert (pressures <= LIMITS.high).all()
+    again = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
+    assert again.programme() == proposed.programme()
 
 
 def test_what_is_sure_stands_beside_each_that_is_possible(doubt) -> None:
@@ -111,15 +118,12 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     assert explanations(["hysteresis"], creep=0.002) == {}
 
 
-def test_more_time_tells_more(doubt) -> None:
+def test_more_time_tells_more(doubt, proposed: Experiment) -> None:
     """The weakest expectation does not fall when the programme may be longer."""
     run, model, found = doubt
-
-    def weakest(minutes: float) -> float:
-        summary = propose_experiment(run, model, summary=found, minutes=minutes).summary
-        return min(e["log10_bayes"] for e in summary["expected"])
-
-    assert weakest(4) > weakest(0.6)
+    short = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=0.5)
+    weakest = [min(e["log10_bayes"] for e in each.summary["expected"]) for each in (proposed, short)]
+    assert weakest[0] > weakest[1]
 
 
 def test_what_has_no_name_is_looked_for_where_least_is_known(make_lab) -> None:
@@ -218,9 +222,10 @@ def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
     assert "scan the vented surface once" in str(caught.value)
 
 
-def test_what_says_too_little_is_not_proposed(doubt) -> None:
+def test_what_says_too_little_is_not_proposed(make_lab) -> None:
     """A programme for which there is time, and after which the odds of a loop's two other names were as before."""
-    run, model, _ = doubt
+    lab = make_lab(captures=30, rows_s=ROWS_S)
+    model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, summary=open_between("tension", "stiffening"), minutes=0.4)
     assert str(caught.value) == (
@@ -233,7 +238,8 @@ def test_what_says_too_little_is_not_proposed(doubt) -> None:
 
 def test_the_short_form_in_a_diagnosis(doubt) -> None:
     """An open diagnosis gets the programme's probes and minutes; a clear one stays as it is."""
-    run, model, found = doubt
+    run, model, _ = doubt
+    found = open_between("hysteresis", "creep")
     summary = {**found, "next_experiment": {"separates": ["hysteresis", "creep"], "probes": ["a text"]}}
     plan_next(run, model, summary)
     planned = summary["next_experiment"]

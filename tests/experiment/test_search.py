@@ -70,36 +70,38 @@ def test_a_proposal_has_the_floor_of_the_diagnosis(make_lab) -> None:
     assert proposed["floor"] == pytest.approx(found, rel=0.25)
 
 
-def chosen(monkeypatch: pytest.MonkeyPatch, doubt: Any, again: int = 1) -> tuple[Problem, Chosen]:
-    """What a proposal asked and what was chosen, where each probe is a candidate so many times."""
+@pytest.fixture(scope="module")
+def chosen(doubt: Any) -> tuple[Problem, Chosen]:
+    """What a proposal asked and what was chosen, where each probe is a candidate twice."""
     run, model, found = doubt
     kept: list[tuple[Problem, Chosen]] = []
     search, named = _propose.search_programme, _propose._named
 
     def asked(problem: Problem, seeds: Any, *more: Any, **settings: Any) -> Any:
-        return search(problem, [*seeds] * again, *more, **settings)
+        return search(problem, [*seeds] * 2, *more, **settings)
 
     def found_it(problem: Problem, choice: Chosen, *more: Any) -> Experiment:
         kept.append((problem, choice))
         return named(problem, choice, *more)
 
-    monkeypatch.setattr(_propose, "search_programme", asked)
-    monkeypatch.setattr(_propose, "_named", found_it)
-    propose_experiment(run, model, summary=found, minutes=10)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_propose, "search_programme", asked)
+        patch.setattr(_propose, "_named", found_it)
+        propose_experiment(run, model, summary=found, minutes=10)
     return kept[-1]
 
 
-def test_no_probe_is_done_twice(doubt, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_probe_is_done_twice(chosen: tuple[Problem, Chosen]) -> None:
     """What a change of one probe gives may be another probe: it is one candidate, and is done once."""
-    _, choice = chosen(monkeypatch, doubt, again=2)
+    _, choice = chosen
     points = [probe.points for probe in choice.probes]
     assert len(points) > 1
     assert len(set(points)) == len(points)
 
 
-def test_what_is_open_is_settled_three_times_over(doubt, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_open_is_settled_three_times_over(chosen: tuple[Problem, Chosen]) -> None:
     """Each time by other probes: the programme falls into three parts, each of which settles every pair."""
-    problem, choice = chosen(monkeypatch, doubt)
+    problem, choice = chosen
     parts, together = 0, None
     for outlook in choice.outlooks:
         together = outlook if together is None else together.beside(outlook).condensed()
