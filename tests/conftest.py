@@ -3,6 +3,7 @@
 The laboratory's formulas are its own too: nothing of it comes from `labrig.effects` or `drivers.simulated`.
 """
 
+import gc
 import os
 import shutil
 import stat
@@ -38,6 +39,15 @@ def predict(actuation):
     x = actuation / KNOWN["high"]
     return KNOWN["rest"] + (x * (1 + KNOWN["bent"]) / (1 + KNOWN["bent"] * x)) @ KNOWN["reach"].T
 """
+
+
+gc.disable()  # all that is imported and collected stays
+
+
+def pytest_collection_finish() -> None:
+    """From here on what a test leaves is collected, and what all of them share is not looked through each time."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

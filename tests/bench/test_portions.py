@@ -49,18 +49,23 @@ def named(effect: str) -> list[str]:
 
 
 @cache
-def case(portion: str, kind: str) -> tuple[Rig, Path]:
+def case(portion: str, kind: str, captures: int = 24) -> tuple[Rig, Path]:
     """A rig of a kind, always the same, and a small campaign on it in which all laws find what they need."""
     rig = half_of(portion).rigs[kind](np.random.default_rng(3))
     random = np.random.default_rng(4)
-    plan = make_plan("sessions", random, rig.high_kpa, 40, True, True, 0.25, True, min_kpa=rig.low_kpa)
+    plan = make_plan("sessions", random, rig.high_kpa, captures, True, True, 0.25, True, min_kpa=rig.low_kpa)
     return rig, make_path(plan)
 
 
-def law_on(name: str, rigs: dict[str, str] | str, seed: int = 11) -> tuple[Law, Path]:
+def quickest(half: Half) -> list[str]:
+    """Kinds of rigs of a half; the one that takes longest to compute comes last."""
+    return sorted(half.rigs, key=lambda kind: kind == "trunk")
+
+
+def law_on(name: str, rigs: dict[str, str] | str, seed: int = 11, captures: int = 24) -> tuple[Law, Path]:
     """A law of a name on the rig of a kind, which may be another one in each portion."""
     half, law = LAWS[name]
-    rig, path = case(half.name, rigs if isinstance(rigs, str) else rigs[half.name])
+    rig, path = case(half.name, rigs if isinstance(rigs, str) else rigs[half.name], captures)
     return law(Setting(rig, path, np.random.default_rng(seed))), path
 
 
@@ -81,7 +86,7 @@ def test_a_law_changes_nothing_at_strength_0_and_more_the_stronger_it_is(name: s
     """On rigs that can have it a law's change is finite, none at 0, grows with the strength, and can be seen."""
     half, kind = LAWS[name]
     shown = 0
-    for rig_kind in half.rigs:
+    for rig_kind in quickest(half):
         rig, path = case(half.name, rig_kind)
         if not kind.needs <= has(rig, path):
             continue
@@ -102,7 +107,7 @@ def test_a_law_changes_nothing_at_strength_0_and_more_the_stronger_it_is(name: s
 def test_a_law_is_the_same_law_each_time(name: str) -> None:
     """All chance is in the making: a law does the same when asked again, and another seed makes another one."""
     half, kind = LAWS[name]
-    rig_kind = next(k for k in half.rigs if kind.needs <= has(*case(half.name, k)))
+    rig_kind = next(k for k in quickest(half) if kind.needs <= has(*case(half.name, k)))
     (one, path), (same, _), (other, _) = (law_on(name, rig_kind, seed) for seed in (5, 5, 6))
     first, again, also, another = (simulate(law.rig, [(law, 1.0)], path) for law in (one, one, same, other))
     assert np.array_equal(first, again)
@@ -193,7 +198,7 @@ def test_a_campaign_of_each_class_is_drawn_from_one_portion(half: Half, name: st
     """Campaigns of every class have rigs and laws of their portion alone, as large as the class says."""
     kind = CLASSES[name]
     for seed in range(2):
-        campaign = draw(name, seed, half.name, captures=40)
+        campaign = draw(name, seed, half.name, captures=24)
         truth = campaign.truth
         assert truth["half"] == half.name
         assert truth["rig"] in half.rigs
@@ -269,7 +274,7 @@ def test_creep_goes_on_under_load(name: str) -> None:
 @pytest.mark.parametrize("name", named("delay"))
 def test_delay_is_over_at_the_end_of_a_long_hold(name: str) -> None:
     """What a delay changes just after an actuation is gone ten seconds later."""
-    found, path = law_on(name, BENT, 1)
+    found, path = law_on(name, BENT, 1, captures=40)
     rig = found.rig
     deflection = found.wall(path, path.kpa, rig.deflection(found.pressure(path, path.kpa, 0.6)), 0.6)
     off = np.abs(deflection - rig.deflection(path.kpa)).max(axis=1)

@@ -151,7 +151,8 @@ def make_run(bench: Running) -> Callable[..., str]:
         source = write_table(folder.parent / f"{name}.csv", seed, **settings)
         (folder.parent / "map.yaml").write_text(mapping(), encoding="utf-8")
         import_table(folder.parent / "map.yaml", folder / name, [source])
-        (folder / "model.yaml").write_text("base: {kind: static, degree: 1}\n", encoding="utf-8")
+        if not (folder / "model.yaml").exists():  # what was made with it stays as good as new
+            (folder / "model.yaml").write_text("base: {kind: static, degree: 1}\n", encoding="utf-8")
         return name
 
     return make

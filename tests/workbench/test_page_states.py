@@ -13,6 +13,10 @@ from tests.workbench.test_page import _at, _error
 pytestmark = pytest.mark.usefixtures("browser")
 
 
+SHOWN, DIAGNOSED = "shown", "diagnosed"
+"""Runs that several tests look at: one without a diagnosis, one that gets one."""
+
+
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory):
     """A workbench that all tests of this file share: each has runs of its own."""
@@ -23,11 +27,13 @@ def bench(tmp_path_factory):
 
 
 @pytest.fixture
-def compared(open_page, make_run, request):
-    """Makes a run of the test's own, and opens a page that has compared it."""
+def compared(open_page, make_run, bench, request):
+    """Opens a page that has compared a run: one of the test's own, or one that is there for all."""
 
-    def opened():
-        run = make_run(request.node.originalname)
+    def opened(run=None):
+        run = run or request.node.originalname
+        if not (bench.desk.folder / run).exists():
+            make_run(run)
         page = open_page()
         page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
         _error(page)
@@ -110,7 +116,7 @@ def test_two_pages_agree(compared, open_page):
 
 def test_every_state_has_an_address_and_back_works(compared):
     """A link leads to a run, a marker and an effect, and the browser's way back passes the same states."""
-    _, page = compared()
+    _, page = compared(SHOWN)
     page.click("text=Where does it fail?")
     page.click('.bars [data-bar^="marker|"]')
     _at(page, "kind=marker")
@@ -125,7 +131,7 @@ def test_every_state_has_an_address_and_back_works(compared):
 
 def test_the_keyboard_is_enough(compared):
     """Steps are opened with Alt and their number, and captures stepped through with the arrows."""
-    run, page = compared()
+    run, page = compared(SHOWN)
     page.keyboard.press("ArrowRight")
     _at(page, "capture=")
     first = page.inner_text("h2.which")
@@ -139,7 +145,7 @@ def test_the_keyboard_is_enough(compared):
 
 def test_the_scale_of_colours_is_dragged(compared):
     """The scale stays as it is from capture to capture, and is dragged by its ends."""
-    _, page = compared()
+    _, page = compared(SHOWN)
     ends = page.inner_text(".scale .ends")
     page.click(".captures li:nth-child(2) button")
     assert page.inner_text(".scale .ends") == ends
@@ -154,25 +160,27 @@ def test_the_scale_of_colours_is_dragged(compared):
 
 def test_a_name_that_is_seldom_right_says_what_would_confirm_it(compared, ask, bench):
     """Of a sure effect whose name was wrong before the page says how often, and the experiment; of others neither."""
-    run, page = compared()
+    run, page = compared(DIAGNOSED)
     ask("/api/which", {"run": run, "model": "model.yaml"})
     page.evaluate("run => location.hash = `#/run/${run}/which`", run)
     page.wait_for_selector("h3:has-text('What betrays it')")
     assert page.locator("text=What would confirm it").count() == 0
     file = bench.desk.folder / run / "model" / "diagnosis.json"
-    found = json.loads(file.read_text(encoding="utf-8"))
+    text = file.read_text(encoding="utf-8")
+    found = json.loads(text)
     for each in found["effects_considered"]:
         if each["call"] == "sure":
             each["track_record"] = {"there": 3, "of": 15}
     file.write_text(json.dumps(found), encoding="utf-8")
     page.reload()
     page.wait_for_selector("text=What would confirm it: the name was right 3 times of 15")
+    file.write_text(text, encoding="utf-8")
 
 
 @pytest.mark.slow
 def test_an_effect_that_does_not_help_says_so(compared, ask):
     """An effect that is switched on and lowers nothing is marked, and is saved only all the same."""
-    run, page = compared()
+    run, page = compared(DIAGNOSED)
     ask("/api/which", {"run": run, "model": "model.yaml"})
     page.evaluate("run => location.hash = `#/run/${run}/which`", run)
     page.wait_for_selector(".effect.sure")

@@ -1,6 +1,7 @@
 """The surface in a real browser: its names follow it, and can be read wherever they stand; it is made ahead."""
 
 import json
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -14,6 +15,7 @@ from labrig.view import ERROR_SCALE
 from labrig.workbench import _compare, open_desk
 from labrig.workbench._views import kept
 from tests.browsers import NO_WEBGL
+from tests.workbench.conftest import Asker, served
 
 NAMES = "all => all.flatMap(e => e.data.filter(t => t.mode === 'text' && t.visible).flatMap(t => t.text))"
 OTHER_SCALE = """([run, scale]) => {
@@ -25,6 +27,21 @@ SHOWN = """e => ({
     inks: e.data.filter(t => t.mode === "text" && t.text[0] !== "c1").flatMap(t => t.textfont.color),
     behind: getComputedStyle(document.documentElement).getPropertyValue("--raised").trim(),
 })"""
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """A workbench that the pages of this file share."""
+    folder = tmp_path_factory.mktemp("shared") / "lab"
+    folder.mkdir()
+    with served(folder) as running:
+        yield running
+
+
+@pytest.fixture
+def shown(bench, make_run):
+    """The run that the pages show."""
+    return "run" if (bench.desk.folder / "run").exists() else make_run()
 
 
 def _compared(page, run):
@@ -52,10 +69,10 @@ def _under(shade):
     return "#" + "".join(f"{round(x + share * (y - x)):02x}" for x, y in zip(*parts, strict=True))
 
 
-def test_the_names_follow_the_surface(open_page, make_run):
+def test_the_names_follow_the_surface(open_page, shown):
     """The surface is shown before plotly has made the letters of its names; then each name is there once."""
     page = open_page()
-    _compared(page, make_run())
+    _compared(page, shown)
     page.wait_for_selector(".surface[data-names=all]")
     names = page.locator(".surface:visible").evaluate_all(NAMES)
     assert sorted(names) == ["m0", "m1", "m2", "m3"]
@@ -71,13 +88,13 @@ PAINTED = """canvas => {
 
 
 @pytest.mark.slow
-def test_the_surface_is_drawn_flat_until_plotly_is_there(open_page, make_run):
+def test_the_surface_is_drawn_flat_until_plotly_is_there(open_page, shown):
     """While the drawing library is under way a flat picture of the surface stands in its place, beside the verdict."""
     page = open_page()
     held = []
     page.route("**/plotly.js", lambda route: held.append(route))
     page.reload()
-    page.evaluate("run => location.hash = `#/run/${run}/compare`", make_run())
+    page.evaluate("run => location.hash = `#/run/${run}/compare`", shown)
     page.wait_for_selector(".surface canvas.flat")
     assert "error" in page.locator("h1").inner_text()
     page.wait_for_function("performance.getEntriesByName('surface').length > 0")
@@ -94,12 +111,12 @@ def test_the_surface_is_drawn_flat_until_plotly_is_there(open_page, make_run):
     assert page.locator(".surface .gl-container, .surface .svg-container").count() > 0
 
 
-def test_without_webgl_the_surface_stays_flat(open_page, make_run):
+def test_without_webgl_the_surface_stays_flat(open_page, shown):
     """A browser over a remote desktop: the surface is drawn flat for every capture, and one line says why."""
     page = open_page()
     page.add_init_script(NO_WEBGL)
     page.reload()
-    _compared(page, make_run())
+    _compared(page, shown)
     assert "no WebGL" in page.locator("figcaption:visible").inner_text()
     seen = []
     for capture in ("2", "5", "2"):
@@ -113,26 +130,25 @@ def test_without_webgl_the_surface_stays_flat(open_page, make_run):
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_names_can_be_read_on_and_beside_the_surface(open_page, make_run, theme):
+def test_names_can_be_read_on_and_beside_the_surface(open_page, shown, theme):
     """By day and at night a name stands out of the colour under it, and can be seen where it leaves the surface."""
-    run = make_run()
     page = open_page()
     page.emulate_media(color_scheme=theme)
     page.reload()
     for scale in ("1~16", "0.0001~0.0002"):  # the palest colours, and the darkest
-        page.evaluate(OTHER_SCALE, [run, scale])
+        page.evaluate(OTHER_SCALE, [shown, scale])
         page.wait_for_selector(".surface:not([data-old])[data-names=all]")
-        shown = page.locator(".surface").first.evaluate(SHOWN)
-        assert len(shown["inks"]) == len(shown["shades"]) == 4
-        for ink, shade in zip(shown["inks"], shown["shades"], strict=True):
+        seen = page.locator(".surface").first.evaluate(SHOWN)
+        assert len(seen["inks"]) == len(seen["shades"]) == 4
+        for ink, shade in zip(seen["inks"], seen["shades"], strict=True):
             assert _contrast(ink, _under(shade)) > 2.4
-            assert _contrast(ink, shown["behind"]) > 1.6
+            assert _contrast(ink, seen["behind"]) > 1.6
 
 
-def test_another_capture_is_another_surface(open_page, make_run):
+def test_another_capture_is_another_surface(open_page, shown):
     """With each capture the markers of both surfaces stand elsewhere; back again they are where they were."""
     page = open_page()
-    _compared(page, make_run())
+    _compared(page, shown)
     place = "all => all.filter(e => e.data).map(e => [e.data[0].x, e.data[0].marker.color].join())"
     seen = []
     for capture in ("2", "5", "2"):
@@ -148,10 +164,22 @@ def _views(folder: Path) -> list[Path]:
     return list((folder / ".workbench" / "views").glob("*.json"))
 
 
-def test_the_newest_run_is_made_while_the_list_is_looked_at(ask, make_run, bench, labrig):
+@pytest.fixture
+def newest(bench, make_run, tmp_path):
+    """A workbench of its own with a run that nobody has looked at, and the run's name."""
+    run = make_run("newest", captures=10)
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    shutil.move(bench.desk.folder / run, folder / run)
+    shutil.copy(bench.desk.folder / "model.yaml", folder)
+    with served(folder) as running:
+        yield running, run
+
+
+def test_the_newest_run_is_made_while_the_list_is_looked_at(newest, labrig):
     """What was compared elsewhere is ready when it is opened; what was not compared is left to a person."""
-    folder = bench.desk.folder
-    run = make_run()
+    running, run = newest
+    folder, ask = running.desk.folder, Asker(running)
     ask("/api/runs")
     sleep(0.5)
     assert _views(folder) == []
