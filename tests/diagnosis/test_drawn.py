@@ -26,7 +26,7 @@ def test_the_verdict_is_right(
 ) -> None:
     """Verdict and names are those of the truth, which neither base nor library has been told."""
     monkeypatch.setitem(CLASSES, name, replace(CLASSES[name], floors=(3.5, 4.0)))
-    campaign = draw(name, seed, captures=60)
+    campaign = draw(name, seed, captures=40)
     truth = campaign.truth
     model = Model.load(write_model(campaign, tmp_path))
     summary = diagnose(campaign.dataset, model, without=truth["without"]).summary

@@ -10,10 +10,10 @@ import xarray as xr
 from scipy.linalg import block_diag
 
 from labrig._errors import LabrigError
-from labrig.bench import draw
+from labrig.bench import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._learner import capture_error
-from labrig.diagnosis import diagnose, forms_of, prepared, rows_from
+from labrig.diagnosis import Result, diagnose, forms_of, prepared, rows_from
 from labrig.diagnosis._candidates import Candidate, fit, square_of
 from labrig.diagnosis._spectra import prior_of
 from labrig.diagnosis._weights import family_forms
@@ -27,12 +27,20 @@ def error(model: Model, data: xr.Dataset) -> float:
     return capture_error(rows, model.context(rows).base)
 
 
-def test_the_error_falls_on_another_programme_as_far_as_was_found(tmp_path: Path) -> None:
-    """A lip that seals itself leaks by no formula of labrig's: the weights are saved, read, and hold elsewhere."""
+@pytest.fixture(scope="module")
+def lip(tmp_path_factory: pytest.TempPathFactory) -> tuple[Campaign, Model, Result]:
+    """A campaign on which a lip that seals itself leaks, a model without it, and the diagnosis."""
     campaign = draw("single", 790003)
+    model = Model.load(write_model(campaign, tmp_path_factory.mktemp("lip")))
+    return campaign, model, diagnose(campaign.dataset, model)
+
+
+def test_the_error_falls_on_another_programme_as_far_as_was_found(
+    lip: tuple[Campaign, Model, Result], tmp_path: Path
+) -> None:
+    """A lip that seals itself leaks by no formula of labrig's: the weights are saved, read, and hold elsewhere."""
+    campaign, model, found = lip
     assert campaign.truth["laws"] == ["SelfActingLip"]
-    model = Model.load(write_model(campaign, tmp_path))
-    found = diagnose(campaign.dataset, model)
     assert found.improved is not None
     (entry,) = found.improved.file.effects
     assert entry.name == "leak"
@@ -46,10 +54,10 @@ def test_the_error_falls_on_another_programme_as_far_as_was_found(tmp_path: Path
     assert left < 0.6 * error(model, campaign.fresh)
 
 
-def test_a_family_is_better_by_what_is_quoted_too(tmp_path: Path) -> None:
+def test_a_family_is_better_by_what_is_quoted_too(lip: tuple[Campaign, Model, Result]) -> None:
     """Nothing is shown as the weights of a family that errs more than the formula, or than the base, does."""
-    campaign = draw("single", 790003)
-    ready = prepared(rows_of(campaign.dataset), Model.load(write_model(campaign, tmp_path)))
+    campaign, model, _ = lip
+    ready = prepared(rows_of(campaign.dataset), model)
     regression, weighted = ready.regression, 0
 
     def quoted(candidate: Candidate) -> float:
@@ -65,12 +73,11 @@ def test_a_family_is_better_by_what_is_quoted_too(tmp_path: Path) -> None:
     assert weighted >= 1
 
 
-def test_a_family_that_cannot_act_says_so(tmp_path: Path) -> None:
+def test_a_family_that_cannot_act_says_so(lip: tuple[Campaign, Model, Result]) -> None:
     """A saved family on a run without moments of its actuations is refused in words, not read as nothing."""
-    campaign = draw("single", 790003)
-    found = diagnose(campaign.dataset, Model.load(write_model(campaign, tmp_path)))
+    campaign, _, found = lip
     assert found.improved is not None
-    still = campaign.dataset.isel(time=slice(0, 1))
+    still = campaign.dataset.isel(time=slice(0, 1)).copy(deep=True)
     for name in ("hold_s", "event_time_s"):
         still[name].values[...] = np.nan
     with pytest.raises(LabrigError, match="effect 'leak'"):
