@@ -73,6 +73,7 @@ def test_what_is_proposed(doubt, proposed: Experiment) -> None:
     pressures = np.array([proposed.limits.actuation(p.share) for p in proposed.points])
     assert (pressures >= LIMITS.low).all()
     assert (pressures <= LIMITS.high).all()
+    assert pressures == pytest.approx(np.array([p.share for p in proposed.points]) * LIMITS.high, abs=0.01)
     again = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
     assert again.programme() == proposed.programme()
 
