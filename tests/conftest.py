@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,6 +41,11 @@ def predict(actuation):
     return KNOWN["rest"] + (x * (1 + KNOWN["bent"]) / (1 + KNOWN["bent"] * x)) @ KNOWN["reach"].T
 """
 
+
+settings.register_profile(
+    "shared computer", deadline=None
+)  # no example fails because others are at work, too
+settings.load_profile("shared computer")
 
 gc.disable()  # all that is imported and collected stays
 

@@ -109,7 +109,7 @@ def state_of(design: Design, sd: np.ndarray) -> State:
 
 
 @given(SEEDS, st.floats(0.01, 0.5), st.floats(0.6, 50.0), st.floats(0.6, 50.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_raised_is_the_gaussian_evidence(seed: int, small: float, one: float, two: float) -> None:
     """Raising a block, or two, changes the evidence by what the dense log densities differ by."""
     design = tiny(seed)
@@ -123,7 +123,7 @@ def test_raised_is_the_gaussian_evidence(seed: int, small: float, one: float, tw
 
 
 @given(SEEDS, st.floats(0.01, 0.5), st.floats(0.6, 50.0), st.floats(0.6, 50.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_one_more_block_at_several_sizes(seed: int, small: float, one: float, two: float) -> None:
     """Raising one more block to several sizes at once gives what raising it to each by itself gives."""
     design = tiny(seed)
@@ -145,7 +145,7 @@ def test_the_evidence_is_absolute() -> None:
 
 
 @given(SEEDS, st.floats(0.05, 5.0), st.floats(0.05, 5.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_beside_free_is_the_kronecker_product(seed: int, one: float, two: float) -> None:
     """Marginalising patterns of free shape gives the evidence with their whole covariance in it."""
     design = tiny(seed, free={"?history": 2, DECLARED: 3})
@@ -161,7 +161,7 @@ def test_beside_free_is_the_kronecker_product(seed: int, one: float, two: float)
 
 
 @given(SEEDS, st.floats(0.1, 20.0))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_what_is_left_unexplained(seed: int, size: float) -> None:
     """It is y' C^-1 y, where only the blocks that act are in C; without any, beside free patterns alone."""
     design = tiny(seed, free={"?history": 2})
@@ -208,7 +208,7 @@ def test_parts_of_the_observations_add_up() -> None:
 
 
 @given(SEEDS, st.permutations([0, 1, 2]))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_the_order_of_blocks_does_not_matter(seed: int, order: list[int]) -> None:
     """Laid out in another order, the same blocks have the same evidence."""
     design = tiny(seed)
@@ -242,7 +242,7 @@ def twice(seed: int) -> tuple[Design, Design]:
 
 
 @given(SEEDS, st.floats(0.6, 50.0), st.floats(0.6, 50.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_owners_of_the_same_space(seed: int, one: float, two: float) -> None:
     """What several owners have is laid out once: the evidence of either, of both and of one beside the other is that of
     columns of their own, and so is how large each part is.
@@ -271,7 +271,7 @@ def test_parts_that_are_the_same() -> None:
 
 
 @given(SEEDS, SEEDS)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
     """Turned within their span, and together with all observables, they give the same evidence."""
     design = tiny(seed, free={DECLARED: 2})
@@ -294,7 +294,7 @@ def test_directions_are_only_a_basis(seed: int, turn: int) -> None:
     st.sampled_from(["?history", "?place", "both"]),
     st.sampled_from([0.0, np.inf]),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_free_patterns_that_grow(seed: int, small: float, large: float, which: str, many: float) -> None:
     """A state beside larger free patterns is the one that is worked out from the start, in all that it says; also where
     they take so many rows that it is factored anew.

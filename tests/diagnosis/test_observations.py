@@ -132,7 +132,7 @@ def test_captures_in_any_order(make_lab) -> None:
 
 
 @given(st.integers(0, 1000), st.floats(0.02, 0.3))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_gaps_are_filled_by_what_is_alike(seed: int, share: float) -> None:
     """What was seen stays to the digit; what was not is nearer to the truth than its column's mean is."""
     rng = np.random.default_rng(seed)

@@ -75,7 +75,7 @@ def test_one_chamber_is_alike_with_itself() -> None:
 
 
 @given(st.integers(0, 1000), st.integers(1, 6))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_factor_gives_the_covariance_back(seed: int, rank: int) -> None:
     """L L' is the covariance, with no more columns than it has directions; of zeros there are none."""
     A = np.random.default_rng(seed).normal(size=(6, rank))

@@ -237,7 +237,7 @@ def test_timecode_and_hardware_frame_are_read():
     assert (frame.timecode.standard, frame.timecode.user_bits, frame.timecode.field) == (1, 77, 1)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.lists(st.binary(max_size=200), max_size=8))
 def test_any_bytes_end_in_frames_or_in_a_clear_error(pieces):
     """Whatever arrives, the session returns or raises CgstreamError, and holds no more than it was given."""
@@ -250,7 +250,7 @@ def test_any_bytes_end_in_frames_or_in_a_clear_error(pieces):
     assert session._reader.pending_bytes <= sum(map(len, pieces))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 3), max_size=40),
     st.integers(0, 2**32 - 2),

@@ -61,7 +61,7 @@ def test_long_lines_are_cut():
     assert len(parser._line) + len(parser._candidate) < 2 * MAX_LINE_BYTES
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.lists(st.one_of(st.binary(max_size=60), st.just(LINE), st.sampled_from([b"T", b";\r\n", b"\n"]))))
 def test_any_bytes_in_any_pieces(pieces):
     """Whatever arrives, cut in any way, gives the same events and holds less than a kilobyte."""
@@ -71,7 +71,7 @@ def test_any_bytes_in_any_pieces(pieces):
     assert len(parser._line) + len(parser._candidate) < 1000
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     st.lists(st.floats(-999, 999), min_size=10, max_size=10),
     st.text("OKSelct 1234=.T;,", min_size=1),

@@ -355,4 +355,4 @@ class PressureMachine(RuleBasedStateMachine):
 
 
 TestPressureMachine = PressureMachine.TestCase
-TestPressureMachine.settings = settings(max_examples=25, stateful_step_count=15, deadline=None)
+TestPressureMachine.settings = settings(max_examples=25, stateful_step_count=15)

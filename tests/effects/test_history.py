@@ -58,7 +58,7 @@ def seen_by_a_line(rows: Rows) -> Context:
 
 
 @given(PATHS, st.floats(0.02, 0.5), st.floats(0.1, 1000))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_play_does_not_know_the_clock(path: list[float], width: float, pace: float) -> None:
     """However fast the path is run through, the states are the same: hysteresis is rate-independent."""
     n = len(path)
@@ -68,7 +68,7 @@ def test_play_does_not_know_the_clock(path: list[float], width: float, pace: flo
 
 
 @given(PATHS, st.floats(0.02, 0.5))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_play_follows_within_its_width(path: list[float], width: float) -> None:
     """The state is never further from its input than the half width, and stops on the way are seen straight."""
     state = context_of(path).play(width)[:, 0]
@@ -78,7 +78,7 @@ def test_play_follows_within_its_width(path: list[float], width: float) -> None:
 
 
 @given(PATHS, st.floats(0.02, 0.5), st.floats(0, 60), st.floats(0, 60))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_an_inner_loop_closes(path: list[float], width: float, a: float, b: float) -> None:
     """Return-point memory: after a smaller excursion and back, the state is as if it had never been made."""
     low, high = min(a, b), max(a, b)
@@ -88,7 +88,7 @@ def test_an_inner_loop_closes(path: list[float], width: float, a: float, b: floa
 
 
 @given(PATHS, st.floats(0.5, 500))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_relaxing_state_is_that_of_a_kelvin_voigt_element(path: list[float], tau_s: float) -> None:
     """The strain at each row is the hereditary integral of all steps before it, each as 1 - exp(-t / tau)."""
     context = context_of(path)

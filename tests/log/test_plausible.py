@@ -148,7 +148,7 @@ def test_a_huge_cell_is_cut_in_the_complaint(desk: Path) -> None:
     assert len(str(raised.value)) < 200
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     data=st.one_of(
         st.binary(max_size=400), st.text("0123456789.,;-eE \n\t\"'tpxF#µ", max_size=400).map(str.encode)
@@ -170,7 +170,7 @@ def test_whatever_a_file_holds(data: bytes, tmp_path_factory: pytest.TempPathFac
         assert labrig.open_run(folder / "run").sizes["capture"] > 0
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(25, 120),

@@ -85,7 +85,7 @@ def campaigns(draw: Any) -> xr.Dataset:
     return xr.Dataset(data, coords, {"source": "table", "between_sessions": between, "title": "x"})
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(campaign=campaigns())
 def test_what_is_written_is_read_back_equal(campaign: xr.Dataset, tmp_path_factory: Any) -> None:
     """Every number to the last digit, every NaN, every name, and the attributes."""

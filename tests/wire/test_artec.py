@@ -385,4 +385,4 @@ class FolderMachine(RuleBasedStateMachine):
 
 
 TestFolderMachine = FolderMachine.TestCase
-TestFolderMachine.settings = settings(max_examples=12, stateful_step_count=10, deadline=None)
+TestFolderMachine.settings = settings(max_examples=12, stateful_step_count=10)
