@@ -81,7 +81,7 @@ def design_of(
     others = [
         ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
     ]
-    V, spread = directions(observations, known)
+    V, spread = directions(observations, _different(known))
     made: list[_Made] = []
     free: list[FreeBlock] = []
     layout = _Layout(observations, V)
@@ -145,6 +145,15 @@ def _alike(one: Space, other: Space) -> bool:
     return len(one.features) == len(other.features) and all(
         f.name == g.name and np.array_equal(f.values, g.values) for f, g in both
     )
+
+
+def _different(spaces: Sequence[Space]) -> list[Space]:
+    """Spaces without those that are the same as one before, of another owner."""
+    out: list[Space] = []
+    for space in spaces:
+        if not any(_alike(before, space) for before in out):
+            out.append(space)
+    return out
 
 
 def _share(owner: str, space: Space, count: Mapping[str, int]) -> float:

@@ -8,7 +8,8 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
-from labrig.effects._fields import distortions, frame_modes, scale_mode, strain_modes
+from labrig.effects._fields import distortions, frame_modes, scale_mode
+from labrig.effects._in_parts import affine, another_in_each
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_capture
 from labrig.effects._turn import carried, turn_of, turned
@@ -84,14 +85,7 @@ class Frame(Effect):
         rows = context.rows
         if (rows.axis >= 0).sum() < 3:
             return
-        scale = motion_scale(context)
-        modes = [frame_modes(context), scale_mode(context)[:, :, None], strain_modes(context)]
-        modes = np.concatenate(modes, axis=2)
-        size = np.sqrt((modes**2).mean(axis=(0, 1)))
-        modes = modes / np.where(size > 0, size, 1.0) * scale[None, :, None]
-        names = ("x", "y", "z", "about x", "about y", "about z", "scale", "xy", "yz", "zx", "x - z", "y - z")
-        likely = [1.0] * 6 + [0.3] + [0.1] * 5
-        whole = [field(n, modes[:, :, j], likely[j]) for j, n in enumerate(names)]
+        scale, whole = motion_scale(context), list(affine(context))
         yield Space("always", "frame", acting(whole))
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
         if bent:
@@ -104,12 +98,7 @@ class Frame(Effect):
             solved = field("turn", motion / np.sqrt((motion**2).mean(axis=0).mean()) * scale)
             yield Space("turned", "frame turned", acting([solved, *whole]))
         if len(rows.sessions) > 1:
-            out = [
-                field(f"{n} session {s}", modes[:, :, j] * (rows.session == s)[:, None], likely[j])
-                for j, n in enumerate(names)
-                for s in range(len(rows.sessions))
-            ]
-            yield Space("by session", "frame by session", acting(out))
+            yield another_in_each(context, rows.session)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))

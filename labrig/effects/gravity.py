@@ -9,6 +9,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import frame_modes
+from labrig.effects._in_parts import another_bend_in_each, another_in_each, poses_of
 from labrig.effects._inside import inside
 from labrig.effects._sign import Part, Sign, along_own, by_capture, held
 
@@ -50,7 +51,7 @@ class Gravity(Effect):
     signature = (
         "error along one direction of space that follows payload or orientation, larger where compliant"
     )
-    experiment = "the same set-points with the base turned, or with a payload"
+    experiment = "the same set-points with the base turned, or with a payload, and then as before again"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         loads, tilts = [], []
@@ -131,6 +132,9 @@ class Gravity(Effect):
                 yield Space(name, f"gravity {name}", acting(some), absolute=False)
         if context.moves and loads:
             yield from _lifted(context, loads)
+        if has_axis and (pose := poses_of([v for _, v in loads])) is not None:
+            yield another_in_each(context, pose)
+            yield another_bend_in_each(context, pose)
         body = [f for f in out if "body" in f.name]
         if body:
             yield Space("as one body", "gravity as one body", acting(body))
