@@ -105,25 +105,30 @@ def _settings(
         places.middle_mm[own],
         places.precision[own],
     )
+    along = np.zeros((0, 3))
     if markers:
-        project = np.eye(3 * count)
         seen_here = np.where(
             np.trace(seen.known[rows][:, own], axis1=2, axis2=3)[..., None] > 2, value, np.nan
         )
         flat = seen_here.reshape(len(rows), -1)
     else:
         along = np.linalg.eigh(seen.known[rows][:, own].mean(axis=0))[1][:, :, -1]
-        project = np.zeros((count, 3 * count))
-        project[np.arange(count)[:, None], 3 * np.arange(count)[:, None] + np.arange(3)] = along
         known = np.einsum("jqab,jqb->jqa", seen.known[rows][:, own], np.nan_to_num(value))
         flat = np.einsum("jqa,qa->jq", known, along)
         flat[np.trace(seen.known[rows][:, own], axis1=2, axis2=3) < 0.5] = np.nan
     root = np.repeat(np.sqrt(part.precision), 3 if markers else 1)
-    flat_directions = directions.reshape(len(directions), len(rows), -1) @ project.T
+    flat_directions = (
+        directions.reshape(len(directions), len(rows), -1)
+        if markers
+        else np.einsum("djqa,qa->djq", directions, along)
+    )
 
     def spatial(tried: Settings) -> Spatial:
         covariance = part.covariance(tried)
-        return Spatial(covariance if markers else project @ covariance @ project.T, root)
+        if not markers:
+            of_place = np.einsum("qa,qab->qb", along, covariance.reshape(count, 3, -1))
+            covariance = np.einsum("qrb,rb->qr", of_place.reshape(count, count, 3), along)
+        return Spatial(covariance, root)
 
     iterations = 15 if markers else 6
     return fit_settings(
