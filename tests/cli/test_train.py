@@ -76,7 +76,6 @@ def test_sim2real(labrig, simulations, tmp_path, monkeypatch):
 def test_a_survey_has_what_both_needs(labrig, simulations, tmp_path, monkeypatch):
     """`labrig run survey` records markers and scans, and the fix is learned from both."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("labrig.surrogate._sim_to_real.PLACES_ACROSS", 9)  # enough for so small a sheet
     rig = {
         "name": "sheet",
         "chambers": [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60, "slew_kpa_s": 100} for i in (1, 2, 3, 4)],
