@@ -13,6 +13,8 @@ FORM = 0.03
 """No formula is exact: by this share of its own size a residual may be off without being wrong."""
 _FAR = 8.0
 _MOST_FAR = 0.2
+_AT_ONCE = 2
+"""How many markers may be mistaken in the same row; of more it is the body that is elsewhere."""
 _SMOOTH_RANK = 10
 _STAYS = 4
 _BESIDE = 5
@@ -49,7 +51,7 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
         rows = residual.copy()
         rows[:, seen], dropped = _clean(residual[:, seen], at.of(seen))
         return rows, dropped
-    far = _passing(_far(residual), at.index)
+    far = _passing(_far(residual, at.owner), at.index)
     borne = borne_out(residual, far, at)
     rows = _without(residual, far & ~borne, at)
     means, _ = capture_means(rows, at.index)
@@ -59,7 +61,7 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
     if captures >= 6:
         means, _ = capture_means(np.where(borne | again, np.nan, rows), at.index)
         held = at.of_captures()
-        far = _passing(_far(means), held.index)
+        far = _passing(_far(means, held.owner), held.index)
         kept = _without(means, far & ~borne_out(means, far, held), held)
         rows = np.where((np.isfinite(means) & np.isnan(kept))[at.index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
@@ -85,10 +87,10 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
     return far & ~stays[index]
 
 
-def _far(values: Floats) -> NDArray[np.bool_]:
-    """Which entries are far from what the others say, (n, K).
+def _far(values: Floats, owner: Ints) -> NDArray[np.bool_]:
+    """Which entries are far from what the others say, (n, K); `owner` (K,) numbers the markers.
 
-    Few observables follow a mistaken one, so there those are asked, too, that were measured before and after.
+    Where many observables are far at once, or several markers, it is the body that is elsewhere. Few observables follow a mistaken one, so there those are asked, too, that were measured before and after.
     """
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
@@ -97,7 +99,9 @@ def _far(values: Floats) -> NDArray[np.bool_]:
     bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), FORM * spread)
     # a mistake pulls the fit of its neighbours along a little
     bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
-    structure = bad.mean(axis=1) > _MOST_FAR
+    same = owner == np.unique(owner)[:, None]
+    together = (bad @ same.T).sum(axis=1)  # markers that are far in any axis
+    structure = (bad.mean(axis=1) > _MOST_FAR) | (together > max(_MOST_FAR * len(same), _AT_ONCE))
     far = bad & ~structure[:, None]
     return far if values.shape[1] >= 3 * _SMOOTH_RANK else far | _far_from_neighbours(values, spread)
 

@@ -46,6 +46,20 @@ def test_a_large_effect_is_no_outlier(make_lab) -> None:
     assert dropped <= 0.005 * values.size
 
 
+def test_a_body_that_is_bent_in_a_few_captures_is_no_mistake(make_lab) -> None:
+    """Where four of twelve markers are far at once, along one axis, it is the body; two at once are dropped."""
+    lab = make_lab(captures=60, markers=12)
+    values = lab.predict(lab.u) + lab.noise()
+    bent, wrong = (9, 31, 47), 20
+    for capture in bent:
+        values[capture, :, 2 : 2 + 3 * 4 : 3] -= np.array([8.0, 14.0, 19.0, 12.0])
+    values[wrong, :, [2, 20]] += 15.0
+    cleaned, _ = cleaned_of(lab, values)
+    gone = np.isnan(cleaned).reshape(60, 3, 36)
+    assert gone[list(bent)].mean() < 0.05
+    assert gone[wrong][:, [2, 20]].all()
+
+
 def test_two_mistakes_in_a_row_of_a_few_observables_go(make_lab) -> None:
     """Neighbours that are mistaken themselves do not make a mistake believed, be they rows or whole captures."""
     lab = make_lab(captures=40, markers=1)
