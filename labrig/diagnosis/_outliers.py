@@ -90,7 +90,8 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
 def _far(values: Floats, owner: Ints) -> NDArray[np.bool_]:
     """Which entries are far from what the others say, (n, K); `owner` (K,) numbers the markers.
 
-    Where many observables are far at once, or several markers, it is the body that is elsewhere. Few observables follow a mistaken one, so there those are asked, too, that were measured before and after.
+    Where many observables are far at once, or several markers, it is the body that is elsewhere. Few observables follow
+    a mistaken one, so there those are asked, too, that were measured before and after.
     """
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
