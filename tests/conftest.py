@@ -42,9 +42,8 @@ def predict(actuation):
 """
 
 
-settings.register_profile(
-    "shared computer", deadline=None
-)  # no example fails because others are at work, too
+# no example fails because others are at work, too
+settings.register_profile("shared computer", deadline=None)
 settings.load_profile("shared computer")
 
 gc.disable()  # all that is imported and collected stays

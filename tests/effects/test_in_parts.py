@@ -1,10 +1,12 @@
 """What is another in each session, and in each pose: one and the same where each session has a pose of its own."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
+from labrig.diagnosis._design import _different
 from labrig.effects import Context, library
 from labrig.effects._in_parts import poses_of
 from labrig.effects._rows import rows_of
@@ -15,23 +17,36 @@ OWN, AGAIN = (0.0, 60.0, -45.0, 30.0), (0.0, 60.0, -45.0, 60.0)
 """Tilts of four sessions, deg: each has its own, or the last has that of the second again."""
 
 
-def squeezed(lab: Any, tilts: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Values of a body that is squeezed along the vertical and gets as much wider, and the tilt of each capture."""
+def down(lab: Any, tilts: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The vertical (n, 3) in the frame of the tilted rig, and the tilt (n,) of each capture, deg."""
     tilt_deg = np.array(tilts)[lab.session]
-    down = np.stack(
-        [np.sin(np.deg2rad(tilt_deg)), np.zeros(len(tilt_deg)), -np.cos(np.deg2rad(tilt_deg))], axis=1
-    )
-    arm = lab.rest_mm - lab.rest_mm.mean(axis=0)
-    low = np.einsum("mx,nx->nm", arm, down)
-    change = 0.02 * (arm[None] / 2 - 1.5 * low[..., None] * down[:, None])
-    return lab.predict(lab.u) + lab.noise() + change.reshape(len(tilt_deg), 1, -1), tilt_deg
+    tilt = np.deg2rad(tilt_deg)
+    return np.stack([np.sin(tilt), np.zeros(len(tilt)), -np.cos(tilt)], axis=1), tilt_deg
+
+
+def squeezed(lab: Any, vertical: np.ndarray, softer: float = 0.3) -> np.ndarray:
+    """A body (n, rows, M, 3) is squeezed along the vertical and gets as much wider, in some places more."""
+    arm = lab.predict(lab.u).reshape(*lab.u.shape[:2], -1, 3) - lab.rest_mm.mean(axis=0)
+    low = np.einsum("nrmx,nx->nrm", arm, vertical)[..., None]
+    gives = 0.02 * (1 + softer * np.sin(lab.rest_mm[:, :1] / 20))
+    return gives * (arm / 2 - 1.5 * low * vertical[:, None, None])
+
+
+def stretched(lab: Any, vertical: np.ndarray) -> np.ndarray:
+    """The same alike everywhere."""
+    return squeezed(lab, vertical, softer=0.0)
+
+
+def measured(lab: Any, tilts: tuple[float, ...], law: Callable[[Any, np.ndarray], np.ndarray]) -> Any:
+    """A campaign on which a weight does that."""
+    vertical, tilt_deg = down(lab, tilts)
+    values = lab.predict(lab.u) + lab.noise() + law(lab, vertical).reshape(*lab.u.shape[:2], -1)
+    return lab.dataset(values, covariates={"tilt": ("deg", tilt_deg)})
 
 
 def context_of(lab: Any, tilts: tuple[float, ...]) -> Context:
     """What the effects are given of that campaign."""
-    values, tilt_deg = squeezed(lab, tilts)
-    model = lab.model()
-    rows = rows_of(lab.dataset(values, covariates={"tilt": ("deg", tilt_deg)}))
+    model, rows = lab.model(), rows_of(measured(lab, tilts, squeezed))
     return base_context(build_base(model.file, model.folder, rows), rows)
 
 
@@ -58,6 +73,15 @@ def test_a_pose_that_comes_again_is_one_part(make_lab) -> None:
     assert len(gravity) == 3 * 12
 
 
+def test_what_two_effects_have_counts_once(make_lab) -> None:
+    """The directions that are looked at follow each space once, however many effects have it."""
+    context = context_of(make_lab(captures=48, sessions=4), OWN)
+    frame, gravity = (list(library()[effect].family(context)) for effect in ("frame", "gravity"))
+    left = [space.key for space in _different([*frame, *gravity])]
+    assert left.count("in each part") == 1
+    assert len(left) == len(frame) + len(gravity) - 1
+
+
 @pytest.mark.parametrize(
     ("pulls", "parts"),
     [
@@ -74,18 +98,11 @@ def test_poses(pulls: list[np.ndarray], parts: int | None) -> None:
     assert (None if pose is None else len(set(pose.tolist()))) == parts
 
 
-def test_a_weight_is_not_taken_for_a_frame_that_was_moved_with_the_rig(make_lab) -> None:
-    """A sag by a law that no family has, where each session has its own tilt: frame and gravity are both possible."""
+@pytest.mark.parametrize(("law", "tilts"), [(stretched, OWN), (stretched, AGAIN), (squeezed, OWN)])
+def test_a_weight_is_not_taken_for_a_frame_that_was_moved_with_the_rig(
+    make_lab, law: Callable[[Any, np.ndarray], np.ndarray], tilts: tuple[float, ...]
+) -> None:
+    """A weight that deforms the body by another law than those of labrig is named, and no frame."""
     lab = make_lab(captures=48, sessions=4)
-    values, tilt_deg = squeezed(lab, OWN)
-    calls = calls_of(lab.dataset(values, covariates={"tilt": ("deg", tilt_deg)}), lab.model())
-    assert {n for n, call in calls.items() if call != "not it"} >= {"gravity"}
-    assert calls["frame"] != "sure"
-
-
-def test_a_pose_that_comes_again_settles_it(make_lab) -> None:
-    """The same sag, where one tilt comes again in another session: it is gravity, surely, and no frame."""
-    lab = make_lab(captures=48, sessions=4)
-    values, tilt_deg = squeezed(lab, AGAIN)
-    calls = calls_of(lab.dataset(values, covariates={"tilt": ("deg", tilt_deg)}), lab.model())
-    assert (calls["gravity"], calls["frame"]) == ("sure", "not it")
+    found = calls_of(measured(lab, tilts, law), lab.model())
+    assert (found["gravity"], found["frame"]) == ("sure", "not it")

@@ -114,6 +114,15 @@ def served(folder: Path) -> Iterator[Running]:
         running.stop()
 
 
+@pytest.fixture(scope="module")
+def shared_bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    """A workbench that all tests of a file share, each with runs of its own or only looking at them."""
+    folder = tmp_path_factory.mktemp("shared") / "lab"
+    folder.mkdir()
+    with served(folder) as running:
+        yield running
+
+
 @pytest.fixture
 def table() -> Callable[..., Path]:
     """`write_table`."""

@@ -7,7 +7,6 @@ import psutil
 import pytest
 
 from tests.waiting import wait_for
-from tests.workbench.conftest import served
 from tests.workbench.test_page import _at, _error
 
 pytestmark = pytest.mark.usefixtures("browser")
@@ -18,12 +17,9 @@ SHOWN, DIAGNOSED = "shown", "diagnosed"
 
 
 @pytest.fixture(scope="module")
-def bench(tmp_path_factory):
-    """A workbench that all tests of this file share: each has runs of its own."""
-    folder = tmp_path_factory.mktemp("shared") / "lab"
-    folder.mkdir()
-    with served(folder) as running:
-        yield running
+def bench(shared_bench):
+    """The one that the tests of this file share."""
+    return shared_bench
 
 
 @pytest.fixture
@@ -171,10 +167,12 @@ def test_a_name_that_is_seldom_right_says_what_would_confirm_it(compared, ask, b
     for each in found["effects_considered"]:
         if each["call"] == "sure":
             each["track_record"] = {"there": 3, "of": 15}
-    file.write_text(json.dumps(found), encoding="utf-8")
-    page.reload()
-    page.wait_for_selector("text=What would confirm it: the name was right 3 times of 15")
-    file.write_text(text, encoding="utf-8")
+    try:
+        file.write_text(json.dumps(found), encoding="utf-8")
+        page.reload()
+        page.wait_for_selector("text=What would confirm it: the name was right 3 times of 15")
+    finally:  # others look at this run, too
+        file.write_text(text, encoding="utf-8")
 
 
 @pytest.mark.slow

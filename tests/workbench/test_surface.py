@@ -30,12 +30,9 @@ SHOWN = """e => ({
 
 
 @pytest.fixture(scope="module")
-def bench(tmp_path_factory):
-    """A workbench that the pages of this file share."""
-    folder = tmp_path_factory.mktemp("shared") / "lab"
-    folder.mkdir()
-    with served(folder) as running:
-        yield running
+def bench(shared_bench):
+    """The one that the tests of this file share."""
+    return shared_bench
 
 
 @pytest.fixture
