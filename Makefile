@@ -21,8 +21,8 @@ export MALLOC_TRIM_THRESHOLD_ ?= 100000000000
 # What one process compiles is there for the others, also where the environment forbids to keep it.
 unexport PYTHONDONTWRITEBYTECODE
 
-# One worker more than there are cores: many tests wait for devices, servers and pages.
-WORKERS ?= $(shell $(PYTHON) -c "import os; print(min(4, (os.cpu_count() or 1) + 1))")
+# Two workers more than there are cores: many tests wait for devices, servers and pages.
+WORKERS ?= $(shell $(PYTHON) -c "import os; print(min(4, (os.cpu_count() or 1) + 2))")
 
 # The checks keep one core busy for a while: they run beside the tests.
 test: .venv/.all-installed .venv/.system-libraries
