@@ -52,7 +52,11 @@ def example_of(context: Context, effect: Effect, change: Floats, law: str) -> Ex
     if size <= 0 or not spaces:
         return None
     J = (context.jacobian * context.span)[keep] / scale[None, :, None]
-    columns = tuple(columns_of(s, J, keep, scale) for s in spaces)
+    # single precision, so that a thousand examples fit into memory: a spectrum has four digits
+    columns = tuple(
+        {block: values.astype(np.float32) for block, values in columns_of(s, J, keep, scale).items()}
+        for s in spaces
+    )
     return Example(law, (y / size).ravel(), spaces, columns)
 
 
