@@ -11,8 +11,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.bench._draw import draw
@@ -31,6 +33,8 @@ FORGET = 0.1
 """Share of the covariance that stays what it was before anything was learnt: other laws than those seen exist."""
 _ROWS = 240
 
+Columns: TypeAlias = Mapping[str, Floats | NDArray[np.float32]]
+
 
 @dataclass(frozen=True)
 class Example:
@@ -39,7 +43,7 @@ class Example:
     law: str
     change: Floats
     spaces: tuple[Space, ...]
-    columns: tuple[dict[str, Floats], ...]
+    columns: tuple[Columns, ...]
 
 
 def example_of(context: Context, effect: Effect, change: Floats, law: str) -> Example | None:
@@ -103,7 +107,7 @@ def _best(example: Example, spectra: dict) -> tuple[int, dict[str, Floats]]:
     return out
 
 
-def _fit(y: Floats, columns: dict[str, Floats], prior: Prior) -> tuple[float, dict[str, Floats]]:
+def _fit(y: Floats, columns: Columns, prior: Prior) -> tuple[float, dict[str, Floats]]:
     """Log evidence of a change of unit size under a prior of unit size, and the second moments of its coefficients by
     block.
     """
