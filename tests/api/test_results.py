@@ -95,7 +95,7 @@ def test_two_models_are_compared_on_one_run(lab: Path, tmp_path: Path) -> None:
 
 def test_a_proposal_can_be_run(lab: Path, tmp_path: Path) -> None:
     """Where few captures leave a doubt, the programme is a table, a picture, and the parameters of a run."""
-    few, model = labrig.open_run(lab / "first").isel(capture=slice(8)), lab / "model.yaml"
+    few, model = labrig.open_run(lab / "first").isel(capture=slice(6)), lab / "model.yaml"
     doubt = labrig.diagnose(few, model)
     assert doubt.verdict == "confounded"
     proposal = labrig.propose_experiment(few, model, rig=lab / "rig.yaml", diagnosis=doubt, minutes=3)
