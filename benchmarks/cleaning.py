@@ -12,10 +12,9 @@ from statistics import mean, median
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from _hidden import at_rows
 
-from labrig.arrays import Floats
-from labrig.bench._dataset import _padded
-from labrig.bench._draw import Campaign, draw
+from labrig.bench._draw import draw
 from labrig.bench._files import write_model
 from labrig.diagnosis._outliers import clean
 from labrig.effects import rows_of
@@ -24,24 +23,13 @@ from labrig.model import Model
 WILD = 12.0
 
 
-def hidden_at_rows(campaign: Campaign) -> Floats:
-    """What the hidden effects change at the rows (F, K) that a diagnosis works on, without noise."""
-    total = np.sum(list(campaign.parts.values()), axis=0)
-    dataset = campaign.dataset.copy(deep=True)
-    seen = dataset["position_mm" if "position_mm" in dataset else "observed"]
-    counts = np.isfinite(dataset["hold_s"].values).sum(axis=1)
-    values = _padded(total, counts).reshape(seen.shape)
-    seen.values[...] = np.where(np.isfinite(seen.values), values, np.nan)
-    return np.nan_to_num(rows_of(dataset).values)
-
-
 def taken(name: str, seed: int, half: str) -> dict[str, float]:
     """Of one campaign: the share of the effect's square that goes, and how many mistakes there were, and stay."""
     campaign = draw(name, seed, half)
     truth = campaign.truth
     with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         context = Model.load(write_model(campaign, Path(folder))).context(rows_of(campaign.dataset))
-    effect, residual = hidden_at_rows(campaign), context.residual
+    effect, residual = at_rows(campaign, np.sum(list(campaign.parts.values()), axis=0)), context.residual
     cleaned, dropped = clean(context)
     seen, gone = np.isfinite(residual), np.isfinite(residual) & np.isnan(cleaned)
     noise = np.hypot(truth["spoil"]["row"], truth["spoil"]["capture"])

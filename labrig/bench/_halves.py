@@ -16,6 +16,7 @@ PORTIONS = {
     "fifth": "labrig.bench.development.fifth",
     "sixth": "labrig.bench.development.sixth",
     "seventh": "labrig.bench.development.seventh",
+    "eighth": "labrig.bench.development.eighth",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)

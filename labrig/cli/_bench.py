@@ -22,7 +22,7 @@ def draw_campaign(
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, third, fourth, fifth, sixth or seventh."),
+        typer.Option(help="Whose rigs and laws: development, exam, third, fourth, fifth, sixth, seventh or eighth."),
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
@@ -42,7 +42,7 @@ def blind(
     half: Annotated[
         str,
         typer.Option(
-            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth or seventh."
+            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth, seventh or eighth."
         ),
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
@@ -194,7 +194,7 @@ def stopping(
     half: Annotated[
         str,
         typer.Option(
-            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth or seventh."
+            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth, seventh or eighth."
         ),
     ] = "both",
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,

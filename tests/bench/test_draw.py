@@ -233,7 +233,7 @@ def test_names_that_do_not_exist() -> None:
         draw("force", 0)
     with pytest.raises(
         LabrigError,
-        match=r"^bench: there is no half 'eighth' \(known: development, exam, third, fourth, fifth, sixth, seventh\)",
+        match=r"^bench: there is no half 'ninth' \(known: development, exam, third, fourth, fifth, sixth, seventh, eighth\)",
     ):
         draw("null", 0, "eighth")
 
