@@ -22,7 +22,9 @@ def draw_campaign(
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, third, fourth, fifth, sixth, seventh or eighth."),
+        typer.Option(
+            help="Whose rigs and laws: development, exam, third, fourth, fifth, sixth, seventh or eighth."
+        ),
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns, gram
 from labrig.diagnosis._directions import directions
+from labrig.diagnosis._motions import MOTION, motions
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
@@ -81,6 +82,7 @@ def design_of(
     others = [
         ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
     ]
+    others += [("?" + MOTION, space) for space in motions(context)]
     V, spread = directions(observations, _different(known))
     made: list[_Made] = []
     free: list[FreeBlock] = []

@@ -15,6 +15,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
+from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import FEW, noise_scale, rescaled
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._opened import Fall
@@ -98,7 +99,7 @@ def verdict_on(
 def words_of(design: Design) -> dict[str, str]:
     """What carries each space without a name, in words, by owner."""
     words = {b.owner: b.space.key for b in (*design.blocks, *design.free) if b.owner.startswith("?")}
-    return words | {REST: "nothing that was recorded"}
+    return words | {REST: "nothing that was recorded", "?" + MOTION: "how the base itself moves"}
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from labrig.diagnosis._evidence import (
     unexplained,
 )
 from labrig.diagnosis._freed import taken
+from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._unnamed import FORM, LEVER
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -46,7 +47,7 @@ class Posterior:
     probability: Floats
 
 
-OF_BASE = frozenset({"?" + FORM, "?" + LEVER})
+OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""

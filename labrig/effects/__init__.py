@@ -2,9 +2,10 @@
 
 from labrig.effects._context import Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
+from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
+from labrig.effects._own_pressure import any_curve
 from labrig.effects._registry import USER_FOLDER, get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, join_rows, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
@@ -22,6 +23,7 @@ __all__ = [
     "Context",
     "Covariate",
     "Effect",
+    "Feature",
     "Parameter",
     "Part",
     "Places",
@@ -30,6 +32,7 @@ __all__ = [
     "Term",
     "Variant",
     "acting",
+    "any_curve",
     "bulk_edge",
     "bulk_noise",
     "by_marker",

@@ -18,6 +18,8 @@ _PAIRS = 12
 """Most pairs of chambers that are asked one by one how one turns the other; of more, all others together."""
 _OPEN = 0.05
 """Share of the range from which a chamber is open: a grid."""
+_EVEN = 0.1
+"""Difference of two pressures, share of the range, up to which what goes between them goes with it: a grid."""
 _OTHERS, _THIRD = 6, 3
 """Of how many neighbours each acts for itself, and of how many two act at once: grids, no limits of a verdict."""
 
@@ -25,8 +27,9 @@ _OTHERS, _THIRD = 6, 3
 class Coupling(Effect):
     name = "coupling"
     meaning = (
-        "Two chambers inflated together press on each other or share their wall: together they\n"
-        "move the surface by another amount than the sum of what each does alone."
+        "Chambers act on each other. Two that press on each other or share their wall move the\n"
+        "surface together by another amount than the sum of what each does alone; or what fills\n"
+        "one also reaches the other (a hole in a wall, joined hoses, a wall that bulges)."
     )
     acts_on = "mechanics"
     parameters = (
@@ -37,6 +40,21 @@ class Coupling(Effect):
         Parameter("chamber", "1", -3.0, 3.0, "chamber", "the same for each chamber as the one that suffers"),
         Parameter("pair", "1", -6.0, 6.0, meaning="the same for each pair, both ways"),
         Parameter("pattern", "observable", meaning="change with both at full pressure, for each observable"),
+        Parameter(
+            "reaches", "1", -2.0, 2.0, meaning="share of the neighbours' pressure that a chamber gets, too"
+        ),
+        Parameter(
+            "reaches_chamber", "1", -2.0, 2.0, "chamber", "the same for each chamber as the one that gets it"
+        ),
+        Parameter("reaches_pair", "1", -2.0, 2.0, meaning="the same for each pair, both ways"),
+        Parameter(
+            "exchanged",
+            "1",
+            -2.0,
+            2.0,
+            meaning="share of the difference to its neighbours that is evened out",
+        ),
+        Parameter("exchanged_pair", "1", -2.0, 2.0, meaning="the same for each pair"),
     )
     reference = (
         "P. Polygerinos et al., Soft robotics: fluid-driven devices, Adv. Eng. Mater. 19 (2017) 1700016"
@@ -66,6 +84,7 @@ class Coupling(Effect):
             if few and len(pairs) <= 40:
                 feature = np.stack([x[:, i] * x[:, j] for i, j in pairs], axis=1)
                 yield Variant("pattern", (Term.pattern("pattern", feature),))
+        yield from _crosstalk(context, near, pairs)
 
     @staticmethod
     def _pairs(context: Context, pairs: list[tuple[int, int]], other: Floats) -> Term:
@@ -105,6 +124,7 @@ class Coupling(Effect):
             out.append(pressure(f"neighbour {k}", x * y))
         yield Space("together", "coupling", acting(out), 0.6)
         yield from _pair_by_pair(context, near)
+        yield from _reached(context, near)
         yield from _turned_along(context)
         yield from together(context, near)
 
@@ -144,6 +164,50 @@ def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
     fuller = [pressure(f"by {k}", np.sign(x) * over) for k, over in enumerate(more, start=1)]
     fuller += [pressure(f"by {k} load", x * over) for k, over in enumerate(more, start=1)]
     yield Space("the fuller", "coupling the fuller", acting(fuller), 0.2)
+
+
+def _reached(context: Context, near: Floats) -> Iterator[Space]:
+    """What fills one chamber reaches another, whatever that one's own pressure is; or the two even out."""
+    x, out = context.rows.fraction, []
+    others = nearest(near, x)[:_OTHERS]
+    walls = nearest(near, context.deflection)[:_OTHERS]
+    for k, (y, wall) in enumerate(zip(others, walls, strict=True), start=1):
+        out.append(pressure(f"from {k}", y))
+        if not context.linear:
+            out.append(pressure(f"from the wall of {k}", wall / context.deflection_slope))
+    yield Space("reached", "coupling reached", acting(out), 0.3)
+    apart = [y - x for y in others]
+    out = [pressure(f"to {k}", gap) for k, gap in enumerate(apart, start=1)]
+    out += [
+        pressure(f"to {k} early", gap / np.sqrt(_EVEN + np.abs(gap)), 0.5)
+        for k, gap in enumerate(apart, start=1)
+    ]
+    yield Space("evened out", "coupling evened out", acting(out), 0.3)
+
+
+def _crosstalk(context: Context, near: Floats, pairs: list[tuple[int, int]]) -> Iterator[Variant]:
+    """Formulas of what reaches a chamber from its neighbours: all alike, for each chamber, for each pair."""
+    u, x, names = context.rows.actuation, context.rows.fraction, context.rows.chambers
+    reached = (x @ near.T) * context.span
+    yield Variant("reached, neighbours", (Term.common("reaches", reached),))
+    yield Variant("reached, per chamber", (Term.per_chamber("reaches_chamber", reached, names),))
+    gap = np.where(near > 0, near, 0.0)
+    yield Variant(
+        "evened out, neighbours",
+        (Term.common("exchanged", ((x @ gap.T) - x * gap.sum(axis=1)) * context.span),),
+    )
+    if not pairs or not context.shows(context.rows.n_captures > 1.5 * len(pairs)):
+        return
+    labels = tuple(f"{names[i]}-{names[j]}" for i, j in pairs)
+    to, even = (np.zeros((*u.shape, len(pairs))) for _ in range(2))
+    for q, (i, j) in enumerate(pairs):
+        to[:, i, q], to[:, j, q] = x[:, j] * context.span[i], x[:, i] * context.span[j]
+        even[:, i, q], even[:, j, q] = (
+            (x[:, j] - x[:, i]) * context.span[i],
+            (x[:, i] - x[:, j]) * context.span[j],
+        )
+    yield Variant("reached, pairs", (Term("reaches_pair", "pressure", to, labels),))
+    yield Variant("evened out, pairs", (Term("exchanged_pair", "pressure", even, labels),))
 
 
 def nearest(near: Floats, x: Floats) -> list[Floats]:

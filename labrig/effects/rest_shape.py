@@ -13,6 +13,9 @@ from labrig.effects._inside import inside
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, along_own
 
+_FOOT = 5
+"""One marker of so many, those that move least, are where a body is held: a grid."""
+
 
 class RestShape(Effect):
     name = "rest_shape"
@@ -43,7 +46,10 @@ class RestShape(Effect):
             yield Variant(f"offset{IN_EACH}", (own,))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """A constant offset of each observable; offsets that are smooth over the body are more probable."""
+        """A constant offset of each observable; offsets that are smooth over the body are more probable.
+
+        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least.
+        """
         smooth = [motion_scale(context) * shape for shape in smooth_places(context).T]
 
         def shapes(name: str, there: Floats) -> list[Feature]:
@@ -53,6 +59,7 @@ class RestShape(Effect):
             return [pattern(f"rest{name}", there, 0.2), *whole]
 
         yield Space("shape", "rest_shape", tuple(shapes("", np.ones(len(context.base)))))
+        yield from _strained(context)
         if (each := in_sessions(context)) is not None:
             own = [f for s, there in enumerate(each.T) for f in shapes(f" session {s}", there)]
             yield Space("by session", "rest_shape by session", acting(own))
@@ -63,3 +70,29 @@ class RestShape(Effect):
     def sign(self, context: Context, part: Part) -> Sign:
         load = context.rows.actuation.mean(axis=1)
         return along_own(context, part, load, "mean pressure", context.rows.actuation_unit)
+
+
+def _strained(context: Context) -> Iterator[Space]:
+    """A body of another size, or skew, about its middle or about the places that move least: six strains."""
+    rows = context.rows
+    rest, own = rows.rest_mm, np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
+    if rest is None or not np.isfinite(rest).all() or len(own) < 9:
+        return
+    travel = np.zeros(len(rest))
+    np.maximum.at(travel, rows.marker[own], np.abs(context.displacement[:, own]).max(axis=0))
+    still = np.argsort(travel, kind="stable")[: max(3, len(rest) // _FOOT)]
+    scale = motion_scale(context)
+    for name, centre in (("middle", rest.mean(axis=0)), ("foot", rest[still].mean(axis=0))):
+        place = rest - centre
+        out = []
+        for a in range(3):
+            for b in range(a + 1):
+                strain = np.zeros((3, 3))
+                strain[a, b] = strain[b, a] = 1.0
+                less = np.zeros(len(rows.marker))
+                less[own] = (place @ strain)[rows.marker[own], rows.axis[own]]
+                size = float(np.sqrt((less[own] ** 2).mean()))
+                if size > 1e-6 * (1e-9 + np.abs(place).max()):
+                    there = np.tile(scale * less / size, (len(context.base), 1))
+                    out.append(field(f"strain {'xyz'[b]}{'xyz'[a]}", there))
+        yield Space(f"strained about its {name}", "rest_shape strained", acting(out))

@@ -11,6 +11,8 @@ WORTH_SAYING = 0.1  # of the floor: what is smaller, and has no name, is not spo
 _CARRIES = {
     "form": "is a structural error of the base model: chambers move the rig in other patterns than it predicts",
     "where chambers act": "comes from chambers that act in other places than the base model assumes",
+    "how the base itself moves": "is a structural error of the base model: all move another way than it predicts, as "
+    "places beside them do, or by another curve of the pressures",
     "pressures together": "depends on several pressures together",
     "place": "is the same at all pressures",
     "time in hold": "changes within the holds",

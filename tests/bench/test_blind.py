@@ -68,7 +68,8 @@ def test_plans_name_what_they_do_not_know() -> None:
         plan(["unlisted"], 1, 0)
     with pytest.raises(
         LabrigError,
-        match=r"^bench: there is no half 'all' \(known: development, exam, third, fourth, fifth, sixth, seventh, eighth\)$",
+        match=r"^bench: there is no half 'all' \(known: development, exam, third, fourth, fifth, sixth, "
+        r"seventh, eighth\)$",
     ):
         plan(["pair"], 1, 0, ["all"])
 

@@ -1,0 +1,81 @@
+"""How the base itself moves, where that is wrong: another way, as places beside it do, or by another curve.
+
+It has no name, and is no mystery: no model is exact. A pattern of its own for each chamber (`_unnamed`) holds all this,
+too, but with so many coefficients that effects which cancel one another are the plainer explanation.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.effects import Context, Feature, Space, acting, any_curve, by_marker, field, to_rows
+
+MOTION = "motion"
+"""What these spaces belong to: one of them holds."""
+_WIDTHS = (0.25, 0.5, 1.0)
+"""How far beside a marker places are whose motion it may have, of the body's radius: a grid."""
+_LEAST = 0.05
+"""Of the motion's size: what changes it less is not made larger than itself."""
+
+
+def motions(context: Context) -> Iterator[Space]:
+    """The base's own error of form in few numbers.
+
+    Each marker's motion goes through one small linear map (a turn, a shear, one axis against another: a model whose
+    axes are not the rig's, or whose body gives way otherwise across than along); or it has the motion of places beside
+    it (markers or patches that sit elsewhere, a mesh that is too coarse). Or walls follow another curve, which is then
+    one with that of the effects of a chamber's own pressure.
+    """
+    if not context.moves:
+        return
+    rows = context.rows
+    known = rows.rest_mm is not None and bool(np.isfinite(rows.rest_mm).all())
+    if known and (rows.axis >= 0).sum() >= 9 and (rows.marker >= 0).any():
+        motion = by_marker(context, context.displacement)
+        load = context.deflection.mean(axis=1)[:, None, None]
+        out = list(_otherwise(context, motion))
+        out += [
+            field(f"{name} load", to_rows(context, load * (motion @ way.T)), 0.3 * weight)
+            for name, way, weight in _maps()
+        ]
+        yield Space("how all moves", MOTION, acting(out))
+    yield any_curve(context)
+
+
+def _otherwise(context: Context, motion: Floats) -> Iterator[Feature]:
+    """A motion (F, M, 3) that goes another way, and that places beside each marker have, (F, K) each."""
+    for name, way, weight in _maps():
+        yield field(name, to_rows(context, motion @ way.T), weight)
+    size = float(np.sqrt((motion**2).mean()))
+    for name, beside in _beside(context):
+        moved = np.einsum("mn,fna->fma", beside, motion)
+        own = float(np.sqrt((moved**2).mean()))
+        yield field(name, to_rows(context, moved * size / max(own, _LEAST * size, 1e-300)), 0.5)
+
+
+def _maps() -> Iterator[tuple[str, Floats, float]]:
+    """Small linear maps (3, 3) that leave the mean scale as it is: turns, shears, one axis against another."""
+    for a, name in enumerate("xyz"):
+        turn = np.cross(np.eye(3)[a], np.eye(3)).T
+        yield f"about {name}", turn, 1.0
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        shear = np.zeros((3, 3))
+        shear[a, b] = shear[b, a] = 1.0
+        yield f"{'xyz'[a]}{'xyz'[b]}", shear, 0.5
+    yield "x - z", np.diag([1.0, 0.0, -1.0]), 0.5
+    yield "y - z", np.diag([0.0, 1.0, -1.0]), 0.5
+
+
+def _beside(context: Context) -> Iterator[tuple[str, Floats]]:
+    """Weights (M, M) of other places' motions: of all about a marker less its own, and of those ahead of it."""
+    place = context.rows.rest_mm
+    assert place is not None
+    radius = float(np.sqrt(((place - place.mean(axis=0)) ** 2).sum(axis=1).mean())) or 1.0
+    apart = (place[None] - place[:, None]) / radius
+    for width in _WIDTHS:
+        near = np.exp(-0.5 * (apart**2).sum(axis=2) / width**2)
+        near /= near.sum(axis=1, keepdims=True)
+        yield f"blurred {width}", near - np.eye(len(place))
+        for a, name in enumerate("xyz"):
+            yield f"along {name} {width}", near * apart[:, :, a] / width
