@@ -69,6 +69,12 @@ class Context:
         """The same context in which the named quantities take these values instead of a grid of them."""
         return replace(self, pinned=shape)
 
+    @property
+    def run_time_s(self) -> Floats:
+        """When each row was, (F,), s since the run began that moments are counted from, if that is known."""
+        late = self.rows.start_s - self.began_s
+        return self.rows.time_s + (late if np.isfinite(late) else 0.0)
+
     def grid(self, name: str, values: Sequence[float]) -> Sequence[float]:
         """The values to try for what is not linear in an effect; a pinned value replaces them all."""
         return (self.pinned[name],) if name in self.pinned else values

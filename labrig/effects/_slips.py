@@ -6,8 +6,10 @@ from math import comb
 
 import numpy as np
 
-from labrig.arrays import Bools, Floats
+from labrig.arrays import Bools, Floats, Ints
+from labrig.effects._context import Context
 from labrig.effects._rows import Rows
+from labrig.effects._spectrum import fill
 
 _ON_A_PLATE = 4
 _MOST_OF_ALL = 0.6
@@ -16,6 +18,23 @@ _ALONE = 2
 """How many single markers are asked about: the clearest."""
 _DEARER = 2.0
 """What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
+
+
+def errors(context: Context) -> tuple[Ints, Floats]:
+    """The captures, and the mean residual of each (n, K), what was not seen filled by what is like it."""
+    rows, residual = context.rows, context.residual
+    captures, index = np.unique(rows.capture, return_inverse=True)
+    seen = np.isfinite(residual)
+    total, count = np.zeros((len(captures), residual.shape[1])), np.zeros((len(captures), residual.shape[1]))
+    np.add.at(total, index, np.where(seen, residual, 0.0))
+    np.add.at(count, index, seen)
+    return captures, fill(np.where(count > 0, total / np.maximum(count, 1), np.nan))
+
+
+def moment(rows: Rows, capture: int) -> float:
+    """The moment half-way between the last row before a capture and its first, s."""
+    before, after = rows.time_s[rows.capture < capture].max(), rows.time_s[rows.capture >= capture].min()
+    return round(float(before + after) / 2, 3)
 
 
 @dataclass(frozen=True)
@@ -77,7 +96,7 @@ def _looked_at(rows: Rows, error: Floats, group: tuple[int, ...], among: int) ->
     if own.mean() > _MOST_OF_ALL:
         return None
     e = _beside_others(error, own)
-    return _Look(group, e, _step_gain(e), _DEARER * float(own.sum()), among)
+    return _Look(group, e, step_gain(e), _DEARER * float(own.sum()), among)
 
 
 def _near(rows: Rows, marker: int) -> Iterator[tuple[int, ...]]:
@@ -95,9 +114,9 @@ def _knocked(rows: Rows, error: Floats) -> tuple[int, ...]:
         own = rows.axis == axis
         if own.any():
             e[:, own] -= np.median(e[:, own], axis=1, keepdims=True)
-    e = _in_scatters(e)
+    e = in_scatters(e)
     markers = np.unique(rows.marker[rows.marker >= 0])
-    gains = np.stack([_step_gain(e[:, rows.marker == m]) for m in markers], axis=1)
+    gains = np.stack([step_gain(e[:, rows.marker == m]) for m in markers], axis=1)
     coordinates = np.array([(rows.marker == m).sum() for m in markers])
     chance = coordinates + 2 * np.log(
         len(markers) * len(e)
@@ -110,7 +129,7 @@ def _knocked(rows: Rows, error: Floats) -> tuple[int, ...]:
     return tuple(int(m) for m in markers[stepped[at]])
 
 
-def _in_scatters(e: Floats) -> Floats:
+def in_scatters(e: Floats) -> Floats:
     """Errors by capture (n, K) about their middle, in units of their own scatter from one capture to the next."""
     e = e - np.median(e, axis=0)
     spread = 1.4826 * np.median(np.abs(np.diff(e, axis=0)), axis=0) / np.sqrt(2) + 1e-12
@@ -124,10 +143,10 @@ def _beside_others(error: Floats, own: Bools) -> Floats:
     Z = np.column_stack([A @ U[:, -min(6, A.shape[1]) :], np.ones(len(A))])
     ridge = 1e-2 * np.trace(Z.T @ Z) / len(Z.T) * np.eye(Z.shape[1])
     e = error[:, own] - Z @ np.linalg.solve(Z.T @ Z + ridge, Z.T @ error[:, own])
-    return _in_scatters(e)
+    return in_scatters(e)
 
 
-def _step_gain(e: Floats) -> Floats:
+def step_gain(e: Floats) -> Floats:
     """How much a step after each capture explains; nearer to an end it can't be told from an offset, or from chance."""
     n = np.arange(1, len(e))
     gain = (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))

@@ -27,9 +27,8 @@ _OTHERS, _THIRD = 6, 3
 class Coupling(Effect):
     name = "coupling"
     meaning = (
-        "Chambers act on each other. Two that press on each other or share their wall move the\n"
-        "surface together by another amount than the sum of what each does alone; or what fills\n"
-        "one also reaches the other (a hole in a wall, joined hoses, a wall that bulges)."
+        "Chambers act on each other (they press together, share a wall, leak into one another):\n"
+        "together they move the surface by another amount than the sum of what each should do."
     )
     acts_on = "mechanics"
     parameters = (

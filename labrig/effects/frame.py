@@ -1,6 +1,6 @@
 """Frame: the measuring frame is not where the model thinks it is."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
 from labrig.effects._fields import distortions, frame_modes, scale_mode
 from labrig.effects._in_parts import affine, another_in_each
+from labrig.effects._kicked import kick, since_a_kick
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_capture
 from labrig.effects._turn import carried, turn_of, turned
@@ -22,7 +23,7 @@ class Frame(Effect):
     name = "frame"
     meaning = (
         "The measuring frame is shifted and turned against the model's (a moved camera, a bad\n"
-        "registration, a bad wand): one rigid motion, and one scale, of all markers, in every capture."
+        "registration, a bad wand): one rigid motion, and one scale, of all markers, always or since."
     )
     acts_on = "observation"
     parameters = (
@@ -46,6 +47,12 @@ class Frame(Effect):
             per="session",
             meaning="translation along x, y, z and rotation about them, another in each session",
         ),
+        Parameter(
+            "shift_since",
+            "mm, rad",
+            meaning="translation along x, y, z and rotation about them, from one moment on",
+        ),
+        Parameter("since_s", "s", meaning="when it was moved, since the run began", given=True),
         Parameter("turned", "1", 0.9, 1.1, meaning="how much of that turn there is"),
         Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
     )
@@ -67,6 +74,7 @@ class Frame(Effect):
                 names = labels(context, ("x", "y", "z", "about x", "about y", "about z"))
                 yield Variant(f"rigid{IN_EACH}", (Term.field("shift_in_session", change, names),))
 
+            yield from _since(context)
         if (turn := _large_turn(context)) is not None:
             shape = {
                 f"about_{a}": context.grid(f"about_{a}", (t,))[0] for a, t in zip("xyz", turn, strict=True)
@@ -99,6 +107,12 @@ class Frame(Effect):
             yield Space("turned", "frame turned", acting([solved, *whole]))
         if len(rows.sessions) > 1:
             yield another_in_each(context, rows.session)
+        if (moved := since_a_kick(context)) is not None:
+            yield moved
+
+    def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        missing = "since_s" in parameters and not np.isfinite(context.rows.time_s).all()
+        return "the moments of its rows" if missing else ""
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("capture", "1", context.rows.capture.astype(float))
@@ -121,6 +135,21 @@ class Frame(Effect):
             1 / part.noise[known] ** 2,
             axis,
         )
+
+
+def _since(context: Context) -> Iterator[Variant]:
+    """One rigid motion from a moment on, where the residuals step most; a saved one as it is saved."""
+    rows = context.rows
+    if not np.isfinite(rows.time_s).all():
+        return
+    if "since_s" in context.pinned:
+        since_s = context.pinned["since_s"]
+    elif context.saved or (found := kick(context)) is None:
+        return
+    else:
+        since_s = found.moment_s(context)
+    after = (context.run_time_s >= since_s).astype(float)
+    yield Variant("rigid, since a moment", (Term("shift_since", "frame", after),), {"since_s": since_s})
 
 
 def _large_turn(context: Context) -> Floats | None:

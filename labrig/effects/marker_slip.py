@@ -9,10 +9,8 @@ from labrig.arrays import Bools, Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, field, motion_scale
-from labrig.effects._rows import Rows
 from labrig.effects._sign import Part, Sign, by_capture
-from labrig.effects._slips import slips
-from labrig.effects._spectrum import fill
+from labrig.effects._slips import errors, moment, slips
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
@@ -56,9 +54,8 @@ class MarkerSlip(Effect):
             found = self.find(context)
             if found is None:
                 return
-            marker, since = found[0], _moment(rows, found[1]) if timed else float(found[1])
-        late = rows.start_s - context.began_s if np.isfinite(rows.start_s - context.began_s) else 0.0
-        after = rows.time_s + late >= since if timed else rows.capture >= since
+            marker, since = found[0], moment(rows, found[1]) if timed else float(found[1])
+        after = context.run_time_s >= since if timed else rows.capture >= since
         own = np.flatnonzero(rows.marker == marker)
         change = np.zeros((*context.base.shape, len(own)))
         change[np.ix_(after, own)] = np.eye(len(own))
@@ -103,17 +100,7 @@ class MarkerSlip(Effect):
         if len(captures) < 8 or len(markers) < 4:
             return
 
-        residual = context.residual
-        seen = np.isfinite(residual)
-        error = np.stack(
-            [
-                np.where(seen[rows.capture == c], residual[rows.capture == c], 0).sum(axis=0)
-                / np.maximum(seen[rows.capture == c].sum(axis=0), 1)
-                for c in captures
-            ]
-        )
-        error[np.stack([~seen[rows.capture == c].any(axis=0) for c in captures])] = np.nan
-        error = fill(error)
+        captures, error = errors(context)
         for slip in slips(rows, error):
             group, since = slip.group, int(captures[slip.first])
             own, after = np.isin(rows.marker, group), rows.capture >= since
@@ -182,12 +169,6 @@ def _follows(context: Context, own: Bools, after: Bools) -> tuple[Feature, ...]:
     """A loose marker follows what is under it in part only, since it slipped."""
     part = np.where(own, -context.displacement * after[:, None], 0.0)
     return (field("follows in part", part),)
-
-
-def _moment(rows: Rows, capture: int) -> float:
-    """The moment half-way between the last row before a capture and its first, s."""
-    before, after = rows.time_s[rows.capture < capture].max(), rows.time_s[rows.capture >= capture].min()
-    return round(float(before + after) / 2, 3)
 
 
 def _mean(x: Floats) -> Floats:

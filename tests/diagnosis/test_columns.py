@@ -64,8 +64,8 @@ def test_single_precision_stays_single() -> None:
 
 
 def test_a_space_of_several_owners_is_laid_out_once(make_lab) -> None:
-    """Three effects share one space, and its columns; all other blocks have columns of their own, and each space that
-    acts through pressures is what it would be alone.
+    """Three effects and the base's own form share one space, and its columns; all other blocks have columns of their
+    own, and each space that acts through pressures is what it would be alone.
     """
     lab = make_lab(captures=30)
     model = lab.model()
@@ -75,7 +75,7 @@ def test_a_space_of_several_owners_is_laid_out_once(make_lab) -> None:
     design = design_of(observations, library)
     places = [(b.at.start, b.at.stop) for b in design.blocks]
     same = [b for b in design.blocks if places.count((b.at.start, b.at.stop)) > 1]
-    assert {b.owner for b in same} == {"regulator", "stiffening", "tension"}
+    assert {b.owner for b in same} == {"regulator", "stiffening", "tension", "?motion"}
     assert {b.space.key for b in same} == {"any curve"}
     covered = np.concatenate([np.arange(*at) for at in sorted(set(places))])
     assert np.array_equal(covered, np.arange(design.W.width))
