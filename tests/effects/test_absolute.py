@@ -183,6 +183,21 @@ def test_a_slip_stays_at_its_moment(make_lab) -> None:
         assert evaluate(other, effect, entry).any(axis=1).mean() == share
 
 
+def test_a_frame_stays_moved_from_its_moment(make_lab) -> None:
+    """On a run that began an hour later the frame was moved from the first row on; on one before, not yet."""
+    lab = make_lab(captures=20)
+    values = lab.predict(lab.u) + lab.noise()
+    values[12:] += np.tile([3.0, -2.0, 4.0], lab.markers)
+    context = context_of(lab, replace(rows_of(lab.dataset(values)), start_s=1.7e9))
+    effect = shipped()["frame"]
+    entry, _ = saved(context, effect, next(v for v in effect.variants(context) if "since" in v.form))
+    moved = evaluate(context, effect, entry).any(axis=1)
+    assert (moved == (context.rows.capture >= 12)).all()
+    for late, share in ((3600.0, 1.0), (-3600.0, 0.0)):
+        other = replace(context, rows=replace(context.rows, start_s=1.7e9 + late), _memo={})
+        assert evaluate(other, effect, entry).any(axis=1).mean() == share
+
+
 def test_what_an_entry_refers_to_must_be_whole() -> None:
     """A range without its chamber, or upside down, is refused."""
     with pytest.raises(ValueError, match="as many values"):

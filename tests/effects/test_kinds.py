@@ -248,6 +248,39 @@ def dragged_by_threads(context: Context) -> np.ndarray:
     return to_rows(context, out[context.rows.event])
 
 
+def through_a_hole_in_the_wall(context: Context) -> np.ndarray:
+    """Air goes through an orifice from the fuller of two neighbours to the emptier, by the root of the difference."""
+    x = context.rows.fraction
+    flow = np.sign(np.diff(x, axis=1)) * np.sqrt(np.abs(np.diff(x, axis=1))) * [0.06, 0.03]
+    given = np.pad(flow, ((0, 0), (0, 1))) - np.pad(flow, ((0, 0), (1, 0)))
+    return np.einsum("fkc,fc->fk", context.jacobian, given * context.span)
+
+
+def lifted_by_the_next(context: Context) -> np.ndarray:
+    """A chamber's top is lifted by that of the next one, by a tangent that levels off, vented as it may be itself."""
+    lifted = 0.1 * np.tanh(1.3 * np.roll(context.rows.fraction, 1, axis=1))
+    return np.einsum("fkc,fc->fk", context.jacobian, lifted * context.span)
+
+
+def cameras_pushed(context: Context) -> np.ndarray:
+    """From one capture on the cameras stand elsewhere, turned exactly (Rodrigues) about a foot beside the rig."""
+    assert context.rows.rest_mm is not None
+    axis, turn = np.array([0.0, 0.6, 0.8]), 0.01
+    arm = by_marker(context, context.displacement) + context.rows.rest_mm - [300.0, -100.0, 40.0]
+    along = (arm @ axis)[..., None] * axis
+    turned = along + np.cos(turn) * (arm - along) + np.sin(turn) * np.cross(axis, arm)
+    return to_rows(context, (context.rows.capture >= 22)[:, None, None] * (turned - arm + [0.4, 0.0, -0.7]))
+
+
+def shrunk_in_its_mould(context: Context) -> np.ndarray:
+    """Cured rubber is smaller than its mould: lengths are less by an exponential, more along a slant way than across."""
+    rest = context.rows.rest_mm
+    assert rest is not None
+    slant = np.linalg.qr(np.array([[1.0, 0.4, 0.2], [0.0, 1.0, 0.3], [0.2, 0.0, 1.0]]))[0]
+    smaller = slant @ np.diag(np.expm1([-0.03, -0.012, -0.02])) @ slant.T
+    return to_rows(context, np.tile((rest - rest.mean(axis=0)) @ smaller, (len(context.base), 1, 1)))
+
+
 TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
 
 
@@ -258,6 +291,10 @@ TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
         ("coupling", twisted_by_each_two, "all pairs, one way", 0.95, {}),
         ("coupling", shifted_by_what_others_draw, "once open", 0.95, {}),
         ("coupling", drained_by_the_emptier, "the fuller", 0.95, {}),
+        ("coupling", through_a_hole_in_the_wall, "evened out", 0.97, {}),
+        ("coupling", lifted_by_the_next, "reached", 0.97, {}),
+        ("frame", cameras_pushed, "moved before capture 22", 0.99, {}),
+        ("rest_shape", shrunk_in_its_mould, "strained about its middle", 0.97, {}),
         ("gravity", amplified_by_its_weight, "the whole way", 0.98, TILT),
         ("gravity", lifted_by_a_growing_arm, "what each wall lifts", 0.98, TILT),
         ("marker_slip", peels_off, "marker 4 loose", 0.95, {}),
