@@ -273,7 +273,7 @@ def cameras_pushed(context: Context) -> np.ndarray:
 
 
 def shrunk_in_its_mould(context: Context) -> np.ndarray:
-    """Cured rubber is smaller than its mould: lengths are less by an exponential, more along a slant way than across."""
+    """Cured rubber is smaller than its mould: lengths are less by an exponential, most along a slant way."""
     rest = context.rows.rest_mm
     assert rest is not None
     slant = np.linalg.qr(np.array([[1.0, 0.4, 0.2], [0.0, 1.0, 0.3], [0.2, 0.0, 1.0]]))[0]
