@@ -88,12 +88,12 @@ def design_of(
     free: list[FreeBlock] = []
     layout = _Layout(observations, V)
     for owner, space in [*named, *others]:
+        if not space.features:
+            continue
         if owner.startswith("?") and all(f.kind == "pattern" for f in space.features):
             G = layout.regressors(space)
             if G.shape[1]:
                 free.append(FreeBlock(owner, space, G))
-            continue
-        if not space.features:
             continue
         if again := next((m for m in made if _alike(m.space, space)), None):
             again.owners.append((owner, space))
