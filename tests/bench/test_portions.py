@@ -38,16 +38,18 @@ def laws_of(half: Half) -> list[type[Law]]:
 
 
 LAWS = {law.__name__: (half, law) for half in PORTIONS for law in laws_of(half)}
-SEVERAL = {"third": "trunk", "fourth": "tower", "fifth": "walker", "sixth": "tongue", "seventh": "auger"} | {
-    "eighth": "mattress"
+_KINDS = {
+    "third": ("trunk", "sheet", "wing", "boom"),
+    "fourth": ("tower", "cuff", "bell", "bell"),
+    "fifth": ("walker", "snake", "face", "face"),
+    "sixth": ("tongue", "ray", "vine", "ray"),
+    "seventh": ("auger", "spine", "auger", "spine"),
+    "eighth": ("mattress", "tripod", "mattress", "lung"),
 }
-"""A rig of each portion with six chambers or more, and markers."""
-OTHER = {"third": "sheet", "fourth": "cuff", "fifth": "snake", "sixth": "ray", "seventh": "spine"} | {
-    "eighth": "tripod"
-}
-BENT = {"third": "wing", "fourth": "bell", "fifth": "face", "sixth": "vine", "seventh": "auger"} | {
-    "eighth": "mattress"
-}
+SEVERAL, OTHER, BENT, RUBS = ({half: kinds[i] for half, kinds in _KINDS.items()} for i in range(4))
+"""Rigs of each portion: one with six chambers or more, and markers; another one; one whose walls are bent; one for
+friction.
+"""
 
 
 def named(effect: str) -> list[str]:
@@ -303,17 +305,7 @@ def test_delay_is_over_at_the_end_of_a_long_hold(name: str) -> None:
 def test_friction_is_behind_whichever_way_it_comes_from(name: str) -> None:
     """The same set-point is reached from below and from above with different shapes, and stays as it is in a hold."""
     half, law = LAWS[name]
-    rig, _ = case(
-        half.name,
-        {
-            "third": "boom",
-            "fourth": "bell",
-            "fifth": "face",
-            "sixth": "ray",
-            "seventh": "spine",
-            "eighth": "lung",
-        }[half.name],
-    )
+    rig, _ = case(half.name, RUBS[half.name])
     plan = make_plan("one_level", np.random.default_rng(0), rig.high_kpa, 4)
     for level in (0.0, 0.5, 1.0, 0.5):
         plan.capture(level * rig.high_kpa, 6.0, 4)

@@ -105,14 +105,19 @@ def test_every_form_acts_on_a_run_that_shows_nothing_of_it(make_lab, rig: dict[s
 
 
 def test_without_moments_what_lives_in_time_says_so(make_lab) -> None:
-    """On a run without times creep, delay, drift and a slip name the moments that they need; all else acts."""
+    """On a run without times creep, delay, drift, a slip and a frame that was moved at one moment name the moments that
+    they need; all else acts.
+    """
     fitted, later = rich(make_lab), poor(make_lab, timed=False)
     for effect in shipped().values():
         for variant in effect.variants(fitted):
             if needed(effect, variant.form):
                 continue
             entry = entry_of(fitted, effect, variant)
-            if effect.name not in {"creep", "delay", "drift", "marker_slip"}:
+            timed = (
+                effect.name in {"creep", "delay", "drift", "marker_slip"} or "since a moment" in variant.form
+            )
+            if not timed:
                 assert np.isfinite(evaluate(later, effect, entry)).all(), (effect.name, variant.key)
                 continue
             with pytest.raises(LabrigError, match=r"needs the moments of its (rows|actuations), which"):
