@@ -28,11 +28,13 @@ from labrig.effects import Context, Effect, Space, field
 from labrig.model import Model
 
 AS_IS, KNOWN, EXACT = "as it is", "the law known", "a base of right form"
+CLASSES = ("single", "single-1", "static", "pair", "structural")
+"""Classes in which what is hidden has a name in the library."""
 Judged = dict[str, tuple[bool, bool]]
 
 
 class Knowing:
-    """An effect whose family also holds one change (F, K), and no other of its size."""
+    """An effect whose family also holds one change (F, K)."""
 
     def __init__(self, effect: Effect, change: Floats) -> None:
         self._effect, self._change = effect, change
@@ -106,6 +108,8 @@ def main() -> None:
     found: dict[str, list[Judged]] = {}
     for what in given.what:
         half, name, count = what.split(":")
+        if name not in CLASSES:
+            parser.error(f"the laws of class '{name}' can't be made known (choose from {', '.join(CLASSES)})")
         found.setdefault(name, []).extend(
             one(half, name, seed) for seed in range(given.seed, given.seed + int(count))
         )

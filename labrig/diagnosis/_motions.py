@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects import Context, Feature, Space, acting, any_curve, by_marker, field, to_rows
+from labrig.effects import STRAINS, Context, Feature, Space, acting, any_curve, by_marker, field, to_rows
 
 MOTION = "motion"
 """What these spaces belong to: one of them holds."""
@@ -59,12 +59,8 @@ def _maps() -> Iterator[tuple[str, Floats, float]]:
     for a, name in enumerate("xyz"):
         turn = np.cross(np.eye(3)[a], np.eye(3)).T
         yield f"about {name}", turn, 1.0
-    for a, b in ((0, 1), (1, 2), (2, 0)):
-        shear = np.zeros((3, 3))
-        shear[a, b] = shear[b, a] = 1.0
-        yield f"{'xyz'[a]}{'xyz'[b]}", shear, 0.5
-    yield "x - z", np.diag([1.0, 0.0, -1.0]), 0.5
-    yield "y - z", np.diag([0.0, 1.0, -1.0]), 0.5
+    for name, strain in STRAINS.items():
+        yield name, strain, 0.5
 
 
 def _beside(context: Context) -> Iterator[tuple[str, Floats]]:

@@ -3,7 +3,7 @@
 from labrig.effects._context import Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern, pressure
-from labrig.effects._fields import centre_of, contribution, frame_modes, scale_mode
+from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._registry import USER_FOLDER, get, library
@@ -17,6 +17,7 @@ from labrig.effects._weights import form_of, is_family, labels_of, made_of, pres
 __all__ = [
     "MOST_SESSIONS",
     "NORMALS",
+    "STRAINS",
     "TRANSIENT_S",
     "USER_FOLDER",
     "WEIGHTS",

@@ -1,12 +1,25 @@
 """From an effect's coefficients to the change of the observables that they make."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Term, Variant
+
+
+def _strains() -> Iterator[tuple[str, Floats]]:
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        shear = np.zeros((3, 3))
+        shear[a, b] = shear[b, a] = 1.0
+        yield "xyz"[a] + "xyz"[b], shear
+    yield "x - z", np.diag([1.0, 0.0, -1.0])
+    yield "y - z", np.diag([0.0, 1.0, -1.0])
+
+
+STRAINS = dict(_strains())
+"""Small symmetric strains (3, 3) that leave the mean scale as it is: shears, and x and y against z."""
 
 
 def frame_modes(context: Context) -> Floats:
@@ -47,11 +60,8 @@ def strain_modes(context: Context) -> Floats:
     """
     rows = context.rows
     where = _places(context)
-    strain = np.zeros((5, 3, 3))
-    for j, (a, b) in enumerate(((0, 1), (1, 2), (2, 0))):
-        strain[j, a, b] = strain[j, b, a] = 1.0
-    strain[3], strain[4] = np.diag([1.0, 0.0, -1.0]), np.diag([0.0, 1.0, -1.0])
-    modes = np.zeros((*context.base.shape, 5))
+    modes = np.zeros((*context.base.shape, len(STRAINS)))
+    strain = np.array(list(STRAINS.values()))
     for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
         modes[:, k] = where[:, rows.marker[k]] @ strain[:, rows.axis[k]].T
     return modes

@@ -11,10 +11,10 @@ import numpy as np
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
 from labrig.effects._family import Feature, Space, acting, field, motion_scale
-from labrig.effects._fields import frame_modes, scale_mode, smooth_places, strain_modes
+from labrig.effects._fields import STRAINS, frame_modes, scale_mode, smooth_places, strain_modes
 from labrig.effects._sessions import MOST_SESSIONS
 
-_AFFINE = ("x", "y", "z", "about x", "about y", "about z", "scale", "xy", "yz", "zx", "x - z", "y - z")
+_AFFINE = ("x", "y", "z", "about x", "about y", "about z", "scale", *STRAINS)
 _BENT = 0.1
 """Prior variance of each smooth bend, as those of a rest shape."""
 _LIKELY = (1.0,) * 6 + (0.3,) + (0.1,) * 5

@@ -58,7 +58,9 @@ class Coupling(Effect):
     reference = (
         "P. Polygerinos et al., Soft robotics: fluid-driven devices, Adv. Eng. Mater. 19 (2017) 1700016"
     )
-    signature = "error that grows with the product of two chambers' pressures and vanishes with either alone"
+    signature = (
+        "error that goes with the neighbours' pressures: by the product with its own, or whatever that is"
+    )
     experiment = "chambers one at a time, then in pairs, at the same pressures"
 
     def variants(self, context: Context) -> Iterator[Variant]:
@@ -190,21 +192,15 @@ def _crosstalk(context: Context, near: Floats, pairs: list[tuple[int, int]]) -> 
     reached = (x @ near.T) * context.span
     yield Variant("reached, neighbours", (Term.common("reaches", reached),))
     yield Variant("reached, per chamber", (Term.per_chamber("reaches_chamber", reached, names),))
-    gap = np.where(near > 0, near, 0.0)
-    yield Variant(
-        "evened out, neighbours",
-        (Term.common("exchanged", ((x @ gap.T) - x * gap.sum(axis=1)) * context.span),),
-    )
+    even = reached - x * near.sum(axis=1) * context.span
+    yield Variant("evened out, neighbours", (Term.common("exchanged", even),))
     if not pairs or not context.shows(context.rows.n_captures > 1.5 * len(pairs)):
         return
     labels = tuple(f"{names[i]}-{names[j]}" for i, j in pairs)
     to, even = (np.zeros((*u.shape, len(pairs))) for _ in range(2))
-    for q, (i, j) in enumerate(pairs):
-        to[:, i, q], to[:, j, q] = x[:, j] * context.span[i], x[:, i] * context.span[j]
-        even[:, i, q], even[:, j, q] = (
-            (x[:, j] - x[:, i]) * context.span[i],
-            (x[:, i] - x[:, j]) * context.span[j],
-        )
+    for q, pair in enumerate(pairs):
+        for i, j in (pair, pair[::-1]):
+            to[:, i, q], even[:, i, q] = x[:, j] * context.span[i], (x[:, j] - x[:, i]) * context.span[i]
     yield Variant("reached, pairs", (Term("reaches_pair", "pressure", to, labels),))
     yield Variant("evened out, pairs", (Term("exchanged_pair", "pressure", even, labels),))
 

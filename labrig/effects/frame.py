@@ -23,7 +23,7 @@ class Frame(Effect):
     name = "frame"
     meaning = (
         "The measuring frame is shifted and turned against the model's (a moved camera, a bad\n"
-        "registration, a bad wand): one rigid motion, and one scale, of all markers, always or since."
+        "registration, a bad wand): one rigid motion, and scale, of all markers, always or since it moved."
     )
     acts_on = "observation"
     parameters = (

@@ -147,7 +147,10 @@ def test_coupling_through_a_wall(make_lab) -> None:
     lab = make_lab(captures=80)
     hole = np.array([[0.09, -0.09, 0.0], [-0.09, 0.14, -0.05], [0.0, -0.05, 0.05]])
     u = np.linalg.solve(np.eye(3) + hole, lab.u.reshape(-1, 3).T).T.reshape(lab.u.shape)
-    found(lab, lab.predict(u), "coupling")
+    result, fitted, _ = found(lab, lab.predict(u), "coupling")
+    assert result.improved is not None
+    assert result.improved.file.effects[-1].form == "evened out, pairs"
+    assert fitted["exchanged_pair"] == pytest.approx([0.09, 0.0, 0.05], abs=0.025)
 
 
 def test_a_frame_moved_at_one_moment(make_lab) -> None:
@@ -159,11 +162,10 @@ def test_a_frame_moved_at_one_moment(make_lab) -> None:
     along = (arm @ axis)[..., None] * axis
     turned = along + np.cos(turn) * (arm - along) + np.sin(turn) * np.cross(axis, arm) + [0.5, -0.3, 0.4]
     values[30:] += (turned - arm)[30:]
-    result, fitted, sd = found(lab, values.reshape(*lab.hold_s.shape, -1), "frame")
+    _, fitted, sd = found(lab, values.reshape(*lab.hold_s.shape, -1), "frame")
     assert abs(fitted["since_s"].item() - lab.time_s[30, 0]) <= np.diff(lab.event_s).max()
     assert within(fitted["shift_since"][:3], np.array([0.5, -0.3, 0.4]), sd["shift_since"][:3], 0.1)
     assert within(fitted["shift_since"][3:], turn * axis, sd["shift_since"][3:], 0.1, 0.001)
-    assert result.improved is not None
 
 
 def test_stiffening(make_lab) -> None:
