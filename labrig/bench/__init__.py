@@ -4,7 +4,7 @@ from labrig.bench._bases import make_base, own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_campaign, write_model
-from labrig.bench._halves import HALVES, half_of, make_rig
+from labrig.bench._halves import HALVES, PORTIONS, half_of, make_rig
 from labrig.bench._intervals import newcombe, wilson
 from labrig.bench._judge import brier, calibration_error, is_right
 from labrig.bench._learn import learn_all, write_spectra
@@ -22,6 +22,7 @@ __all__ = [
     "CLASSES",
     "HALVES",
     "HEAD",
+    "PORTIONS",
     "Campaign",
     "brier",
     "calibration_error",

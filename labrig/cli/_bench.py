@@ -129,23 +129,35 @@ def learn(
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: spectra.json.")],
     count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of one effect each.")] = 400,
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
-    third: Annotated[int, typer.Option(min=0, help="Campaigns of the third portion beside them.")] = 0,
-    fourth: Annotated[int, typer.Option(min=0, help="Campaigns of the fourth portion beside them.")] = 0,
-    fifth: Annotated[int, typer.Option(min=0, help="Campaigns of the fifth portion beside them.")] = 0,
-    sixth: Annotated[int, typer.Option(min=0, help="Campaigns of the sixth portion beside them.")] = 0,
-    seventh: Annotated[int, typer.Option(min=0, help="Campaigns of the seventh portion beside them.")] = 0,
+    portion: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=N", help="Campaigns of a portion beside them: third=180; may be repeated."),
+    ] = None,
 ) -> None:
     """Learn how large which member of each effect's family is, from the laws of the development half."""
     from labrig.bench import learn_all, write_spectra
 
     check_file(out, "--out")
-    how = f"labrig bench learn --n {count} --seed {seed} --third {third} --fourth {fourth} --fifth {fifth}"
-    how += f" --sixth {sixth}" if sixth else ""
-    how += f" --seventh {seventh}" if seventh else ""
-    counts = {"development": count, "third": third, "fourth": fourth, "fifth": fifth, "sixth": sixth}
-    counts["seventh"] = seventh
+    beside = _portions(portion or [])
+    counts = {"development": count} | beside
+    how = f"labrig bench learn --n {count} --seed {seed}"
+    how += "".join(f" --portion {name}={n}" for name, n in beside.items())
     write_spectra(learn_all({half: range(seed, seed + n) for half, n in counts.items()}), out, how)
     typer.echo(f"{out}: learnt from {sum(counts.values())} campaigns")
+
+
+def _portions(given: list[str]) -> dict[str, int]:
+    """How many campaigns of each portion are asked for."""
+    from labrig._errors import LabrigError
+    from labrig.bench import PORTIONS
+
+    counts: dict[str, int] = {}
+    for one in given:
+        name, _, number = one.partition("=")
+        if name not in PORTIONS or not number.isdecimal():
+            raise LabrigError(f"bench: --portion {one}: NAME=N, where NAME is one of {', '.join(PORTIONS)}")
+        counts[name] = int(number)
+    return counts
 
 
 @bench.command("settle")

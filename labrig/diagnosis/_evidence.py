@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs, solve_triangular
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import NEGLIGIBLE
 from labrig.diagnosis._design import DECLARED, Design
 from labrig.diagnosis._freed import Taken
@@ -245,10 +245,10 @@ class RaisedState:
     quad: float
     logdet: float
 
-    def covariance(self, at: slice) -> Floats:
-        """The posterior covariance (q, q) of a block's columns."""
+    def covariance(self, at: slice | Ints) -> Floats:
+        """The posterior covariance (q, q) of some columns, those of a block."""
         half = self.half[:, at]
-        return self.state.covariance[at, at] + half.T @ half
+        return self.state.covariance[at][:, at] + half.T @ half
 
     def further(self, at: slice, sds: Floats) -> tuple[Floats, Floats]:
         """The quadratic form and log det (n,) when one more block is raised to each of some prior sds (n,).

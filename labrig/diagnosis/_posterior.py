@@ -26,7 +26,10 @@ from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._unnamed import FORM, LEVER
 
 Raised = tuple[tuple[str, int, float], ...]
-"""What is raised in an explanation: owner, number of its block (-1: a free pattern), prior sd in floors; sorted."""
+"""What is raised in an explanation: owner, number of its block (-1: a free pattern), prior sd in floors; sorted.
+
+An owner may have two blocks in it: a law that lies in two of its spaces.
+"""
 
 
 @dataclass(frozen=True)
@@ -146,23 +149,27 @@ class Search:
         return value
 
     def extend(self, background: Raised, slow: float, start: Raised) -> list[tuple[float, Raised]]:
-        """The best form of each further owner beside a set, as a part of its own and as a trace."""
+        """The best form of each further owner beside a set, as a part of its own and as a trace, and of a second space
+        of an owner that is there.
+        """
         out = []
-        have = {o for o, _, _ in start}
-        full = sum(size not in self.traces for _, _, size in start) >= k.MOST_EFFECTS
+        have = Counter(o for o, _, _ in start)
+        first = {o: block for o, block, size in start if size not in self.traces}
+        full = len(first) >= k.MOST_EFFECTS
         ways = [list(self.traces)] if full else [list(self.traces), self.sizes]
         asked = np.concatenate(ways)
         begun, already = self.raise_blocks(background, slow, start), self.prior((*background, *start))
         for owner in self.owners:
-            if owner in have:
+            if have[owner] > (owner in first):
                 continue
-            blocks = self.blocks[owner]
+            blocks = [b for b in self.blocks[owner] if b != first.get(owner)]
+            if not blocks:
+                continue
             further = np.array([begun.further(self.design.blocks[b].at, asked) for b in blocks])
-            evidence, first = -0.5 * further.sum(axis=1), 0
+            evidence, at = -0.5 * further.sum(axis=1), 0
             for some in ways:
-                values = (
-                    evidence[:, first : (first := first + len(some))] + already + self._priors(owner, some)
-                )
+                prior = already + self._priors(blocks, some)
+                values = evidence[:, at : (at := at + len(some))] + prior
                 best = values.max()
                 for i, j in np.argwhere(values > best - _HOPELESS).tolist():
                     raised = tuple(sorted((*start, (owner, blocks[i], some[j]))))
@@ -172,19 +179,22 @@ class Search:
                         out.append((float(best), raised))
         return out
 
-    def _priors(self, owner: str, sizes: Sequence[float]) -> Floats:
-        """Log prior probabilities (B, n) of each block of an owner at these sizes."""
-        return np.array([[self.prior(((owner, b, size),)) for size in sizes] for b in self.blocks[owner]])
+    def _priors(self, blocks: Sequence[int], sizes: Sequence[float]) -> Floats:
+        """Log prior probabilities (B, n) of each of these blocks at these sizes."""
+        owners = [self.design.blocks[b].owner for b in blocks]
+        return np.array(
+            [[self.prior(((o, b, size),)) for size in sizes] for o, b in zip(owners, blocks, strict=True)]
+        )
 
     def explore(self, background: Raised, slow: float, wide: int) -> float:
         """Sets of up to three owners on a background: all singles, pairs of the best, triples of the best of those."""
         best = self.score(background, slow, ())
         frontier: list[tuple[float, Raised]] = [(best, ())]
         for depth in range(k.MOST_EFFECTS + 2):
-            grown: dict[frozenset, tuple[float, Raised]] = {}
+            grown: dict[tuple, tuple[float, Raised]] = {}
             for _, start in frontier:
                 for value, raised in self.extend(background, slow, start):
-                    kind = frozenset((o, size in self.traces) for o, _, size in raised)
+                    kind = tuple((o, size in self.traces) for o, _, size in raised)
                     if kind not in grown or value > grown[kind][0]:
                         grown[kind] = (value, raised)
             frontier = sorted(grown.values(), reverse=True)[: wide if depth == 0 else max(wide // 2, 2)]
@@ -297,14 +307,17 @@ def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
     raised = tuple(q for q in e.raised if q[1] >= 0)
     blocks = [design.blocks[b] for _, b, _ in raised]
     fitted = search.raise_blocks(background, e.slow, raised)
+    counts = np.repeat(design.observations.counts_for, design.V.shape[1])
     out = {}
-    for (owner, _, sd), block in zip(raised, blocks, strict=True):
-        share = (sd / fitted.sd[block.at.start]) ** 2  # of columns that another part has, too, a share only
-        w, cov = share * fitted.mean[block.at], share**2 * fitted.covariance(block.at)
-        cov[np.diag_indices_from(cov)] += (1 - share) * sd**2
-        columns = design.W.of(block.at).astype(float)
+    for owner in dict.fromkeys(o for o, _, _ in raised):
+        own = [(block.at, sd) for (o, _, sd), block in zip(raised, blocks, strict=True) if o == owner]
+        at = np.concatenate([np.arange(a.start, a.stop) for a, _ in own])
+        prior = np.concatenate([np.full(a.stop - a.start, sd) for a, sd in own])
+        share = (prior / fitted.sd[at]) ** 2  # of columns that another part has, too, a share only
+        w, cov = share * fitted.mean[at], share[:, None] * fitted.covariance(at) * share
+        cov[np.diag_indices_from(cov)] += (1 - share) * prior**2
+        columns = np.concatenate([design.W.of(a) for a, _ in own], axis=1).astype(float)
         made = columns @ w
-        counts = np.repeat(design.observations.counts_for, design.V.shape[1])
         size = float(np.sqrt(counts @ made**2))
         way = columns.T @ (counts * made) / max(size, 1e-300)
         out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))))

@@ -49,6 +49,10 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (("ik", "none.ply", "none.ply", "--model", "model.yaml"), " (and 1 more)"),
         (("validate", "--resume", "none"), "none is no run folder; `labrig runs` lists those in ./runs"),
         (("run", "--seed", "x"), " (see labrig run --help)"),
+        (
+            ("bench", "learn", "--out", "spectra.json", "--portion", "thrid=180"),
+            "bench: --portion thrid=180: NAME=N, where NAME is one of third, ",
+        ),
     ],
     ids=lambda value: " ".join(value[:3]) if isinstance(value, tuple) else "",
 )

@@ -187,3 +187,9 @@ def test_what_returns_without_noise_is_not_coarse() -> None:
     coarse: Floats = np.array(exact + 0.5 * (np.arange(60) % 3))
     assert resolution_of(coarse[:, None], level) == pytest.approx([0.5])
     assert resolution_of(exact[:, None]) == pytest.approx([3.0])
+
+
+def test_steps_too_small_to_have_multiples_are_no_resolution() -> None:
+    """Values that differ by less than a number can be divided by say no step, and give no warning."""
+    values = np.tile([0.0, 5e-324, 1.0, 2.0], 10)
+    assert resolution_of(values[:, None]) == pytest.approx([0.0])
