@@ -17,6 +17,7 @@ PORTIONS = {
     "sixth": "labrig.bench.development.sixth",
     "seventh": "labrig.bench.development.seventh",
     "eighth": "labrig.bench.development.eighth",
+    "ninth": "labrig.bench.development.ninth",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)

@@ -23,7 +23,7 @@ def draw_campaign(
     half: Annotated[
         str,
         typer.Option(
-            help="Whose rigs and laws: development, exam, third, fourth, fifth, sixth, seventh or eighth."
+            help="Whose rigs and laws: development, exam, third, fourth, fifth, sixth, seventh, eighth or ninth."
         ),
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
@@ -44,7 +44,7 @@ def blind(
     half: Annotated[
         str,
         typer.Option(
-            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth, seventh or eighth."
+            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth, seventh, eighth or ninth."
         ),
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
@@ -131,7 +131,9 @@ def learn(
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
     portion: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=N", help="Campaigns of a portion beside them: third=180; may be repeated."),
+        typer.Option(
+            metavar="NAME=N", help="Campaigns of a portion beside them: third=180; may be repeated."
+        ),
     ] = None,
 ) -> None:
     """Learn how large which member of each effect's family is, from the laws of the development half."""
@@ -208,7 +210,7 @@ def stopping(
     half: Annotated[
         str,
         typer.Option(
-            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth, seventh or eighth."
+            help="Whose rigs and laws: development, exam, both, third, fourth, fifth, sixth, seventh, eighth or ninth."
         ),
     ] = "both",
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,

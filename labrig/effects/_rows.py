@@ -272,7 +272,9 @@ def resolution_of(values: Floats, level: Ints | None = None) -> Floats:
             if len(np.unique(at * len(seen) + code)) == len(np.unique(at)):
                 continue
         steps = np.diff(seen)
-        with np.errstate(over="ignore", invalid="ignore"):  # of steps so small that there is no multiple of them
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # of steps so small that there is no multiple of them
             multiple = steps / steps.min()
             off = np.abs(multiple - np.round(multiple)).max()
         if off < _OFF_GRID:
