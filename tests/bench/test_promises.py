@@ -6,7 +6,7 @@ import pytest
 from labrig.bench._nature import Setting
 from labrig.bench._path import make_path
 from labrig.bench._programmes import make_plan
-from tests.bench.test_portions import LAWS, case, change, law_on
+from tests.bench.portions import LAWS, case, change, law_on
 
 
 def test_buckling_takes_either_side_with_the_same_load() -> None:
