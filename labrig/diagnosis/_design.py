@@ -14,7 +14,7 @@ from labrig.diagnosis._motions import MOTION, motions
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
-from labrig.effects import Effect, Space, motion_scale
+from labrig.effects import Effect, Space, motion_scale, plain_forms
 
 SLOW = "slow noise"
 DECLARED = "declared"
@@ -71,12 +71,16 @@ def design_of(
     calibrated: Floats | None = None,
     spectra: dict | None = None,
 ) -> Design:
-    """Lay out the families of `effects`, what has no name, slow noise, and what the base calls its own.
+    """Lay out the families and the plain forms of `effects`, what has no name, slow noise, and what the base calls its own.
 
     `declared` (F, D) are regressors of every observable by itself, `calibrated` (F, K, D) fields that all share.
     """
     context = observations.context
-    named = [(name, space) for name, effect in effects.items() for space in effect.family(context)]
+    named = [
+        (name, space)
+        for name, effect in effects.items()
+        for space in (*effect.family(context), *plain_forms(effect, context))
+    ]
     known = [space for _, space in named]
     named_by_kind = [by_kind(space) for space in known]
     others = [

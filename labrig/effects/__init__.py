@@ -4,6 +4,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
+from labrig.effects._forms import plain_forms
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._registry import USER_FOLDER, get, library
@@ -51,6 +52,7 @@ __all__ = [
     "made_of",
     "motion_scale",
     "pattern",
+    "plain_forms",
     "pressure",
     "pressures_of",
     "rows_of",

@@ -33,6 +33,25 @@ def spaces_of(effect: "Effect", context: Context) -> Iterator[Space]:
             yield Space(key, name, features, alike, places, absolute=False)
 
 
+def plain_forms(effect: "Effect", context: Context) -> Iterator[Space]:
+    """Each form through the pressures that has nothing but its coefficients to choose, as a space of its own, beside
+    those of the effect's family.
+
+    These are the laws that are written down first: a wide space, which holds many others, makes them improbable. What
+    chambers have in common is as likely as what each has for itself.
+    """
+    from labrig.effects._effect import Effect
+
+    if type(effect).family is Effect.family:
+        return  # its forms are its family
+    for variant in effect.variants(context):
+        if not variant.shape and all(term.kind == "pressure" for term in variant.terms):
+            features = acting([f for term in variant.terms for f in _features(context, variant, term)])
+            if features:
+                alike = 0.5 if any(_own(term) for term in variant.terms) else 1.0
+                yield Space(variant.form, f"{effect.name} as {variant.form}", features, alike, absolute=False)
+
+
 def _own(term: "Term") -> bool:
     """Whether a term has a coefficient for each chamber."""
     F = term.feature

@@ -140,7 +140,7 @@ class ValveMisses(Law):
             return kpa
         often = np.minimum(strength * self._often, 0.8)
         missed = np.clip(
-            2 * (1 - self._chance[np.maximum(path.event, 0)] / often), 0.0, 1.0
+            2 * (1 - self._chance[np.maximum(path.event, 0) % len(self._chance)] / often), 0.0, 1.0
         )  # wholly or in part
         begins = np.flatnonzero(np.diff(path.event, prepend=path.event[0] - 1))
         first = np.searchsorted(begins, np.arange(len(path.event)), side="right") - 1
