@@ -71,7 +71,7 @@ def design_of(
     calibrated: Floats | None = None,
     spectra: dict | None = None,
 ) -> Design:
-    """Lay out the families and the plain forms of `effects`, what has no name, slow noise, and what the base calls its own.
+    """Lay out families and plain forms of `effects`, what has no name, slow noise, and what the base calls its own.
 
     `declared` (F, D) are regressors of every observable by itself, `calibrated` (F, K, D) fields that all share.
     """
@@ -116,7 +116,7 @@ def design_of(
         keep = np.abs(G).max(axis=0) > 0
         free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
     made.sort(key=lambda m: not m.through)
-    count = Counter(owner for m in made for owner, _ in m.owners)
+    count = Counter((owner, space.plain) for m in made for owner, space in m.owners)
     blocks, start = [], 0
     for m in made:
         at = slice(start, start := start + m.columns.shape[2])
@@ -162,11 +162,14 @@ def _different(spaces: Sequence[Space]) -> list[Space]:
     return out
 
 
-def _share(owner: str, space: Space, count: Mapping[str, int]) -> float:
-    """Spaces of one owner are equally likely; where they were found by a scan, as likely as each place scanned."""
+def _share(owner: str, space: Space, count: Mapping[tuple[str, bool], int]) -> float:
+    """Spaces of one owner are equally likely, and its plain forms together as likely as its other spaces together;
+    where they were found by a scan, as likely as each place scanned.
+    """
     if space.scanned:
         return 1.0 / space.scanned
-    return 1.0 / count[owner]
+    both = 1.0 + ((owner, not space.plain) in count)
+    return 1.0 / both / count[owner, space.plain]
 
 
 def _shown(L: Floats, shows: Floats) -> Floats:

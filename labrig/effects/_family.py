@@ -45,6 +45,8 @@ class Space:
     """Among how many places this one was found by a scan of the residuals; 0 where none was."""
     absolute: bool = True
     """Whether its functions of the pressures mean the same on every run, whatever else that one has."""
+    plain: bool = False
+    """Whether it is one form alone: all of these together are as likely as the family's spaces together."""
 
 
 def motion_scale(context: Context) -> Floats:

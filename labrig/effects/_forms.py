@@ -49,7 +49,8 @@ def plain_forms(effect: "Effect", context: Context) -> Iterator[Space]:
             features = acting([f for term in variant.terms for f in _features(context, variant, term)])
             if features:
                 alike = 0.5 if any(_own(term) for term in variant.terms) else 1.0
-                yield Space(variant.form, f"{effect.name} as {variant.form}", features, alike, absolute=False)
+                name = f"{effect.name} as {variant.form}"
+                yield Space(variant.form, name, features, alike, absolute=False, plain=True)
 
 
 def _own(term: "Term") -> bool:

@@ -15,7 +15,7 @@ from labrig.effects._sign import Part, Sign, by_chamber
 class Regulator(Effect):
     name = "regulator"
     meaning = (
-        "The pressure regulator or its sensor has a wrong gain, an offset or a dead band,\n"
+        "The pressure regulator or its sensor has a wrong gain, an offset, a bow or a dead band,\n"
         "so that a settled chamber holds another pressure than the one commanded."
     )
     acts_on = "pressure"
@@ -28,6 +28,14 @@ class Regulator(Effect):
         Parameter("offset_in_session", "actuation", per="session", meaning="pressure held at zero, likewise"),
         Parameter("dead_band", "1", 0.0, 1.5, meaning="share of the dead band's pressure that is lost"),
         Parameter("band", "1", 0.0, 0.5, meaning="width of the dead band, fraction of the range"),
+        Parameter(
+            "bow",
+            "1",
+            -0.5,
+            0.5,
+            "chamber",
+            "error half-way to full pressure, of the range; none at the ends",
+        ),
         Parameter("sensor", "1", 0.2, 1.8, meaning="share of the measured error that reaches the surface"),
     )
     reference = "J. F. Blackburn, G. Reethof, J. L. Shearer, Fluid Power Control, MIT Press 1960, ch. 7"
@@ -51,6 +59,10 @@ class Regulator(Effect):
             if len(chambers) > 1:
                 terms = (Term.per_chamber("gain", u, chambers), Term.per_chamber("offset", one, chambers))
                 yield Variant(f"gain and offset per chamber{form}", terms)
+        bow = 4 * u * (1 - np.abs(context.rows.fraction))  # terminal-based non-linearity, IEC 61298-2
+        yield Variant("bowed", (Term.common("bow", bow),))
+        if len(chambers) > 1:
+            yield Variant("bowed per chamber", (Term.per_chamber("bow", bow, chambers),))
         if (each := in_sessions(context)) is not None:
             gain = Term("gain_in_session", "pressure", u[:, :, None] * each[:, None], labels(context))
             zero = np.ones_like(u)[:, :, None] * each[:, None]

@@ -5,6 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from labrig.diagnosis import prepared, rows_from
+from labrig.diagnosis._design import design_of
+from labrig.diagnosis._diagnose import observed
 from labrig.effects import Context, Effect, Term, Variant, plain_forms
 from labrig.effects._forms import spaces_of
 from tests.effects.test_family import check, followed, shipped, with_all
@@ -61,3 +64,22 @@ def test_errors_of_full_scale_are_the_regulators(make_lab, seed: int) -> None:
     off = 1 + np.random.default_rng(seed).permutation([-0.07, 0.04, 0.06, -0.05])
     found = verdict_of(lab.dataset(lab.predict(lab.u * off) + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("identified", ("regulator",))
+
+
+def test_plain_forms_are_together_as_likely_as_the_family(make_lab) -> None:
+    """However many forms an effect has, half of its prior probability is its family's, all of it where it has none."""
+    lab = make_lab(captures=40)
+    model = lab.model()
+    effects = model.library()
+    data = lab.dataset(lab.predict(lab.u) + lab.noise())
+    _, observations = observed(prepared(rows_from(data), model), effects)
+    shares: dict[str, dict[bool, float]] = {}
+    for block in design_of(observations, effects).blocks:
+        if block.owner in ("regulator", "stiffening", "hysteresis"):
+            own = shares.setdefault(block.owner, {True: 0.0, False: 0.0})
+            own[block.space.plain] += block.share
+    assert shares == {
+        "regulator": pytest.approx({True: 0.5, False: 0.5}),
+        "stiffening": pytest.approx({True: 0.5, False: 0.5}),
+        "hysteresis": pytest.approx({True: 0.0, False: 1.0}),
+    }
