@@ -34,8 +34,8 @@ def spaces_of(effect: "Effect", context: Context) -> Iterator[Space]:
 
 
 def plain_forms(effect: "Effect", context: Context) -> Iterator[Space]:
-    """Each form through the pressures that has nothing but its coefficients to choose, as a space of its own, beside
-    those of the effect's family.
+    """Each form through the pressures that has nothing to choose but a coefficient for all chambers or one for each, as
+    a space of its own, beside those of the effect's family.
 
     These are the laws that are written down first: a wide space, which holds many others, makes them improbable. What
     chambers have in common is as likely as what each has for itself.
@@ -45,12 +45,17 @@ def plain_forms(effect: "Effect", context: Context) -> Iterator[Space]:
     if type(effect).family is Effect.family:
         return  # its forms are its family
     for variant in effect.variants(context):
-        if not variant.shape and all(term.kind == "pressure" for term in variant.terms):
+        if not variant.shape and all(_few(term) for term in variant.terms):
             features = acting([f for term in variant.terms for f in _features(context, variant, term)])
             if features:
                 alike = 0.5 if any(_own(term) for term in variant.terms) else 1.0
                 name = f"{effect.name} as {variant.form}"
                 yield Space(variant.form, name, features, alike, absolute=False, plain=True)
+
+
+def _few(term: "Term") -> bool:
+    """Whether a term acts through the pressures with one coefficient for all chambers or one for each."""
+    return term.kind == "pressure" and (term.feature.shape[2] == 1 or _own(term))
 
 
 def _own(term: "Term") -> bool:
