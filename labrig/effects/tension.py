@@ -26,8 +26,7 @@ class Tension(Effect):
             "1",
             -1.5,
             1.5,
-            "chamber",
-            "pressure given back at full deflection, of the range",
+            meaning="pressure given back at full deflection, of the range",
         ),
         Parameter("fading", "1", -1.5, 1.5, meaning="change of the displacement near rest; < 0: tighter"),
         Parameter("prestretch", "1", -0.2, 0.2, meaning="surplus of the simulator's pre-stretch"),
@@ -49,9 +48,6 @@ class Tension(Effect):
         back = context.span * context.deflection
         if context.shows(not context.linear):
             yield Variant("restoring", (Term.common("pre_stretch", back),))
-            if len(context.rows.chambers) > 1:
-                own = Term.per_chamber("pre_stretch", back, context.rows.chambers)
-                yield Variant("restoring per chamber", (own,))
         for half in context.grid("half_at", [share * far for share in (0.1, 0.2, 0.4)]):
             held = context.displacement / (1 + (context.travel / half) ** 2)
             yield Variant("fading", (Term.field("fading", held),), {"half_at": half})
@@ -83,7 +79,7 @@ class Tension(Effect):
         return ("mean travel", context.rows.unit[0], context.travel.mean(axis=1))
 
     def sign(self, context: Context, part: Part) -> Sign:
-        if part.form.startswith("restoring"):
+        if part.form == "restoring":
             return by_chamber(
                 context, part, 100 * context.deflection, "deflection of the chamber, of the largest", "%"
             )
