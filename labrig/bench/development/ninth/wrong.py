@@ -51,7 +51,7 @@ def low_polynomial(rig: Rig, random: np.random.Generator) -> _Base:
     told = rig.settled(tried)
 
     def fitted(degree: int) -> Floats:
-        return np.linalg.lstsq(terms(tried, degree), told, rcond=None)[0]
+        return np.asarray(np.linalg.lstsq(terms(tried, degree), told, rcond=None)[0], dtype=float)
 
     def misses(degree: int) -> float:
         off = terms(tried, degree) @ fitted(degree) - told
