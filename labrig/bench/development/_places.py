@@ -1,6 +1,7 @@
 """Where a rig's markers are, how far it moves, and which chambers move the same places."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from labrig.arrays import Floats, Ints
 from labrig.bench._nature import Path, Rig, Setting
@@ -75,6 +76,12 @@ def body_mm(rig: Rig) -> tuple[Floats, float]:
     assert rig.rest_mm is not None
     centre = rig.rest_mm.mean(axis=0)
     return centre, float(np.sqrt(np.mean(np.sum((rig.rest_mm - centre) ** 2, axis=1))))
+
+
+def turned(points_mm: Floats, about_mm: Floats, turn_rad: Floats) -> Floats:
+    """Points (T, M, 3) turned about a point by a rotation vector (3,), or one for each moment (T, 3)."""
+    matrix = np.asarray(Rotation.from_rotvec(np.array(turn_rad)).as_matrix())
+    return (points_mm - about_mm) @ np.swapaxes(matrix, -1, -2) + about_mm
 
 
 def smooth_field(setting: Setting) -> Floats:

@@ -7,12 +7,18 @@ import numpy as np
 from scipy.optimize import nnls
 
 from labrig.arrays import Floats, Ints
-from labrig.bench._nature import Path
+from labrig.bench._nature import Path, Setting
 
 
 def pauses(path: Path) -> Floats:
     """The time (T,) since the moment before, in s."""
     return np.diff(path.time_s, prepend=path.time_s[0])
+
+
+def a_moment_s(setting: Setting) -> float:
+    """A moment just before some measured row between a fifth and three quarters of a campaign, in s."""
+    rows_s = setting.path.time_s[setting.path.row]
+    return float(rows_s[int(setting.random.uniform(0.2, 0.75) * len(rows_s))]) - 0.3
 
 
 def steps(drive: Floats) -> Floats:

@@ -1,17 +1,10 @@
 """Frame of the eighth portion: turned and shifted, its origin off, kicked, clamped anew, and another turning axis."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labrig.arrays import Floats
 from labrig.bench._nature import Law, Path, Rig, Setting
-from labrig.bench.development._places import body_mm, direction, moved, positions, span
-
-
-def _turned(points_mm: Floats, about_mm: Floats, turn_rad: Floats) -> Floats:
-    """Points (T, M, 3) turned about a point by rotation vectors (T, 3)."""
-    matrix = np.asarray(Rotation.from_rotvec(np.array(turn_rad)).as_matrix())
-    return np.einsum("txy,tmy->tmx", matrix, points_mm - about_mm) + about_mm
+from labrig.bench.development._places import body_mm, direction, moved, positions, span, turned
 
 
 def _angle(rig: Rig, share: float) -> float:
@@ -38,7 +31,7 @@ class FrameShiftedAndTurned(Law):
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
         turn = np.broadcast_to(strength * self._turn_rad, (len(values), 3))
-        placed = _turned(points, body_mm(self.rig)[0], turn) + strength * self._shift_mm
+        placed = turned(points, body_mm(self.rig)[0], turn) + strength * self._shift_mm
         return moved(self.rig, values, placed)
 
 
@@ -84,7 +77,7 @@ class TripodKicked(Law):
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         on = strength * (path.time_s >= self._kick_s)[:, None]
-        placed = _turned(positions(self.rig, values), self._foot_mm, on * self._turn_rad)
+        placed = turned(positions(self.rig, values), self._foot_mm, on * self._turn_rad)
         return moved(self.rig, values, placed + on[..., None] * self._shift_mm)
 
 
@@ -111,7 +104,7 @@ class ClampedAnew(Law):
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         session = np.minimum(path.session, len(self._turn_rad) - 1)
-        placed = _turned(positions(self.rig, values), self._clamp_mm, strength * self._turn_rad[session])
+        placed = turned(positions(self.rig, values), self._clamp_mm, strength * self._turn_rad[session])
         return moved(self.rig, values, placed + strength * self._shift_mm[session][:, None])
 
 
@@ -138,5 +131,5 @@ class TurningAxisElsewhere(Law):
         true = np.array([1.0, *(strength * self._skew_rad)])
         true *= (1 + strength * self._scale) / np.linalg.norm(true)
         points = positions(self.rig, values)
-        placed = _turned(points, strength * self._off_mm, tilt * true)
-        return moved(self.rig, values, _turned(placed, np.zeros(3), -tilt * read))
+        placed = turned(points, strength * self._off_mm, tilt * true)
+        return moved(self.rig, values, turned(placed, np.zeros(3), -tilt * read))

@@ -5,6 +5,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.bench._nature import Law, Path, Rig, Setting
 from labrig.bench.development._places import full, overlap
+from labrig.bench.development.rigs._common import cubic_membrane
 
 _SEVERAL = frozenset({"several"})
 
@@ -106,17 +107,12 @@ class SeptumBulges(Law):
         super().__init__(setting)
         random = setting.random
         self._moves = random.uniform(0.08, 0.2) * _per_chamber(_neighbours(self.rig, random))
-        self._bends = random.uniform(0.2, 0.6)  # a, the rest is b
+        self._bends = np.array(random.uniform(0.2, 0.6))  # a, the rest is b
         self._unit_kpa = float(self.rig.high_kpa.mean())
-
-    def _bulge(self, load: Floats) -> Floats:
-        """The w of a w + (1 - a) w^3 = load."""
-        a, b = self._bends, 1 - self._bends
-        return 2 * np.sqrt(a / b / 3) * np.sinh(np.arcsinh(1.5 * load / a * np.sqrt(3 * b / a)) / 3)
 
     def wall(self, path: Path, kpa: Floats, deflection: Floats, strength: float) -> Floats:
         load = (kpa[:, :, None] - kpa[:, None, :]) / self._unit_kpa
-        return deflection - strength * np.sum(self._moves * self._bulge(load), axis=2)
+        return deflection - strength * np.sum(self._moves * cubic_membrane(load, 1 - self._bends), axis=2)
 
 
 class HeldStiff(Law):

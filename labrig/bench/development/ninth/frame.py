@@ -1,18 +1,13 @@
 """Frame of the ninth portion: a datum off, a bumped camera, a bad wand, a bad registration, new ones."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labrig.arrays import Floats
 from labrig.bench._nature import Law, Path, Rig, Setting
-from labrig.bench.development._places import body_mm, direction, moved, positions, span
+from labrig.bench.development._places import body_mm, direction, moved, positions, span, turned
+from labrig.bench.development._story import a_moment_s
 
 _MARKERS = frozenset({"markers"})
-
-
-def _turned(points_mm: Floats, about_mm: Floats, turn_rad: Floats) -> Floats:
-    """Points (..., 3) turned about a point by one rotation vector (3,)."""
-    return (points_mm - about_mm) @ np.asarray(Rotation.from_rotvec(turn_rad).as_matrix()).T + about_mm
 
 
 def _some_angle(rig: Rig, share: float, arm_mm: float) -> float:
@@ -40,7 +35,7 @@ class DatumOff(Law):
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
-        placed = _turned(points, self._centre_mm, strength * self._turn_rad)
+        placed = turned(points, self._centre_mm, strength * self._turn_rad)
         placed += strength * (self._scale * (placed - self._centre_mm) + self._shift_mm)
         return moved(self.rig, values, placed)
 
@@ -58,8 +53,7 @@ class CameraBumped(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, rig = setting.random, self.rig
-        rows_s = setting.path.time_s[setting.path.row]
-        self._from_s = float(rows_s[int(random.uniform(0.2, 0.75) * len(rows_s))]) - 0.3
+        self._from_s = a_moment_s(setting)
         centre, radius = body_mm(rig)
         far_mm = random.uniform(3, 10) * radius
         self._camera_mm = centre + far_mm * direction(random)
@@ -68,7 +62,7 @@ class CameraBumped(Law):
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         points = positions(self.rig, values)
-        placed = _turned(points, self._camera_mm, strength * self._turn_rad) + strength * self._shift_mm
+        placed = turned(points, self._camera_mm, strength * self._turn_rad) + strength * self._shift_mm
         since = (path.time_s >= self._from_s)[:, None, None]
         return moved(self.rig, values, np.where(since, placed, points))
 
@@ -163,7 +157,7 @@ class CalibratedAnew(Law):
         frame = np.searchsorted(self._from_s, path.time_s, side="right") - 1
         for k, (turn_rad, shift_mm) in enumerate(zip(self._turns_rad, self._shifts_mm, strict=True)):
             now = points[frame == k]
-            turned = _turned(now, self._origin_mm, strength * turn_rad)
-            larger = strength * self._scales[k] * (turned - self._origin_mm)
-            placed[frame == k] = turned + larger + strength * shift_mm
+            there = turned(now, self._origin_mm, strength * turn_rad)
+            larger = strength * self._scales[k] * (there - self._origin_mm)
+            placed[frame == k] = there + larger + strength * shift_mm
         return moved(self.rig, values, placed)

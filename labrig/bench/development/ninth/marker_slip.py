@@ -7,6 +7,7 @@ import numpy as np
 from labrig.arrays import Floats, Ints
 from labrig.bench._nature import Law, Path, Rig, Setting
 from labrig.bench.development._places import body_mm, columns, direction, down, moved, positions, span
+from labrig.bench.development._story import a_moment_s
 
 _MARKERS = frozenset({"markers"})
 
@@ -20,8 +21,7 @@ class _Slip(Law, ABC):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, rig = setting.random, self.rig
-        rows_s = setting.path.time_s[setting.path.row]
-        self._from_s = float(rows_s[int(random.uniform(0.2, 0.75) * len(rows_s))]) - 0.3
+        self._from_s = a_moment_s(setting)
         axes = np.sum(columns(rig) >= 0, axis=1)
         self._which = int(random.choice(np.flatnonzero(axes == axes.max())))
         self._far_mm = float(random.uniform(0.07, 0.15) * span(rig) * np.sqrt(len(rig.observables)))

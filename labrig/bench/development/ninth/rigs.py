@@ -4,33 +4,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.bench._nature import Observable, Rig
-from labrig.bench.development.rigs._common import chambers, cubic_membrane, markers
-
-
-def _cross(vector: Floats) -> Floats:
-    """The matrices (..., 3, 3) that take the cross product with vectors (..., 3)."""
-    x, y, z = np.moveaxis(vector, -1, 0)
-    none = np.zeros_like(x)
-    rows = [[none, -z, y], [z, none, -x], [-y, x, none]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
-def _turn(vector: Floats) -> Floats:
-    """The rotations (..., 3, 3) about vectors (..., 3) by their length in radians."""
-    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
-    across = _cross(vector)
-    bow = np.square(np.sinc(angle / (2 * np.pi))) / 2
-    return np.eye(3) + np.sinc(angle / np.pi) * across + bow * (across @ across)
-
-
-def _arc(vector: Floats) -> Floats:
-    """The mean (..., 3, 3) of the rotations up to `_turn(vector)`: it takes a straight piece to an arc."""
-    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
-    across = _cross(vector)
-    bow = np.square(np.sinc(angle / (2 * np.pi))) / 2
-    safe = np.maximum(angle, 1e-3)
-    rest = np.where(angle > 0.02, (safe - np.sin(safe)) / safe**3, 1 / 6 - angle**2 / 120)
-    return np.eye(3) + bow * across + rest * (across @ across)
+from labrig.bench.development.rigs._common import chambers, cubic_membrane, markers, turns
 
 
 class Dome(Rig):
@@ -124,19 +98,21 @@ class FibreFinger(Rig):
         times, count = deflection.shape
         padded = np.pad(deflection, ((0, 0), (1, 1)))
         beside = np.tanh(padded[:, :-2] + padded[:, 2:])
-        turns = self._preset + (deflection * (1 - self._hinders * beside))[..., None] * self._turns
+        bends = self._preset + (deflection * (1 - self._hinders * beside))[..., None] * self._turns
         piece_mm = self._long_mm * (1 + self._longer * deflection)
         foot, heading = np.zeros((times, 3)), np.broadcast_to(np.eye(3), (times, 3, 3))
         out = np.empty((times, len(self._share), 3))
         for c in range(count):
             at = np.flatnonzero(self._section == c)
-            part = turns[:, None, c] * self._share[at, None]
-            along = _arc(part)[..., 0] * (piece_mm[:, None, c] * self._share[at])[..., None]
-            local = along + np.einsum("tmij,mj->tmi", _turn(part), self._off_mm[at])
+            part = bends[:, None, c] * self._share[at, None]
+            turn, bow = turns(part)
+            along = bow[..., 0] * (piece_mm[:, None, c] * self._share[at])[..., None]
+            local = along + np.einsum("tmij,mj->tmi", turn, self._off_mm[at])
             out[:, at] = foot[:, None] + np.einsum("tij,tmj->tmi", heading, local)
-            end = _arc(turns[:, c])[..., 0] * piece_mm[:, c, None]
+            turn, bow = turns(bends[:, c])
+            end = bow[..., 0] * piece_mm[:, c, None]
             foot = foot + np.einsum("tij,tj->ti", heading, end)
-            heading = heading @ _turn(turns[:, c])
+            heading = heading @ turn
         return out.reshape(times, -1)
 
 
@@ -184,19 +160,21 @@ class TwoSegmentArm(Rig):
     def shape(self, deflection: Floats) -> Floats:
         times = len(deflection)
         own = deflection.reshape(times, 2, 3)
-        turns = np.einsum("tsc,scx->tsx", own, self._turns)
+        bends = np.einsum("tsc,scx->tsx", own, self._turns)
         piece_mm = self._long_mm + np.einsum("tsc,sc->ts", own, self._longer_mm)
         foot, heading = np.zeros((times, 3)), np.broadcast_to(np.eye(3), (times, 3, 3))
         out = np.empty((times, len(self._share), 3))
         for s in range(2):
             at = np.flatnonzero(self._segment == s)
-            part = turns[:, None, s] * self._share[at, None]
-            along = _arc(part)[..., 2] * (piece_mm[:, None, s] * self._share[at])[..., None]
-            local = along + np.einsum("tmij,mj->tmi", _turn(part), self._off_mm[at])
+            part = bends[:, None, s] * self._share[at, None]
+            turn, bow = turns(part)
+            along = bow[..., 2] * (piece_mm[:, None, s] * self._share[at])[..., None]
+            local = along + np.einsum("tmij,mj->tmi", turn, self._off_mm[at])
             out[:, at] = foot[:, None] + np.einsum("tij,tmj->tmi", heading, local)
-            end = _arc(turns[:, s])[..., 2] * piece_mm[:, s, None]
+            turn, bow = turns(bends[:, s])
+            end = bow[..., 2] * piece_mm[:, s, None]
             foot = foot + np.einsum("tij,tj->ti", heading, end)
-            heading = heading @ _turn(turns[:, s])
+            heading = heading @ turn
         return (out * self._hang).reshape(times, -1)
 
 
@@ -289,7 +267,7 @@ class PouchSheet(Rig):
         out = np.empty((times, len(self._hinge), 3))
         for c in range(count):
             foot = foot + heading[:, :, 0] * (self._panel_mm[c] - drawn_mm[:, c, None])
-            heading = heading @ _turn(angle[:, c, None] * self._axis[c])
+            heading = heading @ turns(angle[:, c, None] * self._axis[c])[0]
             at = np.flatnonzero(self._hinge == c)
             out[:, at] = foot[:, None] + np.einsum("tij,mj->tmi", heading, self._on_mm[at])
         return out.reshape(times, -1)

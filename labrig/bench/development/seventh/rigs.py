@@ -4,20 +4,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.bench._nature import Rig
-from labrig.bench.development.rigs._common import chambers, markers
-
-
-def _turns(rotation: Floats) -> tuple[Floats, Floats]:
-    """The matrices (T, 3, 3) of rotation vectors (T, 3), and those by which a straight way along them is bent."""
-    angle = np.linalg.norm(rotation, axis=1)[:, None, None]
-    zero = np.zeros(len(rotation))
-    x, y, z = rotation.T
-    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
-    sine, half = np.sinc(angle / np.pi), 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    small = angle < 1e-3
-    third = np.where(small, 1 / 6, (1 - sine) / np.where(small, 1.0, angle) ** 2)
-    square = cross @ cross
-    return np.eye(3) + sine * cross + half * square, np.eye(3) + half * cross + third * square
+from labrig.bench.development.rigs._common import chambers, markers, turns
 
 
 class Auger(Rig):
@@ -62,7 +49,7 @@ class Auger(Rig):
             longer = 0.5 + np.log1p(np.exp(np.clip(2 * own @ self._grows[k], -40, 40))) / (2 * np.log(2))
             piece = np.zeros_like(foot)
             piece[:, 2] = self._long_mm[k] * longer / self._rings
-            turn, bow = _turns(own @ self._turns_rad[k] / self._rings)
+            turn, bow = turns(own @ self._turns_rad[k] / self._rings)
             for _ in range(self._rings):
                 foot = foot + np.einsum("txy,tyz,tz->tx", frame, bow, piece)
                 frame = frame @ turn
@@ -114,7 +101,7 @@ class Spine(Rig):
             own = slice(3 * k, 3 * k + 3)
             parts_mm = self._high_mm[k] * self._opens[own] * deflection[:, own]
             faces = np.stack([np.sin(self._faces[k]), -np.cos(self._faces[k]), np.zeros(3)], axis=1)
-            turn, bow = _turns(parts_mm @ faces * 2 / (3 * self._wide_mm))
+            turn, bow = turns(parts_mm @ faces * 2 / (3 * self._wide_mm))
             piece = np.zeros_like(foot)
             # plates meet in the end
             piece[:, 2] = self._high_mm[k] * np.exp(parts_mm.mean(axis=1) / self._high_mm[k])
