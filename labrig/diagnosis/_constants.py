@@ -21,7 +21,8 @@ SLOW_FLOORS = (0.05, 0.6)
 """Prior sds of the slow noise, in floors: hardly any, and as much as the hardest null has. Set by hand; a third one
 between them changed no verdict of 96 campaigns of the fifth portion."""
 P_EFFECT = 0.1
-"""Prior probability of each further effect with a name, and of an error of form of the base: no model is exact."""
+"""Prior probability of each further effect with a name, of an error of form of the base (no model is exact), and that
+the law of one that is there lies in two of its spaces."""
 P_UNNAMED = 0.003
 """Prior probability of each kind of structure without a name: a name explains more often than none does."""
 INDEPENDENT = 2000
