@@ -70,6 +70,7 @@ class Search:
             self.blocks.setdefault(block.owner, []).append(i)
         self.slow_at = design.blocks[self.blocks[SLOW][0]].at
         self.free = [f.owner for f in design.free if f.owner != DECLARED]
+        self.free_shares = {f.owner: 1.0 / max(f.space.scanned, 1) for f in design.free}
         self.owners = [o for o in self.blocks if o not in (SLOW, DECLARED)]
         items = self.owners + self.free
         self.spike = float(k.SMALL * np.hypot(1.0, self.T) / np.sqrt(max(len(items), 1)))
@@ -111,7 +112,7 @@ class Search:
     def _prior_of(self, owner: str, block: int, size: float) -> float:
         """That of one part of it; what has no name is rarer, as a trace too."""
         usual = k.P_EFFECT if is_name(owner) or owner in OF_BASE else k.P_UNNAMED
-        share = self.design.blocks[block].share if block >= 0 else 1.0
+        share = self.design.blocks[block].share if block >= 0 else self.free_shares[owner]
         if size in self.traces:
             return float(np.log(share * k.P_TRACE * usual / k.P_EFFECT / len(self.traces)))
         return float(np.log(share * usual / len(self.sizes)))

@@ -11,6 +11,7 @@ from labrig.effects._registry import USER_FOLDER, get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, join_rows, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part
+from labrig.effects._slips import errors_by_capture
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._template import write_template
 from labrig.effects._weights import form_of, is_family, labels_of, made_of, pressures_of, weighable, weighted
@@ -40,6 +41,7 @@ __all__ = [
     "by_marker",
     "centre_of",
     "contribution",
+    "errors_by_capture",
     "field",
     "fill",
     "form_of",

@@ -9,7 +9,7 @@ from labrig.effects._context import Context
 from labrig.effects._family import Space, acting, field
 from labrig.effects._fields import frame_modes
 from labrig.effects._in_parts import affine
-from labrig.effects._slips import errors, in_scatters, moment, step_gain
+from labrig.effects._slips import errors_by_capture, in_scatters, moment, step_gain
 
 _FEWEST = 8
 
@@ -35,7 +35,7 @@ def kick(context: Context) -> Kick | None:
     rows = context.rows
     if rows.n_captures < _FEWEST or (rows.axis >= 0).sum() < 6:
         return None
-    captures, error = errors(context)
+    captures, error = errors_by_capture(context)
     modes = frame_modes(context).mean(axis=0)
     modes = modes / np.maximum(np.sqrt((modes**2).mean(axis=0)), 1e-12)
     motion = error @ np.linalg.pinv(modes, rcond=1e-6).T

@@ -20,7 +20,7 @@ _DEARER = 2.0
 """What each further coordinate that may step has to explain more, in units of its noise: about its own chance gain."""
 
 
-def errors(context: Context) -> tuple[Ints, Floats]:
+def errors_by_capture(context: Context) -> tuple[Ints, Floats]:
     """The captures, and the mean residual of each (n, K), what was not seen filled by what is like it."""
     rows, residual = context.rows, context.residual
     captures, index = np.unique(rows.capture, return_inverse=True)

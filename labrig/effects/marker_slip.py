@@ -10,7 +10,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, field, motion_scale
 from labrig.effects._sign import Part, Sign, by_capture
-from labrig.effects._slips import errors, moment, slips
+from labrig.effects._slips import errors_by_capture, moment, slips
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
@@ -100,7 +100,7 @@ class MarkerSlip(Effect):
         if len(captures) < 8 or len(markers) < 4:
             return
 
-        captures, error = errors(context)
+        captures, error = errors_by_capture(context)
         for slip in slips(rows, error):
             group, since = slip.group, int(captures[slip.first])
             own, after = np.isin(rows.marker, group), rows.capture >= since

@@ -70,7 +70,7 @@ def _covariates_of(carried_by: str) -> str:
         return ""
     if "history" in carried_by or "hold" in carried_by:
         return "pressure, time in hold, history"
-    return "pressure, time in session" if carried_by.startswith("time") else STATIC
+    return "pressure, time in session" if carried_by.startswith(("time", "a sudden")) else STATIC
 
 
 def in_words(carried_by: str) -> str:

@@ -1,0 +1,74 @@
+"""A rig that changes at one moment, for good or for a while: no effect of the library, and said to come suddenly."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import prepared, rows_from
+from labrig.diagnosis._sudden import stretch
+from tests.naming import verdict_of
+
+BROKEN, LAID, TAKEN = 21, 17, 34
+
+
+def seam_opens(lab: Any) -> np.ndarray:
+    """From one capture on the wall of the first chamber strains by a power of its pressure, further than before."""
+    values = lab.predict(lab.u)
+    x = lab.u[BROKEN:, :, :1] / lab.u.max()
+    values[BROKEN:] += 0.25 * x**1.3 * lab.reach[:, 0]
+    return values
+
+
+def lies_on_it(lab: Any) -> np.ndarray:
+    """A weight lies on the body for a while: what is below its middle sinks, and less where it is blown up hard."""
+    values = lab.predict(lab.u)
+    points = values.reshape(*values.shape[:-1], -1, 3)
+    far = np.linalg.norm(lab.rest_mm - lab.rest_mm.mean(axis=0), axis=1)
+    sag = 2.5 * np.exp(-((far / 60.0) ** 2)) / (1 + lab.u.mean(axis=2, keepdims=True) / lab.u.max())
+    points[LAID:TAKEN, :, :, 2] -= sag[LAID:TAKEN]
+    return points.reshape(values.shape)
+
+
+@pytest.mark.parametrize(
+    ("happens", "when"),
+    [
+        (seam_opens, f"a sudden change before capture {BROKEN}"),
+        (lies_on_it, f"a sudden change from capture {LAID} to {TAKEN - 1}"),
+    ],
+)
+def test_what_happens_at_one_moment_has_no_name_but_a_time(make_lab, happens, when) -> None:
+    """A seam that opens, and a thing that lies there for a while, are unknown; the captures are said to the number."""
+    lab = make_lab(markers=12, captures=60)
+    found = verdict_of(lab.dataset(happens(lab) + lab.noise()), lab.model())
+    assert (found.verdict, found.effects) == ("unknown", ())
+    assert found.carried_by == when
+
+
+def test_a_slow_warm_up_is_no_sudden_change(make_lab) -> None:
+    """Sensors whose zero creeps with the clock are drift, as before."""
+    lab = make_lab(markers=12, captures=60)
+    t = lab.time_s / np.nanmax(lab.time_s)
+    warm = lab.u * (1 + 0.12 * np.sqrt(t)[:, :, None])
+    found = verdict_of(lab.dataset(lab.predict(warm) + lab.noise()), lab.model())
+    assert (found.verdict, found.effects) == ("identified", ("drift",))
+
+
+@pytest.mark.parametrize("captures", [40, 150, 700])
+def test_the_moments_are_found_to_the_capture(make_lab, captures) -> None:
+    """However many captures there are, begin and end of a stretch are found exactly."""
+    lab = make_lab(markers=6, captures=captures, rows_s=(3.0,))
+    first, end = captures // 3 + 1, captures // 2 + 5
+    values = lab.predict(lab.u)
+    values[first:end] += 0.2 * (lab.predict(lab.u) - lab.rest)[first:end]
+    ready = prepared(rows_from(lab.dataset(values + lab.noise())), lab.model())
+    found = stretch(ready.context)
+    assert found is not None
+    assert (found.first, found.end) == (first, end)
+
+
+def test_too_few_captures_have_no_sudden_change(make_lab) -> None:
+    """With fewer captures than two stretches need nothing is looked for."""
+    lab = make_lab(markers=6, captures=15)
+    ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
+    assert stretch(ready.context) is None
