@@ -103,7 +103,7 @@ class _Lines:
         return cls(G + 0.0, b, (change**2).sum(axis=0))
 
     def best(self, begins: Ints, ends: Ints) -> tuple[int, int, float]:
-        """The begin and the end where two lines of each chamber are likelier than one by most, and by how much, nats."""
+        """The begin and the end where two lines of each chamber are likeliest beside one, and by how much, nats."""
         a, b = (v.ravel() for v in np.meshgrid(begins, ends, indexing="ij"))
         long = (b - a >= _FEWEST) & (len(self.G) - 1 - (b - a) >= _FEWEST) & (a > 0)
         if not long.any():
