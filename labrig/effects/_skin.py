@@ -5,7 +5,10 @@ import numpy as np
 from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.effects._context import Context
-from labrig.effects._family import motion_scale
+from labrig.effects._family import Feature, field, motion_scale
+
+_FLAT = 0.1
+"""Extent of the body, share of its longest, below which it has no places that differ along that way."""
 
 
 def at_events(context: Context) -> Floats:
@@ -33,6 +36,37 @@ def lag_behind(context: Context, tau_s: float) -> Floats:
     """How far a first-order lag of each observable stays behind it, (F, K)."""
     drive = at_events(context)
     return context.lagged(tau_s, drive) - drive[context.rows.event]
+
+
+def settling(context: Context, tau_s: float) -> Floats:
+    """What is left of the last motion of each observable as a damped body of second order loses it, (F, K)."""
+    q = context.elapsed_s[:, None] / tau_s
+    return last_motion(context) * (1 + q) * np.exp(-q)
+
+
+def last_motion(context: Context) -> Floats:
+    """How far each observable was, before the last actuation, from where it is now, (F, K)."""
+    drive = at_events(context)
+    before = context.started
+    return (np.where((before >= 0)[:, None], drive[before], 0.0) - drive)[context.rows.event]
+
+
+def by_place(context: Context, name: str, values: Floats) -> list[Feature]:
+    """Functions (F, K) that are larger on one side of the body than on the other, along each way that it is long in."""
+    return [field(f"{name} by place {a}", values * z) for a, z in enumerate(_places(context))]
+
+
+def _places(context: Context) -> Floats:
+    """Where each observable is at rest along the ways in which the body is long, (n, K), of unit spread."""
+    rows = context.rows
+    out = np.zeros((3, len(rows.marker)))
+    if rows.rest_mm is None or not np.isfinite(rows.rest_mm).all() or len(rows.rest_mm) < 3:
+        return out[:0]
+    away = rows.rest_mm - rows.rest_mm.mean(axis=0)
+    _, size, ways = svd(away)
+    own = np.flatnonzero(rows.marker >= 0)
+    out[:, own] = (away @ ways.T / np.maximum(size, 1e-300) * np.sqrt(len(away))).T[:, rows.marker[own]]
+    return out[size > _FLAT * size.max()]
 
 
 def body_behind(context: Context, width: float) -> Floats:

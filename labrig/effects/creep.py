@@ -10,7 +10,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, lags, pressure
 from labrig.effects._sign import Part, Sign, along_own, by_chamber, of_step, shows
-from labrig.effects._skin import lag_behind
+from labrig.effects._skin import by_place, lag_behind
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
@@ -110,8 +110,12 @@ class Creep(Effect):
         if not context.linear:
             out.append(pressure("settled wall", context.deflection / context.deflection_slope, 0.05))
         yield Space("retarded", "creep", acting(out), 0.8)
-        skin = [field(f"skin {tau}", lag_behind(context, tau)) for tau in taus[1:]]
+        lagging = [(f"skin {tau}", lag_behind(context, tau)) for tau in taus[1:]]
+        skin = [field(name, values) for name, values in lagging]
         yield Space("in the skin", "creep skin", acting(skin))
+        places = [f for name, values in lagging for f in by_place(context, name, values)]
+        if places:
+            yield Space("in the skin, by place", "creep skin by place", acting(skin + places))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)

@@ -7,9 +7,9 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Feature, Space, acting, lags, pressure
+from labrig.effects._family import Feature, Space, acting, field, lags, pressure
 from labrig.effects._sign import Part, Sign, of_step
-from labrig.effects._skin import lag_behind
+from labrig.effects._skin import by_place, lag_behind, last_motion, settling
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
 SAMPLES = (1, 2, 3, 5, 8, 13, 21)
@@ -68,6 +68,7 @@ class Delay(Effect):
         for whole_s in (2.0, 4.0, 8.0):
             out.append(pressure(f"filling {whole_s}", _filling(context, whole_s), 0.3))
         yield Space("late", "delay", acting(out), 0.8)
+        yield from _seen_late(context)
         if dt := context.sample_s:
             yield Space(
                 "by samples", "delay by samples", acting(_by_samples(context, dt)), 0.8, absolute=False
@@ -81,6 +82,20 @@ class Delay(Effect):
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS
+
+
+def _seen_late(context: Context) -> Iterator[Space]:
+    """Lags of what is seen: a filter, a heavy body; and parts of it that follow later than others."""
+    taus, left = (0.3, 0.6, 1.2, 2.4), last_motion(context)
+    lagging = [(f"skin {tau}", lag_behind(context, tau)) for tau in taus]
+    skin = [field(name, values) for name, values in lagging]
+    for tau in taus:
+        skin.append(field(f"skin second order {tau}", settling(context, tau), 0.5))
+        skin.append(field(f"skin dead {tau}", left * (context.elapsed_s < tau)[:, None], 0.3))
+    yield Space("in the skin", "delay skin", acting(skin))
+    places = [f for name, values in lagging for f in by_place(context, name, values)]
+    if places:
+        yield Space("in the skin, by place", "delay skin by place", acting(skin[: len(taus)] + places))
 
 
 def _filling(context: Context, whole_s: float) -> Floats:

@@ -10,7 +10,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
-from labrig.effects._skin import body_behind, marker_behind, play_behind
+from labrig.effects._skin import body_behind, by_place, marker_behind, play_behind
 
 
 class Friction(Effect):
@@ -86,8 +86,12 @@ class Friction(Effect):
         out.append(pressure("more one way", -np.abs(turn), 0.1))
         out += memory(context)
         yield Space("sliding", "friction", acting(out))
-        skin = [field(f"skin {w}", play_behind(context, w) / w, 0.5) for w in (0.02, 0.05, 0.12)]
+        behind = [(f"skin {w}", play_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
+        skin = [field(name, values, 0.5) for name, values in behind]
         yield Space("under the skin", "friction skin", acting(skin))
+        places = [f for name, values in behind for f in by_place(context, name, values)]
+        if places:
+            yield Space("under the skin, by place", "friction skin by place", acting(skin + places))
         if len(context.rows.chambers) < 2:
             return  # what a single chamber moves is held back as that chamber is
         if (context.rows.marker >= 0).any():

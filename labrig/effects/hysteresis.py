@@ -11,7 +11,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, ball_of, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, by_chamber
-from labrig.effects._skin import body_behind, body_settled, play_behind
+from labrig.effects._skin import body_behind, body_settled, by_place, play_behind
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
@@ -124,9 +124,13 @@ class Hysteresis(Effect):
             out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
         out += memory(context)
         yield Space("play", "hysteresis", acting(out), 0.8)
-        skin = [field(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
+        behind = [(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
+        skin = [field(name, values) for name, values in behind]
         body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]
         yield Space("in the skin", "hysteresis skin", acting(skin + body))
+        places = [f for name, values in behind for f in by_place(context, name, values)]
+        if places:
+            yield Space("in the skin, by place", "hysteresis skin by place", acting(skin + places))
         if len(context.rows.chambers) < 2:
             return  # what a single chamber moves follows that chamber's own loop
         body += [field(f"body settled {p}", body_settled(context, p), 0.3) for p in (0.5, 1.0, 2.0)]
