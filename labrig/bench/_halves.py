@@ -18,6 +18,7 @@ PORTIONS = {
     "seventh": "labrig.bench.development.seventh",
     "eighth": "labrig.bench.development.eighth",
     "ninth": "labrig.bench.development.ninth",
+    "tenth": "labrig.bench.development.tenth",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)

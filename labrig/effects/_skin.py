@@ -52,8 +52,17 @@ def last_motion(context: Context) -> Floats:
 
 
 def by_place(context: Context, name: str, values: Floats) -> list[Feature]:
-    """Functions (F, K) that are larger on one side of the body than on the other, along each way that it is long in."""
-    return [field(f"{name} by place {a}", values * z) for a, z in enumerate(_places(context))]
+    """Functions (F, K) that are larger on one side of the body than on the other, along each way that it is long in.
+
+    What another gain at each place would do is taken off: the base may be wrong in that.
+    """
+    out = []
+    for a, z in enumerate(_places(context)):
+        own, gain = values * z, context.displacement * z
+        square = float((gain**2).sum())
+        if square > 0:
+            out.append(field(f"{name} by place {a}", own - float((own * gain).sum()) / square * gain))
+    return out
 
 
 def _places(context: Context) -> Floats:

@@ -7,9 +7,10 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, pressure
+from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._sign import Part, Sign, of_field, pressures
+from labrig.effects._skin import by_place
 
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
 _HELD = 0.1
@@ -65,6 +66,16 @@ class Leak(Effect):
                 out.append(pressure(f"gained {tau}", (x @ overlap(context).T - x) * -lost, 0.3))
                 out.append(pressure(f"gained by all {tau}", (x.mean(axis=1, keepdims=True) - x) * -lost, 0.1))
         yield Space("lost", "leak", acting(out), 0.4)
+        sinking = [
+            (f"skin {tau}", context.displacement * np.expm1(-t / tau)) for tau in (6.0, 60.0, 600.0, 10000.0)
+        ]
+        skin = [field(name, values) for name, values in sinking]
+        skin += [
+            field(f"{name} load", values * x.mean(axis=1, keepdims=True), 0.5) for name, values in sinking
+        ]
+        yield Space("in the skin", "leak skin", acting(skin))
+        if places := [f for name, values in sinking for f in by_place(context, name, values)]:
+            yield Space("in the skin, by place", "leak skin by place", acting(skin[: len(sinking)] + places))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)

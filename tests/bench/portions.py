@@ -28,6 +28,7 @@ _KINDS = {
     "seventh": ("auger", "spine", "auger", "spine"),
     "eighth": ("mattress", "tripod", "mattress", "lung"),
     "ninth": ("blown_dome", "two_segment_arm", "blown_dome", "two_segment_arm"),
+    "tenth": ("wheel", "fan", "cilia", "fan"),
 }
 SEVERAL, OTHER, BENT, RUBS = ({half: kinds[i] for half, kinds in _KINDS.items()} for i in range(4))
 """Rigs of each portion: one with six chambers or more, and markers; another one; one whose walls are bent; one for

@@ -233,10 +233,10 @@ def test_names_that_do_not_exist() -> None:
         draw("force", 0)
     with pytest.raises(
         LabrigError,
-        match=r"^bench: there is no half 'tenth' \(known: development, exam, third, fourth, fifth, sixth, "
-        r"seventh, eighth, ninth\)",
+        match=r"^bench: there is no half 'twelfth' \(known: development, exam, third, fourth, fifth, sixth, "
+        r"seventh, eighth, ninth, tenth\)",
     ):
-        draw("null", 0, "tenth")
+        draw("null", 0, "twelfth")
 
 
 def test_only_what_is_plain_is_pickled() -> None:

@@ -23,14 +23,16 @@ IN_SIGHT = ("CrackInTheWhole", "Pinholes", "OneEuroFilter", "HeavyBody", "Averag
 
 @pytest.mark.parametrize("name", [name for name in named("leak") if name not in IN_SIGHT])
 def test_a_leak_brings_a_held_pressure_nearer_to_the_rooms(name: str) -> None:
-    """Within a hold a leak takes pressure away, or vacuum; only a pocket that is full gives some back to a chamber."""
+    """Within a hold a leak takes pressure away, or vacuum; only a pocket that is full, or a valve that tops it up,
+    gives some back to a chamber.
+    """
     for rigs in (SEVERAL, OTHER):
         found, path = law_on(name, rigs, 1)
         left = found.pressure(path, path.kpa, 1.0)
         lost = [np.abs(left[e]) - np.abs(left[b]) for b, e in _holds(path)]
         high = np.abs(path.kpa).max()
         assert np.min(lost) < -0.02 * high
-        assert np.max(lost) < 1e-3 * high or name == "HiddenPocket"
+        assert np.max(lost) < 1e-3 * high or name in ("HiddenPocket", "ToppedUp")
 
 
 def test_a_hidden_pocket_fills_up_and_gives_back() -> None:
@@ -82,7 +84,11 @@ def test_delay_is_over_at_the_end_of_a_long_hold(name: str) -> None:
     assert max(off[e] for _, e in holds if path.hold_s[e] > 14) < 1e-3
 
 
-@pytest.mark.parametrize("name", named("friction"))
+BETWEEN_WALLS = ("RubsOnItsNeighbour",)
+"""Friction of what moves unlike its neighbour; here all chambers are filled alike."""
+
+
+@pytest.mark.parametrize("name", [name for name in named("friction") if name not in BETWEEN_WALLS])
 def test_friction_is_behind_whichever_way_it_comes_from(name: str) -> None:
     """The same set-point is reached from below and from above with different shapes, and stays as it is in a hold."""
     half, law = LAWS[name]
@@ -116,6 +122,7 @@ REACHING = (
     "LeakyPartition",
     "SeptumBulges",
     "WallsTouch",
+    "OnOneHalfSpace",
 )
 """Laws of coupling by which what fills one chamber reaches another."""
 
@@ -132,7 +139,13 @@ def test_what_fills_one_chamber_reaches_a_vented_one(name: str) -> None:
     assert np.allclose(found.wall(path, 0 * alone, rig.deflection(0 * alone), 1.0), 0)
 
 
-@pytest.mark.parametrize("name", [name for name in named("coupling") if name not in REACHING])
+REMEMBERING = ("TankThatEmpties",)
+"""Coupling by what was filled before: no chamber is alone there."""
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in named("coupling") if name not in (*REACHING, *REMEMBERING)]
+)
 def test_coupling_does_nothing_to_a_chamber_alone(name: str) -> None:
     """Each chamber alone moves as modelled, at least within its limits; together they do not."""
     found, path = law_on(name, SEVERAL, 1)
@@ -146,7 +159,7 @@ def test_coupling_does_nothing_to_a_chamber_alone(name: str) -> None:
     assert off[-1] > 3 * rig.noise
 
 
-LATER = ("TripodKicked", "TurningAxisElsewhere", "CameraBumped", "CalibratedAnew")
+LATER = ("TripodKicked", "TurningAxisElsewhere", "CameraBumped", "CalibratedAnew", "MovedForAWhile")
 """Frames that are moved at one moment, or by the tilt."""
 
 

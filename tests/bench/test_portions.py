@@ -19,7 +19,7 @@ from labrig.bench._programmes import CONFOUNDED_DESIGNS, DESIGNS, make_plan
 from labrig.bench.development import DEVELOPMENT
 from tests.bench.portions import LAWS, PORTIONS, case, law_on, laws_of, quickest, untouched
 
-THIRD, FOURTH, FIFTH, SIXTH, SEVENTH, EIGHTH, NINTH = PORTIONS
+THIRD, FOURTH, FIFTH, SIXTH, SEVENTH, EIGHTH, NINTH, TENTH = PORTIONS
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -58,10 +58,10 @@ def test_a_law_is_the_same_law_each_time(name: str) -> None:
 
 @pytest.mark.parametrize("half", PORTIONS, ids=lambda half: half.name)
 def test_every_effect_has_three_new_published_laws_and_four_more_have_no_effect(half: Half) -> None:
-    """Each effect has three laws (of the seventh portion two) or more, each with its source, and a name of its own."""
+    """Each effect has three laws (of two portions two) or more, each with its source, and a name of its own."""
     assert set(half.laws) == set(EFFECTS)
     for effect, laws in half.laws.items():
-        assert len(laws) >= (2 if half is SEVENTH else 3)
+        assert len(laws) >= (2 if half in (SEVENTH, TENTH) else 3)
         assert {law.effect for law in laws} == {effect}
     assert len(half.outside) >= 4
     assert not {law.effect for law in half.outside} & set(EFFECTS)
@@ -96,26 +96,28 @@ def test_a_rig_rests_when_vented_and_moves_when_full(kind: type[Rig]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("half", "chambers", "most", "units", "both_ways"),
+    ("half", "chambers", "numbers", "units", "both_ways"),
     [
-        (THIRD, {1, 12}, 100, {"mm", "N", "kPa", "deg"}, {"sheet"}),
-        (FOURTH, {2, 8}, 90, {"mm", "N", "V", "deg"}, set()),
-        (FIFTH, {1, 12}, 120, {"mm", "N", "dpt", "deg", "um/m"}, {"snake"}),
-        (SIXTH, {1, 14}, 100, {"mm", "ml", "N m", "um", "deg"}, {"ray"}),
-        (SEVENTH, {1, 12}, 80, {"mm", "l/min", "kPa"}, {"spine"}),
-        (EIGHTH, {1, 12}, 100, {"mm", "N", "ml"}, {"tripod"}),
-        (NINTH, {2, 8}, 80, {"mm", "deg"}, {"blown_dome"}),
+        (THIRD, {1, 12}, (2, 100), {"mm", "N", "kPa", "deg"}, {"sheet"}),
+        (FOURTH, {2, 8}, (2, 90), {"mm", "N", "V", "deg"}, set()),
+        (FIFTH, {1, 12}, (2, 120), {"mm", "N", "dpt", "deg", "um/m"}, {"snake"}),
+        (SIXTH, {1, 14}, (2, 100), {"mm", "ml", "N m", "um", "deg"}, {"ray"}),
+        (SEVENTH, {1, 12}, (2, 80), {"mm", "l/min", "kPa"}, {"spine"}),
+        (EIGHTH, {1, 12}, (2, 100), {"mm", "N", "ml"}, {"tripod"}),
+        (NINTH, {2, 8}, (2, 80), {"mm", "deg"}, {"blown_dome"}),
+        (TENTH, {3, 9}, (30, 80), {"mm"}, {"wheel"}),
     ],
     ids=NAMES,
 )
 def test_rigs_are_as_unlike_as_laboratories(
-    half: Half, chambers: set[int], most: int, units: set[str], both_ways: set[str]
+    half: Half, chambers: set[int], numbers: tuple[int, int], units: set[str], both_ways: set[str]
 ) -> None:
     """From few chambers to many, from a number or two to a hundred, with and without markers, of several units."""
     drawn = [kind(np.random.default_rng(seed)) for kind in half.rigs.values() for seed in range(12)]
     assert chambers <= {len(rig.chambers) for rig in drawn}
     sizes = [len(rig.observables) for rig in drawn]
-    assert min(sizes) <= 2
+    fewest, most = numbers
+    assert min(sizes) <= fewest
     assert most < max(sizes) <= 150
     assert {rig.observables[0].unit for rig in drawn} == units
     assert {rig.kind for rig in drawn if (rig.low_kpa < 0).any()} == both_ways
