@@ -13,6 +13,7 @@ from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part
 from labrig.effects._slips import errors_by_capture
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
+from labrig.effects._stretches import Stretch, stretch_of
 from labrig.effects._template import write_template
 from labrig.effects._weights import form_of, is_family, labels_of, made_of, pressures_of, weighable, weighted
 
@@ -32,6 +33,7 @@ __all__ = [
     "Places",
     "Rows",
     "Space",
+    "Stretch",
     "Term",
     "Variant",
     "acting",
@@ -59,6 +61,7 @@ __all__ = [
     "pressures_of",
     "rows_of",
     "scale_mode",
+    "stretch_of",
     "to_rows",
     "weighable",
     "weighted",

@@ -13,6 +13,7 @@ from labrig.effects._in_parts import affine, another_in_each
 from labrig.effects._kicked import kick, since_a_kick
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_capture
+from labrig.effects._slips import moment
 from labrig.effects._turn import carried, turn_of, turned
 
 SMALL_RAD = 0.05
@@ -53,6 +54,7 @@ class Frame(Effect):
             meaning="translation along x, y, z and rotation about them, from one moment on",
         ),
         Parameter("since_s", "s", meaning="when it was moved, since the run began", given=True),
+        Parameter("until_s", "s", meaning="when it was back, since the run began", given=True),
         Parameter("turned", "1", 0.9, 1.1, meaning="how much of that turn there is"),
         Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
     )
@@ -138,18 +140,22 @@ class Frame(Effect):
 
 
 def _since(context: Context) -> Iterator[Variant]:
-    """One rigid motion from a moment on, where the residuals step most; a saved one as it is saved."""
+    """One rigid motion from a moment on, or between two, where the residuals say; a saved one as it is saved."""
     rows = context.rows
     if not np.isfinite(rows.time_s).all():
         return
     if "since_s" in context.pinned:
-        since_s = context.pinned["since_s"]
+        when = {name: context.pinned[name] for name in ("since_s", "until_s") if name in context.pinned}
     elif context.saved or (found := kick(context)) is None:
         return
     else:
-        since_s = found.moment_s(context)
-    after = (context.run_time_s >= since_s).astype(float)
-    yield Variant("rigid, since a moment", (Term("shift_since", "frame", after),), {"since_s": since_s})
+        when = {"since_s": moment(rows, found.first)}
+        if found.end is not None:
+            when["until_s"] = moment(rows, found.end)
+    t = context.run_time_s
+    then = ((t >= when["since_s"]) & (t < when.get("until_s", np.inf))).astype(float)
+    form = "rigid, between two moments" if "until_s" in when else "rigid, since a moment"
+    yield Variant(form, (Term("shift_since", "frame", then),), when)
 
 
 def _large_turn(context: Context) -> Floats | None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import prepared, rows_from
-from labrig.diagnosis._sudden import stretch
+from labrig.diagnosis._sudden import changed
 from tests.naming import verdict_of
 
 BROKEN, LAID, TAKEN = 21, 17, 34
@@ -25,7 +25,7 @@ def lies_on_it(lab: Any) -> np.ndarray:
     values = lab.predict(lab.u)
     points = values.reshape(*values.shape[:-1], -1, 3)
     far = np.linalg.norm(lab.rest_mm - lab.rest_mm.mean(axis=0), axis=1)
-    sag = 2.5 * np.exp(-((far / 60.0) ** 2)) / (1 + lab.u.mean(axis=2, keepdims=True) / lab.u.max())
+    sag = 4.0 * np.exp(-((far / 20.0) ** 2)) / (1 + lab.u.mean(axis=2, keepdims=True) / lab.u.max())
     points[LAID:TAKEN, :, :, 2] -= sag[LAID:TAKEN]
     return points.reshape(values.shape)
 
@@ -62,13 +62,13 @@ def test_the_moments_are_found_to_the_capture(make_lab, captures) -> None:
     values = lab.predict(lab.u)
     values[first:end] += 0.2 * (lab.predict(lab.u) - lab.rest)[first:end]
     ready = prepared(rows_from(lab.dataset(values + lab.noise())), lab.model())
-    found = stretch(ready.context)
+    found = changed(ready.context)
     assert found is not None
     assert (found.first, found.end) == (first, end)
 
 
 def test_too_few_captures_have_no_sudden_change(make_lab) -> None:
     """With fewer captures than two stretches need nothing is looked for."""
-    lab = make_lab(markers=6, captures=15)
+    lab = make_lab(markers=6, captures=7, repeats=False)
     ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
-    assert stretch(ready.context) is None
+    assert changed(ready.context) is None
