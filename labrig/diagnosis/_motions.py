@@ -9,7 +9,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects import STRAINS, Context, Feature, Space, acting, any_curve, by_marker, field, to_rows
+from labrig.effects import (
+    STRAINS,
+    Context,
+    Feature,
+    Space,
+    acting,
+    any_curve,
+    by_marker,
+    field,
+    reached,
+    to_rows,
+)
 
 MOTION = "motion"
 """What these spaces belong to: one of them holds."""
@@ -25,7 +36,8 @@ def motions(context: Context) -> Iterator[Space]:
     Each marker's motion goes through one small linear map (a turn, a shear, one axis against another: a model whose
     axes are not the rig's, or whose body gives way otherwise across than along); or it has the motion of places beside
     it (markers or patches that sit elsewhere, a mesh that is too coarse). Or walls follow another curve, which is then
-    one with that of the effects of a chamber's own pressure.
+    one with that of the effects of a chamber's own pressure; or a chamber moves as its neighbours do, too, which is one
+    with what reaches it from them.
     """
     if not context.moves:
         return
@@ -41,6 +53,8 @@ def motions(context: Context) -> Iterator[Space]:
         ]
         yield Space("how all moves", MOTION, acting(out))
     yield any_curve(context)
+    if len(rows.chambers) > 1:
+        yield reached(context)
 
 
 def _otherwise(context: Context, motion: Floats) -> Iterator[Feature]:

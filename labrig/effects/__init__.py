@@ -7,6 +7,7 @@ from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes
 from labrig.effects._forms import plain_forms
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own_pressure import any_curve
+from labrig.effects._reached import reached
 from labrig.effects._registry import USER_FOLDER, get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, join_rows, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
@@ -59,6 +60,7 @@ __all__ = [
     "plain_forms",
     "pressure",
     "pressures_of",
+    "reached",
     "rows_of",
     "scale_mode",
     "stretch_of",

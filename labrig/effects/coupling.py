@@ -11,6 +11,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._obstacles import by_marker, to_rows
+from labrig.effects._reached import nearest, neighbours, reached
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._together import together
 
@@ -20,8 +21,8 @@ _OPEN = 0.05
 """Share of the range from which a chamber is open: a grid."""
 _EVEN = 0.1
 """Difference of two pressures, share of the range, up to which what goes between them goes with it: a grid."""
-_OTHERS, _THIRD = 6, 3
-"""Of how many neighbours each acts for itself, and of how many two act at once: grids, no limits of a verdict."""
+_THIRD = 3
+"""Of how many neighbours two act at once: a grid, no limit of a verdict."""
 
 
 class Coupling(Effect):
@@ -145,7 +146,7 @@ class Coupling(Effect):
 def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
     """Each chamber by each other one for itself, and by two at once; as soon as it is open; and if it is the fuller."""
     x, out = context.rows.fraction, []
-    others = nearest(near, x)[:_OTHERS]
+    others = neighbours(near, x)
     for k, y in enumerate(others, start=1):
         out += [
             pressure(f"by {k}", x * y),
@@ -169,14 +170,9 @@ def _pair_by_pair(context: Context, near: Floats) -> Iterator[Space]:
 
 def _reached(context: Context, near: Floats) -> Iterator[Space]:
     """What fills one chamber reaches another, whatever that one's own pressure is; or the two even out."""
-    x, out = context.rows.fraction, []
-    others = nearest(near, x)[:_OTHERS]
-    walls = nearest(near, context.deflection)[:_OTHERS]
-    for k, (y, wall) in enumerate(zip(others, walls, strict=True), start=1):
-        out.append(pressure(f"from {k}", y))
-        if not context.linear:
-            out.append(pressure(f"from the wall of {k}", wall / context.deflection_slope))
-    yield Space("reached", "coupling reached", acting(out), 0.3)
+    yield reached(context)
+    x = context.rows.fraction
+    others = neighbours(near, x)
     apart = [y - x for y in others]
     out = [pressure(f"to {k}", gap) for k, gap in enumerate(apart, start=1)]
     out += [
@@ -203,13 +199,6 @@ def _crosstalk(context: Context, near: Floats, pairs: list[tuple[int, int]]) -> 
             to[:, i, q], even[:, i, q] = x[:, j] * context.span[i], (x[:, j] - x[:, i]) * context.span[i]
     yield Variant("reached, pairs", (Term("reaches_pair", "pressure", to, labels),))
     yield Variant("evened out, pairs", (Term("exchanged_pair", "pressure", even, labels),))
-
-
-def nearest(near: Floats, x: Floats) -> list[Floats]:
-    """What the pressures (F, C) of each chamber's nearest, second nearest, ... other chamber are, (F, C) each."""
-    apart = near - 2.0 * np.eye(len(near))  # no chamber is its own neighbour, however few it has
-    order = np.argsort(-apart, axis=1, kind="stable")[:, :-1]
-    return [x[:, k] for k in order.T]
 
 
 def neighbour_pairs(near: Floats) -> list[tuple[int, int]]:

@@ -5,9 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from labrig.diagnosis import prepared, rows_from
+from labrig.effects import Space, library
 from tests.naming import verdict_of
 
-LONG = {"markers": 12, "captures": 60, "rows_s": (1.0, 1.5, 2.0, 3.0, 5.0, 12.0)}
+LONG = {"chambers": 2, "markers": 16, "captures": 60, "rows_s": (1.0, 1.5, 2.0, 3.0, 5.0, 12.0)}
 
 
 def along(lab: Any) -> np.ndarray:
@@ -35,8 +37,8 @@ def diffuses_along(lab: Any) -> np.ndarray:
 
 
 def sinks_in_places(lab: Any) -> np.ndarray:
-    """Under one end of the body the pockets lose air through orifices: hyperbolic in time, refilled each time."""
-    rate = 0.008 * np.clip(1.5 - 2 * along(lab), 0, 1)
+    """The nearer to one end, the faster pockets lose air through orifices: hyperbolic in time, refilled each time."""
+    rate = 0.006 * (1.2 - along(lab))
     return lab.rest + (lab.predict(lab.u) - lab.rest) / (1 + rate * lab.hold_s[:, :, None]) ** 2
 
 
@@ -66,3 +68,39 @@ def test_what_acts_at_each_place_in_its_own_measure_keeps_its_name(make_lab, law
     lab = make_lab(**LONG)
     found = verdict_of(lab.dataset(law(lab) + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("identified", (effect,))
+
+
+def columns_of(space: Space, context: Any) -> np.ndarray:
+    """The functions of a space as they show, (F K, n)."""
+    shown = [
+        f.values if f.kind == "field" else np.einsum("fkc,fc->fk", context.jacobian * context.span, f.values)
+        for f in space.features
+    ]
+    return np.stack([np.broadcast_to(v, context.base.shape).ravel() for v in shown], axis=1)
+
+
+def left_by(columns: np.ndarray, change: np.ndarray) -> float:
+    """The share of a change that no sum of the columns is, root mean square."""
+    fitted = columns @ np.linalg.lstsq(columns, change.ravel(), rcond=None)[0]
+    return float(np.linalg.norm(change.ravel() - fitted) / np.linalg.norm(change))
+
+
+@pytest.mark.parametrize(
+    ("law", "effect", "most"),
+    [(diffuses_along, "delay", 0.25), (sinks_in_places, "leak", 0.05), (rubs_in_places, "friction", 0.2)],
+)
+def test_the_family_holds_what_acts_by_place(make_lab, law, effect, most) -> None:
+    """Functions by place, beside another gain of each place, hold most of such a law; the plain ones leave far more."""
+    lab = make_lab(**LONG)
+    data = lab.dataset(law(lab))
+    context = prepared(rows_from(data), lab.model()).context
+    spaces = {space.key: space for space in library()[effect].family(context)}
+    key = next(key for key in spaces if key.endswith("by place"))
+    gains = (context.displacement[..., None] * np.stack([np.ones(len(lab.rest)), along(lab)], axis=1)).reshape(
+        context.base.size, -1
+    )
+    change = context.rows.values - context.base
+    plain = left_by(np.hstack([gains, columns_of(spaces[key.removesuffix(", by place")], context)]), change)
+    by_place = left_by(np.hstack([gains, columns_of(spaces[key], context)]), change)
+    assert by_place < most
+    assert by_place < 0.6 * plain

@@ -67,7 +67,7 @@ class PushesABlock(Law):
         for i in range(len(out)):
             if path.session[i] != session:
                 session = int(path.session[i])
-                front = self._stands[session]
+                front = self._stands[session % len(self._stands)]
             free = deflection[i]
             held = np.where(free > front, np.maximum(front, free - holds), free)
             out[i] = np.where(holds > 0, held, free)
