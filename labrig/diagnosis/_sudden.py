@@ -44,6 +44,8 @@ def changed(context: Context) -> Stretch | None:
     at = np.unique(rows.capture, return_index=True)[1]
     x, J = rows.fraction[at], context.jacobian[at] * context.span
     normal = np.einsum("nkc,nkd->ncd", J, J)
+    if not normal.any():  # a base that says the same at all pressures
+        return None
     normal += _SMALL * np.trace(normal.mean(axis=0)) * np.eye(normal.shape[1])
     change = np.linalg.solve(normal, np.einsum("nkc,nk->nc", J, error)[:, :, None])[:, :, 0]
     phi = np.stack([np.ones_like(x), x], axis=2)

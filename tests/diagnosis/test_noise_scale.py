@@ -55,7 +55,7 @@ def test_what_nothing_follows_is_unknown(make_lab) -> None:
 
 def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
     """From thin columns the same scale comes as from Gaussian densities with their whole covariance."""
-    lab = make_lab(chambers=1, force=True, captures=150)
+    lab = make_lab(chambers=1, force=True, captures=240)
     model, rows = lab.model(), rows_from(lab.dataset(lab.predict(lab.u) + 2.0 * lab.noise()))
     ready = prepared(rows, model)
     design = design_of(observe(ready.context, ready.residual, ready.floor), {"leak": model.library()["leak"]})
