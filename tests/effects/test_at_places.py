@@ -96,9 +96,9 @@ def test_the_family_holds_what_acts_by_place(make_lab, law, effect, most) -> Non
     context = prepared(rows_from(data), lab.model()).context
     spaces = {space.key: space for space in library()[effect].family(context)}
     key = next(key for key in spaces if key.endswith("by place"))
-    gains = (context.displacement[..., None] * np.stack([np.ones(len(lab.rest)), along(lab)], axis=1)).reshape(
-        context.base.size, -1
-    )
+    gains = (
+        context.displacement[..., None] * np.stack([np.ones(len(lab.rest)), along(lab)], axis=1)
+    ).reshape(context.base.size, -1)
     change = context.rows.values - context.base
     plain = left_by(np.hstack([gains, columns_of(spaces[key.removesuffix(", by place")], context)]), change)
     by_place = left_by(np.hstack([gains, columns_of(spaces[key], context)]), change)
