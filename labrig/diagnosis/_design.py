@@ -120,7 +120,8 @@ def design_of(
     blocks, start = [], 0
     for m in made:
         at = slice(start, start := start + m.columns.shape[2])
-        blocks += [Block(owner, space, at, _share(owner, space, count)) for owner, space in m.owners]
+        share = min(_share(owner, space, count) for owner, space in m.owners)
+        blocks += [Block(owner, space, at, share) for owner, space in m.owners]
     return Design(observations, V, spread, layout.together(made), tuple(blocks), tuple(free))
 
 
@@ -164,7 +165,7 @@ def _different(spaces: Sequence[Space]) -> list[Space]:
 
 def _share(owner: str, space: Space, count: Mapping[tuple[str, bool], int]) -> float:
     """Spaces of one owner are equally likely, and its plain forms together as likely as its other spaces together;
-    where they were found by a scan, as likely as each place scanned.
+    where they were found by a scan, as likely as each place scanned. A space of several owners is as likely under each.
     """
     if space.scanned:
         return 1.0 / space.scanned

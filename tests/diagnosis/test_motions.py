@@ -7,7 +7,7 @@ import numpy as np
 from labrig.diagnosis._motions import motions
 from labrig.effects import by_marker, to_rows
 from tests.effects.test_family import context_of, followed
-from tests.naming import verdict_of
+from tests.naming import calls_of, verdict_of
 
 
 def gone(lab: Any) -> np.ndarray:
@@ -30,6 +30,17 @@ def test_what_else_is_there_keeps_its_name(make_lab) -> None:
     found = verdict_of(lab.dataset(values + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("identified", ("hysteresis",))
     assert found.carried_by == "how the base itself moves"
+
+
+def test_what_chambers_have_of_each_other_may_be_the_base_s(make_lab) -> None:
+    """A base whose chambers lack what each gets from the next one: a loop (Bouc-Wen) is sure, and coupling is not."""
+    lab = make_lab(captures=80, markers=12)
+    got = 0.15 * np.tanh(1.3 * np.roll(lab.u, 1, axis=2) / lab.u.max()) * lab.u.max()
+    values = lab.predict(lab.looped(4.0)) + lab.predict(lab.u + got) - lab.predict(lab.u)
+    calls = calls_of(lab.dataset(values + lab.noise()), lab.model())
+    assert calls.pop("hysteresis") == "sure"
+    assert calls.pop("coupling") == "possible"
+    assert set(calls.values()) == {"not it"}
 
 
 def test_markers_that_sit_elsewhere_have_the_motion_of_places_beside(make_lab) -> None:

@@ -262,14 +262,25 @@ def lifted_by_the_next(context: Context) -> np.ndarray:
     return np.einsum("fkc,fc->fk", context.jacobian, lifted * context.span)
 
 
-def cameras_pushed(context: Context) -> np.ndarray:
-    """From one capture on the cameras stand elsewhere, turned exactly (Rodrigues) about a foot beside the rig."""
+def elsewhere(context: Context) -> np.ndarray:
+    """What cameras that stand elsewhere see, turned exactly (Rodrigues) about a foot beside the rig, (F, M, 3)."""
     assert context.rows.rest_mm is not None
     axis, turn = np.array([0.0, 0.6, 0.8]), 0.01
     arm = by_marker(context, context.displacement) + context.rows.rest_mm - [300.0, -100.0, 40.0]
     along = (arm @ axis)[..., None] * axis
     turned = along + np.cos(turn) * (arm - along) + np.sin(turn) * np.cross(axis, arm)
-    return to_rows(context, (context.rows.capture >= 22)[:, None, None] * (turned - arm + [0.4, 0.0, -0.7]))
+    return turned - arm + [0.4, 0.0, -0.7]
+
+
+def cameras_pushed(context: Context) -> np.ndarray:
+    """From one capture on the cameras stand elsewhere."""
+    return to_rows(context, (context.rows.capture >= 22)[:, None, None] * elsewhere(context))
+
+
+def cameras_pushed_and_back(context: Context) -> np.ndarray:
+    """Somebody leans against the cameras for some captures, and they spring back."""
+    capture = context.rows.capture
+    return to_rows(context, ((capture >= 13) & (capture < 27))[:, None, None] * elsewhere(context))
 
 
 def shrunk_in_its_mould(context: Context) -> np.ndarray:
@@ -294,6 +305,7 @@ TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
         ("coupling", through_a_hole_in_the_wall, "evened out", 0.97, {}),
         ("coupling", lifted_by_the_next, "reached", 0.97, {}),
         ("frame", cameras_pushed, "moved before capture 22", 0.99, {}),
+        ("frame", cameras_pushed_and_back, "moved from capture 13 to 26", 0.99, {}),
         ("rest_shape", shrunk_in_its_mould, "strained about its middle", 0.97, {}),
         ("gravity", amplified_by_its_weight, "the whole way", 0.98, TILT),
         ("gravity", lifted_by_a_growing_arm, "what each wall lifts", 0.98, TILT),

@@ -137,3 +137,16 @@ def test_a_slip_that_was_found_without_times_acts_on_a_run_that_has_them(make_la
     assert entry.form == "step at a capture"
     slipped = evaluate(timed, effect, entry).any(axis=1)
     assert (slipped == (timed.rows.capture >= 12)).all()
+
+
+def test_a_frame_that_was_moved_for_a_while_is_where_it_was_before_and_after(make_lab) -> None:
+    """On a later run it stands elsewhere between the same two moments, and nowhere else."""
+    effect, lab = shipped()["frame"], make_lab(captures=30)
+    values = lab.predict(lab.u) + lab.noise()
+    values[9:21, :, 2::3] += 4.0
+    fitted = context_of(lab, lab.dataset(values))
+    (variant,) = (v for v in effect.variants(fitted) if v.form == "rigid, between two moments")
+    later = context_of(lab, lab.dataset(lab.predict(lab.u) + lab.noise()))
+    moved = evaluate(later, effect, entry_of(fitted, effect, variant)).any(axis=1)
+    capture = later.rows.capture
+    assert (moved == ((capture >= 9) & (capture < 21))).all()
