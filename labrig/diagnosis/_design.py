@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from labrig.diagnosis._motions import MOTION, motions
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
-from labrig.effects import Effect, Space, motion_scale, plain_forms
+from labrig.effects import Effect, Feature, Space, motion_scale, plain_forms
 
 SLOW = "slow noise"
 DECLARED = "declared"
@@ -36,6 +36,8 @@ class Block:
     at: slice
     share: float = 1.0
     """Prior probability of this space among those of its owner."""
+    way: Floats | None = None
+    """By how much each of its columns (q,) goes the only way in which it can act; None where it may go either way."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,11 @@ def design_of(
         at = slice(start, start := start + m.columns.shape[2])
         share = min(_share(owner, space, count) for owner, space in m.owners)
         blocks += [Block(owner, space, at, share) for owner, space in m.owners]
-    return Design(observations, V, spread, layout.together(made), tuple(blocks), tuple(free))
+    W = layout.together(made)
+    blocks = [
+        b if b.space.along is None else replace(b, way=layout.way(b.space.along, W.of(b.at))) for b in blocks
+    ]
+    return Design(observations, V, spread, W, tuple(blocks), tuple(free))
 
 
 @dataclass(frozen=True)
@@ -315,6 +321,14 @@ class _Layout:
             wide[:, np.arange(r), :, np.arange(r)] = Q[None]
             out.append(wide.reshape(len(Q), r, -1))
         return np.concatenate(out, axis=2)
+
+    def way(self, along: Feature, columns: Floats) -> Floats:
+        """How much of a feature's own change each of these columns (S r, q) has, (q,)."""
+        if along.kind == "pressure":
+            raw = self.moves[self.observations.index] @ along.values[:, :, None].astype(self.dtype)
+        else:
+            raw = ((along.values / self.observations.unit).astype(self.dtype) @ self.V)[:, :, None]
+        return np.asarray(self.lift(raw).reshape(-1) @ columns, dtype=float)
 
     def lift(self, raw: Floats) -> Floats:
         """Rows (F, r, q) to observations (S, r, q)."""

@@ -269,6 +269,15 @@ class RaisedState:
         more = 2 * np.log(pivots[:, :q]).sum(axis=1) + 2 * q * np.log(sds / was)
         return np.asarray(pivots[:, q] ** 2, dtype=float), np.asarray(self.logdet + more, dtype=float)
 
+    def further_along(self, at: slice, sds: Floats, way: Floats) -> tuple[Floats, Floats]:
+        """How far such a block then acts along a `way` (q,) of its columns, and the sd of that, (n,) each."""
+        mean, covariance = self.mean[at], self.covariance(at)
+        delta = np.maximum(self.sd[at.start] ** -2.0 - sds**-2.0, 0.0)
+        M = (1 + _JITTER) * np.eye(len(mean)) - delta[:, None, None] * covariance
+        both = np.linalg.solve(M, np.stack([mean, covariance @ way], axis=1)[None])
+        acts = np.einsum("q,nqk->kn", way, both)
+        return acts[0], np.sqrt(np.maximum(acts[1], 0.0))
+
 
 def free_fit(sums: Sums, variance: Floats, columns: Floats) -> Floats:
     """Posterior means (g, r) of the free patterns' coefficients, beside the columns' coefficients (P,)."""

@@ -17,12 +17,11 @@ from labrig.diagnosis._evidence import (
     State,
     Sums,
     beside_free,
-    free_fit,
     free_variances,
-    unexplained,
 )
 from labrig.diagnosis._freed import taken
 from labrig.diagnosis._motions import MOTION
+from labrig.diagnosis._signs import log_gain
 from labrig.diagnosis._unnamed import FORM, LEVER
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -54,6 +53,8 @@ OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""
+_FAR = 12.0
+"""By how many nats a form may be worse than the best one to be asked for its signs; numerical."""
 _HOPELESS = 30.0
 """By how many nats a form of a part may be worse than its best one to be counted; numerical: it is a part in 10^13."""
 
@@ -80,6 +81,8 @@ class Search:
         self.priors: dict[tuple[str, int, float], float] = {}
         self.found: dict[frozenset[str], list[tuple[float, Raised, float]]] = {}
         self.seen: set = set()
+        self.ways = {i: block.way for i, block in enumerate(design.blocks) if block.way is not None}
+        self.signed: set = set()
 
     def state(self, background: Raised, slow: float) -> State:
         key = (background, slow)
@@ -126,8 +129,8 @@ class Search:
     def slow_beside(self, whole: Raised) -> float:
         """The size of slow noise that has the most evidence beside a form: each larger one is the least one raised."""
         least, *larger = sorted(k.SLOW_FLOORS)
-        background = tuple(q for q in whole if q[1] < 0)
-        begun = self.raise_blocks(background, least, tuple(q for q in whole if q[1] >= 0))
+        background, raised = split(whole)
+        begun = self.raise_blocks(background, least, raised)
         quads, logdets = begun.further(self.slow_at, np.array(larger))
         evidence = -0.5 * np.array([begun.quad + begun.logdet, *(quads + logdets)])
         values = [
@@ -160,6 +163,7 @@ class Search:
         ways = [list(self.traces)] if full else [list(self.traces), self.sizes]
         asked = np.concatenate(ways)
         begun, already = self.raise_blocks(background, slow, start), self.prior((*background, *start))
+        sign = self.sign(begun, start)
         for owner in self.owners:
             if have[owner] > (owner in first):
                 continue
@@ -168,17 +172,59 @@ class Search:
                 continue
             further = np.array([begun.further(self.design.blocks[b].at, asked) for b in blocks])
             evidence, at = -0.5 * further.sum(axis=1), 0
+            signs = sign + self._signs(begun, blocks, asked)
             for some in ways:
                 prior = already + self._priors(blocks, some)
-                values = evidence[:, at : (at := at + len(some))] + prior
-                best = values.max()
+                unsigned = evidence[:, at : at + len(some)] + prior
+                values = unsigned + signs[:, at : at + len(some)]
+                at, best = at + len(some), values.max()
                 for i, j in np.argwhere(values > best - _HOPELESS).tolist():
                     raised = tuple(sorted((*start, (owner, blocks[i], some[j]))))
                     whole = tuple(sorted((*background, *raised))) if background else raised
-                    self.keep(whole, slow, float(values[i, j]))
+                    self.keep(whole, slow, float(unsigned[i, j]))
                     if values[i, j] == best:
                         out.append((float(best), raised))
         return out
+
+    def sign(self, fitted: RaisedState, raised: Raised) -> float:
+        """What those parts of a set gain together that act one way only."""
+        total = 0.0
+        for _, b, _ in raised:
+            if b in self.ways:
+                way, at = self.ways[b], self.design.blocks[b].at
+                total += float(log_gain(way @ fitted.mean[at], np.sqrt(way @ fitted.covariance(at) @ way)))
+        return total
+
+    def _signs(self, begun: RaisedState, blocks: Sequence[int], asked: Floats) -> Floats:
+        """The same for each of these blocks at each of these sizes beside what has begun, (B, n)."""
+        out = np.zeros((len(blocks), len(asked)))
+        full = ~np.isin(asked, self.traces)
+        for i, b in enumerate(blocks):
+            if b in self.ways and full.any():
+                out[i, full] = log_gain(
+                    *begun.further_along(self.design.blocks[b].at, asked[full], self.ways[b])
+                )
+        return out
+
+    def settle(self) -> None:
+        """Give each form what its signs gain it in its joint fit, the likeliest first, as long as any may count."""
+        ahead = []
+        for forms in self.found.values() if self.ways else ():
+            for i, (value, whole, slow) in enumerate(forms):
+                known = (whole, slow) in self.signed
+                signs = 0 if known else sum(b in self.ways for _, b, _ in whole)
+                ahead.append((value + signs * np.log(2.0), signs, forms, i))
+        best = -np.inf
+        for most, signs, forms, i in sorted(ahead, key=lambda one: -one[0]):
+            if most < best - _FAR:
+                return
+            value, whole, slow = forms[i]
+            if signs:
+                background, raised = split(whole)
+                value += self.sign(self.raise_blocks(background, slow, raised), raised)
+                self.signed.add((whole, slow))
+                forms[i] = (value, whole, slow)
+            best = max(best, value)
 
     def _priors(self, blocks: Sequence[int], sizes: Sequence[float]) -> Floats:
         """Log prior probabilities (B, n) of each of these blocks at these sizes."""
@@ -208,10 +254,12 @@ class Search:
         """Look at everything that is worth looking at."""
         slow = self.slow_beside(())
         self.explore((), slow, 6)
+        self.settle()
         again = self.slow_beside(self.best())
         if again != slow:
             slow = again
             self.explore((), slow, 6)
+        self.settle()
         size = max(self.T, k.LEAST_FLOORS)
         alone = {}
         floor = self.floor_score()
@@ -225,6 +273,7 @@ class Search:
         for a, b in combinations(ranked[:4], 2):
             if a[0] != b[0] and min(alone[a], alone[b]) > floor:
                 self.explore(tuple(sorted([(a[0], -1, a[1]), (b[0], -1, b[1])])), slow, 2)
+        self.settle()
         return self
 
     def floor_score(self) -> float:
@@ -260,79 +309,9 @@ def small_sizes(design: Design, spike: float, slow: float) -> Floats:
     return np.sqrt(square)
 
 
-def missed(search: "Search", e: Explanation, least: float) -> dict[str, float]:
-    """What would be missed without each part of an explanation, all else fitted again, in floors, by owner.
-
-    Parts may stand in for each other. So the one that would be missed least is let go, if by less than `least`, and the
-    others are asked again, until each that stays would be missed.
-    """
-    design = search.design
-    always = [
-        (b.at, e.slow if b.owner == SLOW else k.DECLARED_FLOORS)
-        for b in design.blocks
-        if b.owner in (SLOW, DECLARED)
-    ]
-    fixed = {f.owner: (k.DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
-    known: dict[frozenset[str], float] = {}
-
-    def left(keep: frozenset[str]) -> float:
-        if keep not in known:
-            chosen = [q for q in e.raised if q[0] in keep]
-            sd = fixed | {o: s for o, b, s in chosen if b < 0}
-            beside = beside_free(search.sums, free_variances(design, sd))
-            columns = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
-            known[keep] = unexplained(beside, [at for at, _ in columns], [s for _, s in columns])
-        return known[keep]
-
-    stay = frozenset(o for o, _, _ in e.raised)
-    total = max(left(frozenset()) - left(stay), 1e-9)
-    out: dict[str, float] = {}
-    while stay:
-        lost = {o: max(left(stay - {o}) - left(stay), 0.0) / total for o in stay}
-        floors = {o: search.T * float(np.sqrt(min(share, 1.0))) for o, share in lost.items()}
-        last = min(floors, key=lambda o: (floors[o], o))
-        if floors[last] >= least:
-            return out | floors
-        out[last] = floors[last]
-        stay = stay - {last}
-    return out
-
-
-def sizes(search: "Search", e: Explanation) -> dict[str, tuple[float, float]]:
-    """How large each part of an explanation is in the joint fit, root mean square in floors, and its sd, by owner.
-
-    Of free patterns without an sd; `REST` is what nothing follows, above the noise.
-    """
-    design = search.design
-    background = tuple(q for q in e.raised if q[1] < 0)
-    raised = tuple(q for q in e.raised if q[1] >= 0)
-    blocks = [design.blocks[b] for _, b, _ in raised]
-    fitted = search.raise_blocks(background, e.slow, raised)
-    counts = np.repeat(design.observations.counts_for, design.V.shape[1])
-    out = {}
-    for owner in dict.fromkeys(o for o, _, _ in raised):
-        own = [(block.at, sd) for (o, _, sd), block in zip(raised, blocks, strict=True) if o == owner]
-        at = np.concatenate([np.arange(a.start, a.stop) for a, _ in own])
-        prior = np.concatenate([np.full(a.stop - a.start, sd) for a, sd in own])
-        share = (prior / fitted.sd[at]) ** 2  # of columns that another part has, too, a share only
-        w, cov = share * fitted.mean[at], share[:, None] * fitted.covariance(at) * share
-        cov[np.diag_indices_from(cov)] += (1 - share) * prior**2
-        columns = np.concatenate([design.W.of(a) for a, _ in own], axis=1).astype(float)
-        made = columns @ w
-        size = float(np.sqrt(counts @ made**2))
-        way = columns.T @ (counts * made) / max(size, 1e-300)
-        out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))))
-    beta = free_fit(search.sums, free_variances(design, search.free_sizes(background)), fitted.mean)
-    observations, all_free = design.observations, np.zeros((len(design.observations.values), beta.shape[1]))
-    start = 0
-    for free in design.free:
-        part = free.G @ beta[start : start + free.G.shape[1]]
-        start, all_free = start + free.G.shape[1], all_free + part
-        if any(owner == free.owner for owner, _, _ in background):
-            out[free.owner] = (observations.size_of(part @ design.V.T), 0.0)
-    explained = design.W.made(fitted.mean) + all_free
-    out[REST] = (observations.size_of(observations.values - explained @ design.V.T, noise=1.0), 0.0)
-    return out
+def split(raised: Raised) -> tuple[Raised, Raised]:
+    """The free patterns of a form, and its other parts."""
+    return tuple(q for q in raised if q[1] < 0), tuple(q for q in raised if q[1] >= 0)
 
 
 def is_name(owner: str) -> bool:

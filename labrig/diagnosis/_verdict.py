@@ -9,7 +9,8 @@ from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._posterior import OF_BASE, REST, Search, is_name, missed, sizes
+from labrig.diagnosis._parts import missed, sizes
+from labrig.diagnosis._posterior import OF_BASE, REST, Search, is_name
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """An effect as a family of laws: a space of functions with a prior, wide enough for every published law of its kind."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -47,6 +47,8 @@ class Space:
     """Whether its functions of the pressures mean the same on every run, whatever else that one has."""
     plain: bool = False
     """Whether it is one form alone: all of these together are as likely as the family's spaces together."""
+    along: Feature | None = None
+    """What its change can only go along, never against, as a whole: a stop holds back. None: it may go either way."""
 
 
 def motion_scale(context: Context) -> Floats:
@@ -85,6 +87,14 @@ def field(name: str, values: Floats, weight: float = 1.0) -> Feature:
 def pattern(name: str, values: Floats, weight: float = 1.0) -> Feature:
     """A change whose shape over the observables is free, (F,)."""
     return Feature(name, "pattern", values, weight)
+
+
+def one_way(space: Space) -> Space:
+    """The same, where all features are of one kind and have the sign that they must have: it acts along their sum."""
+    if not space.features:
+        return space
+    total = np.sum([f.weight * f.values for f in space.features], axis=0)
+    return replace(space, along=Feature("all of them", space.features[0].kind, total))
 
 
 def acting(features: list[Feature]) -> tuple[Feature, ...]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
-from labrig.effects._family import Feature, Space, acting, field, motion_scale
+from labrig.effects._family import Feature, Space, acting, field, motion_scale, one_way
 
 _LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
 _BEST = 3
@@ -45,7 +45,7 @@ def obstacles(context: Context) -> Iterator[Space]:
     for share in (0.3, 0.5, 0.7, 0.85):
         past = np.maximum(places.length - share * far, 0)
         stop = field("stop", to_rows(context, -past[..., None] * places.way))
-        yield Space(f"travel {share}", "contact travel", acting([stop]))
+        yield one_way(Space(f"travel {share}", "contact travel", acting([stop])))
     yield from places.cages()
     yield from places.planes()
     yield from places.posts()
@@ -66,7 +66,8 @@ def _ends(context: Context) -> Iterator[Space]:
                 continue
             past = [(level, np.maximum(along - level * top, 0.0)) for level in (0.35, 0.5, 0.65, 0.8, 0.9)]
             out = [field(f"end {level}", -p[:, None] * side * mode * scale) for level, p in past]
-            yield Space(f"end of motion {'+' if side > 0 else '-'}{j}", "contact end", acting(out))
+            key = f"end of motion {'+' if side > 0 else '-'}{j}"
+            yield one_way(Space(key, "contact end", acting(out)))
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,10 @@ class Places:
         """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
         for i, facing, level in self.best_planes():
             features = acting(self._plane(NORMALS[i], facing, level))
-            yield Space(f"plane {i} {level}", "contact plane", features, scanned=len(NORMALS) * len(_LEVELS))
+            found = Space(
+                f"plane {i} {level}", "contact plane", features, scanned=len(NORMALS) * len(_LEVELS)
+            )
+            yield one_way(found)
 
     def _plane(self, normal: Floats, facing: _Facing, level: float) -> list[Feature]:
         context = self.context
@@ -174,7 +178,7 @@ class Places:
                 wide = far.max() - (far.max() - far.min()) * (1 - share)
                 past = np.maximum(far - wide, 0.0) / np.maximum(far, 1e-9)
                 out.append(field(name, to_rows(self.context, -past[..., None] * radial)))
-            yield Space(f"cage {share}", "contact cage", acting(out))
+            yield one_way(Space(f"cage {share}", "contact cage", acting(out)))
 
     def posts(self) -> Iterator[Space]:
         """Some markers near each other are stopped, each at a share of its own farthest way."""
@@ -205,9 +209,8 @@ class Places:
                     alone = np.zeros_like(self.move)
                     alone[:, n] = -stopped[:, None] * ahead
                     out.append(field(f"neighbour {n} {level}", to_rows(self.context, alone)))
-            yield Space(
-                f"post before {self.context.rows.markers[m]}", "contact post", acting(out), scanned=len(top)
-            )
+            key = f"post before {self.context.rows.markers[m]}"
+            yield one_way(Space(key, "contact post", acting(out), scanned=len(top)))
 
 
 def by_marker(context: Context, values: Floats) -> Floats:

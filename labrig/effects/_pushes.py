@@ -21,6 +21,7 @@ def pushes(context: Context) -> Iterator[Space]:
     """Bells about the places where the residuals speak for a push, each along x, y and z.
 
     Places that markers would be at are chosen one after the other (orthogonal matching pursuit, one bell at a time).
+    What stands there does no work: it may turn markers aside, but as a whole it holds them back.
     """
     rows = context.rows
     if (rows.axis >= 0).sum() < 3 or not (rows.marker >= 0).any():
@@ -44,7 +45,8 @@ def pushes(context: Context) -> Iterator[Space]:
             for bell in [_bell(places.here, spots[i], share * far)]
             for a, letter in enumerate("xyz")
         ]
-        yield Space(f"pushes {share}", "contact pushes", acting(features), scanned=len(spots))
+        key, back = f"pushes {share}", field("back", to_rows(context, -places.move * away[..., None]))
+        yield Space(key, "contact pushes", acting(features), scanned=len(spots), along=back)
 
 
 def _bell(here: Floats, spot: Floats, wide_mm: float) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, pressure
+from labrig.effects._family import Space, acting, one_way, pressure
 from labrig.effects._inside import FORM, inside
 from labrig.effects._obstacles import obstacles
 from labrig.effects._planes import NORMAL, planes
@@ -132,11 +132,11 @@ class Contact(Effect):
                 pressure("earlier", -np.maximum(d - limit + 0.1, 0) / slope, 0.3),
             ]
             if context.shows((h > 0).mean() >= 0.005 or (g > 0).mean() >= 0.005):
-                yield Space(f"limit {limit}", "contact limit", acting(out), 0.2)
+                yield one_way(Space(f"limit {limit}", "contact limit", acting(out), 0.2))
         for limit in (0.08, 0.18, 0.35):  # a wall that cannot come back below it
             h, g = np.maximum(limit - x, 0), np.maximum(limit - d, 0)
             out = [pressure("pressure", h), pressure("wall", g / slope)]
-            yield Space(f"from below {limit}", "contact from below", acting(out), 0.2)
+            yield one_way(Space(f"from below {limit}", "contact from below", acting(out), 0.2))
         if x.shape[1] > 1:
             yield from _together(context)
         yield from obstacles(context)
@@ -171,4 +171,6 @@ def _together(context: Context) -> Iterator[Space]:
             out.append(
                 pressure("alike", -np.repeat(np.maximum(length - top, 0)[:, None], x.shape[1], axis=1), 0.3)
             )
-            yield Space(f"{name} together {share}", "contact together", acting(out), 0.6, absolute=False)
+            yield one_way(
+                Space(f"{name} together {share}", "contact together", acting(out), 0.6, absolute=False)
+            )

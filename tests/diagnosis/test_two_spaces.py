@@ -10,7 +10,8 @@ import pytest
 from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns
 from labrig.diagnosis._design import SLOW, Block, Design
-from labrig.diagnosis._posterior import Explanation, Search, sizes
+from labrig.diagnosis._parts import sizes
+from labrig.diagnosis._posterior import Explanation, Search
 from labrig.effects._family import Space
 
 S, R = 40, 3

@@ -1,0 +1,106 @@
+"""What can act one way only, as a stop that holds back: its evidence, and its name."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import expit
+from scipy.stats import multivariate_normal, norm
+
+from labrig.arrays import Floats
+from labrig.diagnosis._columns import Columns
+from labrig.diagnosis._design import SLOW, Block, Design
+from labrig.diagnosis._evidence import State, Sums, beside_free
+from labrig.diagnosis._posterior import Search
+from labrig.diagnosis._signs import log_gain
+from labrig.effects import Space, library
+from tests.effects.test_family import context_of
+from tests.naming import calls_of
+
+S, R = 40, 3
+PAST, PLAIN, SLOWLY = slice(0, 2), slice(2, 5), slice(5, 6)
+
+
+def design_of(acts: float, way: Floats | None) -> Design:
+    """Two owners: what a stop does (two columns, which go `way` if they must), which acts so much, and something else
+    that holds most of it in three; noise of one.
+    """
+    random = np.random.default_rng(3)
+    made = random.normal(size=(S, R, 6))
+    made[:, :, 2:4] = made[:, :, 0:2] + 0.2 * made[:, :, 2:4]
+    blocks = (
+        Block("stop", Space("stop", "", ()), PAST, way=way),
+        Block("other", Space("other", "", ()), PLAIN),
+        Block(SLOW, Space(SLOW, "", ()), SLOWLY),
+    )
+    seen = made[:, :, :2] @ np.array([acts, 0.3 * acts]) + random.normal(size=(S, R))
+    observations = SimpleNamespace(
+        values=seen,
+        to_explain=float(np.sqrt(np.mean(seen**2))),
+        worth=1.0,
+        counts_for=np.full(S, 1 / (S * R)),
+    )
+    W = Columns(np.zeros((S, 0, 0)), np.zeros((S, R, 0)), np.arange(S), made)
+    return Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, ())
+
+
+@given(st.floats(-2.0, 2.0), st.floats(0.3, 3.0))
+def test_the_evidence_of_one_sign_is_that_of_half_a_prior(acts: float, sd: float) -> None:
+    """Integrated over positive coefficients alone, with twice their density, it is the Gaussian one times the gain."""
+    x = np.linspace(0.2, 1.0, 5)
+    y = acts * x + 0.3 * np.sin(9 * x)
+
+    def half(c: float) -> float:
+        return 2 * norm.pdf(c, scale=sd) * float(np.prod(norm.pdf(y - c * x)))
+
+    whole = multivariate_normal(cov=np.eye(5) + sd**2 * np.outer(x, x)).pdf(y)
+    precision = x @ x + sd**-2.0
+    gain = float(log_gain(np.array(x @ y / precision), np.array(precision**-0.5)))
+    assert np.log(whole) + gain == pytest.approx(np.log(quad(half, 0, 40, points=[1.0])[0]), abs=1e-5)
+
+
+@given(st.floats(0.3, 30.0), st.floats(0.3, 30.0))
+def test_how_far_one_more_block_acts_along_a_way(one: float, two: float) -> None:
+    """For several sizes at once it is what raising the block to each by itself gives, mean and sd."""
+    design, way = design_of(1.0, None), np.array([0.7, -0.2])
+    state = State.of(beside_free(Sums.of(design), np.zeros((0, R))), np.full(6, 0.2))
+    begun = state.raised([PLAIN], [1.5])
+    for mean, sd, size in zip(*begun.further_along(PAST, np.array([one, two]), way), (one, two), strict=True):
+        alone = state.raised([PLAIN, PAST], [1.5, size])
+        assert mean == pytest.approx(way @ alone.mean[PAST], rel=1e-5, abs=1e-9)
+        assert sd == pytest.approx(np.sqrt(way @ alone.covariance(PAST) @ way), rel=1e-5)
+
+
+@pytest.mark.parametrize(("acts", "named"), [(1.5, True), (-1.5, False)])
+def test_what_goes_the_other_way_has_another_name(acts: float, named: bool) -> None:
+    """What fits as well both ways is a stop where it holds back, and where it drives on not even a trace of one."""
+    free = design_of(acts, None)
+    assert Search(free).run().posterior().explanations[0].owners == {"stop"}
+    columns = free.W.of(PAST)
+    best = Search(design_of(acts, columns.sum(axis=1) @ columns)).run().posterior().explanations[0]
+    assert ("stop" in {owner for owner, _, _ in best.raised}) is named
+    assert ("stop" in best.owners) is named
+
+
+def test_each_space_of_contact_holds_back(make_lab) -> None:
+    """Whatever a stop does, it can only take from a motion: each of its spaces says along what."""
+    lab = make_lab(captures=40, markers=12)
+    spaces = list(library()["contact"].family(context_of(lab, lab.predict(lab.u))))
+    assert {space.spectrum for space in spaces} >= {"contact limit", "contact from below", "contact end"}
+    assert all(space.along is not None for space in spaces)
+
+
+@pytest.mark.parametrize("holds_back", [True, False])
+def test_a_bulge_is_no_stop(make_lab, holds_back: bool) -> None:
+    """A wall that gives way past some pressure, by a logistic curve, is no contact; one that is held as much is."""
+    lab = make_lab(captures=80, markers=12)
+    x = lab.u / lab.u.max()
+    more = 0.3 * np.maximum(x - 0.6, 0) * expit((x - 0.7) / 0.03)
+    pressure = lab.u + (-1 if holds_back else 1) * more * lab.u.max()
+    calls = calls_of(lab.dataset(lab.predict(pressure) + lab.noise()), lab.model())
+    assert (calls["contact"] == "sure") is holds_back
+    assert (calls["contact"] == "not it") is not holds_back
