@@ -1,7 +1,7 @@
 """The posterior: every set of up to three effects, beside what has no name, with its probability."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -53,7 +53,7 @@ OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""
-_FAR = 12.0
+_FAR = 10.0
 """By how many nats a form may be worse than the best one to be asked for its signs; numerical."""
 _HOPELESS = 30.0
 """By how many nats a form of a part may be worse than its best one to be counted; numerical: it is a part in 10^13."""
@@ -171,13 +171,12 @@ class Search:
             if not blocks:
                 continue
             further = np.array([begun.further(self.design.blocks[b].at, asked) for b in blocks])
-            evidence, at = -0.5 * further.sum(axis=1), 0
-            signs = sign + self._signs(begun, blocks, asked)
+            evidence, at = already - 0.5 * further.sum(axis=1), 0
             for some in ways:
-                prior = already + self._priors(blocks, some)
-                unsigned = evidence[:, at : at + len(some)] + prior
-                values = unsigned + signs[:, at : at + len(some)]
-                at, best = at + len(some), values.max()
+                own = slice(at, at := at + len(some))
+                unsigned = evidence[:, own] + self._priors(blocks, some)
+                values = unsigned + sign + self._signs(begun, blocks, asked[own], unsigned)
+                best = values.max()
                 for i, j in np.argwhere(values > best - _HOPELESS).tolist():
                     raised = tuple(sorted((*start, (owner, blocks[i], some[j]))))
                     whole = tuple(sorted((*background, *raised))) if background else raised
@@ -186,24 +185,36 @@ class Search:
                         out.append((float(best), raised))
         return out
 
-    def sign(self, fitted: RaisedState, raised: Raised) -> float:
-        """What those parts of a set gain together that act one way only."""
+    def sign(self, fitted: RaisedState, raised: Raised, at: Mapping[int, slice] | None = None) -> float:
+        """What those parts of a set gain together that act one way only; `at` says where columns are, if elsewhere."""
         total = 0.0
         for _, b, _ in raised:
             if b in self.ways:
-                way, at = self.ways[b], self.design.blocks[b].at
-                total += float(log_gain(way @ fitted.mean[at], np.sqrt(way @ fitted.covariance(at) @ way)))
+                way, own = self.ways[b], self.design.blocks[b].at if at is None else at[b]
+                total += float(log_gain(way @ fitted.mean[own], np.sqrt(way @ fitted.covariance(own) @ way)))
         return total
 
-    def _signs(self, begun: RaisedState, blocks: Sequence[int], asked: Floats) -> Floats:
-        """The same for each of these blocks at each of these sizes beside what has begun, (B, n)."""
-        out = np.zeros((len(blocks), len(asked)))
-        full = ~np.isin(asked, self.traces)
-        for i, b in enumerate(blocks):
-            if b in self.ways and full.any():
-                out[i, full] = log_gain(
-                    *begun.further_along(self.design.blocks[b].at, asked[full], self.ways[b])
-                )
+    def _sign_alone(self, whole: Raised, slow: float) -> float:
+        """The same of a whole form, from its own columns alone."""
+        background, raised = split(whole)
+        places = {b: self.design.blocks[b].at for _, b, _ in raised}
+        index = np.unique(np.concatenate([np.arange(at.start, at.stop) for at in places.values()]))
+        first = {b: int(np.searchsorted(index, at.start)) for b, at in places.items()}
+        at = {b: slice(i, i + places[b].stop - places[b].start) for b, i in first.items()}
+        state = self.state(background, slow).of_columns(index)
+        return self.sign(state.raised([at[b] for _, b, _ in raised], [s for _, _, s in raised]), raised, at)
+
+    def _signs(self, begun: RaisedState, blocks: Sequence[int], sizes: Floats, values: Floats) -> Floats:
+        """The same of each of these blocks at each of these sizes beside what has begun, (B, n), where they have these
+        `values` without: of the likeliest first, while any may be the likeliest.
+        """
+        out, best = np.zeros_like(values), -np.inf
+        for i in np.argsort(-values.max(axis=1)) if any(b in self.ways for b in blocks) else ():
+            if values[i].max() + np.log(2.0) < best:
+                break
+            if (b := blocks[i]) in self.ways:
+                out[i] = log_gain(*begun.further_along(self.design.blocks[b].at, sizes, self.ways[b]))
+            best = max(best, (values[i] + out[i]).max())
         return out
 
     def settle(self) -> None:
@@ -220,8 +231,7 @@ class Search:
                 return
             value, whole, slow = forms[i]
             if signs:
-                background, raised = split(whole)
-                value += self.sign(self.raise_blocks(background, slow, raised), raised)
+                value += self._sign_alone(whole, slow)
                 self.signed.add((whole, slow))
                 forms[i] = (value, whole, slow)
             best = max(best, value)
