@@ -48,8 +48,7 @@ class RestShape(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """A constant offset of each observable; offsets that are smooth over the body are more probable.
 
-        Also smooth ones alone, by which a body is bent or twisted: as plain as what a lens distorts. And a body that is
-        smaller, longer or sheared as a whole, about its middle or the end that moves least.
+        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least.
         """
         smooth = [motion_scale(context) * shape for shape in smooth_places(context).T]
 
@@ -59,11 +58,7 @@ class RestShape(Effect):
             ]
             return [pattern(f"rest{name}", there, 0.2), *whole]
 
-        always = np.ones(len(context.base))
-        yield Space("shape", "rest_shape", tuple(shapes("", always)))
-        if smooth:
-            bent = [field(f"smooth {i}", always[:, None] * shape) for i, shape in enumerate(smooth)]
-            yield Space("bent", "rest_shape bent", acting(bent))
+        yield Space("shape", "rest_shape", tuple(shapes("", np.ones(len(context.base)))))
         yield from _strained(context)
         if (each := in_sessions(context)) is not None:
             own = [f for s, there in enumerate(each.T) for f in shapes(f" session {s}", there)]
