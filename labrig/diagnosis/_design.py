@@ -89,7 +89,6 @@ def design_of(
         ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
     ]
     others += [("?" + MOTION, space) for space in motions(context)]
-    others += [("?" + MOTION, space) for name, space in named if space.plain and effects[name].like_base]
     V, spread = directions(observations, _different(known))
     made: list[_Made] = []
     free: list[FreeBlock] = []

@@ -125,8 +125,6 @@ class Effect(ABC):
     experiment: ClassVar[str]
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
-    like_base: ClassVar[bool] = False
-    """Whether a base that was scaled or set wrongly looks as its plain forms do: these may be the base's own, too."""
 
     @abstractmethod
     def variants(self, context: Context) -> Iterator[Variant]:

@@ -19,7 +19,6 @@ class Regulator(Effect):
         "so that a settled chamber holds another pressure than the one commanded."
     )
     acts_on = "pressure"
-    like_base = True  # a modulus, an area or an opening pressure that is off does what a gain, an offset or a bow does
     parameters = (
         Parameter(
             "gain", "1", -0.9, 9.0, "chamber", "error of the gain: true = (1 + gain) commanded + offset"
