@@ -111,6 +111,8 @@ def _headline(summary: Summary) -> str:
             return f"{capital(listed(effects))} are missing from the model."
         case "confounded":
             perhaps = [name for name in names(possible(summary)) if name not in effects]
+            if len(perhaps) == 1 and not effects:
+                return f"An effect is missing: perhaps {listed(perhaps)}, or one that labrig does not know."
             if not effects:
                 return f"An effect is missing, and these data do not determine which: {_either(perhaps)}."
             known = f"{capital(listed(effects))} {'is' if len(effects) == 1 else 'are'} missing"

@@ -28,6 +28,10 @@ BASE = {
             "An effect is missing, and these data do not determine which: drift or creep.",
         ),
         (
+            {"verdict": "confounded", "rivals": ["drift"]},
+            "An effect is missing: perhaps drift, or one that labrig does not know.",
+        ),
+        (
             {"verdict": "confounded", "effects": ["leak"], "rivals": ["drift", "creep"]},
             "Leak is missing, and these data do not determine whether drift or creep is missing too.",
         ),
