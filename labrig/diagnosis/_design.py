@@ -35,7 +35,7 @@ class Block:
     space: Space
     at: slice
     share: float = 1.0
-    """Prior probability of this space among those of its owner."""
+    """Prior probability of this space among those of its owner; of a shared one the least of its owners'."""
     way: Floats | None = None
     """By how much each of its columns (q,) goes the only way in which it can act; None where it may go either way."""
 
@@ -126,7 +126,7 @@ def design_of(
         blocks += [Block(owner, space, at, share) for owner, space in m.owners]
     W = layout.together(made)
     blocks = [
-        b if b.space.along is None else replace(b, way=layout.way(b.space.along, W.of(b.at))) for b in blocks
+        b if b.space.along is None else replace(b, way=layout.way(b.space.along, W, b.at)) for b in blocks
     ]
     return Design(observations, V, spread, W, tuple(blocks), tuple(free))
 
@@ -171,7 +171,7 @@ def _different(spaces: Sequence[Space]) -> list[Space]:
 
 def _share(owner: str, space: Space, count: Mapping[tuple[str, bool], int]) -> float:
     """Spaces of one owner are equally likely, and its plain forms together as likely as its other spaces together;
-    where they were found by a scan, as likely as each place scanned. A space of several owners is as likely under each.
+    where they were found by a scan, as likely as each place scanned.
     """
     if space.scanned:
         return 1.0 / space.scanned
@@ -322,13 +322,20 @@ class _Layout:
             out.append(wide.reshape(len(Q), r, -1))
         return np.concatenate(out, axis=2)
 
-    def way(self, along: Feature, columns: Floats) -> Floats:
-        """How much of a feature's own change each of these columns (S r, q) has, (q,)."""
+    def way(self, along: Feature, W: Columns, at: slice) -> Floats:
+        """How much of a feature's own change each column of a block has, (q,): of pressures in each chamber by itself,
+        by how far it moves the rig, since chambers that move it against each other are no less held back.
+        """
+        if along.kind == "pressure" and at.stop <= W.through.shape[2]:
+            shows = np.einsum("nrc,nrc->nc", self.moves, self.moves)[self.observations.capture]
+            held = self.T @ along.values.astype(self.dtype)
+            return np.einsum("sc,scq->q", shows * held, W.through[:, :, at]).astype(float)
+        values = along.values
         if along.kind == "pressure":
-            raw = self.moves[self.observations.index] @ along.values[:, :, None].astype(self.dtype)
-        else:
-            raw = ((along.values / self.observations.unit).astype(self.dtype) @ self.V)[:, :, None]
-        return np.asarray(self.lift(raw).reshape(-1) @ columns, dtype=float)
+            context = self.observations.context
+            values = np.einsum("fkc,fc->fk", context.jacobian * context.span, values)
+        raw = ((values / self.observations.unit).astype(self.dtype) @ self.V)[:, :, None]
+        return np.asarray(self.lift(raw).reshape(-1) @ W.of(at), dtype=float)
 
     def lift(self, raw: Floats) -> Floats:
         """Rows (F, r, q) to observations (S, r, q)."""

@@ -276,8 +276,8 @@ class RaisedState:
 
     def further_along(self, at: slice, sds: Floats, way: Floats) -> tuple[Floats, Floats]:
         """How far such a block then acts along a `way` (q,) of its columns, and the sd of that, (n,) each."""
-        mean, covariance = self.mean[at], self.covariance(at)
-        delta = np.maximum(self.sd[at.start] ** -2.0 - sds**-2.0, 0.0)
+        mean, covariance, was = self.mean[at], self.covariance(at), self.sd[at.start]
+        delta = np.maximum(was**-2.0 - sds**-2.0, 0.0)
         M = (1 + _JITTER) * np.eye(len(mean)) - delta[:, None, None] * covariance
         both = np.linalg.solve(M, np.stack([mean, covariance @ way], axis=1)[None])
         acts = np.einsum("q,nqk->kn", way, both)

@@ -94,6 +94,7 @@ class Explained:
 
     def _found(self, names: frozenset[str]) -> list[tuple[float, Raised, float]]:
         """Those that the search looked at, without free patterns."""
+        self.search.settle(names)
         return [f for f in self.search.found.get(names, ()) if all(block >= 0 for _, block, _ in f[1])]
 
     def _built(self, names: Sequence[str]) -> list[tuple[float, Raised, float]]:
@@ -102,9 +103,9 @@ class Explained:
         slow = max((f for forms in search.found.values() for f in forms), key=lambda f: f[0])[2]
         for name in names:
             more = [
-                (value, way)
-                for value, way in search.extend((), slow, raised)
-                if any(o == name and size not in search.traces for o, _, size in way)
+                (value, form)
+                for value, form in search.extend((), slow, raised)
+                if any(o == name and size not in search.traces for o, _, size in form)
             ]
             if not more:
                 return []

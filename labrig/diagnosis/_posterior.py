@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
@@ -21,7 +22,7 @@ from labrig.diagnosis._evidence import (
 )
 from labrig.diagnosis._freed import taken
 from labrig.diagnosis._motions import MOTION
-from labrig.diagnosis._signs import log_gain
+from labrig.diagnosis._signs import log_gain, log_gain_together
 from labrig.diagnosis._unnamed import FORM, LEVER
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -160,8 +161,8 @@ class Search:
         have = Counter(o for o, _, _ in start)
         first = {o: block for o, block, size in start if size not in self.traces}
         full = len(first) >= k.MOST_EFFECTS
-        ways = [list(self.traces)] if full else [list(self.traces), self.sizes]
-        asked = np.concatenate(ways)
+        levels = [list(self.traces)] if full else [list(self.traces), self.sizes]
+        asked = np.concatenate(levels)
         begun, already = self.raise_blocks(background, slow, start), self.prior((*background, *start))
         sign = self.sign(begun, start)
         for owner in self.owners:
@@ -172,7 +173,7 @@ class Search:
                 continue
             further = np.array([begun.further(self.design.blocks[b].at, asked) for b in blocks])
             evidence, at = already - 0.5 * further.sum(axis=1), 0
-            for some in ways:
+            for some in levels:
                 own = slice(at, at := at + len(some))
                 unsigned = evidence[:, own] + self._priors(blocks, some)
                 values = unsigned + sign + self._signs(begun, blocks, asked[own], unsigned)
@@ -187,12 +188,13 @@ class Search:
 
     def sign(self, fitted: RaisedState, raised: Raised, at: Mapping[int, slice] | None = None) -> float:
         """What those parts of a set gain together that act one way only; `at` says where columns are, if elsewhere."""
-        total = 0.0
-        for _, b, _ in raised:
-            if b in self.ways:
-                way, own = self.ways[b], self.design.blocks[b].at if at is None else at[b]
-                total += float(log_gain(way @ fitted.mean[own], np.sqrt(way @ fitted.covariance(own) @ way)))
-        return total
+        parts = [b for _, b, _ in raised if b in self.ways]
+        if not parts:
+            return 0.0
+        own = [self.design.blocks[b].at if at is None else at[b] for b in parts]
+        columns = np.concatenate([np.arange(place.start, place.stop) for place in own])
+        ways = np.asarray(block_diag(*(self.ways[b] for b in parts)))
+        return log_gain_together(ways @ fitted.mean[columns], ways @ fitted.covariance(columns) @ ways.T)
 
     def _sign_alone(self, whole: Raised, slow: float) -> float:
         """The same of a whole form, from its own columns alone."""
@@ -217,10 +219,12 @@ class Search:
             best = max(best, (values[i] + out[i]).max())
         return out
 
-    def settle(self) -> None:
-        """Give each form what its signs gain it in its joint fit, the likeliest first, as long as any may count."""
-        ahead = []
-        for forms in self.found.values() if self.ways else ():
+    def settle(self, owners: frozenset[str] | None = None) -> None:
+        """Give each form what its signs gain it in its joint fit, the likeliest first, as long as any may count: of all
+        sets, or of the forms of one.
+        """
+        ahead, sets = [], self.found.values() if owners is None else [self.found.get(owners, [])]
+        for forms in sets if self.ways else ():
             for i, (value, whole, slow) in enumerate(forms):
                 known = (whole, slow) in self.signed
                 signs = 0 if known else sum(b in self.ways for _, b, _ in whole)

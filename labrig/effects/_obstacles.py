@@ -132,10 +132,8 @@ class Places:
         """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
         for i, facing, level in self.best_planes():
             features = acting(self._plane(NORMALS[i], facing, level))
-            found = Space(
-                f"plane {i} {level}", "contact plane", features, scanned=len(NORMALS) * len(_LEVELS)
-            )
-            yield one_way(found)
+            key, places = f"plane {i} {level}", len(NORMALS) * len(_LEVELS)
+            yield Space(key, "contact plane", features, scanned=places, along=features[0])
 
     def _plane(self, normal: Floats, facing: _Facing, level: float) -> list[Feature]:
         context = self.context

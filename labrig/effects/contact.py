@@ -171,6 +171,5 @@ def _together(context: Context) -> Iterator[Space]:
             out.append(
                 pressure("alike", -np.repeat(np.maximum(length - top, 0)[:, None], x.shape[1], axis=1), 0.3)
             )
-            yield one_way(
-                Space(f"{name} together {share}", "contact together", acting(out), 0.6, absolute=False)
-            )
+            key = f"{name} together {share}"
+            yield Space(key, "contact together", acting(out), 0.6, absolute=False, along=out[0])

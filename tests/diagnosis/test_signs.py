@@ -16,7 +16,7 @@ from labrig.diagnosis._columns import Columns
 from labrig.diagnosis._design import SLOW, Block, Design
 from labrig.diagnosis._evidence import State, Sums, beside_free
 from labrig.diagnosis._posterior import Search
-from labrig.diagnosis._signs import log_gain
+from labrig.diagnosis._signs import log_gain, log_gain_together
 from labrig.effects import Space, library
 from tests.effects.test_family import context_of
 from tests.naming import calls_of
@@ -63,6 +63,18 @@ def test_the_evidence_of_one_sign_is_that_of_half_a_prior(acts: float, sd: float
     assert np.log(whole) + gain == pytest.approx(np.log(quad(half, 0, 40, points=[1.0])[0]), abs=1e-5)
 
 
+PLACES = st.floats(-3.0, 3.0)
+
+
+@given(PLACES, PLACES, st.floats(-0.98, 0.98), st.floats(0.1, 10.0))
+def test_of_two_both_must_have_their_sign(one: float, two: float, alike: float, sd: float) -> None:
+    """Two parts gain what both being positive gains, whatever their scales: from the bivariate normal's integral."""
+    covariance = np.array([[sd**2, alike * sd], [alike * sd, 1.0]])
+    both = multivariate_normal(cov=np.array([[1, alike], [alike, 1]])).cdf([one, two])
+    found = log_gain_together(np.array([sd * one, two]), covariance)
+    assert np.exp(found) / 4 == pytest.approx(both, abs=2e-3)
+
+
 @given(st.floats(0.3, 30.0), st.floats(0.3, 30.0))
 def test_how_far_one_more_block_acts_along_a_way(one: float, two: float) -> None:
     """For several sizes at once it is what raising the block to each by itself gives, mean and sd."""
@@ -84,6 +96,34 @@ def test_what_goes_the_other_way_has_another_name(acts: float, named: bool) -> N
     best = Search(design_of(acts, columns.sum(axis=1) @ columns)).run().posterior().explanations[0]
     assert ("stop" in {owner for owner, _, _ in best.raised}) is named
     assert ("stop" in best.owners) is named
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_two_stops_that_are_nearly_one_do_not_drive_on_either(seed: int) -> None:
+    """Two spaces of a stop, the same but for a tenth, are no way around the sign: something else is named."""
+    random = np.random.default_rng(seed)
+    made = random.normal(size=(S, R, 4))
+    made[:, :, 1] = made[:, :, 0] + 0.15 * made[:, :, 1]
+    made[:, :, 2] = made[:, :, 0] + 0.3 * made[:, :, 2]
+    at = [slice(i, i + 1) for i in range(4)]
+    blocks = (
+        Block("stop", Space("near", "", ()), at[0], way=np.ones(1)),
+        Block("stop", Space("far", "", ()), at[1], way=np.ones(1)),
+        Block("other", Space("other", "", ()), at[2]),
+        Block(SLOW, Space(SLOW, "", ()), at[3]),
+    )
+    seen = -1.5 * made[:, :, 0] + random.normal(size=(S, R))
+    size = float(np.sqrt(np.mean(seen**2)))
+    observations = SimpleNamespace(
+        values=seen, to_explain=size, worth=1.0, counts_for=np.full(S, 1 / (S * R))
+    )
+    W = Columns(np.zeros((S, 0, 0)), np.zeros((S, R, 0)), np.arange(S), made)
+    design = Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, ())
+    posterior = Search(design).run().posterior()
+    stopped = [
+        p for e, p in zip(posterior.explanations, posterior.probability, strict=True) if "stop" in e.owners
+    ]
+    assert sum(stopped) < 0.01
 
 
 def test_each_space_of_contact_holds_back(make_lab) -> None:
