@@ -60,6 +60,8 @@ def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Gue
     import yaml
 
     _refuse(output)
+    if not output.parent.is_dir():
+        raise LabrigError(f"{output}: the folder {output.parent} does not exist")
     beside_it = mapping_beside(output)
     if beside_it.exists():
         raise LabrigError(

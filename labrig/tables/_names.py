@@ -16,6 +16,7 @@ _SPELT = {
     "kpa": "kPa", "mpa": "MPa", "pa": "Pa", "hpa": "hPa", "mbar": "mbar", "bar": "bar", "psi": "psi", "psig": "psi",
     "barg": "bar", "newton": "N", "newtons": "N", "n": "N", "kn": "kN", "mn": "mN", "grams": "g", "gram": "g",
     "volt": "V", "volts": "V", "v": "V", "mv": "mV", "amp": "A", "amps": "A", "a": "A", "ma": "mA", "nm": "N*m",
+    "degc": "degC",
     "%": "percent", "-": "1", "hz": "Hz", "k": "K", "mmhg": "mmHg", "meters": "m", "metres": "m", "meter": "m",
 }  # fmt: skip
 _AS_SUFFIX = {
@@ -114,7 +115,7 @@ def take_apart(column: str | int, unit: str | None = None) -> Name:
             text = bracket["name"]
     elif "/" in text and (said := unit_of(text.rpartition("/")[2])) and not text.startswith("/"):
         unit, text = unit or said, text.rpartition("/")[0]
-    parts = [part for part in _SPLIT.split(text) if part]
+    parts = _parts(text)
     words = [part.lower() for part in parts]
     if len(words) > 1 and words[-1] in _AS_SUFFIX:
         unit = unit or unit_of(
@@ -129,6 +130,15 @@ def take_apart(column: str | int, unit: str | None = None) -> Name:
     elif words[:1] and words[0] in {"x", "y", "z"} and len(words) <= 2:
         axis, owner = words[0], f"marker{''.join(words[1:])}"
     return Name(str(column), tuple(words), unit, axis, owner, text.strip() or str(column).strip())
+
+
+def _parts(text: str) -> list[str]:
+    """A name at its separators, digits and capitals, but for those inside a unit: kPa, kN, mBar, degC."""
+    parts = [part for part in _SPLIT.split(text) if part]
+    last = "".join(parts[-2:])
+    if len(parts) > 1 and last.lower() in _AS_SUFFIX and text.endswith(last):
+        parts[-2:] = [last]
+    return parts
 
 
 def _before(text: str, part: str) -> str:

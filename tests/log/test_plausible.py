@@ -195,3 +195,30 @@ def test_a_table_that_was_written_is_read_back(
     run, _, _ = import_guessed([path], path.with_name("run"))
     held = np.isfinite(run["time_s"].to_numpy())
     assert run["observed"].to_numpy()[held][:, 0] == pytest.approx(table[:, 2])
+
+
+@pytest.mark.parametrize(
+    ("column", "name", "unit"),
+    [
+        ("p1_kPa", "p1", "kPa"),
+        ("chamber1_hPa", "chamber1", "hPa"),
+        ("p1_mBar", "p1", "mbar"),
+        ("p1kPa", "p1", "kPa"),
+        ("p1_Pa", "p1", "Pa"),
+        ("p1_kpa", "p1", "kPa"),
+    ],
+)
+def test_a_unit_with_capitals_inside_is_one_word(desk: Path, column: str, name: str, unit: str) -> None:
+    """A pressure in kPa is not one in Pa, however the header spells it."""
+    Path("t.csv").write_text(f"{column},F_kN\n" + "".join(f"{40 * (i % 3)},{i % 5}\n" for i in range(16)))
+    mapping = guess_mapping(desk / "t.csv").mapping
+    assert [(a["name"], a["unit"]) for a in mapping["actuation"]] == [(name, unit)]
+    assert [(o["name"], o["unit"]) for o in mapping["observables"]] == [("F", "kN")]
+
+
+def test_a_run_in_a_folder_that_is_not_there(desk: Path) -> None:
+    """The error names the folder, not the table."""
+    Path("t.csv").write_text("p1_kPa,F_N\n" + "".join(f"{9 * i},{i}\n" for i in range(8)))
+    with pytest.raises(LabrigError) as caught:
+        import_guessed([Path("t.csv")], Path("nowhere/run"))
+    assert str(caught.value) == f"{Path('nowhere/run')}: the folder nowhere does not exist"
