@@ -22,6 +22,12 @@ def paths_of(given: Any, what: str, wanted: str) -> list[Path]:
     return [path_of(one, what, wanted) for one in several]
 
 
+def check_parent(path: Path) -> None:
+    """Raise `LabrigError` if the folder that something is to be written into is not there."""
+    if not path.parent.is_dir():
+        raise LabrigError(f"{path}: the folder {path.parent} does not exist")
+
+
 def wrong(what: str, given: Any, wanted: str) -> LabrigError:
     """The error for something of a type that is none of those wanted."""
     kind = type(given)

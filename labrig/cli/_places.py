@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from labrig._errors import LabrigError
+from labrig._paths import check_parent
 
 
 def check_folder(folder: Path, option: str = "--out") -> None:
@@ -25,8 +26,7 @@ def check_file(path: Path, option: str = "-o") -> None:
     """Raise `LabrigError` if a file can be neither written nor replaced."""
     if path.is_dir():
         raise LabrigError(f"{option} {path}: is a folder; name a file")
-    if not path.parent.is_dir():
-        raise LabrigError(f"{path}: the folder {path.parent} does not exist")
+    check_parent(path)
     if not os.access(path.parent, os.W_OK | os.X_OK):
         raise LabrigError(
             f"{option} {path}: nothing can be written into {path.parent.resolve()}; choose another folder"

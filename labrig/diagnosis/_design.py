@@ -326,15 +326,11 @@ class _Layout:
         """How much of a feature's own change each column of a block has, (q,): of pressures in each chamber by itself,
         by how far it moves the rig, since chambers that move it against each other are no less held back.
         """
-        if along.kind == "pressure" and at.stop <= W.through.shape[2]:
+        if along.kind == "pressure":
             shows = np.einsum("nrc,nrc->nc", self.moves, self.moves)[self.observations.capture]
             held = self.T @ along.values.astype(self.dtype)
             return np.einsum("sc,scq->q", shows * held, W.through[:, :, at]).astype(float)
-        values = along.values
-        if along.kind == "pressure":
-            context = self.observations.context
-            values = np.einsum("fkc,fc->fk", context.jacobian * context.span, values)
-        raw = ((values / self.observations.unit).astype(self.dtype) @ self.V)[:, :, None]
+        raw = ((along.values / self.observations.unit).astype(self.dtype) @ self.V)[:, :, None]
         return np.asarray(self.lift(raw).reshape(-1) @ W.of(at), dtype=float)
 
     def lift(self, raw: Floats) -> Floats:

@@ -48,7 +48,9 @@ class Space:
     plain: bool = False
     """Whether it is one form alone: all of these together are as likely as the family's spaces together."""
     along: Feature | None = None
-    """What its change can only go along, never against, as a whole: a stop holds back. None: it may go either way."""
+    """What its change can only go along, never against, as a whole: a stop holds back. Of the kind of its features,
+    pressures or fields; None where it may go either way.
+    """
 
 
 def motion_scale(context: Context) -> Floats:
@@ -90,9 +92,17 @@ def pattern(name: str, values: Floats, weight: float = 1.0) -> Feature:
 
 
 def one_way(space: Space) -> Space:
-    """The same, where all features are of one kind and have the sign that they must have: it acts along their sum."""
-    if not space.features:
+    """The same, where all features have the sign that they must have: it acts along their sum, weighted.
+
+    Raises `ValueError` unless all of them are pressures, or all of them fields: a pattern is free, so it has no sign.
+    """
+    kinds = {f.kind for f in space.features}
+    if not kinds:
         return space
+    if len(kinds) > 1 or "pattern" in kinds:
+        raise ValueError(
+            f"space {space.key!r}: one_way takes pressures only, or fields only, not {sorted(kinds)}"
+        )
     total = np.sum([f.weight * f.values for f in space.features], axis=0)
     return replace(space, along=Feature("all of them", space.features[0].kind, total))
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._paths import check_parent
 from labrig.log._cut import cut
 from labrig.log._part import Part, session_blocks
 from labrig.tables import (
@@ -60,8 +61,7 @@ def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Gue
     import yaml
 
     _refuse(output)
-    if not output.parent.is_dir():
-        raise LabrigError(f"{output}: the folder {output.parent} does not exist")
+    check_parent(output)
     beside_it = mapping_beside(output)
     if beside_it.exists():
         raise LabrigError(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig._paths import check_parent
 
 FORMAT = "labrig learned model"
 VERSION = 1
@@ -24,8 +25,7 @@ Arrays = dict[str, NDArray[Any]]
 def write_file(path: str | Path, facts: dict[str, Any], arrays: Arrays) -> None:
     """Write facts and arrays, in one piece or not at all."""
     path = Path(path)
-    if not path.parent.is_dir():
-        raise LabrigError(f"{path}: the folder {path.parent} does not exist")
+    check_parent(path)
     head = {"format": FORMAT, "version": VERSION, **facts}
     partial = path.with_name(f".{os.getpid()}-{path.name}")
     try:

@@ -158,7 +158,7 @@ def _why(summary: Summary) -> str:
     explained = f" That is {share} of the explainable error." if share else ""
     return (
         f"The held-out error falls from {base} to {model} {with_what}; "
-        f"{floor_words}.{explained} " + _where(summary)
+        f"{floor_words}.{explained} " + _where(summary, "The model as it was fails")
     ).strip()
 
 
@@ -185,7 +185,7 @@ def _explained(summary: Summary) -> str:
     return percent(min(1.0, (base - model) / (base - max(bottom))))
 
 
-def _where(summary: Summary) -> str:
+def _where(summary: Summary, start: str = "It fails") -> str:
     """The two clearest places of the failure that stand out from the rest."""
     error = summary.get("error", {})
     usual = error.get("base", error.get("model")) or 0.0
@@ -214,7 +214,7 @@ def _where(summary: Summary) -> str:
             )
         if len(sentences) == 2:
             break
-    return f"It fails most {' and '.join(sentences)}." if sentences else ""
+    return f"{start} most {' and '.join(sentences)}." if sentences else ""
 
 
 def _programme(planned: Next) -> str:

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import pytest
 
 from labrig.diagnosis._motions import motions
 from labrig.effects import by_marker, to_rows
@@ -32,13 +33,20 @@ def test_what_else_is_there_keeps_its_name(make_lab) -> None:
     assert found.carried_by == "how the base itself moves"
 
 
-def test_what_chambers_have_of_each_other_may_be_the_base_s(make_lab) -> None:
-    """A base whose chambers lack what each gets from the next one: a loop (Bouc-Wen) is sure, and coupling is not."""
+@pytest.mark.parametrize("loop_kpa", [0.0, 4.0])
+def test_what_chambers_have_of_each_other_may_be_the_base_s(make_lab, loop_kpa: float) -> None:
+    """Of a base whose chambers lack what each gets of the next one coupling is possible, no more, alone and beside a
+    loop (Bouc-Wen), which is sure.
+    """
     lab = make_lab(captures=80, markers=12)
     got = 0.15 * np.tanh(1.3 * np.roll(lab.u, 1, axis=2) / lab.u.max()) * lab.u.max()
-    values = lab.predict(lab.looped(4.0)) + lab.predict(lab.u + got) - lab.predict(lab.u)
+    values = (
+        lab.predict(lab.looped(loop_kpa) if loop_kpa else lab.u)
+        + lab.predict(lab.u + got)
+        - lab.predict(lab.u)
+    )
     calls = calls_of(lab.dataset(values + lab.noise()), lab.model())
-    assert calls.pop("hysteresis") == "sure"
+    assert calls.pop("hysteresis") == ("sure" if loop_kpa else "not it")
     assert calls.pop("coupling") == "possible"
     assert set(calls.values()) == {"not it"}
 

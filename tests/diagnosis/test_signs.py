@@ -8,20 +8,25 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
-from scipy.special import expit
 from scipy.stats import multivariate_normal, norm
 
 from labrig.arrays import Floats
+from labrig.diagnosis import Explained
 from labrig.diagnosis._columns import Columns
 from labrig.diagnosis._design import SLOW, Block, Design
+from labrig.diagnosis._design import design_of as laid_out
 from labrig.diagnosis._evidence import State, Sums, beside_free
+from labrig.diagnosis._observations import observe
 from labrig.diagnosis._posterior import Search
+from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._signs import log_gain, log_gain_together
-from labrig.effects import Space, library
+from labrig.effects import Feature, Space, field, library, pattern, pressure
+from labrig.effects._family import one_way
 from tests.effects.test_family import context_of
 from tests.naming import calls_of
 
 S, R = 40, 3
+ONE = np.ones((9, 2))
 PAST, PLAIN, SLOWLY = slice(0, 2), slice(2, 5), slice(5, 6)
 
 
@@ -134,13 +139,65 @@ def test_each_space_of_contact_holds_back(make_lab) -> None:
     assert all(space.along is not None for space in spaces)
 
 
+def test_chambers_that_pull_against_each_other_are_held_back_all_the_same(make_lab) -> None:
+    """A stop of one chamber acts the way that a stop acts, also where another one moves the markers back further."""
+    lab = make_lab(captures=60, chambers=2, markers=6)
+    lab.reach[:, 1] = -3.0 * lab.reach[:, 0]
+    x = lab.u / lab.u.max()
+    met = np.stack([0.05 * np.arctan(np.maximum(x[..., 0] - 0.5, 0) / 0.3), 0 * x[..., 1]], axis=-1)
+    data = lab.dataset(lab.predict(lab.u - met * lab.u.max()) + 0.01 * lab.noise())
+    model = lab.model()
+    ready = prepared(rows_from(data), model)
+    observations = observe(ready.context, ready.residual, ready.floor)
+    design = laid_out(observations, {"contact": model.library()["contact"]})
+    block = next(b for b in design.blocks if b.space.key == "limit 0.5")
+    values = (observations.values @ design.V).ravel()
+    weights = np.linalg.lstsq(design.W.of(block.at), values, rcond=1e-3)[0]
+    assert block.way is not None
+    assert block.way @ weights > 0
+
+
+def test_forms_of_one_set_are_given_their_signs() -> None:
+    """Before the forms of a set are compared, however improbable the set is, its likeliest has its sign counted."""
+    search = Search(design_of(-1.5, np.ones(2))).run()
+    search.settle(frozenset({"stop"}))
+    value, whole, slow = max(search.found[frozenset({"stop"})])
+    assert (whole, slow) in search.signed
+    assert value < search.score((), slow, whole) - 10
+
+
+def test_the_next_experiment_compares_forms_with_their_signs(make_lab) -> None:
+    """The forms of a stop that a programme is planned for are its likeliest with their signs, where a wall gives."""
+    lab = make_lab(captures=40, markers=6)
+    past = (lab.u / lab.u.max() - 0.7) / 0.08
+    there = lab.u + 0.012 * (past + np.log(2 * np.cosh(past))) * lab.u.max()
+    model = lab.model()
+    ready = prepared(rows_from(lab.dataset(lab.predict(there) + lab.noise())), model)
+    effects = {name: model.library()[name] for name in ("contact", "stiffening", "leak")}
+    explained = Explained(ready, effects)
+    for names in (["contact"], ["contact", "leak"]):
+        forms = explained.forms(names, 3)
+        assert forms
+        assert all((form.raised, form.slow) in explained.search.signed for form in forms)
+
+
+@pytest.mark.parametrize("features", [(pattern("a", np.ones(9)),), (field("a", ONE), pressure("b", ONE))])
+def test_a_space_of_several_kinds_has_no_one_way(features: tuple[Feature, ...]) -> None:
+    """Of a free pattern, or of pressures beside fields, nobody can say which way they go."""
+    with pytest.raises(
+        ValueError, match=r"^space 's': one_way takes pressures only, or fields only, not \['"
+    ):
+        one_way(Space("s", "s", features))
+
+
 @pytest.mark.parametrize("holds_back", [True, False])
 def test_a_bulge_is_no_stop(make_lab, holds_back: bool) -> None:
-    """A wall that gives way past some pressure, by a logistic curve, is no contact; one that is held as much is."""
+    """A wall that gives way past some pressure, by a log-cosh, is no contact; one that is held back as much is."""
     lab = make_lab(captures=80, markers=12)
     x = lab.u / lab.u.max()
-    more = 0.3 * np.maximum(x - 0.6, 0) * expit((x - 0.7) / 0.03)
-    pressure = lab.u + (-1 if holds_back else 1) * more * lab.u.max()
-    calls = calls_of(lab.dataset(lab.predict(pressure) + lab.noise()), lab.model())
+    past = (x - 0.7) / 0.08
+    more = 0.012 * (past + np.log(2 * np.cosh(past)))
+    there = lab.u + (-1 if holds_back else 1) * more * lab.u.max()
+    calls = calls_of(lab.dataset(lab.predict(there) + lab.noise()), lab.model())
     assert (calls["contact"] == "sure") is holds_back
     assert (calls["contact"] == "not it") is not holds_back

@@ -70,7 +70,7 @@ def test_only_places_that_stand_out_are_named():
         {"group": "time in hold", "name": "0-3 s", "error": 9.0, "share": 0.5, "clear": False},
     ]
     why = note({**BASE, "verdict": "identified", "effects": ["creep"], "where": places}).why
-    assert why.endswith("It fails most at marker m17 (4\u00a0mm).")
+    assert why.endswith("The model as it was fails most at marker m17 (4\u00a0mm).")
 
 
 def test_the_runner_up_is_named():
