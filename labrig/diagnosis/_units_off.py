@@ -1,7 +1,8 @@
-"""Whether measurements and model may be in different units, or the rig did not move at all."""
+"""Whether measurements and model may be in different units or of different kinds, or the rig did not move at all."""
 
 import numpy as np
 
+from labrig.arrays import Floats, Ints
 from labrig.effects import Context
 
 _ALIKE = 0.9
@@ -10,7 +11,9 @@ _TIMES = 5.0
 
 
 def units_off(context: Context) -> list[str]:
-    """A line for each unit whose observables hardly move, or follow the model's prediction many times as far."""
+    """A line for each unit whose observables hardly move, or follow the model's prediction many times as far; without one,
+    a line where one of both gives displacements and the other positions.
+    """
     rows, out = context.rows, []
     kinds = np.array(rows.unit)
     for unit in dict.fromkeys(rows.unit):
@@ -32,4 +35,29 @@ def units_off(context: Context) -> list[str]:
                 f"what is measured in {unit} changes {times:.2g} times as far as the model says: check the units of "
                 "both and of the pressures, and whether these arrive"
             )
-    return out
+    return out or _displaced(context)
+
+
+def _displaced(context: Context) -> list[str]:
+    """A line where, at the least pressures, the markers lie many times as far apart in one of both."""
+    rows = context.rows
+    of_markers = np.isfinite(rows.values) & (rows.marker >= 0)
+    many = of_markers.sum(axis=1) > np.bincount(rows.marker[rows.marker >= 0], minlength=1).max()
+    if not many.any():
+        return []
+    row = np.flatnonzero(many)[np.argmin(rows.fraction[many].sum(axis=1))]
+    own = np.flatnonzero(of_markers[row])
+    measured, model = (_apart(v[row, own], rows.axis[own]) for v in (rows.values, context.base))
+    if max(measured, model) < _TIMES * min(measured, model):
+        return []
+    small, large = ("the model", "the measurement") if model < measured else ("the measurement", "the model")
+    return [
+        f"at the least pressures the markers lie {measured:.2g} mm from their middle as measured and {model:.2g} mm as "
+        f"the model says: {small} seems to give displacements, {large} positions, where both must give the same"
+    ]
+
+
+def _apart(place: Floats, axis: Ints) -> float:
+    """Root mean square distance of markers from their middle, whose coordinates (K,) lie along `axis` (K,)."""
+    middle = np.array([place[axis == a].mean() if (axis == a).any() else 0.0 for a in range(3)])
+    return float(np.sqrt(3 * np.mean((place - middle[axis]) ** 2)))

@@ -10,11 +10,13 @@ from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._names import Name, take_apart
 from labrig.tables._table import DATE, Table
+from labrig.tables._units import like
 
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}")
 _PRESSURES = ("Pa", "psi", "bar", "mmHg")
 _GENERIC = {("data",), ("value",), ("values",)}
 _DRIVES = ("V", "A", "percent")
+_NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
 
 
 @dataclass
@@ -106,10 +108,12 @@ def _are_dates(table: Table, column: Any) -> bool:
 def _find_time(out: Roles, parsed: list[Name]) -> None:
     if out.time is not None:
         return
-    called = [n for n in parsed if n.words[:1] and (n.words[0] in names.TIME or n.words[-1] in names.TIME)]
-    called += [n for n in parsed if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
+    able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
+    called = [n for n in able if n.words[:1] and (n.words[0] in names.TIME or n.words[-1] in names.TIME)]
+    called += [n for n in able if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
     rising = [n for n in called if _rises(out.values[n.column])]
-    if not rising and parsed and _rises(out.values[parsed[0].column]) and not parsed[0].has(names.CAPTURE):
+    first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
+    if not rising and parsed and first_may and _rises(out.values[parsed[0].column]):
         first = out.values[parsed[0].column]
         if len(first) > 2 and np.std(np.diff(first)) < 0.2 * np.mean(np.diff(first)):
             rising = [parsed[0]]

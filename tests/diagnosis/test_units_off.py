@@ -37,6 +37,24 @@ def test_a_rig_that_stands_still(tmp_path: Path) -> None:
     assert line.endswith("and whether these arrive")
 
 
+@pytest.mark.parametrize("displaced", ["the model", "the measurement"])
+def test_displacements_for_positions(tmp_path: Path, displaced: str) -> None:
+    """Where one of both counts from each marker's rest, it is said which, and no question is asked of units."""
+    lab = Lab(tmp_path)
+    values = lab.predict(lab.u) + lab.noise()
+    if displaced == "the model":
+        lab.rest = np.zeros_like(lab.rest)
+    else:
+        values = values - lab.rest
+    warnings = compare(lab.dataset(values), lab.model()).summary["warnings"]
+    (line,) = [line for line in warnings if "displacements" in line]
+    other = "the measurement" if displaced == "the model" else "the model"
+    assert line.endswith(
+        f"{displaced} seems to give displacements, {other} positions, where both must give the same"
+    )
+    assert not [line for line in warnings if "units" in line]
+
+
 @pytest.mark.parametrize("change", ["nothing", "a third softer", "something else"])
 def test_what_is_physics_is_not_asked_about(tmp_path: Path, change: str) -> None:
     """A rig that is off as rigs are, or that does not follow the model at all, is nothing of units."""

@@ -207,3 +207,20 @@ def test_dates_are_a_clock(desk: Path) -> None:
     run, guess, _ = import_guessed([Path("t.csv")], Path("run"))
     assert guess.mapping["time"] == {"column": "when", "unit": "date"}
     assert run["time_s"].to_numpy().ravel() == pytest.approx(T, abs=1e-6)
+
+
+@pytest.mark.parametrize("first", ["p1_kPa", "set", "voltage"])
+def test_an_input_that_only_rises_is_no_time(desk: Path, first: str) -> None:
+    """A ramp of the input in the first column stays the input, also where nothing else is a time."""
+    rows = "".join(f"{5 * i},{0.1 * i * i}\n" for i in range(20))
+    Path("t.csv").write_text(f"{first},force_N\n{rows}")
+    guess = guess_mapping("t.csv")
+    assert [a["column"] for a in guess.mapping["actuation"]] == [first]
+    assert "time" not in guess.mapping
+
+
+def test_what_has_another_unit_is_no_time(desk: Path) -> None:
+    """A temperature that is called T, and only rises, is not taken for the time before the clock beside it is."""
+    rows = "".join(f"{20 + 0.01 * i},{2 * i},{i % 5},{i}\n" for i in range(20))
+    Path("t.csv").write_text(f"T_degC,clock_s,p_kPa,force_N\n{rows}")
+    assert guess_mapping("t.csv").mapping["time"] == {"column": "clock_s", "unit": "s"}
