@@ -38,7 +38,9 @@ def entry_of(
         parameters[term.parameter] = _value(context, part.effect, term, value, sd)
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
-        parameters[name] = Value(value=value if own.given else _round(value), unit=_unit(context, own.unit))
+        value = value if own.given else _round(value)
+        which = [context.rows.chambers[int(value)]] if name == "chamber" else None
+        parameters[name] = Value(value=value, unit=_unit(context, own.unit), per=which)
     return EffectEntry(
         name=part.effect.name,
         form=part.variant.form,

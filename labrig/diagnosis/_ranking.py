@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.contents import Ranked
 from labrig.diagnosis._candidates import Candidate, square_of
+from labrig.diagnosis._constants import LEAST_FLOORS
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._regression import Regression
@@ -28,7 +29,11 @@ def alone(
 
 
 def drop_of(base: float, now: float, reachable: float) -> float:
-    """Share of the explainable error (root mean squares) that is gone; never more than all of it."""
+    """Share of the explainable error (root mean squares) that is gone; never more than all of it, and none where less
+    than the smallest effect that is worth a name could be explained.
+    """
+    if base**2 - reachable**2 < (LEAST_FLOORS * reachable) ** 2:
+        return 0.0
     least = min(reachable, now)
     return float((base - now) / (base - least)) if base > least * (1 + 1e-9) else 0.0
 

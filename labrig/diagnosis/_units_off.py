@@ -11,8 +11,8 @@ _TIMES = 5.0
 
 
 def units_off(context: Context) -> list[str]:
-    """A line for each unit whose observables hardly move, or follow the model's prediction many times as far; without one,
-    a line where one of both gives displacements and the other positions.
+    """A line for each unit whose observables hardly move, or follow the model's prediction many times as far; without
+    one, a line where one of both gives displacements and the other positions.
     """
     rows, out = context.rows, []
     kinds = np.array(rows.unit)

@@ -51,7 +51,14 @@ class Contact(Effect):
             Parameter(name, "1", -1.0, 1.0, meaning=f"{name[-1]} of the plane's direction", given=True)
             for name in NORMAL
         ),
-        Parameter("chamber", "1", 0.0, meaning="the only chamber that is stopped, counted from 0"),
+        Parameter(
+            "chamber",
+            "1",
+            0.0,
+            per="chamber",
+            meaning="the only one that is stopped, counted from 0",
+            given=True,
+        ),
     )
     reference = (
         "P. Wriggers, Computational Contact Mechanics, 2nd ed. Springer 2006, ch. 2 (unilateral contact)"

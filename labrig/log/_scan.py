@@ -75,7 +75,9 @@ class _Scanner:
         has_magic = self.data[:8] == _MAGIC
         position = 8 if has_magic else self._next_chunk(0)
         if not has_magic and position < 0:
-            raise LabrigError(f"{self.path} is not an MCAP file, or nothing of it is whole")
+            raise LabrigError(
+                f"{self.path} is not an MCAP file, or nothing of it is whole; `labrig import` makes a run of a table"
+            )
         if not has_magic:
             self.warnings.append(f"{self.path.name}: the first {position} bytes are damaged and were skipped")
         while 0 <= position < self.size:

@@ -55,7 +55,8 @@ class PythonModel:
         try:
             out = np.asarray(self._function(actuation.copy()), dtype=float)
         except Exception as error:
-            raise LabrigError(f"{self._where} failed: {type(error).__name__}: {error}") from error
+            given = f"{len(actuation)} rows of {actuation.shape[1]} chambers"
+            raise LabrigError(f"{self._where} failed on {given}: {type(error).__name__}: {error}") from error
         if out.ndim == 1 and self._n_observables == 1:
             out = out[:, None]
         expected = (len(actuation), self._n_observables)

@@ -46,6 +46,7 @@ def _of_chambers(
     labels: tuple[str, ...], own: Mapping[str, Any], chambers: Mapping[str, tuple[float, float]], unit: str
 ) -> Table:
     kind = "chamber" if chambers or not any("-" in label for label in labels) else "pair of chambers"
+    kind = "function" if "weights" in own else kind
     header = [kind, *(_title(name, entry) for name, entry in own.items())]
     columns = [(flat(entry["value"]), flat(entry.get("sd"))) for entry in own.values()]
     if chambers:

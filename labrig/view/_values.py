@@ -70,6 +70,8 @@ def _values(entry: Mapping[str, Any], unit: str) -> str:
     values, sds = flat(entry.get("value")), flat(entry.get("sd"))
     if not values:
         return "–"
+    if len(values) == 1 and entry.get("per"):  # a number that stands for a chamber
+        return str(entry["per"][0])
     if len(values) == 1:
         return with_unit(give_or_take(values[0], sds[0] if sds else None, 2), unit)
     per = [str(name) for name in entry.get("per") or []]

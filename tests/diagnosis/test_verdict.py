@@ -204,11 +204,13 @@ def test_more_captures_show_less() -> None:
 
 @given(st.floats(0, 1e3), st.floats(0, 1e3), st.floats(0, 1e3))
 def test_a_drop_is_never_more_than_all(base: float, now: float, reachable: float) -> None:
-    """However the errors lie, the share of the explainable error that is gone is at most one."""
+    """However the errors lie, the share of the explainable error that is gone is at most one, and none of nothing."""
     assert drop_of(base, now, reachable) <= 1 + 1e-9
-    if now <= reachable < base:
+    if base <= reachable:
+        assert drop_of(base, now, reachable) == 0
+    if now <= reachable < 0.9 * base:
         assert drop_of(base, now, reachable) == pytest.approx(1.0)
-    if now > base > reachable:
+    if now > base and reachable < 0.9 * base:
         assert drop_of(base, now, reachable) < 0
 
 

@@ -14,6 +14,7 @@ import xarray as xr
 from labrig.diagnosis import Result, diagnose, improve
 from labrig.effects import rows_of
 from labrig.model import Model, base_context, build_base
+from labrig.view import values_words
 from labrig.view._signature_figure import binned
 from tests.naming import calls_of
 
@@ -302,7 +303,7 @@ def test_rest_shape(make_lab) -> None:
 
 
 def test_contact_of_one_chamber(make_lab) -> None:
-    """A chamber that alone meets an elastic stop is found with its number; its neighbours go on."""
+    """A chamber that alone meets an elastic stop is found, by number and name; its neighbours go on."""
     lab = make_lab(captures=80)
     low, high = np.zeros_like(lab.u[..., 1]), lab.u[..., 1].copy()
     for _ in range(50):
@@ -314,6 +315,7 @@ def test_contact_of_one_chamber(make_lab) -> None:
     result, values, _ = found(lab, lab.predict(u), "contact")
     assert result.summary["added"][0]["form"] == "one chamber"
     assert (values["chamber"], values["limit"]) == (1.0, pytest.approx(33.0 / 60.0, abs=0.12))
+    assert "chamber c2" in values_words(result.summary["added"][0]["parameters"])
 
 
 def test_regulator_of_a_vented_chamber(make_lab) -> None:

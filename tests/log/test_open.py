@@ -88,7 +88,10 @@ def test_an_unreadable_segment_does_not_hide_the_others(two_sessions: Path) -> N
     [
         (None, "{path} does not exist; name a run folder or an .mcap file"),
         (b"", "{path} is empty: nothing of this log was written"),
-        (b"time,c1,m1\n0,1,2\n" * 9, "{path} is not an MCAP file, or nothing of it is whole"),
+        (
+            b"time,c1,m1\n0,1,2\n" * 9,
+            "{path} is not an MCAP file, or nothing of it is whole; `labrig import` makes a run of a table",
+        ),
         (b"\x89MCAP0\r\n", "{path} holds no whole chunk: nothing of it can be read"),
     ],
 )

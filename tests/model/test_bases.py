@@ -47,10 +47,13 @@ def predicted_by(code: str, rows) -> np.ndarray:
             "def predict(u):\n    return 0 * u[:, :1] + float('nan')\n",
             "own.py:predict returned NaN or infinite values",
         ),
-        ("def predict(u):\n    raise ValueError('no')\n", "own.py:predict failed: ValueError: no"),
+        (
+            "def predict(u):\n    raise ValueError('no')\n",
+            "own.py:predict failed on 60 rows of 2 chambers: ValueError: no",
+        ),
         (
             "def predict(u):\n    return 'much'\n",
-            "own.py:predict failed: ValueError: could not convert string to float: 'much'",
+            "own.py:predict failed on 60 rows of 2 chambers: ValueError: could not convert string to float: 'much'",
         ),
         ("def other(u):\n    return u\n", "own.py: has no function 'predict'"),
         ("predict = 3\n", "own.py: has no function 'predict'"),

@@ -46,6 +46,14 @@ def test_a_rest_shape_place_by_place():
     assert rows == [["m2", "right", "-2", "0", "1"], ["m1", "left", "0.1", "0.2", "0.3"]]
 
 
+def test_weights_belong_to_functions():
+    """Where a family's weights were fitted, a row is a function, whatever it acts on."""
+    weights = {"value": [0.1, 0.2], "sd": [0.01, 0.01], "unit": "1", "per": ["lost 2.0", "lost 2.0 of left"]}
+    ((kind, header, rows), *_) = place_tables({"weights": weights}, {}, "kPa", {})
+    assert (kind, header[0]) == ("function", "function")
+    assert [row[0] for row in rows] == ["lost 2.0", "lost 2.0 of left"]
+
+
 def test_a_turned_frame_is_turned_in_rad():
     """The three rotations of a frame are no lengths."""
     per = ["x", "y", "z", "about x", "about y", "about z"]
