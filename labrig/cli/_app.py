@@ -7,7 +7,7 @@ import traceback
 
 import typer
 
-from labrig.cli._complaints import complaint, exit_code
+from labrig.cli._complaints import INTERRUPTED, complaint, exit_code
 from labrig.cli._group import Group
 
 app = typer.Typer(
@@ -69,11 +69,13 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         code = app(args=words, standalone_mode=False, prog_name="labrig")
         sys.stdout.flush()
+        if code == INTERRUPTED:  # what typer makes of Ctrl-C, and says nothing
+            print("labrig: interrupted", file=sys.stderr)
     except typer.Exit as error:
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
         print("labrig: interrupted", file=sys.stderr)
-        code = 130
+        code = INTERRUPTED
     except BrokenPipeError:  # whoever read the output has ended, as in `labrig runs | head -1`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 1

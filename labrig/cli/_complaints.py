@@ -2,6 +2,13 @@
 
 USAGE = 2
 UNEXPECTED = 1
+INTERRUPTED = 130
+
+
+class Stopped(Exception):
+    """Somebody ended it, by Ctrl-C; the text says what is known by then, and how to go on."""
+
+    exit_code = INTERRUPTED
 
 
 def complaint(error: Exception) -> str:

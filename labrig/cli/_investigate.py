@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from labrig.cli._app import app
+from labrig.cli._complaints import Stopped
 from labrig.cli._places import check_folder
 from labrig.contents import Proposed
 
@@ -58,8 +59,7 @@ def investigate(
             reporter=_screen_reporter(again),
         )
     except KeyboardInterrupt as error:
-        typer.echo(f"labrig: {error or 'interrupted'}", err=True)
-        raise typer.Exit(130) from None
+        raise Stopped(str(error) or "interrupted") from None
     print_investigation(found.summary)
     if found.model is not None:
         typer.echo(f"new model: {found.model.path}")

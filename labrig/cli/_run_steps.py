@@ -18,6 +18,7 @@ from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
 from labrig.cli._history_steps import say_if_changed
+from labrig.cli._complaints import Stopped
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
@@ -198,9 +199,7 @@ def _run_it(
                 else:
                     run_procedure(procedure, rig, folder, seed=request.seed, watching=watching)
         except Interrupted as error:
-            screen.__exit__(None, None, None)
-            print(f"labrig: {error}{_go_on(folder)}", file=sys.stderr)
-            raise typer.Exit(130) from None
+            raise Stopped(f"{error}{_go_on(folder)}") from None
         except (LabrigError, DeviceError) as error:
             raise type(error)(f"{error}{_go_on(folder)}") from error
 

@@ -60,3 +60,13 @@ def test_debug_stands_before_or_behind_the_command(labrig: Run, words: tuple[str
     assert err.startswith("Traceback (most recent call last):\n")
     assert err.splitlines()[-1] == line
     assert labrig("show", "none") == (2, "", f"{line}\n")
+
+
+def test_an_interrupted_command_says_so(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After Ctrl-C one line says that nothing failed, and the exit code is the shell's."""
+
+    def interrupt(*arguments: object, **settings: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("labrig.diagnose", interrupt)
+    assert labrig("diagnose", "run", "--model", "model.yaml") == (130, "", "labrig: interrupted\n")
