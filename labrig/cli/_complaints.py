@@ -5,7 +5,7 @@ UNEXPECTED = 1
 INTERRUPTED = 130
 
 
-class Stopped(Exception):
+class StoppedError(Exception):
     """Somebody ended it, by Ctrl-C; the text says what is known by then, and how to go on."""
 
     exit_code = INTERRUPTED

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from labrig.cli._app import app
-from labrig.cli._complaints import Stopped
+from labrig.cli._complaints import StoppedError
 from labrig.cli._places import check_folder
 from labrig.contents import Proposed
 
@@ -59,7 +59,7 @@ def investigate(
             reporter=_screen_reporter(again),
         )
     except KeyboardInterrupt as error:
-        raise Stopped(str(error) or "interrupted") from None
+        raise StoppedError(str(error) or "interrupted") from None
     print_investigation(found.summary)
     if found.model is not None:
         typer.echo(f"new model: {found.model.path}")

@@ -17,8 +17,8 @@ from labrig.campaign import Adviser, Control, Interrupted, Observer, Procedure, 
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
+from labrig.cli._complaints import StoppedError
 from labrig.cli._history_steps import say_if_changed
-from labrig.cli._complaints import Stopped
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
@@ -199,7 +199,7 @@ def _run_it(
                 else:
                     run_procedure(procedure, rig, folder, seed=request.seed, watching=watching)
         except Interrupted as error:
-            raise Stopped(f"{error}{_go_on(folder)}") from None
+            raise StoppedError(f"{error}{_go_on(folder)}") from None
         except (LabrigError, DeviceError) as error:
             raise type(error)(f"{error}{_go_on(folder)}") from error
 
