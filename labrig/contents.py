@@ -307,6 +307,7 @@ class Proposed(TypedDict):
     verdict: str
     separates: list[str]
     units: str
+    actuation_units: str
     minutes: float
     captures: int
     why: str

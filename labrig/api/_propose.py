@@ -9,6 +9,8 @@ from labrig.api._diagnose import Diagnosis
 from labrig.api._inputs import Place, model_of, rig_of, runs_of
 from labrig.contents import Proposed
 
+PROGRAMME = "programme.csv"
+
 if TYPE_CHECKING:
     from pandas import DataFrame
     from plotly.graph_objects import Figure
@@ -39,7 +41,7 @@ class Proposal:
 
     @property
     def points(self) -> "DataFrame":
-        """The set-points in order: a column for each chamber, kPa, then `hold_s`, `repeat`, `label`."""
+        """The set-points in order: a column for each chamber, in the runs' unit, then `hold_s`, `repeat`, `label`."""
         from pandas import DataFrame
 
         rows = []
@@ -58,18 +60,19 @@ class Proposal:
         return {"points": self._experiment.programme()}
 
     def plot(self) -> "Figure":
-        """Each chamber's pressure over the time of the programme, as a plotly Figure."""
+        """Each chamber's set-point over the time of the programme, as a plotly Figure."""
         from plotly.graph_objects import Figure
 
         from labrig.view import programme_figure
 
-        return Figure(programme_figure(self._experiment.programme()))
+        return Figure(programme_figure(self._experiment.programme(), self.summary["actuation_units"]))
 
     def save(self, folder: Place, procedure: Place | None = None) -> Path:
-        """Write next.json and report.html into `folder`, as the command line does; returns the report's path.
+        """Write next.json, programme.csv (a row for each set-point) and report.html into `folder`, as the command line
+        does; returns the report's path.
 
         `procedure` is a file (.yaml) to write the programme to, for `labrig run`. Raises `LabrigError` for another
-        ending.
+        ending, and where the set-points are no pressures in kPa, as a rig's are.
         """
         from labrig._json import write_json
         from labrig.experiment import write_procedure
@@ -78,10 +81,17 @@ class Proposal:
         folder, summary = Path(folder), self.summary.copy()
         if procedure is not None:
             check_procedure_file(Path(procedure))
+            if (unit := summary["actuation_units"]) != "kPa":
+                raise LabrigError(
+                    f"{procedure}: a rig's procedure is in kPa, and these set-points are in "
+                    f"{unit or 'no unit'}: leave it out, programme.csv has them"
+                )
             write_procedure(self._experiment, Path(procedure))
             summary["procedure"] = str(procedure)
         folder.mkdir(parents=True, exist_ok=True)
         write_json(dict(summary), folder / "next.json")
+        in_unit = {name: f"{name} [{summary['actuation_units'] or 1}]" for name in self._experiment.chambers}
+        self.points.rename(columns=in_unit).to_csv(folder / PROGRAMME, index=False)
         return write_experiment(summary, self._experiment.programme(), folder)
 
     def __repr__(self) -> str:

@@ -13,33 +13,46 @@ from labrig.cli._places import check_file, check_folder, replaced
 def next_(
     runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")],
     model: Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")],
-    rig: Annotated[Path, typer.Option("--rig", help="The rig that will measure it (rig.yaml).")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="The procedure file to write.")],
+    rig: Annotated[
+        Path | None,
+        typer.Option(
+            "--rig", help="The rig that will measure it (rig.yaml); else the limits are those of the runs."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="The procedure file to write, for labrig run.")
+    ] = None,
     minutes: Annotated[float, typer.Option(help="The longest that it may take, min.")] = 10.0,
     tolerance: Annotated[
         float | None, typer.Option(help="The smallest effect that matters, in the units of the run.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the procedure file.")] = False,
-    out: Annotated[Path, typer.Option("--out", help="Folder for next.json and the report.")] = Path("next"),
+    out: Annotated[
+        Path, typer.Option("--out", help="Folder for next.json, programme.csv and the report.")
+    ] = Path("next"),
 ) -> None:
     """Find the pressure programme that settles what a diagnosis leaves open, within the rig's limits.
 
-    It becomes a procedure file: labrig run FILE --rig RIG.yaml --dry-run, then without --dry-run, then
-    labrig diagnose with the runs so far and the new one.
+    It becomes a table, programme.csv, and with -o a procedure file: labrig run FILE --rig RIG.yaml --dry-run, then
+    without --dry-run, then labrig diagnose with the runs so far and the new one.
     """
     import labrig
-    from labrig.api._propose import check_procedure_file
+    from labrig.api._propose import PROGRAMME, check_procedure_file
     from labrig.cli._tables import print_experiment
 
-    check_procedure_file(output)
-    if output.exists() and not force:
-        raise labrig.LabrigError(f"{output} exists; choose another name, or overwrite it with --force")
-    check_file(output)
+    if output is not None:
+        check_procedure_file(output)
+        if output.exists() and not force:
+            raise labrig.LabrigError(f"{output} exists; choose another name, or overwrite it with --force")
+        check_file(output)
     check_folder(out)
     proposal = labrig.propose_experiment(runs, model, rig=rig, minutes=minutes, tolerance=tolerance)
-    of_procedure, of_report = replaced(output), replaced(out / "report.html")
-    page = proposal.save(out, output)
+    written = {"set-points": out / PROGRAMME, "report": out / "report.html"}
+    if output is not None:
+        written = {"procedure": output, **written}
+    lines = [f"{what}: {path}{replaced(path)}" for what, path in written.items()]
+    proposal.save(out, output)
     print_experiment(proposal.summary)
-    typer.echo(f"procedure: {output}{of_procedure}")
-    typer.echo(f"report: {page}{of_report}")
-    typer.echo(f"to run it: labrig run {output} --rig {rig} --dry-run")
+    typer.echo("\n".join(lines))
+    if output is not None:
+        typer.echo(f"to run it: labrig run {output} --rig {rig or 'RIG.yaml'} --dry-run")

@@ -308,6 +308,7 @@ def _experiment(
         "verdict": str(found["verdict"]),
         "separates": list(names),
         "units": rows.unit[int(problem.counted[0])],
+        "actuation_units": rows.actuation_unit,
         "minutes": whole.seconds(problem.limits) / 60,
         "captures": len(points),
         "why": why,

@@ -34,8 +34,8 @@ def write_experiment(report: Proposed, programme: Sequence[ProgrammePoint], fold
     page.add(f"<h1>{report['minutes']:.1f} minutes to tell {escape(separates)}.</h1>")
     page.add(f'<p class="lead">Why this one: {escape(str(report["why"]))}.</p>')
     _warnings(page, report["warnings"])
-    page.section("What is measured", "Pressure of each chamber over the time of the programme.")
-    page.add(page.plot(programme_figure(programme)))
+    page.section("What is measured", "Set-point of each chamber over the time of the programme.")
+    page.add(page.plot(programme_figure(programme, report["actuation_units"])))
     _probes(page, report)
     _expected(page, report)
     if report["by_hand"]:
@@ -161,8 +161,8 @@ def _expected(page: Page, report: Proposed) -> None:
     page.add(table(header, rows, ["", "", "number", "number", ""]))
 
 
-def programme_figure(programme: Sequence[ProgrammePoint]) -> Figure:
-    """Steps of every chamber's pressure over time, as a figure."""
+def programme_figure(programme: Sequence[ProgrammePoint], units: str) -> Figure:
+    """Steps of every chamber's set-point, in `units`, over time, as a figure."""
     done = [(p.get("pressure_kpa", {}), p["hold_s"]) for p in programme if not p.get("by_hand")]
     chambers = sorted({c for kpa, _ in done for c in kpa}, key=lambda c: (len(c), c))
     ends = [0.0]
@@ -183,7 +183,7 @@ def programme_figure(programme: Sequence[ProgrammePoint]) -> Figure:
         "height": 300,
         "margin": {"l": 50, "r": 10, "t": 10, "b": 40},
         "xaxis": {"title": {"text": "time, min"}},
-        "yaxis": {"title": {"text": "pressure, kPa"}},
+        "yaxis": {"title": {"text": f"set-point, {units}"}},
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)",
     }

@@ -253,6 +253,11 @@ def next_experiment(summary: Summary) -> str:
                 "To confirm it, measure a new run with other set-points, another order and other holds: a wrong effect "
                 "may fit this run, but it does not predict another."
             )
+        case "unknown" if str(summary.get("carried_by")).startswith("a sudden change"):
+            return (
+                "Look at what happened to the rig at that moment: hoses, seams, markers, what lies on it. Then measure "
+                "the same set-points again; if the change stays, diagnose the captures after it by themselves."
+            )
         case "confounded" | "unknown":
             return "Run `labrig next` for the pressure programme that best separates the explanations."
         case _:

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import labrig
@@ -104,8 +105,28 @@ def test_a_proposal_can_be_run(lab: Path, tmp_path: Path) -> None:
     assert repr(proposal).startswith("Proposal: ")
     assert proposal.plot().to_dict()["data"]
     assert proposal.save(tmp_path / "next").is_file()
+    table = pd.read_csv(tmp_path / "next" / "programme.csv")
+    assert table["c1 [kPa]"].tolist() == proposal.points["c1"].tolist()
+    assert table["hold_s"].tolist() == proposal.points["hold_s"].tolist()
     folder = labrig.run("programme", lab / "rig.yaml", out=tmp_path / "second", **proposal.procedure())
     assert labrig.open_run(folder).sizes["capture"] == len(proposal.points)
+
+
+def test_set_points_that_are_no_kpa_are_a_table_only(lab: Path, tmp_path: Path) -> None:
+    """A rig of somebody's own that takes volts has its set-points in volts, and no procedure that calls them kPa."""
+    few, model = labrig.open_run(lab / "first").isel(capture=slice(6)), lab / "model.yaml"
+    doubt = labrig.diagnose(few, model)
+    for name in ("commanded", "event_commanded"):
+        few[name].attrs["units"] = "V"
+    proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=3)
+    with pytest.raises(
+        LabrigError,
+        match=r"next\.yaml: a rig's procedure is in kPa, and these set-points are in V: leave it out, ",
+    ):
+        proposal.save(tmp_path / "next", tmp_path / "next.yaml")
+    assert not list(tmp_path.iterdir())
+    proposal.save(tmp_path / "next")
+    assert "c1 [V]" in pd.read_csv(tmp_path / "next" / "programme.csv").columns
 
 
 def test_runs_of_two_kinds_are_taken_together(lab: Path) -> None:

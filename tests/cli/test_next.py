@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 import yaml
@@ -98,6 +99,11 @@ def test_next_writes_a_procedure_that_settles(lab, labrig: Run) -> None:
     assert labrig("diagnose", "run", "run2", "--model", "model.yaml")[0] == 0
     found = json.loads((folder / "diagnosis" / "diagnosis.json").read_text())
     assert (found["verdict"], found["effects"]) == ("identified", ["hysteresis"])
+
+    code, out, err = labrig("next", "run", "--model", "model.yaml", "--minutes", 3)
+    assert (code, err) == (0, "")
+    assert f"set-points: {Path('next', 'programme.csv')}" in out
+    assert "procedure" not in out
 
     code, _, err = labrig("next", "run", "--model", "model.yaml", "--rig", "rig.yaml", "-o", "next.yaml")
     assert (code, err) == (2, "labrig: next.yaml exists; choose another name, or overwrite it with --force\n")

@@ -118,6 +118,12 @@ def test_the_next_experiment_is_what_the_diagnosis_designed():
     )
 
 
+def test_after_a_sudden_change_look_at_the_rig():
+    """What happened at one moment is not found by a programme of pressures: the advice is to look there."""
+    words = note({**BASE, "verdict": "unknown", "carried_by": "a sudden change before capture 12"})
+    assert words.next_.startswith("Look at what happened to the rig at that moment: hoses, seams")
+
+
 def test_what_is_sure_needs_no_telling_apart():
     """The next experiment is about what is possible, not about what is sure."""
     planned = {"separates": ["leak", "drift"], "probes": ["wait"]}
