@@ -102,7 +102,11 @@ def noise_floor(
 
 
 def _tiny(residual: Floats) -> float:
-    """A floor where there is no noise at all: a millionth of the residual, so that nothing divides by zero."""
+    """A floor where there is no noise at all: a millionth of the residual, so that nothing divides by zero; one where
+    nothing was seen.
+    """
+    if not np.isfinite(residual).any():
+        return 1.0
     return float(1e-6 * np.sqrt(np.nanmean(residual**2)) + 1e-12)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.diagnosis._dead import without_dead
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._regression import Regression, regression_of
@@ -57,7 +58,7 @@ def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
 def prepared(rows: Rows, model: Model) -> Prepared:
     """Predict, clean, and estimate the floor; of very long records every n-th row."""
     predictor = model.predictor(rows)
-    context = predictor.context(rows)
+    context = without_dead(predictor.context(rows))
     declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
     began = transients(context) if context.sample_s and rows.between_sessions == "unknown" else None
     at_full_rate = context.residual

@@ -154,9 +154,10 @@ class Regression:
 
     @cached_property
     def counted(self) -> Ints:
-        """The observables that errors are quoted for: those of the commonest unit."""
-        units = self.context.rows.unit
-        commonest = max(dict.fromkeys(units), key=units.count)
+        """The observables that errors are quoted for: those of the commonest unit of those that were seen."""
+        units, seen = self.context.rows.unit, np.flatnonzero((self.weight > 0).any(axis=0))
+        of_seen = [units[k] for k in seen]
+        commonest = max(dict.fromkeys(of_seen), key=of_seen.count)
         return np.array([k for k, u in enumerate(units) if u == commonest])
 
     @cached_property

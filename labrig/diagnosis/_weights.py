@@ -21,7 +21,7 @@ from labrig.effects import (
     weighable,
 )
 
-DIRECTIONS = 24
+DIRECTIONS = 64
 """Most directions that a family is weighted by: those in which its laws differ most on the run."""
 
 

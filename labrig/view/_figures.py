@@ -49,6 +49,8 @@ def fit(fields: "xr.Dataset", both: bool = True, names: Sequence[str] = STATES) 
 
     units differ.
     """
+    ever = np.isfinite(fields["measured"].values).any(axis=0)
+    fields = fields.isel(observable=np.flatnonzero(ever))
     measured = np.asarray(fields["measured"].values, dtype=float)
     units = sorted({str(unit) for unit in fields["unit"].values}) if "unit" in fields.coords else []
     scale, offset, label = np.ones(measured.shape[1]), np.zeros(measured.shape[1]), units[0] if units else ""

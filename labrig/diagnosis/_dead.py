@@ -1,0 +1,40 @@
+"""Sensors that always say the same, and chambers that never change: nothing can be learnt from either."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labrig.effects import Context
+
+_STILL = 1e-9
+"""Change of a prediction, as a share of its size, that is rounding."""
+
+
+def without_dead(context: Context) -> Context:
+    """The campaign without observables that never change where the model says that they do; the rows' warnings name
+    them, and chambers whose set-point never changes.
+    """
+    rows = context.rows
+    seen = np.isfinite(rows.values)
+    measured, base = (
+        np.where(seen, v, -np.inf).max(axis=0, initial=-np.inf)
+        - np.where(seen, v, np.inf).min(axis=0, initial=np.inf)
+        for v in (rows.values, context.base)
+    )
+    moves = base > _STILL * np.abs(context.base).max(axis=0, initial=0.0)
+    dead = (measured == 0) & moves & (seen.sum(axis=0) > 1)
+    said = [
+        f"chamber {name} is at {rows.event_actuation[0, c]:.3g} {rows.actuation_unit} all the time: nothing can be "
+        "said of it"
+        for c, name in enumerate(rows.chambers)
+        if np.ptp(rows.event_actuation[:, c]) == 0 and len(rows.event_actuation) > 1
+    ]
+    if dead.all() or not dead.any():
+        return replace(context, rows=replace(rows, warnings=(*rows.warnings, *said))) if said else context
+    said += [
+        f"{rows.observables[k]} is {rows.values[seen[:, k], k][0]:.3g} {rows.unit[k]} all the time, where the model "
+        "says that it changes: it is left out; is its sensor connected?"
+        for k in np.flatnonzero(dead)
+    ]
+    values = np.where(dead, np.nan, rows.values)
+    return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, *said)))

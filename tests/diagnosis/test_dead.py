@@ -1,0 +1,65 @@
+"""Sensors that are not connected and chambers that never move: said, and nothing is concluded from them."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import compare, diagnose
+from labrig.view._report import report_html
+
+
+def two_sensors(lab, values, second):
+    """The lab's force, and a second sensor beside it that reads `second` in volts."""
+    data = lab.dataset(values)
+    both = np.concatenate([data["observed"].values, np.broadcast_to(second, data["observed"].shape)], axis=2)
+    names = {"observable": ["force", "voltage"], "unit": ("observable", ["N", "V"])}
+    none = {"marker_of": ("observable", ["", ""]), "axis_of": ("observable", ["", ""])}
+    data = data.drop_vars(["observed", "observable", "unit", "marker_of", "axis_of"])
+    return data.assign(observed=(("capture", "time", "observable"), both)).assign_coords(names | none)
+
+
+def beside(lab):
+    """A model of both sensors: the second one follows the force."""
+    model = lab.model()
+    path = lab.folder / "base.py"
+    path.write_text(
+        path.read_text() + "\n\nalone = predict\n\n\ndef predict(u):\n    return np.tile(alone(u), (1, 2))\n"
+    )
+    return type(model).load(lab.folder / "model.yaml")
+
+
+def test_a_sensor_that_is_not_connected_is_left_out(make_lab) -> None:
+    """Zero volts throughout, where the model says that they change, is no effect: what is there is found without it."""
+    lab = make_lab(force=True, chambers=2, captures=60, long_s=(3.0, 4.0, 6.0, 10.0, 20.0, 40.0))
+    late = 1 - np.exp(-lab.hold_s[:, :, None] / 8.0)
+    values = lab.predict(lab.u) * (1 + 0.08 * late) + lab.noise()
+    data = two_sensors(lab, values, 0.0)
+    found = diagnose(data, beside(lab))
+    alone = diagnose(lab.dataset(values), lab.model())
+    possible = {each["effect"] for each in found.summary["effects_considered"] if each["call"] != "not it"}
+    assert set(alone.summary["effects"]) <= possible <= {"creep", "leak", "delay"}
+    assert found.summary["error"]["base"] == pytest.approx(alone.summary["error"]["base"], rel=0.05)
+    assert found.summary["units"] == "N"
+    assert (
+        "voltage is 0 V all the time, where the model says that it changes: it is left out; is its sensor connected?"
+        in found.summary["warnings"]
+    )
+    assert "<html" in report_html(found)
+
+
+def test_what_never_changes_and_need_not_is_kept(make_lab) -> None:
+    """A coordinate that stays where the model says that it stays is no broken sensor."""
+    lab = make_lab()
+    lab.reach[1::3] = 0.0
+    values = lab.predict(lab.u) + lab.noise()
+    values[..., 1::3] = lab.rest[1::3]
+    assert not [
+        w for w in compare(lab.dataset(values), lab.model()).summary["warnings"] if "all the time" in w
+    ]
+
+
+def test_a_chamber_that_never_moves_is_named(make_lab) -> None:
+    """Nothing can be learnt of a chamber whose set-point is the same in every capture."""
+    lab = make_lab()
+    lab.commanded[:, 1] = 12.0
+    warnings = compare(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary["warnings"]
+    assert "chamber c2 is at 12 kPa all the time: nothing can be said of it" in warnings
