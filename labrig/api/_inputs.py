@@ -20,11 +20,16 @@ Runs = "Place | Dataset | Sequence[Place | Dataset]"
 def runs_of(given: Any) -> "list[Dataset]":
     """One or several runs, as paths or as `labrig.open_run` gives them.
 
-    Raises `LabrigError` for an empty list, for anything else, and where a run cannot be read.
+    Raises `LabrigError` for an empty list, for the same run twice, for anything else, and where a run cannot be read.
     """
     several = list(given) if isinstance(given, list | tuple) else [given]
     if not several:
         raise LabrigError("no run was given: name a run folder, or what labrig.open_run gives")
+    known = [str(Path(one).resolve()) if isinstance(one, str | Path) else id(one) for one in several]
+    if len(set(known)) < len(known):
+        twice = next(one for one, key in zip(several, known, strict=True) if known.count(key) > 1)
+        what = twice if isinstance(twice, str | Path) else "a run"
+        raise LabrigError(f"{what} is given twice: what it measured counts once")
     return [_run(one) for one in several]
 
 

@@ -59,7 +59,7 @@ def diagnose(
     _table(found.summary, "diagnosis")
     _values(found)
     _finish(found, out)
-    if found.improved is not None and found.sure:
+    if found.improved is not None and found.sure and found.error["model"] < found.error["base"]:
         _say(
             f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} "
             + " ".join(f"--add {name}" for name in found.sure)

@@ -29,6 +29,9 @@ def import_(
         Path | None,
         typer.Option("-o", "--output", help="The run folder to make [default: the table's name]."),
     ] = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Replace an imported run of that name; needs --mapping.")
+    ] = False,
 ) -> None:
     """Make a run of somebody's own table."""
     import labrig
@@ -39,8 +42,12 @@ def import_(
         raise labrig.LabrigError("name a table, or a mapping with --mapping")
     output = output or Path(first.stem)
     check_folder(output, "-o")
+    if replace and mapping is None:
+        raise labrig.LabrigError(
+            "--replace: say what the columns mean with --mapping; a guess replaces nothing"
+        )
     if mapping is not None:
-        run = import_table(mapping, output, tables=table or ())
+        run = import_table(mapping, output, tables=table or (), replace=replace)
     else:
         assert table is not None
         run, guess, written = import_guessed(table, output)

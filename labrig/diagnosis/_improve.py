@@ -35,7 +35,7 @@ def improve(
         if not force:
             raise LabrigError(
                 f"{each.effect!r} does not lower the held-out error enough to matter ({each.words}); "
-                "the model is left as it is; --force adds it all the same"
+                "the model is left as it is; --force (force=True) adds it all the same"
             )
         trial.result.summary["warnings"].append(
             f"{each.effect!r} does not lower the held-out error enough to matter; it was added because of --force"

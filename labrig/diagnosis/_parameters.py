@@ -39,7 +39,8 @@ def entry_of(
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
         value = value if own.given else _round(value)
-        which = [context.rows.chambers[int(value)]] if name == "chamber" else None
+        called = {"chamber": context.rows.chambers, "marker": context.rows.markers}.get(name)
+        which = [called[int(value)]] if called else None
         parameters[name] = Value(value=value, unit=_unit(context, own.unit), per=which)
     return EffectEntry(
         name=part.effect.name,

@@ -75,7 +75,9 @@ def _covariates_of(carried_by: str) -> str:
 
 def in_words(carried_by: str) -> str:
     """What carries an error, as a sentence takes it."""
-    return "the base's own form, each chamber's pressure" if carried_by == "form" else carried_by
+    if carried_by == "form":
+        return "the base's own form, each chamber's pressure"
+    return "what follows nothing that was recorded" if carried_by.startswith("nothing") else carried_by
 
 
 def _gain(K: Floats, rows: Ints) -> float:

@@ -1,5 +1,7 @@
 """`labrig import`: somebody's own table becomes a run."""
 
+import shutil
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,8 +10,10 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._paths import check_parent
+from labrig.arrays import Floats
 from labrig.log._cut import cut
 from labrig.log._part import Part, session_blocks
+from labrig.log._segments import read_run_yaml
 from labrig.tables import (
     DATE,
     Guess,
@@ -29,17 +33,22 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 _GAP_S = 1.0
+_OTHER_SCALE = 100.0
+"""Ratio of sizes in two files from which on a person is asked whether both have one unit."""
 
 
-def import_table(mapping_path: Path, output: Path, tables: Sequence[Path] = ()) -> "Dataset":
+def import_table(
+    mapping_path: Path, output: Path, tables: Sequence[Path] = (), *, replace: bool = False
+) -> "Dataset":
     """Make a run folder of foreign tables as a MAP.yaml says; returns what `open_run` gives of it.
 
-    `tables` replaces the files that the mapping names (relative to the mapping's own folder).
+    `tables` replaces the files that the mapping names (relative to the mapping's own folder). With `replace`, an
+    imported run of that name is replaced once the new one can be made.
 
     Raises `LabrigError`, and leaves nothing behind, when a file, a column or a unit does not exist, when an
-    actuation or a time is not a number, or when the output exists.
+    actuation or a time is not a number, or when the output exists and is not to be replaced, or was recorded.
     """
-    _refuse(output)
+    _refuse(output, replace)
     mapping = read_mapping(mapping_path)
     files = mapping.files()
     if tables:
@@ -60,7 +69,7 @@ def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Gue
     """
     import yaml
 
-    _refuse(output)
+    _refuse(output, replace=False)
     check_parent(output)
     beside_it = mapping_beside(output)
     if beside_it.exists():
@@ -88,9 +97,13 @@ def mapping_beside(output: Path) -> Path:
     return output.with_name(f"{output.name}.map.yaml")
 
 
-def _refuse(output: Path) -> None:
-    if output.exists():
+def _refuse(output: Path, replace: bool) -> None:
+    if not output.exists():
+        return
+    if not replace:
         raise LabrigError(f"{output} exists already; choose another name or remove it")
+    if read_run_yaml(output).get("procedure") != "import":
+        raise LabrigError(f"{output} is no imported run, and is not replaced; choose another name")
 
 
 def _write(mapping: Mapping, files: Sequence[TableFile], mapping_path: Path, output: Path) -> "Dataset":
@@ -102,6 +115,8 @@ def _write(mapping: Mapping, files: Sequence[TableFile], mapping_path: Path, out
         "procedure": "import",
         "mapping": mapping.model_dump(mode="json", exclude_none=True),
     }
+    if output.exists():
+        shutil.rmtree(output)
     write_dataset(dataset, output, run_yaml=run_yaml)
     return open_run(output)
 
@@ -155,7 +170,35 @@ def _plausible(mapping: Mapping, parts: Sequence[Part], path: Path) -> list[str]
     for k, e in enumerate(mapping.covariates):
         values = np.concatenate([p.covariates[:, k] for p in parts])
         said += check_values(values, e.unit, f"covariate {e.name!r}", where)
-    return said
+    return [*said, *_other_scale(mapping, parts)]
+
+
+def _other_scale(mapping: Mapping, parts: Sequence[Part]) -> list[str]:
+    """Observables that are many times as large in one file as in another, as metres are beside millimetres."""
+    sizes = np.array([[_size(v) for v in part.values.T] for part in parts])
+    if len(parts) < 2 or not sizes.size:
+        return []
+    known = np.where(sizes > 0, sizes, np.nan)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a column that is empty throughout
+        times = np.nanmax(known, axis=0) / np.nanmin(known, axis=0)
+    apart = np.flatnonzero(times >= _OTHER_SCALE)
+    if not len(apart):
+        return []
+    k = int(apart[0])
+    most, least = (parts[int(pick(known[:, k]))].file.file for pick in (np.nanargmax, np.nanargmin))
+    more = f" (and {len(apart) - 1} others)" if len(apart) > 1 else ""
+    unit = mapping.observables[k].unit
+    return [
+        f"observable {mapping.observables[k].name!r}{more} is {times[k]:.3g} times as large in {most} as in {least}: "
+        f"are both in {unit}?"
+    ]
+
+
+def _size(values: Floats) -> float:
+    """The usual size of the numbers of a column, 0 where there are none."""
+    known = np.abs(values[np.isfinite(values)])
+    return float(np.percentile(known, 90)) if len(known) else 0.0
 
 
 def _order_in_time(parts: Sequence[Part]) -> None:

@@ -23,6 +23,7 @@ from labrig.tables import (
 )
 
 Labels = NDArray[np.object_]
+_COARSE = 0.3  # share of rows with the time of the row before, from which on it is said
 
 
 class Part:
@@ -54,6 +55,7 @@ class Part:
         self.segment: Labels = np.full(self.n, "", dtype=object)
         self.capture = self._captures()
         self._check_time()
+        self._remark_on_clock()
 
     @property
     def starts(self) -> Ints:
@@ -194,6 +196,19 @@ class Part:
             raise LabrigError(
                 f"{self.table.at(i + 1)}: time goes backward within session {self.session[i]!r}"
             )
+
+    def _remark_on_clock(self) -> None:
+        """Say where many rows have the time of the row before: such a clock does not tell when in a hold they were."""
+        same = np.diff(self.time_s) == 0
+        if self.mapping.time is None or self.mapping.hold is not None or same.sum() <= _COARSE * self.n:
+            return
+        step = float(np.median(np.diff(np.unique(self.time_s)))) if np.ptp(self.time_s) > 0 else 0.0
+        goes = f"it goes in steps of {step:.3g} s" if step > 0 else "it stands still"
+        self.remarks.append(
+            f"{self.table.path.name}: {int(same.sum())} of {self.n} rows have the time of the row before, {goes}: when "
+            "in a hold they were is not known, and creep, leak and delay are not seen there; is there a finer clock, "
+            "or a 'hold:'?"
+        )
 
 
 def observables_of(mapping: Mapping, table: Table) -> list[Observable]:

@@ -21,6 +21,7 @@ from labrig.model._surrogate import SurrogateModel
 
 _STEP = 1e-3
 """Step of the finite differences, fraction of a chamber's range; their error is of its square, at the limits too."""
+_NAMED = 6  # observables in a message
 _CENTRAL = ((1.0, -1.0), (0.0, 0.5, -0.5))
 _UP, _DOWN = ((1.0, 2.0), (-1.5, 2.0, -0.5)), ((-1.0, -2.0), (1.5, -2.0, 0.5))
 """Two places beside a row, in steps, and the weights of the row and of both in its slope."""
@@ -48,7 +49,7 @@ class PythonModel:
     def __init__(self, spec: PythonBase, folder: Path, rows: Rows) -> None:
         self._where = f"{folder / spec.file}:{spec.function}"
         self._function = load_function(folder / spec.file, spec.function)
-        self._n_observables = len(rows.observables)
+        self._observables = rows.observables
 
     def predict(self, actuation: Floats) -> Floats:
         """Call the user's function; raises `LabrigError` when it fails or returns another shape."""
@@ -57,13 +58,13 @@ class PythonModel:
         except Exception as error:
             given = f"{len(actuation)} rows of {actuation.shape[1]} chambers"
             raise LabrigError(f"{self._where} failed on {given}: {type(error).__name__}: {error}") from error
-        if out.ndim == 1 and self._n_observables == 1:
+        if out.ndim == 1 and len(self._observables) == 1:
             out = out[:, None]
-        expected = (len(actuation), self._n_observables)
+        expected = (len(actuation), len(self._observables))
         if out.shape != expected:
             raise LabrigError(
                 f"{self._where} returned shape {out.shape} for actuation {actuation.shape}; "
-                f"the run needs {expected} (rows, observables)"
+                f"the run needs {expected}, a column for each of {_shortly(self._observables)}"
             )
         if not np.isfinite(out).all():
             raise LabrigError(f"{self._where} returned NaN or infinite values")
@@ -72,6 +73,11 @@ class PythonModel:
     def declared(self, actuation: Floats) -> Floats | None:
         """None: a plain Python base has no parameters of its own."""
         return None
+
+
+def _shortly(names: tuple[str, ...]) -> str:
+    """Names in their order, and how many there are where that would be too long for a line."""
+    return ", ".join(names[:_NAMED]) + (f", ... ({len(names)} in all)" if len(names) > _NAMED else "")
 
 
 class StaticModel:

@@ -74,7 +74,7 @@ def carry(
     if not force and not gain > error:
         raise LabrigError(
             f"{' and '.join(names)} does not lower the held-out error, with the prior either; "
-            "the model is left as it is; --force adds it all the same"
+            "the model is left as it is; --force (force=True) adds it all the same"
         )
     changes = [
         np.einsum("qfk,fq->fk", e.fields, each[np.unique(ready.context.rows.capture, return_inverse=True)[1]])

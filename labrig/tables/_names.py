@@ -53,6 +53,7 @@ MEASURED = {
     "feedback",
     "ist",
 }
+COUNTER = {"index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed"}
 CAPTURE = {"capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage"}
 SESSION = {"session", "day", "run", "experiment", "exp", "test", "specimen"}
 REPEAT = {"repeat", "repetition", "rep"}

@@ -171,11 +171,22 @@ def _find_labels(out: Roles, rest: list[Name]) -> list[Name]:
             out.capture = n
         elif whole and n.has(names.REPEAT) and n.unit is None and out.repeat is None:
             out.repeat = n
-        elif whole and n.words[:1] in {("index",), ("row",), ("frame",), ("id",), ("no",), ("unnamed",)}:
+        elif whole and out.capture is None and together and blocks < len(values) and _counts(n, values):
+            out.capture = n
+        elif whole and n.words[:1] and n.words[0] in names.COUNTER:
             out.remarks.append(f"column {n.column!r} counts rows and is left out")
         else:
             kept.append(n)
     return kept
+
+
+def _counts(name: Name, values: Floats) -> bool:
+    """Whether a column is called a number of something, and goes up by one at a time."""
+    return (
+        name.words[:1] != ()
+        and name.words[0] in names.COUNTER
+        and bool(np.isin(np.diff(values), (0, 1)).all())
+    )
 
 
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:

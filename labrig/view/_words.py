@@ -156,8 +156,10 @@ def _why(summary: Summary) -> str:
     with_what = f"with {listed(chosen)}{likeliest} added" if chosen else "with the best candidate added"
     share = _explained(summary)
     explained = f" That is {share} of the explainable error." if share else ""
+    error = summary.get("error", {})
+    rises = (error.get("model") or 0.0) > (error.get("base") or 0.0)
     return (
-        f"The held-out error falls from {base} to {model} {with_what}; "
+        f"The held-out error {'rises' if rises else 'falls'} from {base} to {model} {with_what}; "
         f"{floor_words}.{explained} " + _where(summary, "The model as it was fails")
     ).strip()
 

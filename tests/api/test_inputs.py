@@ -32,6 +32,15 @@ def test_what_is_no_run_is_said_so(function: Any, runs: Any, text: str) -> None:
     assert str(caught.value) == text
 
 
+def test_a_run_counts_once(lab: Path) -> None:
+    """The same folder under two names, or the same opened run twice, is refused: it would count twice."""
+    with pytest.raises(LabrigError, match="first is given twice: what it measured counts once$"):
+        labrig.compare([lab / "first", lab / "." / "first"], lab / "model.yaml")
+    run = labrig.open_run(lab / "first")
+    with pytest.raises(LabrigError, match=r"^a run is given twice"):
+        labrig.compare([run, run], lab / "model.yaml")
+
+
 def test_what_is_no_model_is_said_so(lab: Path) -> None:
     """Neither a path nor a model."""
     with pytest.raises(LabrigError) as caught:

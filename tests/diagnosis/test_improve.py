@@ -109,7 +109,7 @@ def test_what_does_not_help_is_refused_unless_forced(make_lab) -> None:
         improve(data, model, ["hysteresis"])
     text = str(error.value)
     assert text.startswith("'hysteresis' does not lower the held-out error enough to matter (by ")
-    assert text.endswith("; the model is left as it is; --force adds it all the same")
+    assert text.endswith("; the model is left as it is; --force (force=True) adds it all the same")
     forced = improve(data, model, ["hysteresis"], force=True)
     assert forced.improved is not None
     assert [e.name for e in forced.improved.file.effects] == ["hysteresis"]

@@ -222,6 +222,7 @@ def test_marker_slip(make_lab) -> None:
     assert np.ptp(steps.measured[slipped]) > 1.7
     assert np.ptp(steps.measured[~slipped]) < 1.2
     assert fitted["marker"].item() == 3
+    assert "marker m3" in values_words(result.summary["added"][0]["parameters"])
     assert abs(fitted["since_s"].item() - lab.time_s[30, 0]) <= 3 * np.diff(lab.event_s).max()
     assert within(fitted["slip"], np.array([1.2, -1.0, 1.2]), sd["slip"], 0.1)
 

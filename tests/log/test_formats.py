@@ -224,3 +224,21 @@ def test_what_has_another_unit_is_no_time(desk: Path) -> None:
     rows = "".join(f"{20 + 0.01 * i},{2 * i},{i % 5},{i}\n" for i in range(20))
     Path("t.csv").write_text(f"T_degC,clock_s,p_kPa,force_N\n{rows}")
     assert guess_mapping("t.csv").mapping["time"] == {"column": "clock_s", "unit": "s"}
+
+
+def test_a_counter_of_set_points_is_the_capture(desk: Path) -> None:
+    """A column `Nr` that counts set-points, each over several rows, cuts the captures and is nothing measured."""
+    rows = "".join(f"{i},{1 + i // 4},{10 * (i // 4)},{i % 7}\n" for i in range(40))
+    Path("t.csv").write_text(f"t_s,Nr,p_kPa,force_N\n{rows}")
+    guess = guess_mapping("t.csv").mapping
+    assert guess["capture"] == {"column": "Nr"}
+    assert [o["column"] for o in guess["observables"]] == ["force_N"]
+
+
+def test_a_counter_of_rows_is_left_out(desk: Path) -> None:
+    """A column `Nr` that counts every row says nothing, and is said to be left out."""
+    rows = "".join(f"{i},{1 + i},{10 * (i // 4)},{i % 7}\n" for i in range(40))
+    Path("t.csv").write_text(f"t_s,Nr,p_kPa,force_N\n{rows}")
+    guess = guess_mapping("t.csv")
+    assert guess.mapping["capture"] == {"per": "segment"}
+    assert "column 'Nr' counts rows and is left out" in guess.remarks

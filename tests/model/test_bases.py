@@ -37,11 +37,12 @@ def predicted_by(code: str, rows) -> np.ndarray:
     [
         (
             "def predict(u):\n    return u\n",
-            "own.py:predict returned shape (60, 2) for actuation (60, 2); the run needs (60, 1) (rows, observables)",
+            "own.py:predict returned shape (60, 2) for actuation (60, 2); the run needs (60, 1), a column for each of "
+            "force",
         ),
         (
             "def predict(u):\n    return u.sum()\n",
-            "own.py:predict returned shape () for actuation (60, 2); the run needs (60, 1) (rows, observables)",
+            "own.py:predict returned shape () for actuation (60, 2); the run needs (60, 1), a column for each of force",
         ),
         (
             "def predict(u):\n    return 0 * u[:, :1] + float('nan')\n",

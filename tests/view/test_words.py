@@ -118,6 +118,14 @@ def test_the_next_experiment_is_what_the_diagnosis_designed():
     )
 
 
+def test_an_error_that_rises_is_not_said_to_fall():
+    """Where no formula follows what is seen, the error may be larger with it: it is said so."""
+    why = note(
+        {**BASE, "verdict": "identified", "effects": ["creep"], "error": {"base": 1.0, "model": 3.0}}
+    ).why
+    assert "The held-out error rises from 1\u00a0mm to 3\u00a0mm with creep added" in why
+
+
 def test_after_a_sudden_change_look_at_the_rig():
     """What happened at one moment is not found by a programme of pressures: the advice is to look there."""
     words = note({**BASE, "verdict": "unknown", "carried_by": "a sudden change before capture 12"})
