@@ -19,7 +19,7 @@ _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
 _ROUNDS = 2
 _KEPT = 12
-_GOOD_ENOUGH = 0.05
+_GOOD_ENOUGH = 0.07
 """A plainer form is good enough if it errs more than the best by no more than this share of the best's held-out error,
 and of what the best takes off the error; or only by chance."""
 _QUOTED = 0.25

@@ -34,7 +34,7 @@ def test_what_is_no_run_is_said_so(function: Any, runs: Any, text: str) -> None:
 
 def test_a_run_counts_once(lab: Path) -> None:
     """The same folder under two names, or the same opened run twice, is refused: it would count twice."""
-    with pytest.raises(LabrigError, match="first is given twice: what it measured counts once$"):
+    with pytest.raises(LabrigError, match=r"first is given twice: what it measured counts once$"):
         labrig.compare([lab / "first", lab / "." / "first"], lab / "model.yaml")
     run = labrig.open_run(lab / "first")
     with pytest.raises(LabrigError, match=r"^a run is given twice"):
