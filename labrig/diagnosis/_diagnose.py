@@ -18,6 +18,7 @@ from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import FEW, noise_scale, rescaled
 from labrig.diagnosis._observations import Observations, observe
+from labrig.diagnosis._one_speed import one_speed
 from labrig.diagnosis._opened import Fall
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import REST, Search
@@ -166,6 +167,7 @@ def result_of(
             *_warnings(ready, verdict),
             *_said(observations, verdict, unit_size, rows.unit[0]),
             *_doubted(ready, chosen, verdict),
+            *(one_speed(context) if verdict.effects or verdict.rivals else ()),
         ],
     }
     return Result(

@@ -1,0 +1,47 @@
+"""Records whose input always moves at one speed: what follows time and what follows the way look alike there."""
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.effects import Context
+
+_FAR = 0.05
+"""Share of the range over which a speed is taken, so that a sensor's noise does not count."""
+_ALIKE, _MOSTLY = 0.25, 0.8
+"""Speeds are one where such a share of the way is gone at no more than so much from the usual one."""
+
+
+def one_speed(context: Context) -> list[str]:
+    """A line where a record's chambers all move at one speed each; none for holds, and for a record that rests."""
+    rows = context.rows
+    if not context.sample_s or not context.moves:
+        return []
+    x = rows.event_actuation / context.span
+    speeds = [_usual(x[:, c], rows.event_time_s, rows.event_session) for c in range(x.shape[1])]
+    moving = [
+        (speed * span, one) for (speed, one), span in zip(speeds, context.span, strict=True) if speed > 0
+    ]
+    if not moving or not all(one for _, one in moving):
+        return []
+    said = " and ".join(dict.fromkeys(f"{speed:.2g}" for speed, _ in moving))
+    return [
+        f"the input always moves at about {said} {rows.actuation_unit}/s: what lags in time (delay, creep) and what "
+        "depends on the way (hysteresis, friction) look alike at one speed, so the name may be the other's; measure at "
+        "another speed, too"
+    ]
+
+
+def _usual(x: Floats, time_s: Floats, session: Floats) -> tuple[float, bool]:
+    """The usual speed of an input (E,), share of its range a second, 0 where it rests; and whether it has no other."""
+    apart = 1
+    while apart < len(x) // 4 and np.abs(x[apart:] - x[:-apart]).mean() < _FAR:
+        apart *= 2
+    way, took = np.abs(x[apart:] - x[:-apart]), time_s[apart:] - time_s[:-apart]
+    good = (session[apart:] == session[:-apart]) & (took > 0) & (way > 0)
+    if not good.any() or way.max() < _FAR:
+        return 0.0, False
+    way, speed = way[good], way[good] / took[good]
+    order = np.argsort(speed)
+    gone = np.cumsum(way[order]) / way.sum()
+    usual = float(speed[order][np.searchsorted(gone, 0.5)])
+    return usual, bool(way[np.abs(speed / usual - 1) <= _ALIKE].sum() >= _MOSTLY * way.sum())

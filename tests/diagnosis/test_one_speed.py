@@ -1,0 +1,62 @@
+"""At one speed a lag in time and a loop look alike: a record that has no other speed is said to be so."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import labrig
+from labrig.diagnosis._one_speed import one_speed
+from labrig.effects import rows_of
+
+ENDS_KPA = (0.0, 60.0, 10.0, 80.0, 20.0, 70.0, 0.0)
+
+
+def ramps(speeds: tuple[float, ...], noise: float = 0.05) -> np.ndarray:
+    """Pressures of ramps between the ends, kPa at 10 Hz, each at the next of these speeds, as a sensor reads them."""
+    ways = zip(ENDS_KPA[:-1], ENDS_KPA[1:], strict=True)
+    parts = [
+        np.linspace(a, b, int(abs(b - a) / speeds[i % len(speeds)] * 10), endpoint=False)
+        for i, (a, b) in enumerate(ways)
+    ]
+    whole = np.concatenate(parts)
+    return whole + noise * np.random.default_rng(0).normal(size=len(whole))
+
+
+def said(folder: Path, pressure: np.ndarray) -> list[str]:
+    """What is said of a record of these pressures."""
+    rows = "".join(f"{i / 10},{p:.3f},{0.3 * p:.4f}\n" for i, p in enumerate(pressure))
+    (folder / "t.csv").write_text(f"t,p,y\n{rows}")
+    mapping = {
+        "table": "t.csv",
+        "time": {"column": "t", "unit": "s"},
+        "capture": {"per": "segment"},
+        "actuation": [{"column": "p", "name": "c1", "unit": "kPa", "min": 0, "max": 90}],
+        "observables": [{"column": "y", "name": "y", "unit": "mm"}],
+    }
+    (folder / "map.yaml").write_text(yaml.safe_dump(mapping))
+    (folder / "model.yaml").write_text("base: {kind: static, degree: 1}\n")
+    run = labrig.import_table(folder / "map.yaml", folder / "run")
+    return one_speed(labrig.Model.load(folder / "model.yaml").context(rows_of(run)))
+
+
+def test_ramps_of_one_speed_are_said_to_be_so(tmp_path: Path) -> None:
+    """The speed is named with its unit, a sensor's noise notwithstanding."""
+    (line,) = said(tmp_path, ramps((4.0,)))
+    assert line.startswith(
+        "the input always moves at about 4 kPa/s: what lags in time (delay, creep) and what depends"
+    )
+
+
+@pytest.mark.parametrize("speeds", [(2.0, 8.0), (4.0, 6.0, 9.0)])
+def test_several_speeds_need_no_word(tmp_path: Path, speeds: tuple[float, ...]) -> None:
+    """Where ramps go at speeds that differ, time and way can be told apart."""
+    assert said(tmp_path, ramps(speeds)) == []
+
+
+def test_holds_are_another_matter(make_lab) -> None:
+    """Set-points that are held show what follows time while nothing moves."""
+    lab = make_lab()
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
+    assert one_speed(context) == []
