@@ -27,7 +27,7 @@ from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._track_record import times_there, track_record
-from labrig.diagnosis._units_off import units_off
+from labrig.diagnosis._units_off import mistaken, units_off
 from labrig.diagnosis._verdict import Verdict, answers_of, decide, underpowered
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
@@ -53,10 +53,12 @@ def diagnose(
         without: names of effects to leave out of the library.
 
     Raises:
-        LabrigError: the runs and the model do not fit together.
+        LabrigError: the runs and the model do not fit together, in their units too.
     """
     ready = prepared(rows_from(runs), model)
     effects = {n: e for n, e in model.library().items() if n not in without}
+    if (line := mistaken(ready.context)) is not None:
+        raise LabrigError(f"nothing can be diagnosed: {line}")
     ready, observations = observed(ready, effects)
     verdict = verdict_on(observations, ready, effects, tolerance)
     result = result_of(ready, observations, verdict, model, effects)
@@ -289,6 +291,4 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
         out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
         out.append("what the pressures did between sessions is unknown: taken as vented")
-    if ready.dropped:
-        out.append(f"{ready.dropped} outlying values were left out")
-    return out
+    return [*out, *ready.left_out]

@@ -188,10 +188,8 @@ class Opened:
         return self._fits[key]
 
     def _warnings(self) -> list[str]:
-        dropped = self.ready.dropped
-        left_out = [f"{dropped} outlying values were left out"] if dropped else []
         context = self.ready.context
-        return [*context.rows.warnings, *units_off(context), *left_out]
+        return [*context.rows.warnings, *units_off(context), *self.ready.left_out]
 
 
 def _rms(square: float) -> float:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST_ROWS = 6000
+_NAMED = 3  # markers or sensors in a message
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,23 @@ class Prepared:
         """What the base calls its own, and what was before a record, (F, D + B): nothing that an effect explains."""
         both = [part for part in (self.declared, self.began) if part is not None]
         return np.concatenate(both, axis=1) if both else None
+
+    @property
+    def left_out(self) -> list[str]:
+        """A line on outlying values that were left out, and where most of them were; none without any."""
+        if not self.dropped:
+            return []
+        rows = self.context.rows
+        gone = (np.isfinite(rows.values) & ~np.isfinite(self.residual)).sum(axis=0)
+        owners = [
+            rows.markers[m] if m >= 0 else name for m, name in zip(rows.marker, rows.observables, strict=True)
+        ]
+        count = {o: sum(int(n) for own, n in zip(owners, gone, strict=True) if own == o) for o in owners}
+        most = sorted(count, key=lambda o: -count[o])[:_NAMED]
+        said = ", ".join(f"{count[o]} of {o}" for o in most if count[o])
+        return [
+            f"{self.dropped} outlying values were left out ({said}{', ...' if len(count) > _NAMED else ''})"
+        ]
 
     @cached_property
     def regression(self) -> Regression:

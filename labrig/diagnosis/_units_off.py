@@ -1,5 +1,7 @@
 """Whether measurements and model may be in different units or of different kinds, or the rig did not move at all."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labrig.arrays import Floats, Ints
@@ -11,10 +13,23 @@ _TIMES = 5.0
 
 
 def units_off(context: Context) -> list[str]:
-    """A line for each unit whose observables hardly move, or follow the model's prediction many times as far; without
-    one, a line where one of both gives displacements and the other positions.
+    """A line for each unit whose observables hardly move, or follow the model's prediction many times as far or as
+    little; without one, a line where one of both gives displacements and the other positions.
     """
-    rows, out = context.rows, []
+    out = [line for line, _ in _scales(context)]
+    return out or _displaced(context)
+
+
+def mistaken(context: Context) -> str | None:
+    """What nothing can be concluded beside: units, or displacements and positions, that are mistaken for each other."""
+    return next((line for line, follows in _scales(context) if follows), None) or next(
+        iter(_displaced(context)), None
+    )
+
+
+def _scales(context: Context) -> Iterator[tuple[str, bool]]:
+    """A line for each unit that may be another, and whether what was measured follows the model all the same."""
+    rows = context.rows
     kinds = np.array(rows.unit)
     for unit in dict.fromkeys(rows.unit):
         own = kinds == unit
@@ -30,12 +45,13 @@ def units_off(context: Context) -> list[str]:
         if of_base <= 0 or not seen.any():
             continue
         times = np.sqrt(of_measured / of_base)
-        if times <= 1 / _TIMES or (times >= _TIMES and both >= _ALIKE * times * of_base):
-            out.append(
+        follows = both >= _ALIKE * times * of_base > 0
+        if times <= 1 / _TIMES or (times >= _TIMES and follows):
+            yield (
                 f"what is measured in {unit} changes {times:.2g} times as far as the model says: check the units of "
-                "both and of the pressures, and whether these arrive"
+                "both and of the pressures, and whether these arrive",
+                follows,
             )
-    return out or _displaced(context)
 
 
 def _displaced(context: Context) -> list[str]:

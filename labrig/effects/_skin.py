@@ -6,7 +6,10 @@ from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._family import Feature, field, motion_scale
+from labrig.effects._rows import Rows
 
+_SENSORS = 8
+"""So many sensors may each follow in a measure of its own; of more, each has little to say of its own."""
 _FLAT = 0.1
 """Extent of the body, share of its longest, below which it has no places that differ along that way."""
 
@@ -52,7 +55,8 @@ def last_motion(context: Context) -> Floats:
 
 
 def by_place(context: Context, name: str, values: Floats) -> list[Feature]:
-    """Functions (F, K) that are larger on one side of the body than on the other, along each way that it is long in.
+    """Functions (F, K) that are larger on one side of the body than on the other, along each way that it is long in; of
+    few sensors, each in a measure of its own.
 
     What another gain at each place would do is taken off: the base may be wrong in that.
     """
@@ -65,9 +69,31 @@ def by_place(context: Context, name: str, values: Floats) -> list[Feature]:
     return out
 
 
+def by_sensor(context: Context, lagging: list[tuple[str, Floats]]) -> list[Feature]:
+    """What few sensors take on with time, (F, K) each, in a measure of each one's own: its gain grows with it."""
+    which = _which(context.rows)
+    return [
+        field(f"{name} of sensor {k}", values * z) for name, values in lagging for k, z in enumerate(which)
+    ]
+
+
 def _places(context: Context) -> Floats:
-    """Where each observable is at rest along the ways in which the body is long, (n, K), of unit spread."""
-    rows = context.rows
+    """Where each observable is at rest along the ways in which the body is long, (n, K), of unit spread; and which of
+    few sensors it is.
+    """
+    return np.concatenate([_along(context.rows), _which(context.rows)])
+
+
+def _which(rows: Rows) -> Floats:
+    """Each of few sensors, which are no marker's, against all of them, (n, K), of unit spread."""
+    alone = np.flatnonzero(rows.marker < 0)
+    out = np.zeros((len(alone) if 1 < len(alone) <= _SENSORS else 0, len(rows.marker)))
+    if len(out):
+        out[:, alone] = (np.eye(len(alone)) - 1 / len(alone)) * np.sqrt(len(rows.marker))
+    return out
+
+
+def _along(rows: Rows) -> Floats:
     out = np.zeros((3, len(rows.marker)))
     if rows.rest_mm is None or not np.isfinite(rows.rest_mm).all() or len(rows.rest_mm) < 3:
         return out[:0]

@@ -10,7 +10,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, lags, pressure
 from labrig.effects._sign import Part, Sign, along_own, by_chamber, of_step, shows
-from labrig.effects._skin import by_place, lag_behind
+from labrig.effects._skin import by_place, by_sensor, lag_behind
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
@@ -114,6 +114,7 @@ class Creep(Effect):
         skin = [field(name, values) for name, values in lagging]
         yield Space("in the skin", "creep skin", acting(skin))
         places = [f for name, values in lagging for f in by_place(context, name, values)]
+        places += by_sensor(context, [(n, values + context.displacement) for n, values in lagging])
         if places:
             yield Space("in the skin, by place", "creep skin by place", acting(skin + places))
 

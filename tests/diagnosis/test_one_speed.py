@@ -1,5 +1,6 @@
 """At one speed a lag in time and a loop look alike: a record that has no other speed is said to be so."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ ENDS_KPA = (0.0, 60.0, 10.0, 80.0, 20.0, 70.0, 0.0)
 
 def ramps(speeds: tuple[float, ...], noise: float = 0.05) -> np.ndarray:
     """Pressures of ramps between the ends, kPa at 10 Hz, each at the next of these speeds, as a sensor reads them."""
-    ways = zip(ENDS_KPA[:-1], ENDS_KPA[1:], strict=True)
+    ways = pairwise(ENDS_KPA)
     parts = [
         np.linspace(a, b, int(abs(b - a) / speeds[i % len(speeds)] * 10), endpoint=False)
         for i, (a, b) in enumerate(ways)

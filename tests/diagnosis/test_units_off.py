@@ -68,6 +68,25 @@ def test_what_is_physics_is_not_asked_about(tmp_path: Path, change: str) -> None
     assert said(lab, changes[change]()) == []
 
 
+@pytest.mark.parametrize("scale", [1e-3, 25.4])
+def test_nothing_is_diagnosed_in_two_units(tmp_path: Path, scale: float) -> None:
+    """What follows the model in another unit is no effect: the diagnosis ends with the question, in one line."""
+    lab = Lab(tmp_path)
+    with pytest.raises(LabrigError, match=r"^nothing can be diagnosed: what is measured in mm changes"):
+        diagnose(lab.dataset(scale * (lab.predict(lab.u) + lab.noise())), lab.model())
+
+
+def test_nothing_is_diagnosed_of_displacements(tmp_path: Path) -> None:
+    """A model of displacements beside measured positions would need a frame, a rest shape or both: it is refused."""
+    lab = Lab(tmp_path)
+    data = lab.dataset(lab.predict(lab.u) + lab.noise())
+    lab.rest = np.zeros_like(lab.rest)
+    with pytest.raises(
+        LabrigError, match=r"the model seems to give displacements, the measurement positions"
+    ):
+        diagnose(data, lab.model())
+
+
 def test_numbers_too_far_apart_end_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where a matrix is lost to rounding (from which size on, computers differ), a diagnosis says what to check."""
 
@@ -77,7 +96,7 @@ def test_numbers_too_far_apart_end_in_one_line(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("labrig.diagnosis._diagnose.Search.run", lost)
     lab = Lab(tmp_path)
     with pytest.raises(LabrigError) as caught:
-        diagnose(lab.dataset(1e6 * lab.predict(lab.u) + lab.noise()), lab.model())
+        diagnose(lab.dataset(lab.predict(lab.u) + 1e8 * lab.noise()), lab.model())
     assert str(caught.value).startswith("what is measured and what the model says are too far apart in size")
     assert str(caught.value).endswith("times the noise): check the units of both")
 
