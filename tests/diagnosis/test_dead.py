@@ -5,26 +5,7 @@ import pytest
 
 from labrig.diagnosis import compare, diagnose
 from labrig.view._report import report_html
-
-
-def two_sensors(lab, values, second):
-    """The lab's force, and a second sensor beside it that reads `second` in volts."""
-    data = lab.dataset(values)
-    both = np.concatenate([data["observed"].values, np.broadcast_to(second, data["observed"].shape)], axis=2)
-    names = {"observable": ["force", "voltage"], "unit": ("observable", ["N", "V"])}
-    none = {"marker_of": ("observable", ["", ""]), "axis_of": ("observable", ["", ""])}
-    data = data.drop_vars(["observed", "observable", "unit", "marker_of", "axis_of"])
-    return data.assign(observed=(("capture", "time", "observable"), both)).assign_coords(names | none)
-
-
-def beside(lab):
-    """A model of both sensors: the second one follows the force."""
-    model = lab.model()
-    path = lab.folder / "base.py"
-    path.write_text(
-        path.read_text() + "\n\nalone = predict\n\n\ndef predict(u):\n    return np.tile(alone(u), (1, 2))\n"
-    )
-    return type(model).load(lab.folder / "model.yaml")
+from tests.sensors import model_of_both, two_sensors
 
 
 def test_a_sensor_that_is_not_connected_is_left_out(make_lab) -> None:
@@ -33,7 +14,7 @@ def test_a_sensor_that_is_not_connected_is_left_out(make_lab) -> None:
     late = 1 - np.exp(-lab.hold_s[:, :, None] / 8.0)
     values = lab.predict(lab.u) * (1 + 0.08 * late) + lab.noise()
     data = two_sensors(lab, values, 0.0)
-    found = diagnose(data, beside(lab))
+    found = diagnose(data, model_of_both(lab))
     alone = diagnose(lab.dataset(values), lab.model())
     possible = {each["effect"] for each in found.summary["effects_considered"] if each["call"] != "not it"}
     assert set(alone.summary["effects"]) <= possible <= {"creep", "leak", "delay"}

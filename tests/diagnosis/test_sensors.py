@@ -1,0 +1,55 @@
+"""A few sensors of different kinds: each may follow an effect in a measure of its own."""
+
+import numpy as np
+
+from labrig.diagnosis import diagnose
+from labrig.effects import rows_of
+from labrig.effects._skin import by_sensor
+from tests.sensors import model_of_both, two_sensors
+
+RETARDED_S = 6.0
+
+
+def retarded(lab):
+    """What a strain that is behind the pressures by an exponent of a half has reached at the rows, (n, T, C), kPa.
+
+    A Kohlrausch law (R. Kohlrausch, Pogg. Ann. Phys. 91 (1854) 179) between what it was at the hold's begin and now.
+    """
+    out, before = np.zeros_like(lab.u), np.zeros(lab.chambers)
+    for i, row in enumerate(lab.u):
+        left = np.exp(-np.sqrt(np.nan_to_num(lab.hold_s[i], nan=lab.long_s[-1]) / RETARDED_S))[:, None]
+        out[i] = row + (before - row) * left
+        before = out[i, -1]
+    return out
+
+
+def test_a_force_relaxes_while_an_angle_creeps(make_lab) -> None:
+    """Nine per cent more of one sensor and five less of the other, both late in the same way, is creep and no other."""
+    lab = make_lab(
+        force=True,
+        chambers=2,
+        captures=60,
+        rows_s=(1.0, 2.0, 4.0),
+        long_s=(1.0, 3.0, 8.0, 20.0, 40.0),
+        bent=0.0,
+    )
+    strain = (retarded(lab) @ lab.reach.T) / 60.0
+    now = lab.predict(lab.u)
+    first, second = now + 0.09 * strain + lab.noise(), now - 0.05 * strain + lab.noise()
+    found = diagnose(two_sensors(lab, first, second), model_of_both(lab))
+    assert found.summary["effects"] == ["creep"]
+
+
+def test_each_of_few_sensors_has_a_function(make_lab) -> None:
+    """Two sensors have one each, which add up to nothing; of markers, and of a single sensor, there are none."""
+    lab = make_lab(force=True)
+    force = lab.predict(lab.u) + lab.noise()
+    context = model_of_both(lab).context(rows_of(two_sensors(lab, force, force)))
+    first, second = by_sensor(context, [("late", np.ones_like(context.base))])
+    assert (first.values == -second.values).all()
+    assert first.values.any()
+    context = lab.model().context(rows_of(lab.dataset(force)))
+    assert by_sensor(context, [("late", np.ones_like(context.base))]) == []
+    lab = make_lab()
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
+    assert by_sensor(context, [("late", np.ones_like(context.base))]) == []
