@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.effects import Context
 
 _FAR = 0.05
@@ -31,7 +31,7 @@ def one_speed(context: Context) -> list[str]:
     ]
 
 
-def _usual(x: Floats, time_s: Floats, session: Floats) -> tuple[float, bool]:
+def _usual(x: Floats, time_s: Floats, session: Ints) -> tuple[float, bool]:
     """The usual speed of an input (E,), share of its range a second, 0 where it rests; and whether it has no other."""
     apart = 1
     while apart < len(x) // 4 and np.abs(x[apart:] - x[:-apart]).mean() < _FAR:
