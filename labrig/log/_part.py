@@ -100,7 +100,9 @@ class Part:
         out = np.zeros((self.n, len(self.mapping.actuation)))
         for c, entry in enumerate(self.mapping.actuation):
             if entry.column is not None:
-                out[:, c] = self.table.numbers(entry.column, f"actuation {entry.name}", required=True)
+                out[:, c] = entry.scaled(
+                    self.table.numbers(entry.column, f"actuation {entry.name}", required=True)
+                )
             elif entry.name in self.file.actuation:
                 out[:, c] = self.file.actuation[entry.name]
             elif entry.value is not None:
@@ -122,18 +124,16 @@ class Part:
         columns = []
         for o in self.observables:
             scale = factor(o.unit, "mm", f"observable {o.name}") if o.marker and is_length(o.unit) else 1.0
-            columns.append(
-                self.table.numbers(o.column, f"observable {o.name}", thousands=o.thousands) * scale
-            )
+            numbers = self.table.numbers(o.column, f"observable {o.name}", thousands=o.thousands)
+            columns.append(o.scaled(numbers) * scale)
         return np.stack(columns, axis=1)
 
     def _measured(self) -> Floats:
         names = [a.name for a in self.mapping.actuation]
         out = np.full((self.n, len(names)), np.nan)
         for entry in self.mapping.measured:
-            out[:, names.index(entry.name)] = self.table.numbers(
-                entry.column, f"measured {entry.name}", thousands=entry.thousands
-            )
+            numbers = self.table.numbers(entry.column, f"measured {entry.name}", thousands=entry.thousands)
+            out[:, names.index(entry.name)] = entry.scaled(numbers)
         return out
 
     def _covariates(self) -> Floats:
@@ -143,7 +143,9 @@ class Part:
                 columns.append(np.full(self.n, self.file.covariates.get(entry.name, np.nan)))
             else:
                 what = f"covariate {entry.name}"
-                columns.append(self.table.numbers(entry.column, what, thousands=entry.thousands))
+                columns.append(
+                    entry.scaled(self.table.numbers(entry.column, what, thousands=entry.thousands))
+                )
         return np.stack(columns, axis=1) if columns else np.zeros((self.n, 0))
 
     def _labels(self, entry: Any, what: str) -> Labels:

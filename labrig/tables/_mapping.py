@@ -3,11 +3,12 @@
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, field_validator, model_validator
 
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
+from labrig.arrays import Floats
 
 
 class _Strict(BaseModel):
@@ -46,7 +47,25 @@ class CaptureColumn(_Strict):
         return self
 
 
-class Actuation(_Strict):
+class _Scaled(_Strict):
+    """Numbers of an amplifier: `scale` times what the column says, plus `offset`, is in the unit."""
+
+    scale: FiniteFloat = 1.0
+    offset: FiniteFloat = 0.0
+
+    @field_validator("scale")
+    @classmethod
+    def _some(cls, value: float) -> float:
+        if value == 0:
+            raise ValueError("should not be 0: every number would be the same")
+        return value
+
+    def scaled(self, numbers: Floats) -> Floats:
+        """What numbers of the column are in the unit."""
+        return self.scale * numbers + self.offset
+
+
+class Actuation(_Scaled):
     """One chamber's command: from a column, or a constant `value`; with its limits if they are known."""
 
     column: str | int | None = None
@@ -57,13 +76,13 @@ class Actuation(_Strict):
     max: float | None = None
 
 
-class Measured(UnitColumn):
+class Measured(UnitColumn, _Scaled):
     """What the sensor of the chamber `name` read."""
 
     name: str
 
 
-class Observable(UnitColumn):
+class Observable(UnitColumn, _Scaled):
     """One measured number; `marker` and `axis` where it is a marker's coordinate."""
 
     name: str
@@ -71,7 +90,7 @@ class Observable(UnitColumn):
     axis: Literal["x", "y", "z"] | None = None
 
 
-class Covariate(_Strict):
+class Covariate(_Scaled):
     """Anything else that was logged: in a column, or (without one) a constant of each file of `table`."""
 
     column: str | int | None = None

@@ -45,10 +45,15 @@ def place_tables(
 def _of_chambers(
     labels: tuple[str, ...], own: Mapping[str, Any], chambers: Mapping[str, tuple[float, float]], unit: str
 ) -> Table:
-    kind = "chamber" if chambers or not any("-" in label for label in labels) else "pair of chambers"
-    kind = "function" if "weights" in own else kind
-    header = [kind, *(_title(name, entry) for name, entry in own.items())]
-    columns = [(flat(entry["value"]), flat(entry.get("sd"))) for entry in own.values()]
+    kind = _kind(labels, own, chambers)
+    columns: list[tuple[list[float], list[float]]] = []
+    header = [kind]
+    for name, entry in own.items():
+        several = _rows(entry["value"])
+        sds = _rows(entry["sd"]) if entry.get("sd") is not None else [[]] * len(several)
+        for i, (values, sd) in enumerate(zip(several, sds, strict=True)):
+            header.append(_title(name if len(several) == 1 else f"{name} {i + 1}", entry))
+            columns.append((values, sd))
     if chambers:
         header += ["as a change of pressure, %", f"root mean square, {unit}"]
     rows = []
@@ -59,6 +64,22 @@ def _of_chambers(
             row += [f"{100 * share:+.1f}", number(size)]
         rows.append(row)
     return kind, header, rows
+
+
+def _kind(labels: tuple[str, ...], own: Mapping[str, Any], chambers: Mapping[str, Any]) -> str:
+    """What each of the rows is."""
+    if "weights" in own:
+        return "function"
+    if own and all("_in_session" in name for name in own):
+        return "session"
+    if any(len(_rows(entry["value"])) > 1 for entry in own.values()):
+        return "observable"
+    return "chamber" if chambers or not any("-" in label for label in labels) else "pair of chambers"
+
+
+def _rows(value: Any) -> list[list[float]]:
+    """Values of each label, or, where there are several sets of them, each set."""
+    return [flat(each) for each in value] if isinstance(value[0], list | tuple) else [flat(value)]
 
 
 def _of_markers(name: str, entry: Mapping[str, Any], over: Mapping[str, str]) -> Table:

@@ -377,3 +377,41 @@ def test_a_clock_that_is_too_coarse_is_said(desk: Path) -> None:
     assert line.startswith("t.csv: 6 of 9 rows have the time of the row before, it goes in steps of 60 s: ")
     coarse.assign(t=[0, 0, 1, 2, 3, 4, 5, 6, 7]).to_csv("t.csv", index=False)
     assert not [line for line in imported(mapping, "fine").attrs["warnings"] if "finer clock" in line]
+
+
+def test_volts_become_pressures(desk: Path) -> None:
+    """An amplifier's 0 to 10 V are 0 to 2 bar above 0.1: commanded, measured, observed and beside, each by its own."""
+    frame = table()
+    frame.to_csv("t.csv", index=False)
+    scaled = {"scale": 0.2, "offset": 0.1}
+    entries = {
+        "actuation": [{**MAP["actuation"][0], **scaled}, MAP["actuation"][1]],
+        "measured": [{**MAP["measured"][0], **scaled}],
+        "observables": [{**o, **scaled} if o["name"] in ("force", "m1.x") else o for o in MAP["observables"]],
+        "covariates": [{**MAP["covariates"][0], **scaled}],
+    }
+    plain, run = imported(MAP, "plain"), imported({**MAP, **entries})
+    for name in ("commanded", "measured"):
+        assert run[name].sel(chamber="c1").values == pytest.approx(
+            0.2 * plain[name].sel(chamber="c1").values + 0.1, nan_ok=True
+        )
+        assert run[name].sel(chamber="c2").equals(plain[name].sel(chamber="c2"))
+    force = run["observed"].sel(observable="force")
+    assert force.values == pytest.approx(
+        0.2 * plain["observed"].sel(observable="force").values + 0.1, nan_ok=True
+    )
+    assert run["covariates"].values == pytest.approx(0.2 * plain["covariates"].values + 0.1, nan_ok=True)
+    where = {"marker": "m1", "axis": "x"}
+    metres = 0.2 * plain["position_mm"].sel(where).values / 1000 + 0.1
+    assert run["position_mm"].sel(where).values == pytest.approx(1000 * metres, nan_ok=True)
+
+
+@pytest.mark.parametrize("scale", [0, ".nan"])
+def test_a_scale_that_is_none_is_refused(desk: Path, scale: object) -> None:
+    """Zero, or no number, would make every value the same: the line and the field are named."""
+    table().to_csv("t.csv", index=False)
+    Path("map.yaml").write_text(
+        yaml.safe_dump(MAP).replace("column: F\n", f"column: F\n  scale: {scale}\n", 1)
+    )
+    with pytest.raises(LabrigError, match=r"map\.yaml, line \d+: observables.*scale"):
+        import_table(Path("map.yaml"), Path("run"))

@@ -54,6 +54,27 @@ def test_weights_belong_to_functions():
     assert [row[0] for row in rows] == ["lost 2.0", "lost 2.0 of left"]
 
 
+def test_patterns_have_a_column_each():
+    """Where each chamber moves the sensors in a pattern of its own, every sensor has a row with all of them."""
+    pattern = {
+        "value": [[1.0, 2.0], [3.0, 4.0]],
+        "sd": [[0.1, 0.1], [0.1, 0.1]],
+        "unit": "deg/N",
+        "per": ["angle", "force"],
+    }
+    ((kind, header, rows), *_) = place_tables({"pattern": pattern}, {}, "kPa", {})
+    assert kind == "observable"
+    assert header == ["observable", "pattern 1\u00a0deg/N", "pattern 2\u00a0deg/N"]
+    assert rows == [["angle", "1.00 ± 0.10", "3.00 ± 0.10"], ["force", "2.00 ± 0.10", "4.00 ± 0.10"]]
+
+
+def test_values_of_sessions_are_called_so():
+    """A gain that is another on each day has the days' names under `session`."""
+    gain = {"value": [0.1, 0.2], "sd": [0.01, 0.01], "unit": "1", "per": ["monday", "tuesday"]}
+    ((kind, _, rows), *_) = place_tables({"gain_in_session": gain}, {}, "kPa", {})
+    assert (kind, [row[0] for row in rows]) == ("session", ["monday", "tuesday"])
+
+
 def test_a_turned_frame_is_turned_in_rad():
     """The three rotations of a frame are no lengths."""
     per = ["x", "y", "z", "about x", "about y", "about z"]
