@@ -37,6 +37,8 @@ class MemoryModel(ABC):
     """A base that sees the record of the input; at the beginning of a record it is at rest."""
 
     kind: str
+    _given = ""
+    """What a function is given, in the words of a message, where that is not what its author may think."""
 
     def __init__(self, where: str, rows: Rows, max_step_s: float | None) -> None:
         self._where, self._rows, self._max_step_s = where, rows, max_step_s
@@ -62,7 +64,9 @@ class MemoryModel(ABC):
         except LabrigError:
             raise
         except Exception as error:
-            raise LabrigError(f"{self._where} failed: {type(error).__name__}: {error}") from error
+            raise LabrigError(
+                f"{self._where} failed{self._given}: {type(error).__name__}: {error}"
+            ) from error
         if out.ndim == 1 and self._width == 1:
             out = out[:, None]
         if out.shape != (len(t), self._width):

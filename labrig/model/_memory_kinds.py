@@ -40,6 +40,9 @@ class RecordModel(MemoryModel):
     """``predict(u, t)`` over a whole record."""
 
     kind = "python"
+    _given = (
+        " on a whole record (u, t), as it has two parameters; a function of set-points alone takes all in one"
+    )
 
     def __init__(self, spec: PythonBase, folder: Path, rows: Rows) -> None:
         self._function = load_function(folder / spec.file, spec.function)

@@ -185,7 +185,8 @@ def test_a_hidden_loop_on_a_differential_equation_is_named(desk: Path) -> None:
         (
             "def predict(u, t):\n    raise ValueError('no')\n",
             "{kind: python, file: base.py}",
-            "base.py:predict failed: ValueError: no",
+            "base.py:predict failed on a whole record (u, t), as it has two parameters; a function of set-points alone "
+            "takes all in one: ValueError: no",
         ),
         (
             "def rate(t, x, u):\n    return x**2\n\ndef output(x, u):\n    return x\n",
