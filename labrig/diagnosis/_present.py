@@ -54,6 +54,7 @@ def fields_of(context: Context, residual: Floats, chosen: Fit | None) -> "Datase
             "repeat": ("capture", [rows.repeat[c] for c in captures]),
         },
     )
+    out.attrs["longest_hold_s"] = float(np.max(context.elapsed_s, initial=0.0))
     out["commanded"] = (("capture", "chamber"), rows.actuation[first])
     out = out.assign_coords(chamber=list(rows.chambers))
     out["commanded"].attrs["units"] = rows.actuation_unit

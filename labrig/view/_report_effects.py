@@ -72,7 +72,7 @@ def _cells(row: tuple[str, ...]) -> list[str]:
 
 def _values(one: Fitted) -> str:
     form = f" ({one.form})" if one.form else ""
-    plain = plain_words(one.effect, one.parameters)
+    plain = plain_words(one.effect, one.parameters, one.longest_s)
     said = f"{escape(plain)} " if plain else ""
     values = f'<span class="parameters">{escape(capital(values_words(one.parameters)))}</span>'
     return f'<p class="values"><b>{escape(capital(word(one.effect)))}</b>{escape(form)}: {said}{values}</p>'

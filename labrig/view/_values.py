@@ -22,11 +22,15 @@ _LOST = 0.005  # of the full pressure: less is not spoken of
 
 @dataclass(frozen=True)
 class Fitted:
-    """An effect as the improved model has it: its form, and its parameters (value, sd, unit, per)."""
+    """An effect as the improved model has it: its form, and its parameters (value, sd, unit, per).
+
+    `longest_s` is how long the longest hold was that it was fitted to: nothing is said of longer ones.
+    """
 
     effect: str
     form: str
     parameters: dict[str, Any]
+    longest_s: float
 
 
 def fitted(result: "Result") -> list[Fitted]:
@@ -39,6 +43,7 @@ def fitted(result: "Result") -> list[Fitted]:
             entry.name,
             entry.form or "",
             {key: value.model_dump(exclude_none=True) for key, value in entry.parameters.items()},
+            float(result.fields.attrs.get("longest_hold_s") or _MINUTE_S),
         )
         for entry in result.improved.file.effects
         if entry.name in new
@@ -50,7 +55,7 @@ def value_lines(result: "Result") -> list[str]:
     out = []
     for one in fitted(result):
         form = f" ({one.form})" if one.form else ""
-        plain = plain_words(one.effect, one.parameters)
+        plain = plain_words(one.effect, one.parameters, one.longest_s)
         said = " ".join(filter(None, [plain, values_words(one.parameters)]))
         out.append(f"{word(one.effect)}{form}: {said}")
     return out
@@ -96,10 +101,10 @@ def _values(entry: Mapping[str, Any], unit: str) -> str:
     return f"{named}, {len(rest)} others {number(min(others))} to {with_unit(number(max(others)), unit)}"
 
 
-def plain_words(effect: str, parameters: Mapping[str, Any]) -> str:
-    """What the values come to, in a sentence; empty where they speak for themselves."""
+def plain_words(effect: str, parameters: Mapping[str, Any], longest_s: float = _MINUTE_S) -> str:
+    """What the values come to, in a sentence, over holds of at most `longest_s`; empty where they speak for themselves."""
     if "weights" in parameters:
-        lost = _lost_words(parameters["weights"]) if effect == "leak" else ""
+        lost = _lost_words(parameters["weights"], min(longest_s, _MINUTE_S)) if effect == "leak" else ""
         follows = (
             "No formula follows it well enough; these are the largest weights of its family's functions:"
         )
@@ -107,21 +112,22 @@ def plain_words(effect: str, parameters: Mapping[str, Any]) -> str:
     return leak_words(parameters) if effect == "leak" else ""
 
 
-def _lost_words(weights: Mapping[str, Any]) -> str:
-    """Which chambers lose most of their full pressure in a minute, by the weights of a leak's family."""
+def _lost_words(weights: Mapping[str, Any], hold_s: float) -> str:
+    """Which chambers lose most of their full pressure in a hold, by the weights of a leak's family."""
     loss: dict[str, float] = {}
     for label, value in zip(weights.get("per") or [], flat(weights.get("value")), strict=False):
         name, _, chamber = str(label).partition(" of ")
         kind, tau, *_ = (*name.split(), "")
         if kind == "lost":
-            loss[chamber] = loss.get(chamber, 0.0) - value * math.expm1(-_MINUTE_S / float(tau))
+            loss[chamber] = loss.get(chamber, 0.0) - value * math.expm1(-hold_s / float(tau))
     common = loss.pop("", 0.0)
     each = {chamber: common + own for chamber, own in loss.items()} or {"Every chamber": common}
     most = sorted(each, key=lambda chamber: -each[chamber])[:_NAMED]
     said = [f"{name} loses {percent(each[name])}" for name in most if each[name] > _LOST]
     if not said:
         return "No single chamber leaks clearly."
-    return f"{listed(said)} of its full pressure in a minute."
+    how_long = "a minute" if hold_s == _MINUTE_S else f"{hold_s:.2g} s"
+    return f"{listed(said)} of its full pressure in {how_long}."
 
 
 def leak_words(parameters: Mapping[str, Any]) -> str:

@@ -59,7 +59,9 @@ def test_a_leak_says_which_chamber_and_how_fast(parameters, said):
 
 
 def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
-    """Of a family's weights it is said what each chamber loses in a minute, the common part and its own together."""
+    """Of a family's weights it is said what each chamber loses in a minute, or in the longest hold where that is shorter,
+    the common part and its own together.
+    """
     per = [
         "lost 60.0",
         "lost 20.0 root",
@@ -75,6 +77,10 @@ def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
     assert said.startswith(
         f"c1 loses {first} % and c2 loses {second} % of its full pressure in a minute. No formula follows it"
     )
+    shorter = plain_words("leak", {"weights": weights}, 6.0).replace("\u00a0", " ")
+    lost = round(100 * (0.3 * (1 - np.exp(-0.1)) + 0.05 * (1 - np.exp(-0.3))))
+    assert shorter.startswith(f"c1 loses {lost} % ")
+    assert " of its full pressure in 6 s. " in shorter
     assert plain_words("creep", {"weights": weights}).startswith("No formula follows it")
     nothing = weights | {"value": [0.0] * 6}
     assert plain_words("leak", {"weights": nothing}).startswith("No single chamber leaks clearly.")
