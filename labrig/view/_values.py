@@ -102,7 +102,7 @@ def _values(entry: Mapping[str, Any], unit: str) -> str:
 
 
 def plain_words(effect: str, parameters: Mapping[str, Any], longest_s: float = _MINUTE_S) -> str:
-    """What the values come to, in a sentence, over holds of at most `longest_s`; empty where they speak for themselves."""
+    """What the values come to, in a sentence, over holds of `longest_s`; empty where they speak for themselves."""
     if "weights" in parameters:
         lost = _lost_words(parameters["weights"], min(longest_s, _MINUTE_S)) if effect == "leak" else ""
         follows = (

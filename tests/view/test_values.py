@@ -59,7 +59,7 @@ def test_a_leak_says_which_chamber_and_how_fast(parameters, said):
 
 
 def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
-    """Of a family's weights it is said what each chamber loses in a minute, or in the longest hold where that is shorter,
+    """Of a family's weights it is said what each chamber loses in a minute, or in the longest hold where that is less,
     the common part and its own together.
     """
     per = [
