@@ -79,7 +79,7 @@ def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
     )
     shorter = plain_words("leak", {"weights": weights}, 6.0).replace("\u00a0", " ")
     lost = round(100 * (0.3 * (1 - np.exp(-0.1)) + 0.05 * (1 - np.exp(-0.3))))
-    assert shorter.startswith(f"c1 loses {lost} % ")
+    assert shorter.startswith(f"c1 loses {lost} %, ")
     assert " of its full pressure in 6 s. " in shorter
     assert plain_words("creep", {"weights": weights}).startswith("No formula follows it")
     nothing = weights | {"value": [0.0] * 6}
