@@ -17,6 +17,8 @@ _FEW = 4
 ROTATION = "about "
 _CLEAR = 2.0  # standard deviations from nothing
 _MINUTE_S = 60.0
+_MOMENTS = {"since_s": "since", "until_s": "until"}
+_CLOCK = ((3600.0, "h"), (_MINUTE_S, "min"), (1.0, "s"))
 _LOST = 0.005  # of the full pressure: less is not spoken of
 
 
@@ -66,9 +68,18 @@ def values_words(parameters: Mapping[str, Any]) -> str:
     shown = []
     for name, entry in list(parameters.items())[:_SHOWN]:
         unit = str(entry.get("unit", ""))
+        if name in _MOMENTS:
+            shown.append(f"{_MOMENTS[name]} {_moment(flat(entry.get('value'))[0])} after the start")
+            continue
         shown.append(f"{word(name.removesuffix(f'_{unit}'))} {_values(entry, unit)}")
     more = f", {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
     return ", ".join(shown) + more
+
+
+def _moment(time_s: float) -> str:
+    """When something was, in the unit that a person would say it in."""
+    size, unit = next((size, unit) for size, unit in _CLOCK if time_s >= 2 * size or size == 1.0)
+    return with_unit(number(time_s / size), unit)
 
 
 def _values(entry: Mapping[str, Any], unit: str) -> str:

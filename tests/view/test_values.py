@@ -19,6 +19,16 @@ def test_a_value_for_each_of_a_few_chambers():
     assert said == "gain c1 0.100 ± 0.010\u00a0kPa, c2 -0.200 ± 0.020\u00a0kPa"
 
 
+@pytest.mark.parametrize(
+    ("since_s", "said"),
+    [(44220.0, "12.3\u00a0h"), (300.0, "5\u00a0min"), (90.0, "90\u00a0s"), (0.0, "0\u00a0s")],
+)
+def test_a_moment_is_told_as_a_person_would(since_s: float, said: str) -> None:
+    """When a marker slipped or a frame was moved is counted from the run's start, in hours where it is long."""
+    words = values_words({"since_s": {"value": since_s, "unit": "s"}})
+    assert words == f"since {said} after the start"
+
+
 def test_of_many_chambers_the_largest():
     """Of more chambers the three with the largest values are named, the others by their range."""
     said = values_words({"gain": per_chamber([0.1, -0.9, 0.2, 0.5, 0.01], [0.1] * 5)})
