@@ -16,7 +16,7 @@ from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
-from labrig.diagnosis._noise_scale import FEW, noise_scale, rescaled
+from labrig.diagnosis._noise_scale import FEW, noise_scales, rescaled
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import one_speed
 from labrig.diagnosis._opened import Fall
@@ -74,7 +74,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     if not few:
         return ready, observations
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
-    ready = replace(ready, floor=rescaled(ready.floor, noise_scale(design)))
+    ready = replace(ready, floor=rescaled(ready.floor, noise_scales(design)))
     return ready, observe(ready.context, ready.residual, ready.floor)
 
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
@@ -15,17 +16,32 @@ _SCALES = np.geomspace(0.2, 5.0, 33)
 _SIZES = np.geomspace(0.2, 20.0, 14)
 
 
-def noise_scale(design: Design) -> float:
-    """By how much the noise of a capture's mean is larger than the floor says, by the evidence of everything together.
+def noise_scales(design: Design) -> Floats:
+    """By how much the noise of each observable's means is larger than the floor says, (K,): each unit by itself.
+
+    What captures beside each other, or repeats, say of a force may be wrong where it is right of an angle.
+    """
+    units = np.array(design.observations.context.rows.unit)
+    out = np.ones(len(units))
+    for unit in dict.fromkeys(units[design.observations.seen].tolist()):
+        out[units == unit] = noise_scale(design, (units == unit) & design.observations.seen)
+    return out
+
+
+def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
+    """By how much the noise of a capture's mean, of the observables that are `own` (K,), is larger than the floor says,
+    by the evidence of everything together.
 
     Every space, named or not, acts at one common size; noise is what none of them can follow. The logarithm of the
     scale has a prior around zero: repeats may differ by what they remember, too, so that the noise may well be smaller
     (`FLOOR_SPREAD`); larger it is only as far as the repeats were few. Of the captures' means only, since noise within
     holds is well known.
     """
-    n, r = design.observations.n_captures, design.V.shape[1]
-    values = (design.observations.values @ design.V)[:n].reshape(-1)
-    power, square, rest = _along(_everything(design, n, r), values)
+    n, r = design.observations.n_captures, int(own.sum())
+    V = np.asarray(design.V, dtype=float)  # of few observables a basis of all that were seen
+    everything = _everything(design, n, V.shape[1]).reshape(n, V.shape[1], -1)
+    columns = np.einsum("kr,nrq->nkq", V[own], everything).reshape(n * r, -1)
+    power, square, rest = _along(columns, design.observations.values[:n, own].reshape(-1))
     few = min(1.0 / np.sqrt(max(design.observations.floor.freedom, 1)), 2 * k.FLOOR_SPREAD)
     log = np.empty(len(_SCALES))
     for i, scale in enumerate(_SCALES):
@@ -61,6 +77,6 @@ def _along(columns: Floats, values: Floats) -> tuple[Floats, Floats, float]:
     return power, along**2, max(float(values @ values - along @ along), 0.0)
 
 
-def rescaled(floor: Floor, scale: float) -> Floor:
-    """The floor with the noise of captures' means so much larger."""
+def rescaled(floor: Floor, scale: "Floats | float") -> Floor:
+    """The floor with the noise of captures' means so much larger, (K,)."""
     return replace(floor, mean=floor.mean * scale)

@@ -10,10 +10,12 @@ from scipy.stats import multivariate_normal
 from labrig.diagnosis import diagnose
 from labrig.diagnosis._constants import FLOOR_SPREAD
 from labrig.diagnosis._design import by_kind, design_of, has_name
-from labrig.diagnosis._noise_scale import _SCALES, _SIZES, _everything, noise_scale, rescaled
+from labrig.diagnosis._diagnose import observed, verdict_on
+from labrig.diagnosis._noise_scale import _SCALES, _SIZES, _everything, noise_scales, rescaled
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.effects._family import Space, pattern, pressure
+from tests.sensors import model_of_both, two_sensors
 
 
 @pytest.mark.parametrize("wrong", [0.5, 1.0, 2.0])
@@ -28,7 +30,7 @@ def test_a_floor_that_is_wrong_is_put_right(make_lab, wrong: float) -> None:
         observe(alone.context, alone.residual, alone.floor).values[: lab.captures].std() * alone.floor.mean[0]
     )
     floor = replace(ready.floor, mean=np.full(1, wrong * true), freedom=1)
-    scale = noise_scale(design_of(observe(ready.context, ready.residual, floor), model.library()))
+    scale = noise_scales(design_of(observe(ready.context, ready.residual, floor), model.library()))
     assert rescaled(floor, scale).mean[0] == pytest.approx(true, rel=0.3)
 
 
@@ -72,4 +74,23 @@ def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
         ]
         log.append(logsumexp(each) - 0.5 * (np.log(scale) / (few if scale > 1 else FLOOR_SPREAD)) ** 2)
     p = np.exp(np.array(log) - max(log))
-    assert noise_scale(design) == pytest.approx(np.exp((p * np.log(_SCALES)).sum() / p.sum()), rel=1e-6)
+    assert noise_scales(design) == pytest.approx(np.exp((p * np.log(_SCALES)).sum() / p.sum()), rel=1e-6)
+
+
+def test_each_unit_has_a_noise_of_its_own(make_lab) -> None:
+    """Where captures beside each other differ by a loop in the force, the voltage keeps its noise.
+
+    Single rows at scattered set-points: what neighbours differ by is the loop, and says nothing of the noise.
+    """
+    lab = make_lab(force=True, chambers=2, captures=60, rows_s=(3.0,), repeats=False, bent=0.0)
+    force = lab.predict(lab.looped(4.0)) + lab.noise()
+    voltage = lab.predict(lab.u) + lab.noise()
+    noise = float(np.hypot(0.05, 0.1))
+    model = model_of_both(lab)
+    ready = prepared(rows_from(two_sensors(lab, force, voltage)), model)
+    again, observations = observed(ready, model.library())
+    assert ready.floor.mean[0] > 10 * noise
+    assert again.floor.mean[0] < 0.5 * ready.floor.mean[0]
+    assert again.floor.mean[1] == pytest.approx(noise, rel=0.3)
+    verdict = verdict_on(observations, again, model.library())
+    assert verdict.verdict != "nothing_missing"
