@@ -23,6 +23,9 @@ def place_tables(
     `chambers` is by how much the pressure of each changes, as a share of it and in `unit`; `over` the chamber that
     moves each marker most.
     """
+    parameters = {
+        name: entry for name, entry in parameters.items() if isinstance(entry["value"], list | tuple)
+    }
     tables = [
         _of_markers(name, entry, over)
         for name, entry in parameters.items()

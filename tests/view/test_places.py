@@ -54,6 +54,12 @@ def test_weights_belong_to_functions():
     assert [row[0] for row in rows] == ["lost 2.0", "lost 2.0 of left"]
 
 
+def test_a_number_that_stands_for_a_chamber_is_no_table():
+    """Which chamber alone is stopped is one value with a name, and has no rows."""
+    which = {"value": 1.0, "unit": "1", "per": ["middle"]}
+    assert place_tables({"chamber": which}, {}, "kPa", {}) == []
+
+
 def test_patterns_have_a_column_each():
     """Where each chamber moves the sensors in a pattern of its own, every sensor has a row with all of them."""
     pattern = {
