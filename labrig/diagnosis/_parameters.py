@@ -38,7 +38,7 @@ def entry_of(
         parameters[term.parameter] = _value(context, part.effect, term, value, sd)
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
-        value = value if own.given else _round(value)
+        value = value if own.given or own.per != "one" else _round(value)
         called = {"chamber": context.rows.chambers, "marker": context.rows.markers}.get(name)
         which = [called[int(value)]] if called else None
         parameters[name] = Value(value=value, unit=_unit(context, own.unit), per=which)
@@ -82,7 +82,7 @@ def refined(regression: Regression, context: Context, chosen: Fit, i: int) -> Fi
     for name in chosen.parts[i].variant.shape:
         start = chosen.parts[i].variant.shape[name]
         parameter = chosen.parts[i].effect.parameter(name)
-        if start <= 0 or parameter.given:
+        if start <= 0 or parameter.given or parameter.per != "one":  # which chamber is no size
             continue
         low = max(start / 3, parameter.low, 1e-9)
         high = min(start * 3, parameter.high)
