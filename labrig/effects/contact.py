@@ -57,7 +57,6 @@ class Contact(Effect):
             0.0,
             per="chamber",
             meaning="the only one that is stopped, counted from 0",
-            given=True,
         ),
     )
     reference = (
