@@ -291,4 +291,4 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
         out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
         out.append("what the pressures did between sessions is unknown: taken as vented")
-    return [*out, *ready.left_out]
+    return [*out, *ready.left_out, *ready.not_quoted]

@@ -189,7 +189,7 @@ class Opened:
 
     def _warnings(self) -> list[str]:
         context = self.ready.context
-        return [*context.rows.warnings, *units_off(context), *self.ready.left_out]
+        return [*context.rows.warnings, *units_off(context), *self.ready.left_out, *self.ready.not_quoted]
 
 
 def _rms(square: float) -> float:

@@ -61,6 +61,20 @@ class Prepared:
             f"{self.dropped} outlying values were left out ({said}{', ...' if len(count) > _NAMED else ''})"
         ]
 
+    @property
+    def not_quoted(self) -> list[str]:
+        """A line on units that are in no figure, since errors are quoted in one; none where there is one only."""
+        units = self.context.rows.unit
+        own = units[int(self.regression.counted[0])]
+        seen = np.isfinite(self.residual).any(axis=0)
+        others = dict.fromkeys(u for u, there in zip(units, seen, strict=True) if there and u != own)
+        if not others:
+            return []
+        return [
+            f"errors are those of what is in {own}; what is in {' and '.join(others)} counts for the verdict all the "
+            "same"
+        ]
+
     @cached_property
     def regression(self) -> Regression:
         """The same as a regression problem, for the formulas."""

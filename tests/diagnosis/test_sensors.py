@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labrig.diagnosis import diagnose
+from labrig.diagnosis import compare, diagnose
 from labrig.effects import rows_of
 from labrig.effects._skin import by_sensor
 from tests.sensors import model_of_both, two_sensors
@@ -38,6 +38,16 @@ def test_a_force_relaxes_while_an_angle_creeps(make_lab) -> None:
     first, second = now + 0.09 * strain + lab.noise(), now - 0.05 * strain + lab.noise()
     found = diagnose(two_sensors(lab, first, second), model_of_both(lab))
     assert found.summary["effects"] == ["creep"]
+
+
+def test_what_is_in_no_figure_is_said(make_lab) -> None:
+    """Errors are quoted in one unit; of the others it is said that they count, too."""
+    lab = make_lab(force=True)
+    force = lab.predict(lab.u) + lab.noise()
+    said = compare(two_sensors(lab, force, force), model_of_both(lab)).summary["warnings"]
+    assert "errors are those of what is in N; what is in V counts for the verdict all the same" in said
+    alone = compare(lab.dataset(force), lab.model()).summary["warnings"]
+    assert not [line for line in alone if line.startswith("errors are those")]
 
 
 def test_each_of_few_sensors_has_a_function(make_lab) -> None:

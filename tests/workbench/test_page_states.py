@@ -97,7 +97,7 @@ def test_a_job_is_cancelled_from_the_page(compared, bench):
 
 
 def test_two_pages_agree(compared, open_page):
-    """Work begun on one page is seen on another, and its result appears on both."""
+    """Work begun on one page is seen on another, can be cancelled there, and its result appears on both."""
     run, first = compared()
     pages = [first, open_page()]
     for page in pages:
@@ -105,6 +105,7 @@ def test_two_pages_agree(compared, open_page):
         page.wait_for_selector("[data-start=diagnose]")
     pages[0].click("[data-start=diagnose]")
     pages[1].wait_for_selector("#jobs.busy")
+    pages[1].wait_for_selector("main [data-cancel]")
     for page in pages:
         page.wait_for_selector(".effect.sure")
     assert pages[0].inner_text("h1") == pages[1].inner_text("h1")

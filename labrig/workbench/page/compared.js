@@ -32,10 +32,15 @@ export function working(job, title, words) {
   return [page, () => (clearInterval(timer), end())];
 }
 
+const isOf = (context, verb) => (job) => job.run === context.run && job.command.startsWith(`labrig ${verb} `) && job.command.includes(` ${context.info.model} `);
+
 export async function jobOf(context, verb) {
   await jobs.told();
-  return jobs.all().find((job) => job.run === context.run && job.command.startsWith(`labrig ${verb} `) && job.command.includes(` ${context.info.model} `));
+  return jobs.all().find(isOf(context, verb));
 }
+
+// Shows the page again once such a job runs: another page may start it. Gives a function that ends this.
+export const whenBegun = (context, verb) => jobs.watch((list) => list.some((job) => job.state === "running" && isOf(context, verb)(job)) && context.again());
 
 export async function begin(context, path) {
   try {

@@ -28,7 +28,7 @@ export async function show(root, context) {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
     const found = runs.filter((run) => words.every((word) => text.get(run).includes(word)));
     if ((context.query.get("search") || "") !== search.value) context.set({ search: search.value }, true);
-    count.textContent = found.length === runs.length ? `${runs.length} runs` : `${found.length} of ${runs.length} runs`;
+    count.textContent = `${found.length === runs.length ? "" : `${found.length} of `}${runs.length} ${runs.length === 1 ? "run" : "runs"}`;
     fill(body, found.slice(0, shown).map((run) => line(run, context)));
     fill(more, found.length > shown ? h("button", { type: "button", onclick: () => ((shown = Infinity), draw()) }, `show all ${found.length}`) : "");
     root.dataset.drawn = String(found.length);

@@ -1,6 +1,6 @@
 // Which: a card for each effect, sure, possible or not it; its plot, its errors, its meaning, what would settle it.
 
-import { asked, begin, jobOf, working } from "./compared.js";
+import { asked, begin, jobOf, whenBegun, working } from "./compared.js";
 import { command, empty, fill, h, number, percent } from "./dom.js";
 import { draw } from "./plot.js";
 import { get } from "./server.js";
@@ -31,7 +31,7 @@ export async function show(root, context) {
       detail,
     ),
     command(`labrig diagnose ${context.run} --model ${context.info.model}`, "this is"),
-    h("p", { class: "next" }, h("a", { class: "button", href: context.address("add", { effects: at("sure").map((each) => each.effect).join(",") }) }, "Add it and watch the error fall →")),
+    h("p", { class: "next" }, h("a", { class: "button", href: context.address("add", { effects: at("sure").map((each) => each.effect).join(",") }) }, { 0: "See what an effect would change →", 1: "Add it and watch the error fall →" }[at("sure").length] || "Add them and watch the error fall →")),
   );
   const chosen = data.effects.find((each) => each.effect === open);
   if (chosen) closer(detail, chosen, data, context).then(() => (root.dataset.drawn = open));
@@ -48,7 +48,7 @@ async function notYet(root, context, data) {
   const start = h("button", { type: "button", class: "main", data: { start: "diagnose" }, onclick: () => begin(context, "/api/which").then((started) => started && context.again()) }, "Find the missing effect");
   const failed = job && job.state !== "done" ? h("p", { class: "warning" }, job.state === "cancelled" ? "The last one was cancelled." : job.last) : null;
   fill(root, empty("Which effect is missing?", h("p", {}, "labrig tries every effect that it knows on this run, and says which is sure, which is possible, and which it is not; or honestly that none is missing, or that these data cannot tell."), failed, start, command(data.command)));
-  return undefined;
+  return whenBegun(context, "diagnose");
 }
 
 function card(each, data, context, open) {
