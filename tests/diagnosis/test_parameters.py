@@ -15,7 +15,7 @@ def test_a_value_is_moved_off_the_grid(monkeypatch: pytest.MonkeyPatch, best_s: 
     asked: list[float] = []
 
     def fitted(value_s: float) -> Any:
-        effect = Made(parameter=lambda name: Made(given=False, low=0.0, high=1000.0))
+        effect = Made(parameter=lambda name: Made(given=False, per="one", low=0.0, high=1000.0))
         part = Made(variant=Made(shape={"tau_s": value_s}), effect=effect)
         return Made(parts=(part,), score=Made(gain=-(float(np.log(value_s / best_s)) ** 2)))
 
