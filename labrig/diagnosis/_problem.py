@@ -66,8 +66,8 @@ class Prepared:
         """A line on units that are in no figure, since errors are quoted in one; none where there is one only."""
         units = self.context.rows.unit
         own = units[int(self.regression.counted[0])]
-        seen = np.isfinite(self.residual).any(axis=0)
-        others = dict.fromkeys(u for u, there in zip(units, seen, strict=True) if there and u != own)
+        seen = np.flatnonzero(np.isfinite(self.residual).any(axis=0))
+        others = dict.fromkeys(units[k] for k in seen if units[k] != own)
         if not others:
             return []
         return [
