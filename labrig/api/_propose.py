@@ -41,11 +41,15 @@ class Proposal:
 
     @property
     def points(self) -> "DataFrame":
-        """The set-points in order: a column for each chamber, in the runs' unit, then `hold_s`, `repeat`, `label`."""
+        """The set-points in order: a column for each chamber, in the runs' unit, then `hold_s`, `repeat`, `label`;
+        without those that need somebody at the rig first (`summary["by_hand"]`), as an unattended run has them.
+        """
         from pandas import DataFrame
 
         rows = []
         for point in self._experiment.programme():
+            if point.get("by_hand"):
+                continue
             named = dict.fromkeys(self._experiment.chambers, 0.0) | point.get("pressure_kpa", {})
             rows.append({**named, **{key: point.get(key, "") for key in ("hold_s", "repeat", "label")}})
         return DataFrame(rows)
@@ -56,7 +60,14 @@ class Proposal:
         return self._experiment.summary
 
     def procedure(self) -> dict[str, Any]:
-        """The parameters of the procedure `programme`: `labrig.run("programme", rig, **proposal.procedure())`."""
+        """The parameters of the procedure `programme`: `labrig.run("programme", rig, **proposal.procedure())`.
+
+        Raises `LabrigError` where the set-points are no pressures in kPa, as a rig's are.
+        """
+        if (unit := self.summary["actuation_units"]) != "kPa":
+            raise LabrigError(
+                f"a rig's procedure is in kPa, and these set-points are in {unit or 'no unit'}: programme.csv has them"
+            )
         return {"points": self._experiment.programme()}
 
     def plot(self) -> "Figure":
@@ -81,11 +92,7 @@ class Proposal:
         folder, summary = Path(folder), self.summary.copy()
         if procedure is not None:
             check_procedure_file(Path(procedure))
-            if (unit := summary["actuation_units"]) != "kPa":
-                raise LabrigError(
-                    f"{procedure}: a rig's procedure is in kPa, and these set-points are in "
-                    f"{unit or 'no unit'}: leave it out, programme.csv has them"
-                )
+            self.procedure()
             write_procedure(self._experiment, Path(procedure))
             summary["procedure"] = str(procedure)
         folder.mkdir(parents=True, exist_ok=True)

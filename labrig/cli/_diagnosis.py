@@ -59,7 +59,9 @@ def diagnose(
     _table(found.summary, "diagnosis")
     _values(found)
     _finish(found, out)
-    if found.improved is not None and found.sure and found.error["model"] < found.error["base"]:
+    from labrig.view import has_improved
+
+    if found.improved is not None and found.sure and has_improved(found.summary):
         _say(
             f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} "
             + " ".join(f"--add {name}" for name in found.sure)

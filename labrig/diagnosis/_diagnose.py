@@ -57,8 +57,6 @@ def diagnose(
     """
     ready = prepared(rows_from(runs), model)
     effects = {n: e for n, e in model.library().items() if n not in without}
-    if (line := mistaken(ready.context)) is not None:
-        raise LabrigError(f"nothing can be diagnosed: {line}")
     ready, observations = observed(ready, effects)
     verdict = verdict_on(observations, ready, effects, tolerance)
     result = result_of(ready, observations, verdict, model, effects)
@@ -68,8 +66,14 @@ def diagnose(
 
 
 def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations]:
-    """The observations; of few observables, with the noise that is left when everything is asked."""
+    """The observations; of few observables, with the noise that is left when everything is asked.
+
+    Raises `LabrigError` where there are enough to say that units, or displacements and positions, are mistaken.
+    """
     observations = observe(ready.context, ready.residual, ready.floor)
+    enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
+    if enough and (line := mistaken(ready.context)) is not None:
+        raise LabrigError(f"nothing can be diagnosed: {line}")
     few = ready.residual.shape[1] < FEW and observations.n_captures >= k.FEWEST_OBSERVATIONS
     if not few:
         return ready, observations

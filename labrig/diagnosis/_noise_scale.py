@@ -77,6 +77,6 @@ def _along(columns: Floats, values: Floats) -> tuple[Floats, Floats, float]:
     return power, along**2, max(float(values @ values - along @ along), 0.0)
 
 
-def rescaled(floor: Floor, scale: "Floats | float") -> Floor:
+def rescaled(floor: Floor, scale: Floats | float) -> Floor:
     """The floor with the noise of captures' means so much larger, (K,)."""
     return replace(floor, mean=floor.mean * scale)

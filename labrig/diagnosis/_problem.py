@@ -1,5 +1,6 @@
 """What a diagnosis works on: rows, what the model predicts of them, what is left, and how finely that was measured."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -51,15 +52,12 @@ class Prepared:
             return []
         rows = self.context.rows
         gone = (np.isfinite(rows.values) & ~np.isfinite(self.residual)).sum(axis=0)
-        owners = [
-            rows.markers[m] if m >= 0 else name for m, name in zip(rows.marker, rows.observables, strict=True)
-        ]
-        count = {o: sum(int(n) for own, n in zip(owners, gone, strict=True) if own == o) for o in owners}
-        most = sorted(count, key=lambda o: -count[o])[:_NAMED]
-        said = ", ".join(f"{count[o]} of {o}" for o in most if count[o])
-        return [
-            f"{self.dropped} outlying values were left out ({said}{', ...' if len(count) > _NAMED else ''})"
-        ]
+        count: Counter[str] = Counter()
+        for name, marker, values in zip(rows.observables, rows.marker, gone.tolist(), strict=True):
+            count[rows.markers[marker] if marker >= 0 else name] += values
+        most = [f"{values} of {name}" for name, values in count.most_common(_NAMED) if values]
+        more = ["..."] if sum(values > 0 for values in count.values()) > _NAMED else []
+        return [f"{self.dropped} outlying values were left out ({', '.join([*most, *more])})"]
 
     @property
     def not_quoted(self) -> list[str]:

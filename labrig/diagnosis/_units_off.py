@@ -9,7 +9,7 @@ from labrig.effects import Context
 
 _ALIKE = 0.9
 _TIMES = 5.0
-"""Correlation, and ratio of motions, from which on a person is asked; they decide no verdict."""
+"""Correlation, and ratio of motions or sizes, from which on a person is asked, and nothing is named before."""
 
 
 def units_off(context: Context) -> list[str]:
@@ -45,7 +45,7 @@ def _scales(context: Context) -> Iterator[tuple[str, bool]]:
         if of_base <= 0 or not seen.any():
             continue
         times = np.sqrt(of_measured / of_base)
-        follows = both >= _ALIKE * times * of_base > 0
+        follows = both > 0 and both >= _ALIKE * times * of_base
         if times <= 1 / _TIMES or (times >= _TIMES and follows):
             yield (
                 f"what is measured in {unit} changes {times:.2g} times as far as the model says: check the units of "

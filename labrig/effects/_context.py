@@ -13,6 +13,8 @@ from labrig.arrays import Floats, Ints
 from labrig.effects._rows import Rows
 
 LINEAR = 0.03
+FEW_OBSERVABLES = 8
+"""So many may each follow an effect in a measure of its own; of more, each has little to say of its own."""
 _DENSE = 100
 """Fewer moments than this are no record, but a table of set-points."""
 _LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}

@@ -4,12 +4,10 @@ import numpy as np
 
 from labrig._linalg import svd
 from labrig.arrays import Floats
-from labrig.effects._context import Context
+from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._family import Feature, field, motion_scale
 from labrig.effects._rows import Rows
 
-_SENSORS = 8
-"""So many sensors may each follow in a measure of its own; of more, each has little to say of its own."""
 _FLAT = 0.1
 """Extent of the body, share of its longest, below which it has no places that differ along that way."""
 
@@ -87,13 +85,14 @@ def _places(context: Context) -> Floats:
 def _which(rows: Rows) -> Floats:
     """Each of few sensors, which are no marker's, against all of them, (n, K), of unit spread."""
     alone = np.flatnonzero(rows.marker < 0)
-    out = np.zeros((len(alone) if 1 < len(alone) <= _SENSORS else 0, len(rows.marker)))
+    out = np.zeros((len(alone) if 1 < len(alone) <= FEW_OBSERVABLES else 0, len(rows.marker)))
     if len(out):
         out[:, alone] = (np.eye(len(alone)) - 1 / len(alone)) * np.sqrt(len(rows.marker))
     return out
 
 
 def _along(rows: Rows) -> Floats:
+    """Where each marker's coordinates are at rest along the ways in which the body is long, (n, K), of unit spread."""
     out = np.zeros((3, len(rows.marker)))
     if rows.rest_mm is None or not np.isfinite(rows.rest_mm).all() or len(rows.rest_mm) < 3:
         return out[:0]

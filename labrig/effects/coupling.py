@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects._context import Context
+from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
@@ -82,7 +82,9 @@ class Coupling(Effect):
         if pairs and context.shows(context.rows.n_captures > 1.5 * len(pairs)):
             for form, other in partner.items():
                 yield Variant(f"{form}, pairs", (self._pairs(context, pairs, other),))
-            few = len(pairs) <= 3 or len(context.rows.unit) <= 8 or context.base_kind == "static"
+            few = (
+                len(pairs) <= 3 or len(context.rows.unit) <= FEW_OBSERVABLES or context.base_kind == "static"
+            )
             if few and len(pairs) <= 40:
                 feature = np.stack([x[:, i] * x[:, j] for i, j in pairs], axis=1)
                 yield Variant("pattern", (Term.pattern("pattern", feature),))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects._context import Context
+from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._inside import inside
@@ -55,7 +55,7 @@ class Stiffening(Effect):
                 (Term.per_chamber("quadratic", second, chambers), Term.per_chamber("cubic", third, chambers)),
             )
             yield Variant("total load", (Term.common("load", u * x.mean(axis=1, keepdims=True)),))
-        if len(context.rows.unit) <= 8 or context.base_kind == "static":
+        if len(context.rows.unit) <= FEW_OBSERVABLES or context.base_kind == "static":
             yield Variant("pattern", (Term.pattern("pattern", x**2),))
             yield Variant("cubic pattern", (Term.pattern("pattern", np.hstack([x**2, x**3])),))
 

@@ -1,6 +1,5 @@
 """`labrig import`: somebody's own table becomes a run."""
 
-import shutil
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -43,7 +42,7 @@ def import_table(
     """Make a run folder of foreign tables as a MAP.yaml says; returns what `open_run` gives of it.
 
     `tables` replaces the files that the mapping names (relative to the mapping's own folder). With `replace`, an
-    imported run of that name is replaced once the new one can be made.
+    imported run of that name is replaced once the new one is whole; notes and tags stay.
 
     Raises `LabrigError`, and leaves nothing behind, when a file, a column or a unit does not exist, when an
     actuation or a time is not a number, or when the output exists and is not to be replaced, or was recorded.
@@ -57,7 +56,7 @@ def import_table(
         files = [f.model_copy(update={"file": str(t.resolve())}) for f, t in zip(given, tables, strict=True)]
     if not files:
         raise LabrigError(f"{mapping_path}: table: name the file, or give it on the command line")
-    return _write(mapping, files, mapping_path, output)
+    return _write(mapping, files, mapping_path, output, replace)
 
 
 def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Guess, Path]:
@@ -106,7 +105,9 @@ def _refuse(output: Path, replace: bool) -> None:
         raise LabrigError(f"{output} is no imported run, and is not replaced; choose another name")
 
 
-def _write(mapping: Mapping, files: Sequence[TableFile], mapping_path: Path, output: Path) -> "Dataset":
+def _write(
+    mapping: Mapping, files: Sequence[TableFile], mapping_path: Path, output: Path, replace: bool = False
+) -> "Dataset":
     from labrig.log._open import open_run
     from labrig.log._table import write_dataset
 
@@ -115,9 +116,7 @@ def _write(mapping: Mapping, files: Sequence[TableFile], mapping_path: Path, out
         "procedure": "import",
         "mapping": mapping.model_dump(mode="json", exclude_none=True),
     }
-    if output.exists():
-        shutil.rmtree(output)
-    write_dataset(dataset, output, run_yaml=run_yaml)
+    write_dataset(dataset, output, run_yaml=run_yaml, replace=replace)
     return open_run(output)
 
 
@@ -187,7 +186,7 @@ def _other_scale(mapping: Mapping, parts: Sequence[Part]) -> list[str]:
         return []
     k = int(apart[0])
     most, least = (parts[int(pick(known[:, k]))].file.file for pick in (np.nanargmax, np.nanargmin))
-    more = f" (and {len(apart) - 1} others)" if len(apart) > 1 else ""
+    more = f" (and {len(apart) - 1} more)" if len(apart) > 1 else ""
     unit = mapping.observables[k].unit
     return [
         f"observable {mapping.observables[k].name!r}{more} is {times[k]:.3g} times as large in {most} as in {least}: "

@@ -16,7 +16,7 @@ import yaml
 from labrig._errors import LabrigError
 from labrig.log._dataset import CampaignArrays
 from labrig.log._layout import Layout
-from labrig.log._segments import LoadedSegment, segment_path
+from labrig.log._segments import LoadedSegment, is_segment, segment_path
 from labrig.log._table_blocks import read_blocks, write_blocks
 from labrig.log._topics import Topic
 from labrig.log._writer import LogWriter
@@ -33,17 +33,20 @@ _Columns = dict[str, np.ndarray]
 _OWN_ATTRIBUTES = {"run", "run_id", "source", "between_sessions", "units", "warnings"}
 
 
-def write_dataset(dataset: xr.Dataset, folder: Path, *, run_yaml: dict[str, Any]) -> Path:
+def write_dataset(
+    dataset: xr.Dataset, folder: Path, *, run_yaml: dict[str, Any], replace: bool = False
+) -> Path:
     """Write a campaign to a new run folder: `log.000.mcap` and `run.yaml`; returns the folder.
 
     `open_run(folder)` gives back an equal Dataset, numbers to the last digit; rows after the last one that
-    has a time are padding and come back as NaN and not settled. The folder appears whole or not at all.
+    has a time are padding and come back as NaN and not settled. The folder appears whole or not at all; with `replace`,
+    in the place of one that is there, of which all but log and run.yaml (what people noted) stays.
 
-    Raises `LabrigError` if the folder exists, a variable of docs/reference/dataset.md is missing, or a row
-    has values but no time.
+    Raises `LabrigError` if the folder exists and is not to be replaced, a variable of docs/reference/dataset.md is
+    missing, or a row has values but no time.
     """
     folder = Path(folder)
-    if folder.exists():
+    if folder.exists() and not replace:
         raise LabrigError(f"{folder} exists already; choose another name or remove it")
     _check(dataset)
     run_yaml = json.loads(json.dumps(run_yaml, default=str))
@@ -61,11 +64,30 @@ def write_dataset(dataset: xr.Dataset, folder: Path, *, run_yaml: dict[str, Any]
             writer.close()
         (partial / "run.yaml").write_text(yaml.safe_dump(run_yaml, sort_keys=False), encoding="utf-8")
         partial.chmod(0o755)
-        os.rename(partial, folder)  # noqa: PTH104  (replaces nothing: a folder that appeared meanwhile stays)
+        if replace and folder.exists():
+            _put_in_place(partial, folder)
+        else:
+            os.rename(partial, folder)  # noqa: PTH104  (replaces nothing: a folder that appeared meanwhile stays)
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
         raise
     return folder
+
+
+def _put_in_place(partial: Path, folder: Path) -> None:
+    """Put a whole run in the place of another, with what lies beside the other's log; the other goes last."""
+    aside = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".old", dir=folder.parent)) / folder.name
+    folder.rename(aside)
+    try:
+        partial.rename(folder)
+    except BaseException:
+        aside.rename(folder)
+        aside.parent.rmdir()
+        raise
+    for entry in aside.iterdir():
+        if not is_segment(entry.name) and entry.name != "run.yaml":
+            entry.rename(folder / entry.name)
+    shutil.rmtree(aside.parent)
 
 
 def _check(dataset: xr.Dataset) -> None:

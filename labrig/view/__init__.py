@@ -82,6 +82,7 @@ _LAZY = {
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
+    "has_improved": "_words",
     "difference_words": "_versus_words",
     "share_words": "_versus_words",
     "interval_words": "_versus_words",

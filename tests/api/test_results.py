@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -121,12 +122,29 @@ def test_set_points_that_are_no_kpa_are_a_table_only(lab: Path, tmp_path: Path) 
     proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=3)
     with pytest.raises(
         LabrigError,
-        match=r"next\.yaml: a rig's procedure is in kPa, and these set-points are in V: leave it out, ",
+        match=r"^a rig's procedure is in kPa, and these set-points are in V: programme\.csv has them$",
     ):
         proposal.save(tmp_path / "next", tmp_path / "next.yaml")
+    with pytest.raises(LabrigError, match="in V"):
+        proposal.procedure()
     assert not list(tmp_path.iterdir())
     proposal.save(tmp_path / "next")
     assert "c1 [V]" in pd.read_csv(tmp_path / "next" / "programme.csv").columns
+
+
+def test_what_needs_a_person_is_no_set_point_of_the_table(lab: Path) -> None:
+    """Who goes through the table alone is not sent to a set-point before which something is to be done by hand."""
+    from labrig.api import _propose
+    from labrig.experiment import Experiment, Limits
+    from labrig.experiment._plan import Point
+
+    hand = {"effect": "gravity", "what": "turn the base", "points": True}
+    summary: Any = {"actuation_units": "kPa", "by_hand": [hand]}
+    limits = Limits(np.zeros(1), np.full(1, 60.0), np.ones(1))
+    point = Point((0.5,), 4.0)
+    experiment = Experiment(summary, (point,), ("",), ("alone",), limits, ("c1",))
+    assert len(experiment.programme()) == 3
+    assert _propose.Proposal(experiment).points["label"].tolist() == ["alone"]
 
 
 def test_runs_of_two_kinds_are_taken_together(lab: Path) -> None:

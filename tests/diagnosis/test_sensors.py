@@ -1,6 +1,7 @@
 """A few sensors of different kinds: each may follow an effect in a measure of its own."""
 
 import numpy as np
+import pytest
 
 from labrig.diagnosis import compare, diagnose
 from labrig.effects import rows_of
@@ -48,6 +49,20 @@ def test_what_is_in_no_figure_is_said(make_lab) -> None:
     assert "errors are those of what is in N; what is in V counts for the verdict all the same" in said
     alone = compare(lab.dataset(force), lab.model()).summary["warnings"]
     assert not [line for line in alone if line.startswith("errors are those")]
+
+
+@pytest.mark.parametrize("name", ["creep", "leak", "delay", "hysteresis", "friction"])
+def test_what_acts_in_the_skin_may_act_in_each_sensor(make_lab, name: str) -> None:
+    """Of two sensors the family holds what they follow by opposite amounts; of one there is no such space."""
+    lab = make_lab(force=True, long_s=(3.0, 8.0, 20.0))
+    force = lab.predict(lab.u) + lab.noise()
+    model = model_of_both(lab)
+    effect = model.library()[name]
+    both = {s.key: s for s in effect.family(model.context(rows_of(two_sensors(lab, force, force))))}
+    (key,) = [key for key in both if key.endswith(", by place")]
+    assert any(np.allclose(f.values[:, 0], -f.values[:, 1]) and f.values.any() for f in both[key].features)
+    alone = effect.family(lab.model().context(rows_of(lab.dataset(force))))
+    assert not [s.key for s in alone if s.key.endswith(", by place")]
 
 
 def test_each_of_few_sensors_has_a_function(make_lab) -> None:

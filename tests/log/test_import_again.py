@@ -26,15 +26,42 @@ def test_an_imported_run_is_replaced_when_asked(desk: Path, labrig) -> None:
         imported(corrected)
     assert labrig("import", "--mapping", "map.yaml", "-o", "run", "--replace")[0] == 0
     assert open_run("run").attrs["between_sessions"] == "vented"
+    assert labrig("tag", "run", "good")[0] == 0
     Path("map.yaml").write_text(yaml.safe_dump({**MAP, "time": {"column": "no such", "unit": "s"}}))
     assert labrig("import", "--mapping", "map.yaml", "-o", "run", "--replace")[0] == 2
     assert open_run("run").attrs["between_sessions"] == "vented"
+    assert labrig("import", "--mapping", "map.yaml", "-o", "run")[0] == 2
+    Path("map.yaml").write_text(yaml.safe_dump(MAP))
+    assert labrig("import", "--mapping", "map.yaml", "-o", "run", "--replace")[0] == 0
+    assert "good" in labrig("runs", ".")[1]
+    assert sorted(p.name for p in Path("run").iterdir()) == ["log.000.mcap", "notes.yaml", "run.yaml"]
     Path("mine").mkdir()
     Path("mine", "thesis.txt").write_text("important")
-    Path("map.yaml").write_text(yaml.safe_dump(MAP))
     code, _, err = labrig("import", "--mapping", "map.yaml", "-o", "mine", "--replace")
     assert (code, err) == (2, "labrig: mine is no imported run, and is not replaced; choose another name\n")
     assert Path("mine", "thesis.txt").read_text() == "important"
+
+
+def test_a_run_that_cannot_be_replaced_stays(desk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the new run cannot be written, or not be put in place, the old one is there as it was, and nothing else."""
+    table().to_csv("t.csv", index=False)
+    imported(MAP)
+    before, there = open_run("run"), sorted(p.name for p in Path().iterdir())
+    rename = Path.rename
+
+    def full(*arguments: object) -> None:
+        raise OSError("no space left on device")
+
+    def stuck(path: Path, target: Path) -> Path:
+        return full() if path.suffix == ".partial" else rename(path, target)  # type: ignore[return-value]
+
+    for name, failing in (("labrig.log._table._write_captures", full), ("pathlib.Path.rename", stuck)):
+        with monkeypatch.context() as patch:
+            patch.setattr(name, failing)
+            with pytest.raises(OSError, match="no space left"):
+                import_table(Path("map.yaml"), Path("run"), replace=True)
+        assert open_run("run").equals(before)
+        assert sorted(p.name for p in Path().iterdir()) == there
 
 
 def two_days(scale: float) -> list[str]:
@@ -50,7 +77,7 @@ def two_days(scale: float) -> list[str]:
 def test_files_in_two_units_are_asked_about(desk: Path) -> None:
     """Where one day's numbers are a thousand times as large as another's, it is said which, and in which unit."""
     assert two_days(1000.0) == [
-        "observable 'm1.x' (and 1 others) is 1e+03 times as large in day2.csv as in day1.csv: are both in m?"
+        "observable 'm1.x' (and 1 more) is 1e+03 times as large in day2.csv as in day1.csv: are both in m?"
     ]
 
 
