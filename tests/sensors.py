@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 def two_sensors(lab: Any, force: np.ndarray, second: "np.ndarray | float") -> "xr.Dataset":
     """A campaign of the lab's force (n, T, 1), N, and of a second sensor that reads `second` in volts."""
     data = lab.dataset(force)
-    both = np.concatenate([data["observed"].values, np.broadcast_to(second, data["observed"].shape)], axis=2)
+    first = data["observed"].values
+    both = np.concatenate(
+        [first, np.where(np.isfinite(first), second, np.nan)], axis=2
+    )  # no rows in the padding
     names = {"observable": ["force", "voltage"], "unit": ("observable", ["N", "V"])}
     none = {"marker_of": ("observable", ["", ""]), "axis_of": ("observable", ["", ""])}
     data = data.drop_vars(["observed", "observable", "unit", "marker_of", "axis_of"])

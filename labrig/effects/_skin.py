@@ -83,8 +83,8 @@ def _places(context: Context) -> Floats:
 
 
 def _which(rows: Rows) -> Floats:
-    """Each of few sensors, which are no marker's, against all of them, (n, K), of unit spread."""
-    alone = np.flatnonzero(rows.marker < 0)
+    """Each of few sensors that were seen, and are no marker's, against all of them, (n, K), of unit spread."""
+    alone = np.flatnonzero((rows.marker < 0) & np.isfinite(rows.values).any(axis=0))
     out = np.zeros((len(alone) if 1 < len(alone) <= FEW_OBSERVABLES else 0, len(rows.marker)))
     if len(out):
         out[:, alone] = (np.eye(len(alone)) - 1 / len(alone)) * np.sqrt(len(rows.marker))

@@ -9,6 +9,17 @@ import pytest
 from labrig.diagnosis import _parameters
 
 
+def test_which_chamber_is_no_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The number of a chamber is not moved off the grid, where there is no chamber between two, and nothing is fitted."""
+    monkeypatch.setattr(
+        _parameters, "_with_shape", lambda *_: pytest.fail("a fit for a chamber that is none")
+    )
+    effect = Made(parameter=lambda name: Made(given=False, per="chamber", low=0.0, high=np.inf))
+    part = Made(variant=Made(shape={"chamber": 2.0}), effect=effect)
+    chosen: Any = Made(parts=(part,), score=Made(gain=1.0))
+    assert _parameters.refined(None, None, chosen, 0) is chosen  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("best_s", [1.2, 3.0, 5.1, 8.8])
 def test_a_value_is_moved_off_the_grid(monkeypatch: pytest.MonkeyPatch, best_s: float) -> None:
     """From 3 s a time constant goes to where the score is best, within three per cent, in eleven fits."""
