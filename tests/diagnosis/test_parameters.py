@@ -10,7 +10,7 @@ from labrig.diagnosis import _parameters
 
 
 def test_which_chamber_is_no_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The number of a chamber is not moved off the grid, where there is no chamber between two, and nothing is fitted."""
+    """The number of a chamber is not moved off the grid: there is no chamber between two, and nothing is fitted."""
     monkeypatch.setattr(
         _parameters, "_with_shape", lambda *_: pytest.fail("a fit for a chamber that is none")
     )

@@ -73,6 +73,10 @@ def test_each_of_few_sensors_has_a_function(make_lab) -> None:
     first, second = by_sensor(context, [("late", np.ones_like(context.base))])
     assert (first.values == -second.values).all()
     assert first.values.any()
+    context = model_of_both(lab).context(
+        rows_of(two_sensors(lab, force, np.nan))
+    )  # of which one was never seen
+    assert by_sensor(context, [("late", np.ones_like(context.base))]) == []
     context = lab.model().context(rows_of(lab.dataset(force)))
     assert by_sensor(context, [("late", np.ones_like(context.base))]) == []
     lab = make_lab()
