@@ -55,7 +55,9 @@ def _scales(context: Context) -> Iterator[tuple[str, bool]]:
 
 
 def _displaced(context: Context) -> list[str]:
-    """A line where, at the least pressures, the markers lie many times as far apart in one of both."""
+    """A line where, at the least pressures, the markers lie many times as far apart in one of both, and farther than
+    they move: of markers that start side by side, their places tell nothing of what they were counted from.
+    """
     rows = context.rows
     of_markers = np.isfinite(rows.values) & (rows.marker >= 0)
     many = of_markers.sum(axis=1) > np.bincount(rows.marker[rows.marker >= 0], minlength=1).max()
@@ -64,7 +66,8 @@ def _displaced(context: Context) -> list[str]:
     row = np.flatnonzero(many)[np.argmin(rows.fraction[many].sum(axis=1))]
     own = np.flatnonzero(of_markers[row])
     measured, model = (_apart(v[row, own], rows.axis[own]) for v in (rows.values, context.base))
-    if max(measured, model) < _TIMES * min(measured, model):
+    moves = np.sqrt(np.sum(np.var(context.base[:, own], axis=0)) / len(np.unique(rows.marker[own])))
+    if max(measured, model) < max(_TIMES * min(measured, model), moves):
         return []
     small, large = ("the model", "the measurement") if model < measured else ("the measurement", "the model")
     return [

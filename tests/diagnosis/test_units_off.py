@@ -87,6 +87,13 @@ def test_nothing_is_diagnosed_of_displacements(tmp_path: Path) -> None:
         diagnose(data, lab.model())
 
 
+def test_markers_that_start_side_by_side(tmp_path: Path) -> None:
+    """Of markers that lie closer together than they move, places tell nothing of what they were counted from."""
+    lab = Lab(tmp_path, chambers=1, markers=4)
+    away = 0.3 * np.random.default_rng(1).normal(size=lab.rest.shape)
+    assert diagnose(lab.dataset(lab.predict(lab.u) + away + lab.noise()), lab.model()).summary["verdict"]
+
+
 def test_numbers_too_far_apart_end_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where a matrix is lost to rounding (from which size on, computers differ), a diagnosis says what to check."""
 
