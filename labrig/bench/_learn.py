@@ -67,7 +67,7 @@ def example_of(context: Context, effect: Effect, change: Floats, law: str) -> Ex
 def learnable(space: Space) -> bool:
     """Whether a spectrum can be learnt: its features are of the pressures above all, and mean the same on every rig."""
     kinds = {f.kind for f in space.features}
-    return "pressure" in kinds and "pattern" not in kinds
+    return "pressure" in kinds and "pattern" not in kinds and space.apart is None
 
 
 def columns_of(space: Space, J: Floats, keep: Ints, scale: Floats) -> dict[str, Floats]:

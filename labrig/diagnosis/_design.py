@@ -104,8 +104,13 @@ def design_of(
         if again := next((m for m in made if _alike(m.space, space)), None):
             again.owners.append((owner, space))
             continue
-        acts = all(f.kind == "pressure" for f in space.features)
-        columns = layout.through_pressures(space, spectra) if acts else layout.columns(space, spectra)
+        acts = space.apart is None and all(f.kind == "pressure" for f in space.features)
+        if acts:
+            columns = layout.through_pressures(space, spectra)
+        elif space.apart is None:
+            columns = layout.columns(space, spectra)
+        else:
+            columns = layout.apart(space, spectra, space.apart)
         if columns is not None:
             made.append(_Made(space, columns, acts, [(owner, space)]))
     slow = Space(SLOW, SLOW, ())
@@ -187,6 +192,11 @@ def _shown(L: Floats, shows: Floats) -> Floats:
     return L @ turn[:, np.cumsum(power) > LEAST_SHARE * max(power.sum(), 0.0)]
 
 
+def _fewer(moves: Floats) -> Floats:
+    """Slopes (n, r, C) whose products are the same, in fewer directions where there are fewer chambers."""
+    return moves if moves.shape[1] <= moves.shape[2] else np.linalg.qr(moves, mode="r")
+
+
 def has_name(space: Space, named: Sequence[Mapping[str, Floats]]) -> bool:
     """Whether one space with a name holds nearly all that this one does: what has a name is not unnamed as well."""
     own = by_kind(space)
@@ -219,10 +229,9 @@ class _Layout:
         context = observations.context
         self.dtype = V.dtype
         J = context.jacobian * context.span / observations.unit[None, :, None]
-        first = observations.first
-        self.moves = np.einsum("nkc,kr->nrc", J[first].astype(self.dtype), V)  # of each capture
-        few = self.moves.shape[1] <= self.moves.shape[2]
-        self.fewer = self.moves if few else np.linalg.qr(self.moves, mode="r")  # the same in fewer directions
+        self.slopes = J[observations.first].astype(self.dtype)
+        self.moves = np.einsum("nkc,kr->nrc", self.slopes, V)  # of each capture
+        self.fewer = _fewer(self.moves)
         self.T = observations.whiten.astype(self.dtype)
 
     def columns(self, space: Space, spectra: dict | None) -> Floats | None:
@@ -243,16 +252,32 @@ class _Layout:
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         return (U[:, keep][:, ::-1] / np.sqrt(total)).astype(self.dtype) if keep.any() else None
 
-    def through_pressures(self, space: Space, spectra: dict | None) -> Floats | None:
+    def apart(self, space: Space, spectra: dict | None, groups: Floats) -> Floats | None:
+        """The same for changes of pressures that each of some groups of observables (n, K) takes on by itself, and all
+        as much.
+        """
+        out, most = [], _FREE_COLUMNS // len(groups)
+        for own in groups:
+            moves = np.einsum("nkc,kr->nrc", self.slopes, (own[:, None] * self.V).astype(self.dtype))
+            Z = self.through_pressures(space, spectra, moves)
+            if Z is not None:
+                out.append(moves[self.observations.capture] @ (Z[:, :, :most] / np.sqrt(len(groups))))
+        return np.concatenate(out, axis=2) if out else None
+
+    def through_pressures(
+        self, space: Space, spectra: dict | None, moves: Floats | None = None
+    ) -> Floats | None:
         """The same for changes of pressures alone, as what they do to the pressures, (S, C, q).
 
         How they move the observables is one matrix (r, C) all through a capture. So only the pressures are whitened,
-        and the axes are found in the chambers' own coordinates, where these are fewer.
+        and the axes are found in the chambers' own coordinates, where these are fewer. `moves` (n, r, C): those of
+        each capture, where they are not those of all observables.
         """
+        moves, fewer = (self.moves, self.fewer) if moves is None else (moves, _fewer(moves))
         prior, capture = prior_of(space, spectra), self.observations.capture
         P = np.stack([f.values for f in space.features], axis=2).astype(self.dtype)  # (F, C, a)
         F, C, a = P.shape
-        both = np.einsum("nrc,nrd->ncd", self.moves, self.moves)[self.observations.index]
+        both = np.einsum("nrc,nrd->ncd", moves, moves)[self.observations.index]
         alone = np.einsum("fcc->fc", both)
         shows = np.sum([size * P[:, c].T @ P[:, c] for c, size in enumerate(alone.mean(axis=0))], axis=0)
         shared, own = (_shown(factor(L), shows).astype(self.dtype) for L in (prior.shared, prior.own))
@@ -269,7 +294,7 @@ class _Layout:
         for c in range(C):
             start = shared.shape[1] + c * own.shape[1]
             Z[:, c, start : start + own.shape[1]] = lifted[:, c] @ own
-        U = self.axes(space, square, (self.fewer[capture] @ Z).reshape(-1, Z.shape[2]))
+        U = self.axes(space, square, (fewer[capture] @ Z).reshape(-1, Z.shape[2]))
         return None if U is None else Z @ U
 
     def together(self, made: "list[_Made]") -> Columns:

@@ -47,6 +47,8 @@ class Space:
     """Whether its functions of the pressures mean the same on every run, whatever else that one has."""
     plain: bool = False
     """Whether it is one form alone: all of these together are as likely as the family's spaces together."""
+    apart: Floats | None = None
+    """Groups of observables (n, K), 1 or 0, in each of which it acts by itself; None where it acts in all as one."""
     along: Feature | None = None
     """What its change can only go along, never against, as a whole: a stop holds back. Of the kind of its features,
     pressures or fields; None where it may go either way.

@@ -1,11 +1,16 @@
 """What acts where it is seen, not in a chamber: histories of the observables themselves."""
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.effects._context import FEW_OBSERVABLES, Context
-from labrig.effects._family import Feature, field, motion_scale
+from labrig.effects._effect import Term
+from labrig.effects._family import Feature, Space, field, motion_scale
 from labrig.effects._rows import Rows
 
 _FLAT = 0.1
@@ -75,6 +80,31 @@ def by_sensor(context: Context, lagging: list[tuple[str, Floats]]) -> list[Featu
     ]
 
 
+def by_itself(context: Context, space: Space) -> Iterator[Space]:
+    """The same of few sensors, each by itself: what goes through the pressures of one need not go through another's."""
+    which, _ = _groups(context.rows)
+    if len(which):
+        yield replace(space, key=f"{space.key}, by sensor", apart=which)
+
+
+def per_sensor(context: Context, parameter: str, change: Floats) -> Iterator[Term]:
+    """One coefficient of few sensors each, and one of all markers; `change` (F, C), units of the actuation."""
+    which, names = _groups(context.rows)
+    if len(which):
+        moved = np.einsum("fkc,fc->fk", context.jacobian, change)
+        yield Term.field(parameter, moved[:, :, None] * which.T, names)
+
+
+def _groups(rows: Rows) -> tuple[Floats, tuple[str, ...]]:
+    """Each of few sensors, and all markers together, (n, K), 1 or 0, and their names; of a single group none."""
+    alone = [int(k) for k in np.flatnonzero(_seen_alone(rows))]
+    which = np.eye(len(rows.marker))[alone]
+    names = tuple(rows.observables[k] for k in alone)
+    if (rows.marker >= 0).any():
+        which, names = np.vstack([which, rows.marker >= 0]), (*names, "markers")
+    return (which, names) if alone and 1 < len(names) <= FEW_OBSERVABLES else (which[:0], ())
+
+
 def _places(context: Context) -> Floats:
     """Where each observable is at rest along the ways in which the body is long, (n, K), of unit spread; and which of
     few sensors it is.
@@ -84,11 +114,16 @@ def _places(context: Context) -> Floats:
 
 def _which(rows: Rows) -> Floats:
     """Each of few sensors that were seen, and are no marker's, against all of them, (n, K), of unit spread."""
-    alone = np.flatnonzero((rows.marker < 0) & np.isfinite(rows.values).any(axis=0))
+    alone = np.flatnonzero(_seen_alone(rows))
     out = np.zeros((len(alone) if 1 < len(alone) <= FEW_OBSERVABLES else 0, len(rows.marker)))
     if len(out):
         out[:, alone] = (np.eye(len(alone)) - 1 / len(alone)) * np.sqrt(len(rows.marker))
     return out
+
+
+def _seen_alone(rows: Rows) -> NDArray[np.bool_]:
+    """Which observables were seen at all and are no marker's, (K,)."""
+    return (rows.marker < 0) & np.isfinite(rows.values).any(axis=0)
 
 
 def _along(rows: Rows) -> Floats:

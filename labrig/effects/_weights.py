@@ -18,7 +18,7 @@ def weighable(effect: Effect, context: Context) -> list[Space]:
     return [
         s
         for s in effect.family(context)
-        if s.absolute and not s.scanned and any(f.kind == "pressure" for f in s.features)
+        if s.absolute and not s.scanned and s.apart is None and any(f.kind == "pressure" for f in s.features)
     ]
 
 

@@ -10,7 +10,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, lags, pressure
 from labrig.effects._sign import Part, Sign, along_own, by_chamber, of_step, shows
-from labrig.effects._skin import by_place, by_sensor, lag_behind
+from labrig.effects._skin import by_itself, by_place, by_sensor, lag_behind, per_sensor
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
@@ -82,6 +82,8 @@ class Creep(Effect):
                     yield Variant(
                         f"{name} per chamber", (Term.per_chamber("amplitude", change, chambers),), shape
                     )
+                for each in per_sensor(context, "amplitude", change):
+                    yield Variant(f"{name} per sensor", (each,), shape)
                 if len(chambers) <= 2:
                     yield Variant(f"{name} pattern", (Term.pattern("pattern", change / context.span),), shape)
 
@@ -109,7 +111,8 @@ class Creep(Effect):
                 out.append(pressure(f"square {tau}", context.lagged(tau, square, 0.0) - x * x, 0.3))
         if not context.linear:
             out.append(pressure("settled wall", context.deflection / context.deflection_slope, 0.05))
-        yield Space("retarded", "creep", acting(out), 0.8)
+        yield (retarded := Space("retarded", "creep", acting(out), 0.8))
+        yield from by_itself(context, retarded)
         lagging = [(f"skin {tau}", lag_behind(context, tau)) for tau in taus[1:]]
         skin = [field(name, values) for name, values in lagging]
         yield Space("in the skin", "creep skin", acting(skin))

@@ -9,7 +9,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, lags, pressure
 from labrig.effects._sign import Part, Sign, of_step
-from labrig.effects._skin import by_place, lag_behind, last_motion, settling
+from labrig.effects._skin import by_itself, by_place, lag_behind, last_motion, per_sensor, settling
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
 SAMPLES = (1, 2, 3, 5, 8, 13, 21)
@@ -47,6 +47,8 @@ class Delay(Effect):
             yield Variant("first order", (Term.common("share", lag),), {"tau_s": tau})
             if len(chambers) > 1:
                 yield Variant("per chamber", (Term.per_chamber("share", lag, chambers),), {"tau_s": tau})
+            for term in per_sensor(context, "share", lag):
+                yield Variant("per sensor", (term,), {"tau_s": tau})
             if not context.linear or len(chambers) > 1:
                 seen = Term.field("share", lag_behind(context, tau))
                 yield Variant("first order, of the sensor", (seen,), {"tau_s": tau})
@@ -67,7 +69,8 @@ class Delay(Effect):
             ]
         for whole_s in (2.0, 4.0, 8.0):
             out.append(pressure(f"filling {whole_s}", _filling(context, whole_s), 0.3))
-        yield Space("late", "delay", acting(out), 0.8)
+        yield (late := Space("late", "delay", acting(out), 0.8))
+        yield from by_itself(context, late)
         yield from _seen_late(context)
         if dt := context.sample_s:
             yield Space(

@@ -10,7 +10,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
-from labrig.effects._skin import body_behind, by_place, marker_behind, play_behind
+from labrig.effects._skin import body_behind, by_itself, by_place, marker_behind, per_sensor, play_behind
 
 
 class Friction(Effect):
@@ -56,6 +56,10 @@ class Friction(Effect):
             "Coulomb, growing with load",
             (Term.common("coulomb", against), Term.common("loaded", against * u)),
         )
+        for even in per_sensor(context, "coulomb", against):
+            yield Variant("per sensor", (even,))
+            growing = per_sensor(context, "loaded", against * u)
+            yield Variant("per sensor, growing with load", (even, *growing))
         if len(chambers) > 1:
             yield Variant("per chamber", (Term.per_chamber("coulomb", against, chambers),))
             yield Variant(
@@ -85,7 +89,8 @@ class Friction(Effect):
         out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.1)]
         out.append(pressure("more one way", -np.abs(turn), 0.1))
         out += memory(context)
-        yield Space("sliding", "friction", acting(out))
+        yield (sliding := Space("sliding", "friction", acting(out)))
+        yield from by_itself(context, sliding)
         behind = [(f"skin {w}", play_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
         skin = [field(name, values, 0.5) for name, values in behind]
         yield Space("under the skin", "friction skin", acting(skin))

@@ -11,7 +11,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, ball_of, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, by_chamber
-from labrig.effects._skin import body_behind, body_settled, by_place, play_behind
+from labrig.effects._skin import body_behind, body_settled, by_itself, by_place, per_sensor, play_behind
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
@@ -61,6 +61,8 @@ class Hysteresis(Effect):
             yield Variant("two plays", (Term.common("weight", lag), Term.common("wide", second)), shape)
             if len(chambers) > 1:
                 yield Variant("play per chamber", (Term.per_chamber("weight", lag, chambers),), shape)
+            for term in per_sensor(context, "weight", lag):
+                yield Variant("play per sensor", (term,), shape)
             if len(chambers) <= 2:
                 yield Variant("pattern", (Term.pattern("pattern", lag / context.span),), shape)
 
@@ -123,7 +125,8 @@ class Hysteresis(Effect):
         if not context.linear:
             out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
         out += memory(context)
-        yield Space("play", "hysteresis", acting(out), 0.8)
+        yield (play := Space("play", "hysteresis", acting(out), 0.8))
+        yield from by_itself(context, play)
         behind = [(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
         skin = [field(name, values) for name, values in behind]
         body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]
