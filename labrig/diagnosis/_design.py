@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.diagnosis._alone import single
 from labrig.diagnosis._columns import Columns, gram
 from labrig.diagnosis._directions import directions
 from labrig.diagnosis._motions import MOTION, motions
@@ -93,7 +94,7 @@ def design_of(
     made: list[_Made] = []
     free: list[FreeBlock] = []
     layout = _Layout(observations, V)
-    for owner, space in [*named, *others]:
+    for owner, space in single([*named, *others], observations):
         if not space.features:
             continue
         if owner.startswith("?") and all(f.kind == "pattern" for f in space.features):
@@ -123,7 +124,7 @@ def design_of(
         keep = np.abs(G).max(axis=0) > 0
         free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
     made.sort(key=lambda m: not m.through)
-    count = Counter((owner, space.plain) for m in made for owner, space in m.owners)
+    count = Counter((owner, space.plain) for m in made for owner, space in m.owners if space.alone <= 1)
     blocks, start = [], 0
     for m in made:
         at = slice(start, start := start + m.columns.shape[2])
@@ -176,12 +177,13 @@ def _different(spaces: Sequence[Space]) -> list[Space]:
 
 def _share(owner: str, space: Space, count: Mapping[tuple[str, bool], int]) -> float:
     """Spaces of one owner are equally likely, and its plain forms together as likely as its other spaces together;
-    where they were found by a scan, as likely as each place scanned.
+    where they were found by a scan, as likely as each place scanned. That all chambers have it is as likely as that one
+    alone has, whichever it is.
     """
     if space.scanned:
         return 1.0 / space.scanned
     both = 1.0 + ((owner, not space.plain) in count)
-    return 1.0 / both / count[owner, space.plain]
+    return 1.0 / both / count[owner, space.plain] / (2 * space.alone or 1)
 
 
 def _shown(L: Floats, shows: Floats) -> Floats:

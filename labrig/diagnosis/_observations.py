@@ -13,7 +13,6 @@ from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
 from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
 
-_FAR = 5.0
 _CROWD = 12
 
 
@@ -134,7 +133,7 @@ def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
     unit = np.where(floor.mean > 0, floor.mean, 1.0)
     within = float(np.median(floor.within / unit))
     captures, index = np.unique(rows.capture, return_inverse=True)
-    values = believed(residual / unit, index, within)
+    values = fill_gaps(residual / unit, index)
     order = np.argsort(index, kind="stable")
     count = np.bincount(index)
     start = np.concatenate([[0], np.cumsum(count)])
@@ -159,32 +158,6 @@ def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
         (np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index))
     )
     return Observations(context, floor, unit, whiten @ values, whiten, np.array(owner), index)
-
-
-def believed(values: Floats, index: Ints, within: float) -> Floats:
-    """Rows (F, K) in floors without gaps, and without single values that neither hold nor neighbours believe."""
-    filled = fill_gaps(values, index)
-    if values.shape[1] < 12 or within <= 0:
-        return filled
-    count = np.bincount(index)
-    bad = np.zeros(values.shape, dtype=bool)
-    for _ in range(2):
-        filled = fill_gaps(np.where(bad, np.nan, values), index)
-        means = np.zeros((len(count), values.shape[1]))
-        np.add.at(means, index, filled)
-        off = filled - (means / count[:, None])[index]
-        spread = 1.4826 * np.median(np.abs(off), axis=1, keepdims=True)
-        clipped = np.clip(off, -_FAR * np.maximum(within, spread), _FAR * np.maximum(within, spread))
-        power, V = np.linalg.eigh(clipped.T @ clipped)
-        rank = int(np.clip((power > 4 * np.median(power)).sum(), 1, 8))
-        left = off - clipped @ V[:, -rank:] @ V[:, -rank:].T
-        far = np.abs(left) > _FAR * np.maximum(
-            within, 1.4826 * np.median(np.abs(left), axis=1, keepdims=True)
-        )
-        if not (far & ~bad).any():
-            break
-        bad |= far
-    return filled
 
 
 def fill_gaps(values: Floats, index: Ints) -> Floats:

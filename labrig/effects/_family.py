@@ -49,6 +49,8 @@ class Space:
     """Whether it is one form alone: all of these together are as likely as the family's spaces together."""
     apart: Floats | None = None
     """Groups of observables (n, K), 1 or 0, in each of which it acts by itself; None where it acts in all as one."""
+    alone: int = 0
+    """Of how many chambers it is about one alone; 1 where it is about all and stands beside such a one, 0 elsewhere."""
     along: Feature | None = None
     """What its change can only go along, never against, as a whole: a stop holds back. Of the kind of its features,
     pressures or fields; None where it may go either way.

@@ -128,7 +128,7 @@ class Contact(Effect):
         if not context.moves:
             return
         x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
-        for limit in (0.35, 0.5, 0.6, 0.7, 0.8, 0.9):
+        for limit in (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9):
             h, g = np.maximum(x - limit, 0), np.maximum(d - limit, 0)
             out = [
                 pressure("pressure", -h, 0.6),

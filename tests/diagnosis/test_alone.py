@@ -1,0 +1,125 @@
+"""One chamber of many leaks, creeps or meets something, and the others do not: its effect keeps its name."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import observe, prepared, rows_from
+from labrig.diagnosis._alone import _likeliest, single
+from labrig.diagnosis._diagnose import observed
+from labrig.diagnosis._observations import Observations
+from labrig.effects import Space, pressure
+from tests.naming import calls_of, verdict_of
+
+AT_ONCE = (3.0, 3.5)
+LONGER = (1.0, 3.0, 8.0)
+
+
+def power_law(lab) -> np.ndarray:
+    """What has crept on after each step of a chamber's pressure: a share that grows with a root of the time, (n, T, C).
+
+    A. Nutting, Proc. ASTM 21 (1921) 1162.
+    """
+    out, steps = lab.u, np.diff(lab.commanded, axis=0, prepend=0.0)
+    for i in range(len(out)):
+        since = (lab.event_s[i] + lab.hold_s[i])[:, None] - lab.event_s[: i + 1]
+        out[i] += 0.15 * (np.maximum(since, 1e-3) / 100) ** 0.2 @ steps[: i + 1]
+    return out
+
+
+def orifice(lab) -> np.ndarray:
+    """The root of the pressure falls in a straight line: a pinhole."""
+    return np.maximum(np.sqrt(lab.u) - 0.05 * lab.hold_s[:, :, None], 0.0) ** 2
+
+
+def strut(lab) -> np.ndarray:
+    """From a third of the range on something resists, ever more, as a rough surface does."""
+    x = lab.u / 60.0
+    over = np.maximum(x - 0.3, 0.0)
+    return lab.u - 48.0 * over**1.5 / (0.3 + np.sqrt(over))
+
+
+def of_one(lab, law, c: int) -> np.ndarray:
+    """What is seen where the law holds in chamber c alone, of three times the noise, (n, T, K)."""
+    u = lab.u
+    u[..., c] = law(lab)[..., c]
+    clean, noise = lab.predict(u), lab.noise()
+    size = np.sqrt(np.mean((clean - lab.predict(lab.u)) ** 2))
+    return clean + noise * size / (3.0 * np.sqrt(np.mean(noise**2)))
+
+
+@pytest.mark.parametrize(
+    ("law", "effect", "rows_s", "c"),
+    [
+        (power_law, "creep", AT_ONCE, 0),
+        (power_law, "creep", AT_ONCE, 5),
+        (orifice, "leak", LONGER, 1),
+        (orifice, "leak", AT_ONCE, 6),
+    ],
+)
+def test_what_one_of_eight_chambers_has_is_named(make_lab, law, effect: str, rows_s, c: int) -> None:
+    """Seven chambers that do nothing do not make it improbable that the eighth creeps, or leaks."""
+    lab = make_lab(chambers=8, markers=8, captures=60, rows_s=rows_s, seed=c)
+    assert verdict_of(lab.dataset(of_one(lab, law, c)), lab.model()).effects == (effect,)
+
+
+@pytest.mark.parametrize("c", [0, 1, 4])
+def test_what_one_chamber_meets_is_no_other_effect_surely(make_lab, c: int) -> None:
+    """A curve of one chamber alone may be a stop or a wall that stiffens: the stop is possible at least."""
+    lab = make_lab(chambers=8, markers=8, captures=60, rows_s=AT_ONCE, bent=0.0, seed=c)
+    calls = calls_of(lab.dataset(of_one(lab, strut, c)), lab.model())
+    assert calls["contact"] in {"sure", "possible"}
+    assert not [name for name, call in calls.items() if call == "sure" and name != "contact"]
+
+
+def observations_of(lab, values: np.ndarray) -> Observations:
+    """What a campaign says, as the diagnosis has it."""
+    model = lab.model()
+    return observed(prepared(rows_from(lab.dataset(values)), model), model.library())[1]
+
+
+@pytest.mark.parametrize(
+    ("law", "force"), [(power_law, False), (orifice, False), (orifice, True), (strut, False), (strut, True)]
+)
+def test_the_chamber_is_found_by_what_it_does(make_lab, law, force: bool) -> None:
+    """Where all chambers move one sensor, too, it is told by its own pressure, history and time."""
+    for c in range(4):
+        lab = make_lab(chambers=4, captures=60, rows_s=LONGER, force=force, seed=c)
+        assert _likeliest(observations_of(lab, of_one(lab, law, c))) == c
+
+
+def test_of_two_chambers_there_is_no_single_one(make_lab) -> None:
+    """Spaces of one chamber alone begin with three chambers."""
+    lab = make_lab(chambers=2)
+    observations = observations_of(lab, lab.predict(lab.u) + lab.noise())
+    spaces = [("leak", Space("any", "any", (pressure("x", observations.context.rows.fraction),)))]
+    assert _likeliest(observations) is None
+    assert single(spaces, observations) == spaces
+
+
+def test_what_is_planned_says_nothing_of_the_chamber(make_lab) -> None:
+    """Observations that are zero, because nothing was measured yet, do not change which chamber is asked."""
+    lab = make_lab(chambers=4, captures=60)
+    ready = prepared(rows_from(lab.dataset(of_one(lab, strut, 2))), lab.model())
+    half = np.where((ready.context.rows.capture < 30)[:, None], ready.residual, 0.0)
+    assert _likeliest(observe(ready.context, half, ready.floor)) == 2
+
+
+def test_a_space_and_its_single_one(make_lab) -> None:
+    """The single one has the same functions in one chamber, and none elsewhere; a scanned space has none, and neither
+    has what acts in the observables."""
+    lab = make_lab(chambers=4, captures=60)
+    observations = observations_of(lab, of_one(lab, strut, 3))
+    x = observations.context.rows.fraction
+    (f,) = features = (pressure("x", x),)
+    given = [
+        ("contact", Space("limit", "contact limit", features, along=f)),
+        ("slip", Space("found", "found", features, scanned=9)),
+        ("regulator", Space("of c1", "of c1", (pressure("x", x * [1, 0, 0, 0]),))),
+    ]
+    both, of_c4, found, of_c1 = single(given, observations)
+    assert (both[0], both[1].key, both[1].alone) == ("contact", "limit", 1)
+    assert (of_c4[0], of_c4[1].key, of_c4[1].alone) == ("contact", "limit, c4 alone", 4)
+    for own in (of_c4[1].features[0], of_c4[1].along):
+        assert own is not None
+        assert np.array_equal(own.values, x * [0, 0, 0, 1])
+    assert [found, of_c1] == given[1:]
