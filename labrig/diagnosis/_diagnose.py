@@ -28,7 +28,7 @@ from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._track_record import times_there, track_record
 from labrig.diagnosis._units_off import mistaken, units_off
-from labrig.diagnosis._verdict import Verdict, answers_of, decide, underpowered
+from labrig.diagnosis._verdict import Verdict, answers_of, decide, in_one_chamber, underpowered
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
 from labrig.model import Model
@@ -100,12 +100,20 @@ def verdict_on(
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
     verdict = decide(answers_of(search, least), tuple(effects), words_of(design))
-    return few if few is not None and verdict.verdict == "nothing_missing" else verdict
+    if verdict.verdict == "nothing_missing":
+        return few or verdict
+    if chamber := in_one_chamber(search):
+        line = (
+            f"most of what is missing is in {chamber} alone: look at its hose, valve, sensor and wall first"
+        )
+        return replace(verdict, warnings=(*verdict.warnings, line))
+    return verdict
 
 
 def words_of(design: Design) -> dict[str, str]:
     """What carries each space without a name, in words, by owner."""
-    words = {b.owner: b.space.key for b in (*design.blocks, *design.free) if b.owner.startswith("?")}
+    blocks = [b for b in (*design.blocks, *design.free) if b.space.alone <= 1]
+    words = {b.owner: b.space.key for b in blocks if b.owner.startswith("?")}
     return words | {REST: "nothing that was recorded", "?" + MOTION: "how the base itself moves"}
 
 

@@ -114,6 +114,21 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     return out
 
 
+def in_one_chamber(search: Search) -> str:
+    """The chamber that the largest part of what is missing is in alone, whatever it is; empty where none is, surely."""
+    posterior, blocks = search.posterior(), search.design.blocks
+    spaces, total = [], 0.0
+    for e, p in zip(posterior.explanations, posterior.probability, strict=True):
+        _, block, _ = max(e.raised, key=lambda part: part[2], default=("", -1, 0.0))
+        if block >= 0 and blocks[block].space.alone > 1:
+            spaces.append(blocks[block].space)
+            total += float(p)
+    if total < k.SURE:
+        return ""
+    (c,) = np.flatnonzero(spaces[0].features[0].values.any(axis=0))
+    return search.design.observations.context.rows.chambers[c]
+
+
 def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str]) -> Verdict:
     """Read the verdict off the answers; `words` says what carries each unnamed owner."""
     considered = tuple(sorted((_considered(name, answers) for name in effects), key=lambda c: -c.probability))

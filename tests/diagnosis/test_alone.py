@@ -5,7 +5,8 @@ import pytest
 
 from labrig.diagnosis import observe, prepared, rows_from
 from labrig.diagnosis._alone import _likeliest, single
-from labrig.diagnosis._diagnose import observed
+from labrig.diagnosis._design import design_of
+from labrig.diagnosis._diagnose import observed, words_of
 from labrig.diagnosis._observations import Observations
 from labrig.effects import Space, pressure
 from tests.naming import calls_of, verdict_of
@@ -59,7 +60,30 @@ def of_one(lab, law, c: int) -> np.ndarray:
 def test_what_one_of_eight_chambers_has_is_named(make_lab, law, effect: str, rows_s, c: int) -> None:
     """Seven chambers that do nothing do not make it improbable that the eighth creeps, or leaks."""
     lab = make_lab(chambers=8, markers=8, captures=60, rows_s=rows_s, seed=c)
-    assert verdict_of(lab.dataset(of_one(lab, law, c)), lab.model()).effects == (effect,)
+    found = verdict_of(lab.dataset(of_one(lab, law, c)), lab.model())
+    assert found.effects == (effect,)
+    assert found.warnings == (
+        f"most of what is missing is in c{c + 1} alone: look at its hose, valve, sensor and wall first",
+    )
+
+
+@pytest.mark.parametrize("law", [None, orifice])
+def test_nothing_is_said_of_one_chamber_where_all_have_it(make_lab, law) -> None:
+    """Of a leak in all chambers, and where nothing is missing, no single one is to be looked at."""
+    lab = make_lab(chambers=4, markers=8, captures=60, rows_s=LONGER)
+    values = lab.predict(lab.u if law is None else law(lab)) + lab.noise()
+    found = verdict_of(lab.dataset(values), lab.model())
+    assert (found.effects, found.warnings) == (() if law is None else ("leak",), ())
+
+
+def test_what_has_no_name_is_carried_by_a_name_of_its_own(make_lab) -> None:
+    """Words of what carries an unnamed part do not change with the chamber that is asked about by itself."""
+    lab = make_lab(chambers=4, captures=60)
+    model = lab.model()
+    _, observations = observed(prepared(rows_from(lab.dataset(of_one(lab, strut, 2))), model), {})
+    words = words_of(design_of(observations, {}))
+    assert "history through the pressures" in words.values()
+    assert not [w for w in words.values() if w.endswith(" alone")]
 
 
 @pytest.mark.parametrize("c", [0, 1, 4])
