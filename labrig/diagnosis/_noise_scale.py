@@ -57,10 +57,13 @@ def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
 
 
 def _everything(design: Design, n: int, r: int) -> Floats:
-    """Columns (n r, q) of unit prior variance for the means when every owner acts at one floor."""
+    """Columns (n r, q) of unit prior variance for the means when every owner acts at one floor; what one chamber has
+    alone is in those of all chambers.
+    """
     W = design.W.some(np.arange(n)).whole.astype(float)
-    owners = [b.owner for b in design.blocks]
-    columns = [W[:, block.at] / np.sqrt(owners.count(block.owner)) for block in design.blocks]
+    blocks = [b for b in design.blocks if b.space.alone <= 1]
+    owners = [b.owner for b in blocks]
+    columns = [W[:, block.at] / np.sqrt(owners.count(block.owner)) for block in blocks]
     columns += [np.kron(free.G[:n], np.diag(np.sqrt(design.spread))) for free in design.free]
     return np.concatenate(columns, axis=1) / np.sqrt(len(set(owners)) + len(design.free))
 
