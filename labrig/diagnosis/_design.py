@@ -196,7 +196,7 @@ def _shown(L: Floats, shows: Floats) -> Floats:
 
 def _fewer(moves: Floats) -> Floats:
     """Slopes (n, r, C) whose products are the same, in fewer directions where there are fewer chambers."""
-    return moves if moves.shape[1] <= moves.shape[2] else np.linalg.qr(moves, mode="r")
+    return moves if moves.shape[1] <= moves.shape[2] else np.linalg.qr(moves)[1]
 
 
 def has_name(space: Space, named: Sequence[Mapping[str, Floats]]) -> bool:
@@ -267,15 +267,16 @@ class _Layout:
         return np.concatenate(out, axis=2) if out else None
 
     def through_pressures(
-        self, space: Space, spectra: dict | None, moves: Floats | None = None
+        self, space: Space, spectra: dict | None, within: Floats | None = None
     ) -> Floats | None:
         """The same for changes of pressures alone, as what they do to the pressures, (S, C, q).
 
         How they move the observables is one matrix (r, C) all through a capture. So only the pressures are whitened,
-        and the axes are found in the chambers' own coordinates, where these are fewer. `moves` (n, r, C): those of
-        each capture, where they are not those of all observables.
+        and the axes are found in the chambers' own coordinates, where these are fewer. `within` (n, r, C): the
+        slopes of each capture, where they are not those of all observables.
         """
-        moves, fewer = (self.moves, self.fewer) if moves is None else (moves, _fewer(moves))
+        moves = self.moves if within is None else within
+        fewer = self.fewer if within is None else _fewer(within)
         prior, capture = prior_of(space, spectra), self.observations.capture
         P = np.stack([f.values for f in space.features], axis=2).astype(self.dtype)  # (F, C, a)
         F, C, a = P.shape

@@ -101,8 +101,9 @@ def _groups(rows: Rows) -> tuple[Floats, tuple[str, ...]]:
     which = np.eye(len(rows.marker))[alone]
     names = tuple(rows.observables[k] for k in alone)
     if (rows.marker >= 0).any():
-        which, names = np.vstack([which, rows.marker >= 0]), (*names, "markers")
-    return (which, names) if alone and 1 < len(names) <= FEW_OBSERVABLES else (which[:0], ())
+        which, names = np.vstack([which, (rows.marker >= 0).astype(float)]), (*names, "markers")
+    several = alone and 1 < len(names) <= FEW_OBSERVABLES
+    return (which, names) if several else (which[:0], ())
 
 
 def _places(context: Context) -> Floats:
