@@ -17,8 +17,6 @@ _FEWEST = 3
 """Chambers from which on there are spaces of one alone: of two, two measures are hardly wider than one."""
 _MOST = 0.5
 """Share of what all chambers explain that one has to, else it is not one alone: it saves time where it is not."""
-_GRAIN = 1e-9
-"""Directions of a Gram matrix that are smaller than this share of its largest are rounding; numerical."""
 
 
 def single(spaces: list[tuple[str, Space]], observations: Observations) -> list[tuple[str, Space]]:
@@ -34,12 +32,12 @@ def _with_single(space: Space, c: int, name: str, of: int) -> Iterator[Space]:
     """A space, and the same in one chamber, where it is one of changes of the pressures that no scan found."""
     by_pressure = all(f.kind == "pressure" for f in space.features) and space.apart is None
     features = acting([_within(f, c) for f in space.features]) if by_pressure and not space.scanned else ()
-    if not features:
+    if features:
+        along = None if space.along is None else _within(space.along, c)
+        yield replace(space, alone=1)
+        yield replace(space, key=f"{space.key}, {name} alone", features=features, along=along, alone=of)
+    else:
         yield space
-        return
-    yield replace(space, alone=1)
-    along = None if space.along is None else _within(space.along, c)
-    yield replace(space, key=f"{space.key}, {name} alone", features=features, along=along, alone=of)
 
 
 def _within(feature: Feature, c: int) -> Feature:
@@ -60,9 +58,7 @@ def _likeliest(observations: Observations) -> int | None:
     if C < _FEWEST:
         return None
     measured = values.any(axis=1)
-    Q, R = np.linalg.qr(
-        (context.jacobian * context.span / observations.unit[None, :, None])[observations.first]
-    )
+    Q, R = np.linalg.qr(observations.slopes)
     capture, values, own = observations.capture[measured], values[measured], _own(context)
     Z = (observations.whiten @ own.reshape(len(own), -1))[measured].reshape(len(values), C, -1)
     columns = (R[capture][..., None] * Z[:, None]).reshape(-1, C * Z.shape[2])
@@ -76,7 +72,7 @@ def _likeliest(observations: Observations) -> int | None:
 
 def _explained(gram: Floats, product: Floats) -> float:
     """The square that columns take off, by least squares, of their Gram matrix and products."""
-    return float(product @ np.linalg.pinv(gram, rcond=_GRAIN, hermitian=True) @ product)
+    return float(product @ np.linalg.pinv(gram, rcond=1e-9, hermitian=True) @ product)
 
 
 def _own(context: Context) -> Floats:

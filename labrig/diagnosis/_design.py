@@ -106,12 +106,7 @@ def design_of(
             again.owners.append((owner, space))
             continue
         acts = space.apart is None and all(f.kind == "pressure" for f in space.features)
-        if acts:
-            columns = layout.through_pressures(space, spectra)
-        elif space.apart is None:
-            columns = layout.columns(space, spectra)
-        else:
-            columns = layout.apart(space, spectra, space.apart)
+        columns = layout.through_pressures(space, spectra) if acts else layout.columns(space, spectra)
         if columns is not None:
             made.append(_Made(space, columns, acts, [(owner, space)]))
     slow = Space(SLOW, SLOW, ())
@@ -228,16 +223,19 @@ class _Layout:
 
     def __init__(self, observations: Observations, V: Floats) -> None:
         self.observations, self.V = observations, V
-        context = observations.context
         self.dtype = V.dtype
-        J = context.jacobian * context.span / observations.unit[None, :, None]
-        self.slopes = J[observations.first].astype(self.dtype)
-        self.moves = np.einsum("nkc,kr->nrc", self.slopes, V)  # of each capture
+        self.moves = self._along(V)
         self.fewer = _fewer(self.moves)
         self.T = observations.whiten.astype(self.dtype)
 
+    def _along(self, V: Floats) -> Floats:
+        """How far each chamber's whole range moves each capture along directions V (K, r), in floors, (n, r, C)."""
+        return np.einsum("nkc,kr->nrc", self.observations.slopes.astype(self.dtype), V.astype(self.dtype))
+
     def columns(self, space: Space, spectra: dict | None) -> Floats | None:
         """Whitened columns (S, r, q), of one floor in all, rotated to principal axes."""
+        if space.apart is not None:
+            return self.apart(space, spectra, space.apart)
         raw = self.raw(space, spectra)
         flat, W = raw.reshape(-1), self.lift(raw)
         square = float(np.einsum("i,i->", flat, flat, dtype=np.float64))
@@ -260,7 +258,7 @@ class _Layout:
         """
         out, most = [], _FREE_COLUMNS // len(groups)
         for own in groups:
-            moves = np.einsum("nkc,kr->nrc", self.slopes, (own[:, None] * self.V).astype(self.dtype))
+            moves = self._along(own[:, None] * self.V)
             Z = self.through_pressures(space, spectra, moves)
             if Z is not None:
                 out.append(moves[self.observations.capture] @ (Z[:, :, :most] / np.sqrt(len(groups))))

@@ -68,6 +68,12 @@ class Observations:
         return np.isfinite(self.context.rows.values).sum(axis=0) > 0
 
     @cached_property
+    def slopes(self) -> Floats:
+        """How far, in floors, each chamber's whole range would move each capture, (n, K, C), as the base says there."""
+        context = self.context
+        return (context.jacobian * context.span / self.unit[None, :, None])[self.first]
+
+    @cached_property
     def to_explain(self) -> float:
         """How much more than noise there is in the rows of what was seen, root mean square, in floors."""
         return self.size_of(self.values, noise=1.0)

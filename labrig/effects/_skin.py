@@ -81,14 +81,18 @@ def by_sensor(context: Context, lagging: list[tuple[str, Floats]]) -> list[Featu
 
 
 def by_itself(context: Context, space: Space) -> Iterator[Space]:
-    """The same of few sensors, each by itself: what goes through the pressures of one need not go through another's."""
+    """The same of few sensors, each by itself: what goes through the pressures of one need not go through another's.
+    None where there are not few, or a single one.
+    """
     which, _ = _groups(context.rows)
     if len(which):
         yield replace(space, key=f"{space.key}, by sensor", apart=which)
 
 
 def per_sensor(context: Context, parameter: str, change: Floats) -> Iterator[Term]:
-    """One coefficient of few sensors each, and one of all markers; `change` (F, C), units of the actuation."""
+    """One coefficient of few sensors each, and one of all markers; `change` (F, C), units of the actuation. None where
+    there are not few, or a single one.
+    """
     which, names = _groups(context.rows)
     if len(which):
         moved = np.einsum("fkc,fc->fk", context.jacobian, change)

@@ -111,6 +111,13 @@ def test_the_chamber_is_found_by_what_it_does(make_lab, law, force: bool) -> Non
         assert _likeliest(observations_of(lab, of_one(lab, law, c))) == c
 
 
+@pytest.mark.parametrize("law", [power_law, orifice, strut])
+def test_what_all_chambers_have_is_in_no_single_one(make_lab, law) -> None:
+    """Where one chamber explains less than half of what all do, it is not asked for by itself."""
+    lab = make_lab(chambers=8, markers=8, captures=60, rows_s=LONGER)
+    assert _likeliest(observations_of(lab, lab.predict(law(lab)) + lab.noise())) is None
+
+
 def test_of_two_chambers_there_is_no_single_one(make_lab) -> None:
     """Spaces of one chamber alone begin with three chambers."""
     lab = make_lab(chambers=2)
