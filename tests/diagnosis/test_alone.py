@@ -76,6 +76,21 @@ def test_nothing_is_said_of_one_chamber_where_all_have_it(make_lab, law) -> None
     assert (found.effects, found.warnings) == (() if law is None else ("leak",), ())
 
 
+def test_one_or_all_are_even_odds(make_lab) -> None:
+    """A space and its single one, which stands for any of four chambers, are together as likely as the space was."""
+    lab = make_lab(chambers=4, captures=60)
+    model = lab.model()
+    _, observations = observed(prepared(rows_from(lab.dataset(of_one(lab, strut, 2))), model), {})
+    blocks = design_of(observations, {"hysteresis": model.library()["hysteresis"]}).blocks
+    share = {b.space.key: b.share for b in blocks if b.owner == "hysteresis"}
+    whole = share["in the skin"]
+    assert share["play"] == pytest.approx(whole / 2)
+    assert share["play, c3 alone"] == pytest.approx(whole / 2 / 4)
+    assert sum(b.share * max(b.space.alone, 1) for b in blocks if b.owner == "hysteresis") == pytest.approx(
+        1.0
+    )
+
+
 def test_what_has_no_name_is_carried_by_a_name_of_its_own(make_lab) -> None:
     """Words of what carries an unnamed part do not change with the chamber that is asked about by itself."""
     lab = make_lab(chambers=4, captures=60)

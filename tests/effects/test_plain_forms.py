@@ -95,8 +95,7 @@ def test_plain_forms_are_together_as_likely_as_the_family(make_lab) -> None:
     for block in design_of(observations, effects).blocks:
         if block.owner in ("regulator", "stiffening", "hysteresis"):
             own = shares.setdefault(block.owner, {True: 0.0, False: 0.0})
-            whichever = max(block.space.alone, 1)  # one chamber alone stands for any of them
-            own[block.space.plain] += whichever * block.share
+            own[block.space.plain] += block.share
     assert shares == {
         "regulator": pytest.approx({True: 0.5, False: 0.5}),
         "stiffening": pytest.approx({True: 0.5, False: 0.5}),
