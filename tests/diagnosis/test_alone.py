@@ -9,43 +9,11 @@ from labrig.diagnosis._design import design_of
 from labrig.diagnosis._diagnose import observed, words_of
 from labrig.diagnosis._observations import Observations
 from labrig.effects import Space, pressure
+from tests.laws import of_one, orifice, power_law, strut
 from tests.naming import calls_of, verdict_of
 
 AT_ONCE = (3.0, 3.5)
 LONGER = (1.0, 3.0, 8.0)
-
-
-def power_law(lab) -> np.ndarray:
-    """What has crept on after each step of a chamber's pressure: a share that grows with a root of the time, (n, T, C).
-
-    A. Nutting, Proc. ASTM 21 (1921) 1162.
-    """
-    out, steps = lab.u, np.diff(lab.commanded, axis=0, prepend=0.0)
-    for i in range(len(out)):
-        since = (lab.event_s[i] + lab.hold_s[i])[:, None] - lab.event_s[: i + 1]
-        out[i] += 0.15 * (np.maximum(since, 1e-3) / 100) ** 0.2 @ steps[: i + 1]
-    return out
-
-
-def orifice(lab) -> np.ndarray:
-    """The root of the pressure falls in a straight line: a pinhole."""
-    return np.maximum(np.sqrt(lab.u) - 0.05 * lab.hold_s[:, :, None], 0.0) ** 2
-
-
-def strut(lab) -> np.ndarray:
-    """From a third of the range on something resists, ever more, as a rough surface does."""
-    x = lab.u / 60.0
-    over = np.maximum(x - 0.3, 0.0)
-    return lab.u - 48.0 * over**1.5 / (0.3 + np.sqrt(over))
-
-
-def of_one(lab, law, c: int) -> np.ndarray:
-    """What is seen where the law holds in chamber c alone, of three times the noise, (n, T, K)."""
-    u = lab.u
-    u[..., c] = law(lab)[..., c]
-    clean, noise = lab.predict(u), lab.noise()
-    size = np.sqrt(np.mean((clean - lab.predict(lab.u)) ** 2))
-    return clean + noise * size / (3.0 * np.sqrt(np.mean(noise**2)))
 
 
 @pytest.mark.parametrize(

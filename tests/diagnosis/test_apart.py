@@ -10,23 +10,9 @@ from labrig.diagnosis._design import _Layout
 from labrig.diagnosis._directions import directions
 from labrig.effects import Space, rows_of
 from labrig.effects._skin import by_itself, per_sensor
-from tests.conftest import HIGH_KPA
+from tests.laws import sliding
 from tests.naming import verdict_of
 from tests.sensors import model_of_both, two_sensors
-
-
-def sliding(lab) -> np.ndarray:
-    """Pressures of the rows, less Dahl's friction: full after some way, as an exponential of it, and larger under load.
-
-    P. R. Dahl, A solid friction model, Aerospace Corporation TOR-0158(3107-18)-1, 1968.
-    """
-    u, last, held = lab.u, np.zeros(lab.chambers), np.zeros(lab.chambers)
-    for i, now in enumerate(lab.commanded):
-        way = np.sign(now - last)
-        held = way + (held - way) * np.exp(-np.abs(now - last) / 3.0)
-        u[i] -= 3.0 * held * (1 + np.sqrt(now / HIGH_KPA))
-        last = now
-    return u
 
 
 def lab_of(make_lab, rows_s: tuple[float, ...], **settings):
