@@ -15,6 +15,14 @@ from starlette.routing import Route
 from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, failed, says
 from labrig.workbench._desk import OWN, Desk
+from labrig.workbench._run import is_model
+
+
+class _Model(TypedDict):
+    """A dropped model file: its name in the folder, and what it still lacks."""
+
+    model: str
+    remarks: list[str]
 
 
 class _Named(TypedDict):
@@ -78,8 +86,10 @@ async def _kept(desk: Desk, request: Request) -> Path:
     return path
 
 
-def _looked_at(desk: Desk, path: Path) -> _LookedAt:
+def _looked_at(desk: Desk, path: Path) -> _LookedAt | _Model:
     """What the page shows of a dropped file: a mapping, the first rows, remarks, a name for the run."""
+    if path.suffix.lower() in {".yaml", ".yml"}:
+        return _taken(desk, path)
     said: _Named = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
     if path.suffix.lower() == ".mcap" and (captures := _captures(path)) is not None:
         remark = f"a log of labrig's with {captures} captures"
@@ -91,6 +101,27 @@ def _looked_at(desk: Desk, path: Path) -> _LookedAt:
         raise LabrigError(str(error).replace(str(path), path.name)) from None
     text = yaml.safe_dump(mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=100)
     return {**said, "mapping": text, "rows": rows, "remarks": remarks}
+
+
+def _taken(desk: Desk, path: Path) -> _Model:
+    """A dropped model is put into the folder, under a name that is free; raises `LabrigError` for other YAML."""
+    from labrig.model import read_model_file
+
+    try:
+        if not is_model(path):
+            raise LabrigError(
+                f"{path.name}: neither a table nor a model file (a model file has a line 'base:')"
+            )
+        base = read_model_file(path).base
+        name = f"{_free(desk, path.stem, '.yaml')}.yaml"
+        path.rename(desk.folder / name)
+    except LabrigError as error:
+        raise LabrigError(str(error).replace(str(path), path.name)) from None
+    finally:
+        shutil.rmtree(path.parent, ignore_errors=True)
+    needed = [getattr(base, one) for one in ("file", "rig") if getattr(base, one, None)]
+    lacking = [one for one in needed if not (desk.folder / one).exists()]
+    return {"model": name, "remarks": [f"it needs {one}: put that into {desk.folder}" for one in lacking]}
 
 
 def guessed(path: str) -> tuple[dict[str, Any], list[list[str]], list[str]]:
@@ -142,9 +173,8 @@ def _import(desk: Desk, request: Request) -> Any:
     return {"run": run.name, "job": desk.jobs.start(words, f"import {table.name}", run.name).facts()}
 
 
-def _free(desk: Desk, stem: str) -> str:
-    """A name for a run that there is not yet."""
+def _free(desk: Desk, stem: str, end: str = "") -> str:
+    """A name for a run, or for a file with this end, that there is not yet."""
     name = re.sub(r"[^\w.+-]+", "-", stem).strip("-.") or "run"
-    return next(
-        n for n in (name, *(f"{name}-{k}" for k in range(2, 10_000))) if not (desk.folder / n).exists()
-    )
+    names = (name, *(f"{name}-{k}" for k in range(2, 10_000)))
+    return next(n for n in names if not (desk.folder / f"{n}{end}").exists())

@@ -107,7 +107,7 @@ def models_of(desk: Desk, run: Path) -> list[Path]:
     places = [run, *(p for p in run.parents if p.is_relative_to(desk.folder)), desk.folder / "models"]
     found: dict[Path, None] = {}
     for place in places:
-        own = [path for path in place.glob("*.yaml") if path.name not in _OTHERS and _is_model(path)]
+        own = [path for path in place.glob("*.yaml") if path.name not in _OTHERS and is_model(path)]
         found |= dict.fromkeys(sorted(own, key=lambda path: (len(path.name), path.name)))
     return list(found)
 
@@ -145,7 +145,8 @@ def _run(desk: Desk, request: Request) -> Any:
     }
 
 
-def _is_model(path: Path) -> bool:
+def is_model(path: Path) -> bool:
+    """Whether a file is meant as a model: it names a base."""
     try:
         with path.open("rb") as file:
             return _MODEL.search(file.read(_HEAD_BYTES)) is not None

@@ -86,3 +86,33 @@ def test_a_log_of_labrigs_needs_no_mapping(drop, ask, make_run, bench, runs):
     assert "10 captures" in found["remarks"][0]
     assert ask("/api/import", {"table": found["table"], "name": "again"})[1] == {"run": "again", "job": None}
     assert runs() == {"run": 10, "again": 10}
+
+
+def test_a_dropped_model_is_a_model_of_the_folder(drop, ask, make_run, bench):
+    """A model file is no table: it is kept under a free name, can be chosen beside a run, and says what it lacks."""
+    run = make_run(captures=10)
+    text = b"base: {kind: python, file: base.py, function: predict}\neffects: []\n"
+    before = set(ask(f"/api/run?run={run}")[1]["models"])
+    for name in ("mine.yaml", "mine-2.yaml"):
+        status, found = drop("mine.yml", text)
+        assert (status, found["model"]) == (200, name)
+        assert found["remarks"] == [f"it needs base.py: put that into {bench.desk.folder}"]
+    assert (bench.desk.folder / "mine.yaml").read_bytes() == text
+    assert set(ask(f"/api/run?run={run}")[1]["models"]) == before | {"mine.yaml", "mine-2.yaml"}
+    assert drop("line.yaml", b"base: {kind: static, degree: 1}\neffects: []\n")[1]["remarks"] == []
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"name: rig\n", "other.yaml: neither a table nor a model file (a model file has a line 'base:')"),
+        (b"base: {kind: none}\n", "other.yaml, line 1: base: kind: there is no 'none'"),
+        (b"base: {kind: [\n", "other.yaml"),
+    ],
+)
+def test_other_yaml_is_refused(drop, bench, content, said):
+    """YAML that is no model says what is wrong with it, and is not kept."""
+    status, answer = drop("other.yaml", content)
+    assert status == 400
+    assert answer["error"].startswith(said)
+    assert not [p for p in bench.desk.folder.rglob("*") if p.name == "other.yaml"]

@@ -6,7 +6,7 @@ import { post, upload } from "./server.js";
 
 export function dropZone(place, context) {
   const field = h("input", { type: "file", hidden: true, onchange: () => field.files[0] && take(field.files[0], place, context) });
-  const zone = h("button", { type: "button", class: "dropzone", onclick: () => field.click() }, "Drop a table here (CSV, Excel, MAT, C3D, MCAP, …), or choose one");
+  const zone = h("button", { type: "button", class: "dropzone", onclick: () => field.click() }, "Drop a table here (CSV, Excel, MAT, C3D, MCAP, …) or a model.yaml, or choose one");
   const over = (on) => document.body.classList.toggle("dropping", on);
   const enter = (event) => {
     if (![...(event.dataTransfer?.types || [])].includes("Files")) return;
@@ -35,11 +35,26 @@ async function take(file, place, context) {
   place.closest(".step").dataset.keeps = "";
   fill(place, h("div", { class: "card" }, h("p", { class: "waiting" }, `reading ${file.name} …`)));
   try {
-    offer(await upload("/api/drop", file), place, context);
+    const found = await upload("/api/drop", file);
+    (found.model ? took : offer)(found, place, context);
   } catch (error) {
     fill(place);
     complain(error);
   }
+}
+
+// A model file is in the folder now, and can be chosen beside any run.
+function took({ model, remarks }, place, context) {
+  fill(
+    place,
+    h(
+      "div",
+      { class: "card" },
+      h("div", { class: "bar" }, h("h2", {}, model), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
+      h("p", {}, "This model is in the folder now. Choose a run, then the model at the top."),
+      remarks.length ? h("ul", { class: "warning remarks" }, remarks.map((remark) => h("li", {}, remark))) : null,
+    ),
+  );
 }
 
 function offer(found, place, context) {
