@@ -181,7 +181,7 @@ def _floor(beside: Beside, unit: str) -> Reading | None:
     """What repeats differ by that no effect of the model explains."""
     own = np.array([each == unit for each in beside.context.rows.unit])
     size = float(np.sqrt((beside.floor.mean[own] ** 2).mean()))
-    freedom = beside.floor.freedom
+    freedom = int(beside.floor.freedom[own][0])
     return reading("floor", "floor", size, size / np.sqrt(2.0 * freedom) if freedom else np.nan, unit)
 
 

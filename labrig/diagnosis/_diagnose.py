@@ -16,7 +16,7 @@ from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
-from labrig.diagnosis._noise_scale import FEW, noise_scales, rescaled
+from labrig.diagnosis._noise_scale import noise_scales, of_few, rescaled
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import one_speed
 from labrig.diagnosis._opened import Fall
@@ -66,7 +66,7 @@ def diagnose(
 
 
 def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations]:
-    """The observations; of few observables, with the noise that is left when everything is asked.
+    """The observations; where few observables have a unit, with the noise that is left when everything is asked.
 
     Raises `LabrigError` where there are enough to say that units, or displacements and positions, are mistaken.
     """
@@ -74,8 +74,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
     if enough and (line := mistaken(ready.context)) is not None:
         raise LabrigError(f"nothing can be diagnosed: {line}")
-    few = ready.residual.shape[1] < FEW and observations.n_captures >= k.FEWEST_OBSERVATIONS
-    if not few:
+    if observations.n_captures < k.FEWEST_OBSERVATIONS or not of_few(observations):
         return ready, observations
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
     ready = replace(ready, floor=rescaled(ready.floor, noise_scales(design)))

@@ -27,8 +27,8 @@ class Floor:
     within: Floats
     how: str
     repeats: dict[str, float | None]
-    freedom: int = 0
-    """How many differences between repeats with the same history it comes from; 0 where from none."""
+    freedom: Ints
+    """How many differences between repeats with the same history it comes from, (K,); 0 where from none."""
 
     @property
     def row(self) -> Floats:
@@ -69,7 +69,7 @@ def noise_floor(
     groups = {u: np.array([unit == u for unit in rows.unit]) for u in dict.fromkeys(rows.unit)}
     mean, within = np.zeros(len(rows.unit)), np.zeros(len(rows.unit))
     repeats: dict[str, float | None] = {}
-    hows, freedom = [], 0
+    hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
     for number, own in enumerate(groups.values()):
         kinds, pairs = _repeat_spread(context, means[:, own], captures)
         bulk = bulk_noise(means[:, own], lost) if len(captures) >= 12 else float("nan")
@@ -95,8 +95,8 @@ def noise_floor(
         mean[own] = size
         within[own] = inside if inside > 0 else 0.0
         hows.append(how if same is not None else f"{how} (no same-history repeats)")
+        freedom[own] = pairs * int(own.sum()) if how == _REPEATS else 0
         if number == 0:
-            freedom = pairs * int(own.sum()) if how.startswith("repeats") else 0
             repeats = {"within a capture": inside if inside > 0 else None, **kinds}
     return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom)
 

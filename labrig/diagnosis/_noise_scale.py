@@ -1,4 +1,4 @@
-"""How large the noise is where few observables were measured: repeats alone say it badly, so all spaces are asked."""
+"""How large the noise is of what few observables of a unit say: repeats alone say it badly, so all spaces are asked."""
 
 from dataclasses import replace
 
@@ -9,22 +9,30 @@ from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import Design
 from labrig.diagnosis._floor import Floor
+from labrig.diagnosis._observations import Observations
 
-FEW = 6
-"""Observables below which the residuals' spectrum says nothing about the noise."""
+_FEW = 6
+"""Observables of a unit below which the residuals' spectrum says nothing about their noise."""
 _SCALES = np.geomspace(0.2, 5.0, 33)
 _SIZES = np.geomspace(0.2, 20.0, 14)
+
+
+def of_few(observations: Observations) -> list[NDArray[np.bool_]]:
+    """Which observables (K,) that were seen share a unit with no more than a few others, unit by unit."""
+    units = np.array(observations.context.rows.unit)
+    each = [(units == unit) & observations.seen for unit in dict.fromkeys(units[observations.seen].tolist())]
+    return [own for own in each if own.sum() < _FEW]
 
 
 def noise_scales(design: Design) -> Floats:
     """By how much the noise of each observable's means is larger than the floor says, (K,): each unit by itself.
 
-    What captures beside each other, or repeats, say of a force may be wrong where it is right of an angle.
+    What captures beside each other, or repeats, say of a force may be wrong where it is right of an angle. Where there
+    are many of a unit it is one.
     """
-    units = np.array(design.observations.context.rows.unit)
-    out = np.ones(len(units))
-    for unit in dict.fromkeys(units[design.observations.seen].tolist()):
-        out[units == unit] = noise_scale(design, (units == unit) & design.observations.seen)
+    out = np.ones(len(design.observations.unit))
+    for own in of_few(design.observations):
+        out[own] = noise_scale(design, own)
     return out
 
 
@@ -38,11 +46,10 @@ def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
     holds is well known.
     """
     n, r = design.observations.n_captures, int(own.sum())
-    V = np.asarray(design.V, dtype=float)  # of few observables a basis of all that were seen
-    everything = _everything(design, n, V.shape[1]).reshape(n, V.shape[1], -1)
-    columns = np.einsum("kr,nrq->nkq", V[own], everything).reshape(n * r, -1)
+    columns = _everything(design, n, np.asarray(design.V, dtype=float)[own])
     power, square, rest = _along(columns, design.observations.values[:n, own].reshape(-1))
-    few = min(1.0 / np.sqrt(max(design.observations.floor.freedom, 1)), 2 * k.FLOOR_SPREAD)
+    freedom = int(design.observations.floor.freedom[own].max())
+    few = min(1.0 / np.sqrt(max(freedom, 1)), 2 * k.FLOOR_SPREAD)
     log = np.empty(len(_SCALES))
     for i, scale in enumerate(_SCALES):
         variance = np.square(_SIZES)[:, None] * power + scale**2
@@ -56,15 +63,18 @@ def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
     return float(np.exp((p * np.log(_SCALES)).sum() / p.sum()))
 
 
-def _everything(design: Design, n: int, r: int) -> Floats:
-    """Columns (n r, q) of unit prior variance for the means when every owner acts at one floor; what one chamber has
-    alone is in those of all chambers.
+def _everything(design: Design, n: int, V: Floats) -> Floats:
+    """Columns (n k, q) of unit prior variance for the means of those observables that the directions V (k, r) are of,
+    when every owner acts at one floor; what one chamber has alone is in those of all chambers.
     """
-    W = design.W.some(np.arange(n)).whole.astype(float)
+    W = design.W.some(np.arange(n))
     blocks = [b for b in design.blocks if b.space.alone <= 1]
     owners = [b.owner for b in blocks]
-    columns = [W[:, block.at] / np.sqrt(owners.count(block.owner)) for block in blocks]
-    columns += [np.kron(free.G[:n], np.diag(np.sqrt(design.spread))) for free in design.free]
+    columns = []
+    for block in blocks:
+        along = W.of(block.at).astype(float).reshape(n, V.shape[1], -1) / np.sqrt(owners.count(block.owner))
+        columns.append(np.einsum("kr,nrq->nkq", V, along).reshape(n * len(V), -1))
+    columns += [np.kron(free.G[:n], V * np.sqrt(design.spread)) for free in design.free]
     return np.concatenate(columns, axis=1) / np.sqrt(len(set(owners)) + len(design.free))
 
 

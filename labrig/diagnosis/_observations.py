@@ -82,7 +82,7 @@ class Observations:
     def counts_for(self) -> Floats:
         """What the square (S,) of each observation counts for in the mean square of the rows and what was seen."""
         count = np.bincount(self.capture, minlength=self.n_captures).astype(float)
-        within = float(np.median(self.floor.within / self.unit))
+        within = _within(self.floor, self.unit)
         each = np.concatenate([count, np.full(len(self.values) - len(count), within**2)])
         return each / (count.sum() * self.seen.sum())
 
@@ -124,6 +124,22 @@ class Observations:
         return np.unique(self.index, return_index=True)[1]
 
 
+def _units(floor: Floor) -> Floats:
+    """In what observables (K,) are counted: the noise of a capture's mean, or more where within holds it is larger.
+
+    One number says of all observables how much smaller noise is within holds. A sensor of another kind, whose noise is
+    larger there than that allows, would say something in every hold; so all of its noise counts as larger.
+    """
+    unit = np.where(floor.mean > 0, floor.mean, 1.0)
+    usual = _within(floor, unit)
+    return np.maximum(unit, floor.within / usual) if usual > 0 else unit
+
+
+def _within(floor: Floor, unit: Floats) -> float:
+    """The noise within holds as a part of that of a mean: of half the observables it is no larger."""
+    return float(np.quantile(floor.within / unit, 0.5, method="higher"))
+
+
 def contrasts(rows: Floats) -> Floats:
     """As how many independent contrasts those of holds of so many rows (n,) count."""
     return (rows - 1) * np.minimum(1.0, _CROWD / np.maximum(rows, 1.0))
@@ -136,8 +152,8 @@ def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
     records a hold counts as `_CROWD` rows at most, since neighbouring rows say nearly the same.
     """
     rows = context.rows
-    unit = np.where(floor.mean > 0, floor.mean, 1.0)
-    within = float(np.median(floor.within / unit))
+    unit = _units(floor)
+    within = _within(floor, unit)
     captures, index = np.unique(rows.capture, return_inverse=True)
     values = fill_gaps(residual / unit, index)
     order = np.argsort(index, kind="stable")

@@ -29,7 +29,7 @@ def test_a_floor_that_is_wrong_is_put_right(make_lab, wrong: float) -> None:
     true = (
         observe(alone.context, alone.residual, alone.floor).values[: lab.captures].std() * alone.floor.mean[0]
     )
-    floor = replace(ready.floor, mean=np.full(1, wrong * true), freedom=1)
+    floor = replace(ready.floor, mean=np.full(1, wrong * true), freedom=np.ones(1, dtype=int))
     scale = noise_scales(design_of(observe(ready.context, ready.residual, floor), model.library()))
     assert rescaled(floor, scale).mean[0] == pytest.approx(true, rel=0.3)
 
@@ -62,10 +62,10 @@ def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
     ready = prepared(rows, model)
     design = design_of(observe(ready.context, ready.residual, ready.floor), {"leak": model.library()["leak"]})
     n, r = design.observations.n_captures, design.V.shape[1]
-    columns = _everything(design, n, r)
+    columns = _everything(design, n, np.asarray(design.V, dtype=float))
     assert columns.shape[0] > np.linalg.matrix_rank(columns)  # some noise lies beside all columns
     values = (design.observations.values @ design.V)[:n].reshape(-1)
-    few = min(1.0 / np.sqrt(max(design.observations.floor.freedom, 1)), 2 * FLOOR_SPREAD)
+    few = min(1.0 / np.sqrt(max(design.observations.floor.freedom[0], 1)), 2 * FLOOR_SPREAD)
     log = []
     for scale in _SCALES:
         each = [
