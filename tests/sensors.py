@@ -1,8 +1,10 @@
-"""A second sensor beside the laboratory's force, and a model that knows both."""
+"""Sensors of several kinds: a second one beside the laboratory's force, two beside its markers; and models of them."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from tests.conftest import HIGH_KPA
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,3 +33,40 @@ def model_of_both(lab: Any) -> "Model":
         path.read_text() + "\n\nalone = predict\n\n\ndef predict(u):\n    return np.tile(alone(u), (1, 2))\n"
     )
     return type(model).load(lab.folder / "model.yaml")
+
+
+_REACH = {"force": ("N", 40.0, 0.1), "voltage": ("V", 2.0, 0.01)}
+"""Two sensors: unit, how far a full chamber moves each (the next ones less), noise of rows and of captures."""
+
+
+def beside_markers(lab: Any, positions: np.ndarray, u: np.ndarray) -> "tuple[xr.Dataset, Model]":
+    """A campaign of the lab's markers (n, T, K), and of a force and a voltage that see its chambers at pressures u
+
+    (n, T, C) and have noise of their own; and a model of both.
+    """
+    less = np.linspace(1.0, 0.5, lab.chambers)
+    reach = np.stack([most * less for _, most, _ in _REACH.values()], axis=1)
+    noise = np.array([size for *_, size in _REACH.values()])
+    x = u / HIGH_KPA
+    clean = x * (1 + lab.bent) / (1 + lab.bent * x) @ reach
+    n, T, K = clean.shape
+    seen = clean + noise * (lab.random.normal(size=(n, T, K)) + lab.random.normal(size=(n, 1, K)))
+    data = lab.dataset(positions)
+    data["observed"] = (
+        ("capture", "time", "observable"),
+        np.where(np.isfinite(lab.hold_s)[:, :, None], seen, np.nan),
+    )
+    data = data.assign_coords(
+        observable=list(_REACH),
+        unit=("observable", [unit for unit, *_ in _REACH.values()]),
+        marker_of=("observable", ["", ""]),
+        axis_of=("observable", ["", ""]),
+    )
+    model, path = lab.model(), lab.folder / "base.py"
+    path.write_text(
+        path.read_text()
+        + "\n\nmarkers = predict\n\n\ndef predict(u):\n"
+        + f"    x = u / {HIGH_KPA}\n    x = x * {1 + lab.bent} / (1 + {lab.bent} * x)\n"
+        + f"    return np.concatenate([markers(u), x @ np.array({reach.tolist()})], axis=-1)\n"
+    )
+    return data, type(model).load(lab.folder / "model.yaml")

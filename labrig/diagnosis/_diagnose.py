@@ -16,7 +16,7 @@ from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
-from labrig.diagnosis._noise_scale import noise_scales, of_few, rescaled
+from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import one_speed
 from labrig.diagnosis._opened import Fall
@@ -77,7 +77,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     if observations.n_captures < k.FEWEST_OBSERVATIONS or not of_few(observations):
         return ready, observations
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
-    ready = replace(ready, floor=rescaled(ready.floor, noise_scales(design)))
+    ready = replace(ready, floor=noise_of_few(design))
     return ready, observe(ready.context, ready.residual, ready.floor)
 
 

@@ -11,7 +11,7 @@ from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import EVEN
 from labrig.diagnosis._observations import Observations
-from labrig.effects import Space, frame_modes
+from labrig.effects import FEW_OBSERVABLES, Space, frame_modes
 
 _MOST_DIRECTIONS = 24
 _NEW = 0.1
@@ -33,6 +33,8 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     exact = [(rows.axis == a).astype(float) for a in range(3) if (rows.axis == a).any()] or [np.ones(K)]
     if (rows.axis >= 0).sum() >= 3:
         exact += list((frame_modes(context)[first] / unit[None, :, None]).mean(axis=0).T)
+    lone = np.flatnonzero((rows.axis < 0) & observations.seen)
+    exact += list(np.eye(K)[lone]) if len(lone) <= FEW_OBSERVABLES else []  # a sensor is no part of a body
     moved = context.displacement[first] / unit
     clouds = [
         np.moveaxis((context.jacobian[first] * context.span) / unit[None, :, None], 2, 1).reshape(-1, K),

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._within import noise_within
 from labrig.effects import Context, bulk_noise
 
 _MOST_TO_MATCH = 2000
@@ -73,7 +74,7 @@ def noise_floor(
     for number, own in enumerate(groups.values()):
         kinds, pairs = _repeat_spread(context, means[:, own], captures)
         bulk = bulk_noise(means[:, own], lost) if len(captures) >= 12 else float("nan")
-        inside = _within(deviation[many][:, own], index[many], rows.hold_s[many])
+        inside = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many))
         same = kinds["same history"]
         single = len(captures) == len(rows.capture) >= 12
         stream = single and not any(rows.repeat)
@@ -108,19 +109,6 @@ def _tiny(residual: Floats) -> float:
     if not np.isfinite(residual).any():
         return 1.0
     return float(1e-6 * np.sqrt(np.nanmean(residual**2)) + 1e-12)
-
-
-def _within(deviation: Floats, capture: Ints, hold_s: Floats) -> float:
-    """Noise between neighbouring rows of one hold, robust to what changes slowly along it."""
-    if len(deviation) < 2:
-        return 0.0
-    same = (capture[1:] == capture[:-1]) & (hold_s[1:] > hold_s[:-1])
-    steps = np.diff(deviation, axis=0)
-    both = same[1:] & same[:-1]
-    enough = both.sum() >= same.sum() / 3
-    bends, gain = ((steps[1:] - steps[:-1])[both], 6.0) if enough else (steps[same], 2.0)
-    good = np.abs(bends[np.isfinite(bends)])
-    return float(1.4826 * np.median(good) / np.sqrt(gain)) if len(good) else 0.0
 
 
 def _neighbours(means: Floats) -> float:

@@ -24,41 +24,42 @@ def of_few(observations: Observations) -> list[NDArray[np.bool_]]:
     return [own for own in each if own.sum() < _FEW]
 
 
-def noise_scales(design: Design) -> Floats:
-    """By how much the noise of each observable's means is larger than the floor says, (K,): each unit by itself.
+def noise_of_few(design: Design) -> Floor:
+    """The floor with the noise of captures' means put right where few observables say it, each unit by itself.
 
-    What captures beside each other, or repeats, say of a force may be wrong where it is right of an angle. Where there
-    are many of a unit it is one.
+    What captures beside each other, or repeats, say of a force may be wrong where it is right of an angle.
     """
-    out = np.ones(len(design.observations.unit))
-    for own in of_few(design.observations):
-        out[own] = noise_scale(design, own)
-    return out
+    observations = design.observations
+    floor, unit = observations.floor, observations.unit
+    mean = floor.mean.copy()
+    for own in of_few(observations):
+        mean[own] = unit[own] * noise_scale(design, own)
+    return replace(floor, mean=mean)
 
 
 def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
-    """By how much the noise of a capture's mean, of the observables that are `own` (K,), is larger than the floor says,
-    by the evidence of everything together.
+    """How large the noise of a capture's mean is in the observables that are `own` (K,), in their unit, by the evidence
+    of everything together.
 
     Every space, named or not, acts at one common size; noise is what none of them can follow. The logarithm of the
-    scale has a prior around zero: repeats may differ by what they remember, too, so that the noise may well be smaller
-    (`FLOOR_SPREAD`); larger it is only as far as the repeats were few. Of the captures' means only, since noise within
-    holds is well known.
+    scale has a prior around what the floor says: repeats may differ by what they remember, too, so that the noise may
+    well be smaller (`FLOOR_SPREAD`); larger it is only as far as the repeats were few. Of the captures' means only,
+    since noise within holds is well known.
     """
-    n, r = design.observations.n_captures, int(own.sum())
-    columns = _everything(design, n, np.asarray(design.V, dtype=float)[own])
-    power, square, rest = _along(columns, design.observations.values[:n, own].reshape(-1))
-    freedom = int(design.observations.floor.freedom[own].max())
-    few = min(1.0 / np.sqrt(max(freedom, 1)), 2 * k.FLOOR_SPREAD)
-    log = np.empty(len(_SCALES))
+    observations = design.observations
+    n, floor = observations.n_captures, observations.floor
+    values = observations.values[:n, own]
+    power, square, rest = _along(
+        _everything(design, n, np.asarray(design.V, dtype=float)[own]), values.reshape(-1)
+    )
+    few = min(1.0 / np.sqrt(max(int(floor.freedom[own].max()), 1)), 2 * k.FLOOR_SPREAD)
+    off = np.log(_SCALES * float((observations.unit[own] / floor.mean[own]).mean()))
+    log = -0.5 * (off / np.where(off > 0, few, k.FLOOR_SPREAD)) ** 2
     for i, scale in enumerate(_SCALES):
         variance = np.square(_SIZES)[:, None] * power + scale**2
         evidence = -0.5 * (np.log(variance) + square / variance).sum(axis=1)
-        evidence -= 0.5 * ((n * r - len(power)) * np.log(scale**2) + rest / scale**2)
-        log[i] = (
-            np.logaddexp.reduce(evidence)
-            - 0.5 * (np.log(scale) / (few if scale > 1 else k.FLOOR_SPREAD)) ** 2
-        )
+        evidence -= 0.5 * ((values.size - len(power)) * np.log(scale**2) + rest / scale**2)
+        log[i] += np.logaddexp.reduce(evidence)
     p = np.exp(log - log.max())
     return float(np.exp((p * np.log(_SCALES)).sum() / p.sum()))
 
@@ -72,8 +73,9 @@ def _everything(design: Design, n: int, V: Floats) -> Floats:
     owners = [b.owner for b in blocks]
     columns = []
     for block in blocks:
-        along = W.of(block.at).astype(float).reshape(n, V.shape[1], -1) / np.sqrt(owners.count(block.owner))
-        columns.append(np.einsum("kr,nrq->nkq", V, along).reshape(n * len(V), -1))
+        along = W.of(block.at).astype(float).reshape(n, V.shape[1], -1)
+        along = np.einsum("kr,nrq->nkq", V, along).reshape(n * len(V), -1)
+        columns.append(along / np.sqrt(owners.count(block.owner)))
     columns += [np.kron(free.G[:n], V * np.sqrt(design.spread)) for free in design.free]
     return np.concatenate(columns, axis=1) / np.sqrt(len(set(owners)) + len(design.free))
 
@@ -88,8 +90,3 @@ def _along(columns: Floats, values: Floats) -> tuple[Floats, Floats, float]:
         power, turn = np.linalg.eigh(columns @ columns.T)
         power, along = np.maximum(power, 0.0), turn.T @ values
     return power, along**2, max(float(values @ values - along @ along), 0.0)
-
-
-def rescaled(floor: Floor, scale: Floats | float) -> Floor:
-    """The floor with the noise of captures' means so much larger, (K,)."""
-    return replace(floor, mean=floor.mean * scale)

@@ -78,12 +78,16 @@ class Observations:
         """How much more than noise there is in the rows of what was seen, root mean square, in floors."""
         return self.size_of(self.values, noise=1.0)
 
+    @property
+    def within(self) -> float:
+        """The noise within holds, as a part of that of a capture's mean."""
+        return _within(self.floor, self.unit)
+
     @cached_property
     def counts_for(self) -> Floats:
         """What the square (S,) of each observation counts for in the mean square of the rows and what was seen."""
         count = np.bincount(self.capture, minlength=self.n_captures).astype(float)
-        within = _within(self.floor, self.unit)
-        each = np.concatenate([count, np.full(len(self.values) - len(count), within**2)])
+        each = np.concatenate([count, np.full(len(self.values) - len(count), self.within**2)])
         return each / (count.sum() * self.seen.sum())
 
     def size_of(self, values: Floats, noise: float = 0.0) -> float:

@@ -1,6 +1,6 @@
 """Physical effects: one small file each; what a model can lack."""
 
-from labrig.effects._context import Context
+from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
@@ -19,6 +19,7 @@ from labrig.effects._template import write_template
 from labrig.effects._weights import form_of, is_family, labels_of, made_of, pressures_of, weighable, weighted
 
 __all__ = [
+    "FEW_OBSERVABLES",
     "MOST_SESSIONS",
     "NORMALS",
     "STRAINS",

@@ -12,6 +12,7 @@ from labrig.diagnosis._floor import capture_means, noise_floor
 from labrig.effects import rows_of
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.model import base_context, build_base
+from tests.laws import orifice, power_law, sliding
 
 
 def floor_of(lab: Any, values: np.ndarray, lost: int = 0) -> Any:
@@ -40,6 +41,19 @@ def test_noise_within_holds_is_not_taken_too_small(make_lab, rows: int) -> None:
     lab = make_lab(captures=300, rows_s=tuple(3.0 + 0.5 * np.arange(rows)))
     floor = floor_of(lab, lab.predict(lab.u) + lab.noise(row=0.2, capture=0.3))
     assert floor.within[0] == pytest.approx(0.2, rel=0.035)
+
+
+@pytest.mark.parametrize("law", [orifice, power_law, sliding])
+@pytest.mark.parametrize("rows_s", [(3.0, 3.5), (1.0, 3.0, 8.0), (1.0, 2.0, 4.0, 9.0)])
+@pytest.mark.parametrize("force", [False, True])
+def test_what_changes_along_a_hold_is_no_noise(make_lab, law, rows_s, force: bool) -> None:
+    """Two rows, or three that lie ever farther apart, say the noise within holds beside a leak of ten floors too."""
+    lab = make_lab(captures=100, rows_s=rows_s, force=force)
+    u = law(lab)
+    u = lab.u + (u - lab.u) * 10 * np.hypot(0.05, 0.1) / np.sqrt(
+        np.mean((lab.predict(u) - lab.predict(lab.u)) ** 2)
+    )
+    assert floor_of(lab, lab.predict(u) + lab.noise()).within[0] == pytest.approx(0.05, rel=0.3)
 
 
 def test_an_effect_does_not_lift_the_floor(make_lab) -> None:

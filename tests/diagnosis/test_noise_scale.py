@@ -11,7 +11,7 @@ from labrig.diagnosis import diagnose
 from labrig.diagnosis._constants import FLOOR_SPREAD
 from labrig.diagnosis._design import by_kind, design_of, has_name
 from labrig.diagnosis._diagnose import observed, verdict_on
-from labrig.diagnosis._noise_scale import _SCALES, _SIZES, _everything, noise_scales, rescaled
+from labrig.diagnosis._noise_scale import _SCALES, _SIZES, _everything, noise_of_few, noise_scale
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.effects._family import Space, pattern, pressure
@@ -30,8 +30,8 @@ def test_a_floor_that_is_wrong_is_put_right(make_lab, wrong: float) -> None:
         observe(alone.context, alone.residual, alone.floor).values[: lab.captures].std() * alone.floor.mean[0]
     )
     floor = replace(ready.floor, mean=np.full(1, wrong * true), freedom=np.ones(1, dtype=int))
-    scale = noise_scales(design_of(observe(ready.context, ready.residual, floor), model.library()))
-    assert rescaled(floor, scale).mean[0] == pytest.approx(true, rel=0.3)
+    again = noise_of_few(design_of(observe(ready.context, ready.residual, floor), model.library()))
+    assert again.mean[0] == pytest.approx(true, rel=0.3)
 
 
 def test_what_has_a_name_is_not_unnamed_as_well() -> None:
@@ -74,7 +74,8 @@ def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
         ]
         log.append(logsumexp(each) - 0.5 * (np.log(scale) / (few if scale > 1 else FLOOR_SPREAD)) ** 2)
     p = np.exp(np.array(log) - max(log))
-    assert noise_scales(design) == pytest.approx(np.exp((p * np.log(_SCALES)).sum() / p.sum()), rel=1e-6)
+    found = noise_scale(design, np.ones(1, dtype=bool))
+    assert found == pytest.approx(np.exp((p * np.log(_SCALES)).sum() / p.sum()), rel=1e-6)
 
 
 def test_each_unit_has_a_noise_of_its_own(make_lab) -> None:
