@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._uneven import groups_of, profile_of_means
 from labrig.diagnosis._within import noise_within
 from labrig.effects import Context, bulk_noise
 
@@ -60,7 +61,7 @@ def noise_floor(
     Quantization Noise, Cambridge 2008).
 
     `residual` (F, K) is what the base leaves (its declared parameters fitted, which took `lost` degrees
-    of freedom). Observables of one unit share one floor.
+    of freedom). Observables of one unit share one floor, but for how uneven it is over them.
     """
     rows = context.rows
     means, captures = capture_means(residual, rows.capture)
@@ -69,15 +70,19 @@ def noise_floor(
     many = np.bincount(index)[index] > 1
     groups = {u: np.array([unit == u for unit in rows.unit]) for u in dict.fromkeys(rows.unit)}
     mean, within = np.zeros(len(rows.unit)), np.zeros(len(rows.unit))
+    single = len(captures) == len(rows.capture) >= 12
+    stream = single and not any(rows.repeat)
     repeats: dict[str, float | None] = {}
     hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
     for number, own in enumerate(groups.values()):
-        kinds, pairs = _repeat_spread(context, means[:, own], captures)
-        bulk = bulk_noise(means[:, own], lost) if len(captures) >= 12 else float("nan")
-        inside = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many))
-        same = kinds["same history"]
-        single = len(captures) == len(rows.capture) >= 12
-        stream = single and not any(rows.repeat)
+        groups = groups_of(rows, own)
+        each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
+        again = _repeats(context, means[:, own], captures)
+        alike = np.array(again["same history"]).reshape(-1, len(each))
+        even = profile_of_means(means[:, own], alike[: 0 if stream else None], each, groups)
+        inside = float(np.sqrt(np.mean((each / even) ** 2)))
+        pairs, same = len(alike), _spread(list(alike / even))
+        bulk = bulk_noise(means[:, own] / even, lost) if len(captures) >= 12 else float("nan")
         found = {_REPEATS: same, _BULK: bulk}
         if single and not np.isfinite(bulk) and (stream or same is None):
             found[_NEIGHBOURS] = _neighbours((means if at_full_rate is None else at_full_rate)[:, own])
@@ -93,12 +98,14 @@ def noise_floor(
         step = float(np.sqrt(np.mean(rows.resolution[own] ** 2) / 12)) if len(rows.resolution) else 0.0
         if step > size:
             size, how = step, "the steps in which it was recorded"
-        mean[own] = size
-        within[own] = inside if inside > 0 else 0.0
+        mean[own] = size * even
+        within[own] = each
         hows.append(how if same is not None else f"{how} (no same-history repeats)")
         freedom[own] = pairs * int(own.sum()) if how == _REPEATS else 0
         if number == 0:
-            repeats = {"within a capture": inside if inside > 0 else None, **kinds}
+            rows_differ = float(np.sqrt(np.mean(each**2)))
+            repeats = {"within a capture": rows_differ if rows_differ > 0 else None}
+            repeats |= {kind: _spread(differences) for kind, differences in again.items()}
     return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom)
 
 
@@ -118,11 +125,8 @@ def _neighbours(means: Floats) -> float:
     return float(1.4826 * np.median(good) / np.sqrt(6.0)) if len(good) else float("nan")
 
 
-def _repeat_spread(context: Context, means: Floats, captures: Ints) -> tuple[dict[str, float | None], int]:
-    """What repeats of a set-point differ by, per kind of history, as a standard deviation of one capture.
-
-    Also how many pairs with the same history there are.
-    """
+def _repeats(context: Context, means: Floats, captures: Ints) -> dict[str, list[Floats]]:
+    """What repeats of a set-point differ by, each (K,), per kind of history."""
     rows = context.rows
     first = np.searchsorted(rows.capture, captures)
     came_from = context.previous[rows.event[first]]
@@ -138,8 +142,7 @@ def _repeat_spread(context: Context, means: Floats, captures: Ints) -> tuple[dic
             kinds["same history" if alike else "opposite history"].append(means[b] - means[a])
         if len(members) > 2:
             kinds["early against late"].append(means[members[-1]] - means[members[0]])
-    spreads = {name: _spread(differences) for name, differences in kinds.items()}
-    return spreads, len(kinds["same history"])
+    return kinds
 
 
 def _labels(context: Context, captures: Ints) -> list[str]:
