@@ -1,6 +1,8 @@
 """How uneven noise is: one axis of cameras, or one marker at their edge, has several times the noise of another."""
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
 
 from labrig.arrays import Floats, Ints
 from labrig.effects import Rows, bulk_noise
@@ -8,17 +10,19 @@ from labrig.effects import Rows, bulk_noise
 _OF_MEDIAN = 1.36
 """Variance of the logarithm of a standard deviation that the median of n sizes gives, times n (F. R. Hampel, Journal of
 the American Statistical Association 69, 1974: its efficiency is 37 %)."""
-_OF_LOGARITHM = np.pi**2 / 8
-"""Variance of the logarithm of a normal number's size, whose mean is `_MEAN_LOGARITHM`."""
-_MEAN_LOGARITHM = -0.635
+_OF_LOGARITHM = 1.5
+"""Variance of the mean logarithm of the sizes of P differences between repeats that follow each other, times P: by
+drawing them, 1.37 to 1.48 for 2 to 10."""
 _OF_BULK = 0.01
 """Variance of the logarithm of the noise that the bulk of one axis' spectrum gives: a tenth, from eight markers on."""
 _FEWEST_PAIRS = 3
-_CHANCE = 2.0
-"""Standard deviations by which observables must differ more than by chance, to be taken for uneven."""
+_P_UNEVEN = 0.5
+"""Prior probability that noise is another for some axes, for some markers, or for some observables."""
+_SOME, _BY = np.meshgrid((0.03, 0.1, 0.3, 1.0), (0.25, 0.5, 1.0, 1.5))
+"""How many of them have another then, and how much another (sd of its logarithm): each as likely."""
 
 
-def groups_of(rows: Rows, own: np.ndarray) -> list[Ints]:
+def groups_of(rows: Rows, own: NDArray[np.bool_]) -> list[Ints]:
     """What the noise of these observables (K,) may have in common: their axis, their marker, nothing; labels (k,)."""
     alone = np.arange(int(own.sum()))
     marker = np.where(rows.marker[own] >= 0, rows.marker[own], len(rows.markers) + alone)
@@ -32,7 +36,7 @@ def spread(values: Floats) -> float:
 
 
 def profile(values: Floats, numbers: int, groups: list[Ints]) -> Floats:
-    """How large the noise of each column of `values` (m, k) is beside the others', (k,), around one.
+    """How large the noise of each column of `values` (m, k) is beside most others', (k,).
 
     `numbers` is how many independent ones a column has.
     """
@@ -46,18 +50,16 @@ def profile_of_means(means: Floats, differences: Floats, within: Floats, groups:
     too, which differ by `differences` (P, k), and what else is uneven in these; without repeats, what each axis says.
     """
     known = np.log(within / np.median(within)) if within.all() else np.zeros(len(within))
-    if np.isfinite(differences).sum(axis=0).max(initial=0) < _FEWEST_PAIRS:
+    size = np.where(np.abs(differences) > 0, np.abs(differences), np.nan)
+    count = np.isfinite(size).sum(axis=0)
+    if count.max(initial=0) < _FEWEST_PAIRS:
         of_axes = _log_of_axes(means, groups[0])
         return np.exp(
             _slope(of_axes, known) * known if known.any() else _pulled(of_axes, _OF_BULK, groups[:1])
         )
-    size = np.where(np.abs(differences) > 0, np.abs(differences), np.nan)
-    count = np.isfinite(size).sum(axis=0)
-    log = (
-        np.where(count > 0, np.nansum(np.log(size), axis=0) / np.maximum(count, 1), np.nan) - _MEAN_LOGARITHM
-    )
+    log = np.nansum(np.log(size), axis=0) / np.where(count > 0, count, np.nan)
     alike = _slope(log, known) * known
-    return np.exp(alike + _pulled(log - alike, _OF_LOGARITHM / max(int(np.median(count)), 1), groups))
+    return np.exp(alike + _pulled(log - alike, _OF_LOGARITHM / int(np.median(count[count > 0])), groups))
 
 
 def _log_of_axes(means: Floats, axis: Ints) -> Floats:
@@ -70,30 +72,37 @@ def _log_of_axes(means: Floats, axis: Ints) -> Floats:
 
 
 def _pulled(log: Floats, variance: float, groups: list[Ints]) -> Floats:
-    """What logarithms (k,), known with such a variance, say of each group and of each within it: pulled to their mean
-    by as much as they differ by chance, wholly where that is all. What is not known is at the mean.
-    """
+    """How far logarithms (k,), known with such a variance, are from most: by group, and of what is left by the next."""
     out = np.zeros(len(log))
     for labels in groups:
         left = log - out
         known = np.isfinite(left)
         count = np.bincount(labels, known)
-        mean = np.bincount(labels, np.where(known, left, 0.0)) / np.maximum(count, 1)
-        out = out + _of_one_kind(np.where(count > 0, mean, np.nan), variance / np.maximum(count, 1))[labels]
+        mean = np.bincount(labels, np.where(known, left, 0.0)) / np.where(count > 0, count, np.nan)
+        out = out + _from_most(mean, variance / np.maximum(count, 1))[labels]
     return out
 
 
-def _of_one_kind(log: Floats, variance: Floats) -> Floats:
-    """The same of groups (g,) that are all of one kind, each known with a variance of its own."""
+def _from_most(log: Floats, variance: Floats) -> Floats:
+    """How far logarithms (g,), each known with a variance of its own, are from their median: what to expect of each
+    where all are alike, or some are not. Zero of what is not known.
+    """
     known = np.isfinite(log)
-    k = int(known.sum())
-    if k < 2:
+    if known.sum() < 2:
         return np.zeros(len(log))
-    off = np.where(known, log - np.mean(log[known]), 0.0)
-    chance, between = float(variance[known].mean()), float((off**2).sum() / (k - 1))
-    if between < chance * (1 + _CHANCE * np.sqrt(2 / (k - 1))):
-        return np.zeros(len(log))
-    return off * (between - chance) / (between - chance + variance)
+    off, v = np.where(known, log - np.median(log[known]), 0.0)[:, None, None], variance[:, None, None]
+    alike = norm.logpdf(off, scale=np.sqrt(v))
+    apart = np.log(_SOME) + norm.logpdf(off, scale=np.sqrt(v + _BY**2))
+    either = np.logaddexp(np.log(np.maximum(1 - _SOME, 1e-300)) + alike, apart)
+    gain = (either - alike)[known].sum(axis=0)  # of being uneven in each of these ways
+    likely = np.exp(
+        gain
+        - np.logaddexp(
+            np.logaddexp.reduce(gain.ravel()) - np.log(gain.size / _P_UNEVEN), np.log(1 - _P_UNEVEN)
+        )
+    )
+    share = likely * _P_UNEVEN / gain.size * np.exp(apart - either)
+    return (share * off * _BY**2 / (_BY**2 + v)).sum(axis=(1, 2))
 
 
 def _slope(log: Floats, known: Floats) -> float:
