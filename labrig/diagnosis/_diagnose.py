@@ -37,6 +37,12 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+NOTHING = "nothing that was recorded"
+"""What carries what no space follows."""
+_ALIKE = 0.5
+"""From which part of what is left on repeats differ by as much: five pairs may be off by a factor of two."""
+
+
 def diagnose(
     runs: "Sequence[Dataset] | Dataset",
     model: Model,
@@ -113,7 +119,7 @@ def words_of(design: Design) -> dict[str, str]:
     """What carries each space without a name, in words, by owner."""
     blocks = [b for b in (*design.blocks, *design.free) if b.space.alone <= 1]
     words = {b.owner: b.space.key for b in blocks if b.owner.startswith("?")}
-    return words | {REST: "nothing that was recorded", "?" + MOTION: "how the base itself moves"}
+    return words | {REST: NOTHING, "?" + MOTION: "how the base itself moves"}
 
 
 @dataclass(frozen=True)
@@ -179,6 +185,7 @@ def result_of(
         "warnings": [
             *_warnings(ready, verdict),
             *_said(observations, verdict, unit_size, rows.unit[0]),
+            *_unrepeated(ready, verdict, unit_size),
             *_doubted(ready, chosen, verdict),
             *(one_speed(context) if verdict.effects or verdict.rivals else ()),
         ],
@@ -267,6 +274,19 @@ def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: 
             f"{unit} can be seen: add it to the model, then diagnose that one on the same run"
         )
     return out
+
+
+def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str]:
+    """A line where repeats with the same history differ by as much as what follows nothing that was recorded."""
+    left = verdict.beside.get(NOTHING, 0.0) * unit_size
+    differ = ready.floor.repeats.get("same history")
+    if verdict.verdict != "unknown" or not left or differ is None or differ < _ALIKE * left:
+        return []
+    unit = ready.context.rows.unit[0]
+    return [
+        f"captures of one set-point with the same history differ by {differ:.2g} {unit}, too: what follows nothing "
+        "that was recorded does not repeat, so look at what trembles (frame, supply, mount) before the physics"
+    ]
 
 
 def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]:

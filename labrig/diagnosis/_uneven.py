@@ -47,19 +47,21 @@ def profile(values: Floats, numbers: int, groups: list[Ints]) -> Floats:
 
 def profile_of_means(means: Floats, differences: Floats, within: Floats, groups: list[Ints]) -> Floats:
     """The same of captures' means (n, k): what is uneven `within` holds (k,; zeros: unknown) as far as repeats have it,
-    too, which differ by `differences` (P, k), and what else is uneven in these; without repeats, what each axis says.
+    too, which differ by `differences` (P, k). Where rows say nothing, what repeats say; without repeats, each axis.
+
+    Few repeats say more of what else changed between them than hundreds of rows within holds say of the noise.
     """
-    known = np.log(within / np.median(within)) if within.all() else np.zeros(len(within))
     size = np.where(np.abs(differences) > 0, np.abs(differences), np.nan)
     count = np.isfinite(size).sum(axis=0)
-    if count.max(initial=0) < _FEWEST_PAIRS:
-        of_axes = _log_of_axes(means, groups[0])
-        return np.exp(
-            _slope(of_axes, known) * known if known.any() else _pulled(of_axes, _OF_BULK, groups[:1])
-        )
-    log = np.nansum(np.log(size), axis=0) / np.where(count > 0, count, np.nan)
-    alike = _slope(log, known) * known
-    return np.exp(alike + _pulled(log - alike, _OF_LOGARITHM / int(np.median(count[count > 0])), groups))
+    if count.max(initial=0) >= _FEWEST_PAIRS:
+        log = np.nansum(np.log(size), axis=0) / np.where(count > 0, count, np.nan)
+        variance = _OF_LOGARITHM / int(np.median(count[count > 0]))
+    else:
+        log, variance, groups = _log_of_axes(means, groups[0]), _OF_BULK, groups[:1]
+    if within.all():
+        known = np.log(within / np.median(within))
+        return np.exp(_slope(log, known) * known)
+    return np.exp(_pulled(log, variance, groups))
 
 
 def _log_of_axes(means: Floats, axis: Ints) -> Floats:
