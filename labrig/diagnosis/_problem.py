@@ -13,6 +13,7 @@ from labrig.diagnosis._dead import without_dead
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._regression import Regression, regression_of
+from labrig.diagnosis._swapped import without_swapped
 from labrig.effects import Context, Rows, join_rows, rows_of
 from labrig.model import Model, transients
 
@@ -88,7 +89,7 @@ def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
 def prepared(rows: Rows, model: Model) -> Prepared:
     """Predict, clean, and estimate the floor; of very long records every n-th row."""
     predictor = model.predictor(rows)
-    context = without_dead(predictor.context(rows))
+    context = without_swapped(without_dead(predictor.context(rows)))
     declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
     began = transients(context) if context.sample_s and rows.between_sessions == "unknown" else None
     at_full_rate = context.residual

@@ -1,0 +1,84 @@
+"""Markers that have each other's names: in some rows each is where another is expected."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from labrig.arrays import Floats, Ints
+from labrig.effects import Context, Rows
+
+_NEARER = 3.0
+"""How many times nearer a marker is to where another is expected than to its own place, where they are exchanged; and
+how much farther apart these places are than the two usually are from theirs."""
+_CLOSE = 0.25
+"""Rows in which no marker is off by so much of the way to the nearest other are not looked at; numerical."""
+_NAMED = 4
+
+
+def without_swapped(context: Context) -> Context:
+    """The campaign without the rows of markers that were exchanged there; the rows' warnings name them."""
+    rows = context.rows
+    markers, place = _places(rows)
+    if len(markers) < 2:
+        return context
+    measured, expected = rows.values[:, place], context.base[:, place]
+    gone = _exchanged(measured, expected)
+    if not gone.any():
+        return context
+    values = rows.values.copy()
+    for m, own in enumerate(place):
+        values[np.ix_(gone[:, m], own)] = np.nan
+    who = np.flatnonzero(gone.any(axis=0))
+    names = [rows.markers[markers[m]] for m in who[:_NAMED]] + (["others"] if len(who) > _NAMED else [])
+    captures = np.unique(rows.capture[gone.any(axis=1)])
+    shown = ", ".join(str(c) for c in captures[:_NAMED]) + (", ..." if len(captures) > _NAMED else "")
+    several = "captures" if len(captures) > 1 else "capture"
+    line = (
+        f"{', '.join(names[:-1])} and {names[-1]} have each other's names in {len(captures)} {several} ({shown}): "
+        "left out there; label them again"
+    )
+    return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line)))
+
+
+def _places(rows: Rows) -> tuple[list[int], Ints]:
+    """The markers that have all three axes, and the observables of each, (M, 3)."""
+    out = {}
+    for m in np.unique(rows.marker[rows.marker >= 0]).tolist():
+        own = [np.flatnonzero((rows.marker == m) & (rows.axis == a)) for a in range(3)]
+        if all(len(one) == 1 for one in own):
+            out[m] = [int(one[0]) for one in own]
+    return list(out), np.array(list(out.values()), dtype=int).reshape(-1, 3)
+
+
+def _exchanged(measured: Floats, expected: Floats) -> NDArray[np.bool_]:
+    """Which of the markers (F, M) are, in a row, where another is expected that is somewhere else itself."""
+    off = np.linalg.norm(measured - expected, axis=2)
+    to, away = _nearest(measured, expected, off)
+    usual = np.full(off.shape[1], np.inf)
+    known = np.isfinite(off).any(axis=0)
+    usual[known] = np.nanmedian(away[:, known], axis=0)
+    there = np.take_along_axis(expected, to[:, :, None], axis=1)
+    apart = np.linalg.norm(expected - there, axis=2)
+    moved = (to != np.arange(len(usual))) & (_NEARER * away < off)
+    moved &= apart > _NEARER * np.maximum(usual, usual[to])
+    # whoever is in another's place has left his own to one who is exchanged as well
+    taken = np.zeros_like(moved)
+    f, m = np.nonzero(moved)
+    taken[f, to[f, m]] = True
+    return moved & taken & np.take_along_axis(moved, to, axis=1)
+
+
+def _nearest(measured: Floats, expected: Floats, off: Floats) -> tuple[Ints, Floats]:
+    """The marker (F, M) in whose place each is, so that all are as near as can be, and how far it is from there."""
+    seen = np.isfinite(off)
+    to, away = np.tile(np.arange(off.shape[1]), (len(off), 1)), off.copy()
+    middle = expected.mean(axis=0)
+    between = np.linalg.norm(middle[:, None] - middle, axis=2) + np.diag(np.full(len(middle), np.inf))
+    for f in np.flatnonzero((np.where(seen, off, 0.0) > _CLOSE * between.min(axis=0)).any(axis=1)):
+        here = np.flatnonzero(seen[f])
+        each = np.linalg.norm(measured[f][here][:, None] - expected[f][here], axis=2)
+        _, found = linear_sum_assignment(each**2)
+        to[f, here], away[f, here] = here[found], each[np.arange(len(here)), found]
+    return to, away

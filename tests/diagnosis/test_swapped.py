@@ -1,0 +1,86 @@
+"""Markers that have each other's names in some captures: left out there, and named."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import diagnose, prepared, rows_from
+from tests.laws import power_law, strut
+
+
+def renamed(values: np.ndarray, captures: list[int], names: dict[int, int]) -> np.ndarray:
+    """What is seen (n, T, K) where in these captures marker a has the name of b, for each a -> b."""
+    out = values.copy().reshape(*values.shape[:2], -1, 3)
+    there = out[captures].copy()
+    for a, b in names.items():
+        out[np.ix_(captures, range(out.shape[1]), [b])] = there[:, :, [a]]
+    return out.reshape(values.shape)
+
+
+def lost(lab, values: np.ndarray) -> tuple[dict[int, list[int]], tuple[str, ...]]:
+    """The captures in which each marker was left out, by marker, and what is said."""
+    context = prepared(rows_from(lab.dataset(values)), lab.model()).context
+    rows = context.rows
+    gone = {
+        int(m): np.unique(rows.capture[np.isnan(rows.values[:, rows.marker == m]).any(axis=1)]).tolist()
+        for m in np.unique(rows.marker)
+    }
+    return {m: captures for m, captures in gone.items() if captures}, rows.warnings
+
+
+def test_two_markers_that_are_exchanged_are_left_out(make_lab) -> None:
+    """In three captures two of twelve have each other's names: they are left out there, the others stay."""
+    lab = make_lab(captures=30, markers=12)
+    values = renamed(lab.predict(power_law(lab)) + lab.noise(), [4, 9, 20], {2: 7, 7: 2})
+    gone, said = lost(lab, values)
+    assert gone == {2: [4, 9, 20], 7: [4, 9, 20]}
+    assert said == (
+        "m2 and m7 have each other's names in 3 captures (4, 9, 20): left out there; label them again",
+    )
+
+
+def test_three_markers_may_go_round(make_lab) -> None:
+    """Each has the name of the next."""
+    lab = make_lab(captures=30, markers=12)
+    gone, said = lost(lab, renamed(lab.predict(lab.u) + lab.noise(), [5], {1: 4, 4: 8, 8: 1}))
+    assert gone == {1: [5], 4: [5], 8: [5]}
+    assert said[0].startswith("m1, m4 and m8 have each other's names in 1 capture (5): ")
+
+
+def test_names_that_are_always_wrong(make_lab) -> None:
+    """Where two markers are exchanged from the first capture to the last, they are left out of all of them."""
+    lab = make_lab(captures=30, markers=12)
+    gone, said = lost(lab, renamed(lab.predict(lab.u) + lab.noise(), list(range(30)), {0: 6, 6: 0}))
+    assert gone == {0: list(range(30)), 6: list(range(30))}
+    assert said[0].startswith("m0 and m6 have each other's names in 30 captures (0, 1, 2, 3, ...): ")
+
+
+@pytest.mark.parametrize("law", [None, power_law, strut])
+def test_nobody_is_exchanged_by_noise_or_an_effect(make_lab, law) -> None:
+    """Markers that are off, by little or by a fifth of what they move, keep their names; so do those close together."""
+    lab = make_lab(captures=40, markers=12, reach_mm=60.0)
+    lab.rest_mm[3] = lab.rest_mm[2] + 0.2
+    lab.rest = lab.rest_mm.ravel()
+    assert lost(lab, lab.predict(law(lab) if law else lab.u) + lab.noise()) == ({}, ())
+
+
+def test_one_marker_that_is_elsewhere_is_not_exchanged(make_lab) -> None:
+    """It is where another is expected, but that one is there, too: a reflection, for the cleaning to find."""
+    lab = make_lab(captures=40, markers=12)
+    values = (lab.predict(lab.u) + lab.noise()).reshape(40, -1, 12, 3)
+    values[7, :, 2] = values[7, :, 9] + 0.1
+    assert lost(lab, values.reshape(40, -1, 36)) == ({}, ())
+
+
+def test_an_effect_beside_exchanged_markers_has_its_name(make_lab) -> None:
+    """A tenth of the captures with exchanged markers, others each time, hide no creep."""
+    lab = make_lab(captures=60, markers=12)
+    values = lab.predict(power_law(lab)) + lab.noise()
+    random = np.random.default_rng(50)
+    for i in random.choice(60, 6, replace=False).tolist():
+        a, b = random.choice(12, 2, replace=False).tolist()
+        values = renamed(values, [i], {a: b, b: a})
+    summary = diagnose(lab.dataset(values), lab.model()).summary
+    assert summary["effects"] == ["creep"]
+    assert [
+        line for line in summary["warnings"] if "and others have each other's names in 6 captures" in line
+    ]
