@@ -18,7 +18,7 @@ from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._observations import Observations, observe
-from labrig.diagnosis._one_speed import one_speed
+from labrig.diagnosis._one_speed import one_moment, one_speed
 from labrig.diagnosis._opened import Fall
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import REST, Search
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+_AT_ONE_MOMENT = {"regulator", "stiffening", "tension", "leak", "delay"}
+"""What looks alike where every set-point is seen at the same moment."""
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
 _ALIKE = 0.5
@@ -188,6 +190,7 @@ def result_of(
             *_unrepeated(ready, verdict, unit_size),
             *_doubted(ready, chosen, verdict),
             *(one_speed(context) if verdict.effects or verdict.rivals else ()),
+            *(one_moment(context) if _AT_ONE_MOMENT & {*verdict.effects, *verdict.rivals} else ()),
         ],
     }
     return Result(

@@ -14,6 +14,7 @@ from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
 
 _CROWD = 12
+_MOST = 0.9
 
 
 def worth_of(numbers: float, conditions: int, inexact: float = 1.0) -> float:
@@ -81,7 +82,7 @@ class Observations:
     @property
     def within(self) -> float:
         """The noise within holds, as a part of that of a capture's mean."""
-        return _within(self.floor, self.unit)
+        return _within(self.context, self.floor, self.unit)
 
     @cached_property
     def counts_for(self) -> Floats:
@@ -128,20 +129,22 @@ class Observations:
         return np.unique(self.index, return_index=True)[1]
 
 
-def _units(floor: Floor) -> Floats:
+def _units(context: Context, floor: Floor) -> Floats:
     """In what observables (K,) are counted: the noise of a capture's mean, or more where within holds it is larger.
 
     One number says of all observables how much smaller noise is within holds. A sensor of another kind, whose noise is
     larger there than that allows, would say something in every hold; so all of its noise counts as larger.
     """
     unit = np.where(floor.mean > 0, floor.mean, 1.0)
-    usual = _within(floor, unit)
+    usual = _within(context, floor, unit)
     return np.maximum(unit, floor.within / usual) if usual > 0 else unit
 
 
-def _within(floor: Floor, unit: Floats) -> float:
-    """The noise within holds as a part of that of a mean: of half the observables it is no larger."""
-    return float(np.quantile(floor.within / unit, 0.5, method="higher"))
+def _within(context: Context, floor: Floor, unit: Floats) -> float:
+    """The noise within holds as a part of that of a mean: of most observables of the commonest unit it is no larger."""
+    units = list(context.rows.unit)
+    own = np.array([each == max(units, key=units.count) for each in units])
+    return float(np.quantile((floor.within / unit)[own], _MOST, method="higher"))
 
 
 def contrasts(rows: Floats) -> Floats:
@@ -156,8 +159,8 @@ def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
     records a hold counts as `_CROWD` rows at most, since neighbouring rows say nearly the same.
     """
     rows = context.rows
-    unit = _units(floor)
-    within = _within(floor, unit)
+    unit = _units(context, floor)
+    within = _within(context, floor, unit)
     captures, index = np.unique(rows.capture, return_inverse=True)
     values = fill_gaps(residual / unit, index)
     order = np.argsort(index, kind="stable")

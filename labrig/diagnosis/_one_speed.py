@@ -1,4 +1,4 @@
-"""Records whose input always moves at one speed: what follows time and what follows the way look alike there."""
+"""Records whose input always moves at one speed, and set-points that are seen at one moment: what looks alike there."""
 
 import numpy as np
 
@@ -9,6 +9,10 @@ _FAR = 0.05
 """Share of the range over which a speed is taken, so that a sensor's noise does not count."""
 _ALIKE, _MOSTLY = 0.25, 0.8
 """Speeds are one where such a share of the way is gone at no more than so much from the usual one."""
+
+
+_MOMENT = 0.2
+"""Times of rows that differ by no more than this, as a part of the longest, are one moment."""
 
 
 def one_speed(context: Context) -> list[str]:
@@ -28,6 +32,18 @@ def one_speed(context: Context) -> list[str]:
         f"the input always moves at about {said} {rows.actuation_unit}/s: what lags in time (delay, creep) and what "
         "depends on the way (hysteresis, friction) look alike at one speed, so the name may be the other's; measure at "
         "another speed, too"
+    ]
+
+
+def one_moment(context: Context) -> list[str]:
+    """A line where every set-point was seen at the same time after it was set: what changes along holds is not seen."""
+    held = context.elapsed_s
+    if context.sample_s or not context.moves or held.max() <= 0 or np.ptp(held) > _MOMENT * held.max():
+        return []
+    return [
+        f"every row was taken {held.mean():.2g} s after its set-point: what a chamber has lost by then (leak), or not "
+        "reached yet (delay), looks like a curve of its pressure (regulator, stiffening, tension), so the name may be "
+        "the other's; measure some set-points at several moments, too"
     ]
 
 

@@ -1,4 +1,7 @@
-"""How uneven noise is: one axis of cameras, or one marker at their edge, has several times the noise of another."""
+"""How uneven noise is: one axis of cameras, or one marker at their edge, has several times the noise of the others.
+
+Only more noise than most have is asked for. Less would make much of small errors, which no formula is free of.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +19,8 @@ drawing them, 1.37 to 1.48 for 2 to 10."""
 _OF_BULK = 0.01
 """Variance of the logarithm of the noise that the bulk of one axis' spectrum gives: a tenth, from eight markers on."""
 _FEWEST_PAIRS = 3
+_SILENT = 1 / 3
+"""Noise of rows that is a smaller part of that of means says nothing of it: something else makes that."""
 _P_UNEVEN = 0.5
 """Prior probability that noise is another for some axes, for some markers, or for some observables."""
 _SOME, _BY = np.meshgrid((0.03, 0.1, 0.3, 1.0), (0.25, 0.5, 1.0, 1.5))
@@ -36,13 +41,13 @@ def spread(values: Floats) -> float:
 
 
 def profile(values: Floats, numbers: int, groups: list[Ints]) -> Floats:
-    """How large the noise of each column of `values` (m, k) is beside most others', (k,).
+    """How much larger the noise of each column of `values` (m, k) is than most others', (k,), one or more.
 
     `numbers` is how many independent ones a column has.
     """
     each = np.array([spread(column) for column in values.T])
     log = np.log(np.where(each > 0, each, np.nan))
-    return np.exp(_pulled(log, _OF_MEDIAN / max(numbers, 1), groups))
+    return np.exp(np.maximum(_pulled(log, _OF_MEDIAN / max(numbers, 1), groups), 0.0))
 
 
 def profile_of_means(means: Floats, differences: Floats, within: Floats, groups: list[Ints]) -> Floats:
@@ -59,9 +64,11 @@ def profile_of_means(means: Floats, differences: Floats, within: Floats, groups:
     else:
         log, variance, groups = _log_of_axes(means, groups[0]), _OF_BULK, groups[:1]
     if within.all():
+        if np.isfinite(log).any() and within.max() < _SILENT * np.exp(np.nanmedian(log)):
+            return np.ones(len(within))
         known = np.log(within / np.median(within))
-        return np.exp(_slope(log, known) * known)
-    return np.exp(_pulled(log, variance, groups))
+        return np.exp(_slope(log, known) * np.maximum(known, 0.0))
+    return np.exp(np.maximum(_pulled(log, variance, groups), 0.0))
 
 
 def _log_of_axes(means: Floats, axis: Ints) -> Floats:
