@@ -66,8 +66,13 @@ def profile_of_means(means: Floats, differences: Floats, within: Floats, groups:
     if within.all():
         if np.isfinite(log).any() and within.max() < _SILENT * np.exp(np.nanmedian(log)):
             return np.ones(len(within))
-        known = np.log(within / np.median(within))
-        return np.exp(_slope(log, known) * np.maximum(known, 0.0))
+        known = np.maximum(np.log(within / np.median(within)), 0.0)
+        if len(groups) > 1:
+            return np.exp(_slope(log, known) * known)
+        axes = (np.bincount(groups[0], known) / np.bincount(groups[0]))[groups[0]]
+        return np.exp(
+            np.maximum(known + (_slope(log, axes) - 1) * axes, 0.0)
+        )  # of single markers nothing says it
     return np.exp(np.maximum(_pulled(log, variance, groups), 0.0))
 
 

@@ -8,6 +8,7 @@ from labrig.effects import Context
 
 _MOST_ROWS = 6000
 _ROUNDS = 4
+_NO_MORE = 1.25
 _EACH = 3
 """Independent differences that there must be for each coefficient of what changes along holds."""
 
@@ -18,36 +19,37 @@ def noise_within(context: Context, deviation: Floats, capture: Ints, at: Ints, g
 
     The lesser of two: what neighbouring rows bend by, which a straight line in them does not do; and what is left of
     them beside a straight line in time and one in its logarithm, as steep as the pressures, now and before, say. Three
-    rows at 1, 3 and 8 s bend where a chamber leaks.
+    rows at 1, 3 and 8 s bend where a chamber leaks. How uneven it is only what is left says, where that is no more than
+    what bends: a chamber that leaks bends the markers above it.
     """
-    found = [
-        _bends(deviation, capture, context.rows.hold_s[at]),
-        _beside_slow(context, deviation, capture, at),
-    ]
-    known = [(size, values, free) for values, free in found if (size := spread(values)) > 0]
-    if not known:
+    left, free = _beside_slow(context, deviation, capture, at)
+    found = [_bends(deviation, capture, context.rows.hold_s[at]), left]
+    sizes = [(size, values) for values in found if (size := spread(values)) > 0]
+    if not sizes:
         return np.zeros(deviation.shape[1])
-    _, values, free = min(known, key=lambda one: one[0])
-    each = profile(values, free, groups)
+    least, values = min(sizes, key=lambda one: one[0])
+    each = np.ones(deviation.shape[1])
+    if free and spread(left) < _NO_MORE * least:
+        each = profile(left, free, groups)
     return spread(values / each) * each
 
 
-def _bends(deviation: Floats, capture: Ints, hold_s: Floats) -> tuple[Floats, int]:
-    """Second differences of neighbouring rows of a hold, or first ones where most holds have but two, of unit gain;
-    and how many are independent.
-    """
+def _bends(deviation: Floats, capture: Ints, hold_s: Floats) -> Floats:
+    """Second differences of neighbouring rows of a hold, or first ones where most holds have but two, of unit gain."""
     if len(deviation) < 2:
-        return deviation[:0], 0
+        return deviation[:0]
     same = (capture[1:] == capture[:-1]) & (hold_s[1:] > hold_s[:-1])
     steps = np.diff(deviation, axis=0)
     both = same[1:] & same[:-1]
     enough = both.sum() >= same.sum() / 3
     bends, gain = ((steps[1:] - steps[:-1])[both], 6.0) if enough else (steps[same], 2.0)
-    return bends / np.sqrt(gain), len(bends)
+    return bends / np.sqrt(gain)
 
 
 def _beside_slow(context: Context, deviation: Floats, capture: Ints, at: Ints) -> tuple[Floats, int]:
-    """What pressures, now and before, times the time held leave, of the noise's size; none where rows are too few."""
+    """What pressures, now and before, times the time held leave, of the noise's size, and how many numbers of each
+    observable that is; none where rows are too few for the pressures now.
+    """
     none = deviation[:0], 0
     rows = context.rows
     use = np.isfinite(deviation).any(axis=1) & np.isfinite(rows.hold_s[at])
@@ -60,20 +62,29 @@ def _beside_slow(context: Context, deviation: Floats, capture: Ints, at: Ints) -
     _, index, count = np.unique(index[kept], return_inverse=True, return_counts=True)
     before = (context.previous / context.span)[rows.event[at]]
     now = rows.fraction[at]
-    load = np.column_stack([np.ones(len(at)), now, now**2, before])
     held = np.column_stack([rows.hold_s[at], np.log1p(np.maximum(rows.hold_s[at], 0.0))])
-    slow = (load[:, :, None] * held[:, None, :]).reshape(len(at), -1)
-    slow = slow - _means(slow, index, count)[index]
-    U, size, _ = np.linalg.svd(slow / np.maximum(np.linalg.norm(slow, axis=0), 1e-300), full_matrices=False)
-    U = U[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)]
-    free = len(at) - len(count) - U.shape[1]
-    if free < _EACH * max(U.shape[1], 1):
+    held = held - _means(held, index, count)[index]
+    for loads in ((now, now**2, before), (now, now**2), (now,)):
+        load = np.column_stack([np.ones(len(at)), *loads])
+        U = _span((load[:, :, None] * held[:, None, :]).reshape(len(at), -1))
+        free = len(at) - len(count) - U.shape[1]
+        if free >= _EACH * max(U.shape[1], 1):
+            break
+    else:
         return none
     seen = np.isfinite(left)
     made = np.zeros_like(left)
     for _ in range(1 if seen.all() else _ROUNDS):  # what was not seen is as it would be
         made = U @ (U.T @ np.where(seen, left, made))
     return np.where(seen, left - made, np.nan) * np.sqrt(len(at) / free), free
+
+
+def _span(columns: Floats) -> Floats:
+    """An orthonormal basis (R, r) of columns (R, q)."""
+    U, size, _ = np.linalg.svd(
+        columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False
+    )
+    return U[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)]
 
 
 def _means(values: Floats, index: Ints, count: Ints) -> Floats:

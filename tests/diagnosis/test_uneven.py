@@ -72,10 +72,10 @@ def test_the_floor_is_as_uneven_as_the_noise(make_lab, kind: str) -> None:
     more = np.ones(24) if kind == "even" else by(kind, 8)
     values = lab.predict(orifice(lab)) + lab.noise() * more
     floor = prepared(rows_from(lab.dataset(values)), lab.model()).floor
-    assert floor.within / (0.05 * more) == pytest.approx(np.ones(24), abs=0.2)
-    mean = floor.mean / (np.hypot(0.1, 0.05 / np.sqrt(3)) * more)
-    assert mean / np.median(mean) == pytest.approx(np.ones(24), abs=0.35)
-    assert np.median(mean) == pytest.approx(1.0, abs=0.2)
+    most = np.maximum(more, np.median(more))  # of what has less noise than most no less is asked
+    assert floor.within / (0.05 * most) == pytest.approx(np.ones(24), abs=0.25)
+    mean = floor.mean / (np.hypot(0.1, 0.05 / np.sqrt(3)) * most)
+    assert mean == pytest.approx(np.ones(24), abs=0.4)
     if kind == "even":
         assert floor.mean.max() < 1.2 * floor.mean.min()
         assert floor.within.max() < 1.2 * floor.within.min()
@@ -107,8 +107,8 @@ def test_what_is_known_badly_is_pulled_to_most() -> None:
 def test_noise_of_rows_is_uneven_where_that_of_means_is_not() -> None:
     """Repeats say how much of what is uneven within holds is in the captures' means as well: here nothing."""
     random = np.random.default_rng(1)
-    within = np.repeat([1.0, 4.0], 12)
-    alone = [np.arange(24)]
+    within = np.repeat([1.0, 4.0], [16, 8])
+    alone = [np.arange(24) % 3, np.arange(24)]
     even = profile_of_means(np.zeros((60, 24)), random.normal(size=(10, 24)), within, alone)
     assert even == pytest.approx(np.ones(24) * np.median(even), rel=0.3)
     same = profile_of_means(np.zeros((60, 24)), random.normal(size=(10, 24)) * within, within, alone)
