@@ -68,13 +68,13 @@ def noise_floor(
     index = np.searchsorted(captures, rows.capture)
     deviation = residual - means[index]
     many = np.bincount(index)[index] > 1
-    groups = {u: np.array([unit == u for unit in rows.unit]) for u in dict.fromkeys(rows.unit)}
+    units = {u: np.array([unit == u for unit in rows.unit]) for u in dict.fromkeys(rows.unit)}
     mean, within = np.zeros(len(rows.unit)), np.zeros(len(rows.unit))
     single = len(captures) == len(rows.capture) >= 12
     stream = single and not any(rows.repeat)
     repeats: dict[str, float | None] = {}
     hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
-    for number, own in enumerate(groups.values()):
+    for number, own in enumerate(units.values()):
         groups = groups_of(rows, own)
         each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
         again = _repeats(context, means[:, own], captures)
