@@ -1,5 +1,6 @@
 """Observations: what a campaign says about a model's error, as independent numbers of unit noise."""
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -142,8 +143,8 @@ def _units(context: Context, floor: Floor) -> Floats:
 
 def _within(context: Context, floor: Floor, unit: Floats) -> float:
     """The noise within holds as a part of that of a mean: of most observables of the commonest unit it is no larger."""
-    units = list(context.rows.unit)
-    own = np.array([each == max(units, key=units.count) for each in units])
+    ((commonest, _),) = Counter(context.rows.unit).most_common(1)
+    own = np.array([each == commonest for each in context.rows.unit])
     return float(np.quantile((floor.within / unit)[own], _MOST, method="higher"))
 
 
