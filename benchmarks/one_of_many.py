@@ -145,7 +145,9 @@ def table(rows: list[Found]) -> list[str]:
         for law in laws:
             own = [row for row in rows if (row.case.where, row.case.law) == (where, law)]
             count = {said: sum(row.said == said for row in own) for said in {row.said for row in own}}
-            words = "; ".join(f"{n} x {said}" for said, n in sorted(count.items(), key=lambda one: -one[1]))
+            words = "; ".join(
+                f"{n} x {said}" for said, n in sorted(count.items(), key=lambda one: (-one[1], one[0]))
+            )
             right, wrong = sum(row.right for row in own), sum(row.wrong for row in own)
             out.append(f"| {where} | {law} | {right} of {len(own)} | {wrong} | {words} |")
     out.append("")
