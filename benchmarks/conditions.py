@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.bench import wilson
+from benchmarks.one_of_many import share
 from labrig.bench._report import write_section
 from tests.conftest import Lab
 from tests.laws import Law, limited, orifice, power_law, sliding
@@ -175,18 +175,13 @@ def table(rows: list[Found]) -> list[str]:
         shares = " | ".join(f"{sum(part)} of {len(part)}" for part in parts)
         out.append(f"| {condition} | {shares} | {sum(row.wrong for row in own)} | {count} |")
     none, some = ([row for row in rows if bool(row.effect) == there] for there in (False, True))
-    sums = [_share([row.right for row in part]) for part in (none, some)]
-    wrong = _share([row.wrong for row in rows])
+    sums = [share([row.right for row in part]) for part in (none, some)]
+    wrong = share([row.wrong for row in rows])
     return [
         *out,
         "",
         f"Nothing missing, right: {sums[0]}. An effect, right: {sums[1]}. A wrong name sure: {wrong}.",
     ]
-
-
-def _share(each: list[bool]) -> str:
-    low, high = wilson(sum(each), len(each))
-    return f"{sum(each)} of {len(each)} ({100 * low:.0f} to {100 * high:.0f} %)"
 
 
 def main() -> None:

@@ -153,12 +153,13 @@ def table(rows: list[Found]) -> list[str]:
     out.append("")
     for where in SEEN:
         own = [row for row in rows if row.case.where == where and HIDDEN[row.case.law][0]]
-        right, wrong = (_share([getattr(row, a) for row in own]) for a in ("right", "wrong"))
+        right, wrong = (share([getattr(row, a) for row in own]) for a in ("right", "wrong"))
         out.append(f"An effect in {where}: right {right}; a wrong name sure {wrong}.")
     return out
 
 
-def _share(each: list[bool]) -> str:
+def share(each: list[bool]) -> str:
+    """How many of them, and the 95 % interval."""
     low, high = wilson(sum(each), len(each))
     return f"{sum(each)} of {len(each)} ({100 * low:.0f} to {100 * high:.0f} %)"
 

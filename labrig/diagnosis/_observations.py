@@ -15,7 +15,9 @@ from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
 
 _CROWD = 12
+"""Rows that a hold counts as at most: neighbours of a long record say nearly the same."""
 _MOST = 0.9
+"""Share of the observables in which noise within holds is no larger than is taken for all."""
 
 
 def worth_of(numbers: float, conditions: int, inexact: float = 1.0) -> float:

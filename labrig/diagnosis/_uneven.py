@@ -69,10 +69,9 @@ def profile_of_means(means: Floats, differences: Floats, within: Floats, groups:
         known = np.maximum(np.log(within / np.median(within)), 0.0)
         if len(groups) > 1:
             return np.exp(_slope(log, known) * known)
+        # of axes their spectra say how far, of single markers nothing does
         axes = (np.bincount(groups[0], known) / np.bincount(groups[0]))[groups[0]]
-        return np.exp(
-            np.maximum(known + (_slope(log, axes) - 1) * axes, 0.0)
-        )  # of single markers nothing says it
+        return np.exp(np.maximum(known + (_slope(log, axes) - 1) * axes, 0.0))
     return np.exp(np.maximum(_pulled(log, variance, groups), 0.0))
 
 
@@ -108,14 +107,10 @@ def _from_most(log: Floats, variance: Floats) -> Floats:
     alike = norm.logpdf(off, scale=np.sqrt(v))
     apart = np.log(_SOME) + norm.logpdf(off, scale=np.sqrt(v + _BY**2))
     either = np.logaddexp(np.log(np.maximum(1 - _SOME, 1e-300)) + alike, apart)
-    gain = (either - alike)[known].sum(axis=0)  # of being uneven in each of these ways
-    likely = np.exp(
-        gain
-        - np.logaddexp(
-            np.logaddexp.reduce(gain.ravel()) - np.log(gain.size / _P_UNEVEN), np.log(1 - _P_UNEVEN)
-        )
-    )
-    share = likely * _P_UNEVEN / gain.size * np.exp(apart - either)
+    # of each way to be uneven, against all of them and none
+    odds = np.log(_P_UNEVEN / _SOME.size) + (either - alike)[known].sum(axis=0)
+    every = np.logaddexp(np.logaddexp.reduce(odds, axis=None), np.log(1 - _P_UNEVEN))
+    share = np.exp(odds - every + apart - either)
     return (share * off * _BY**2 / (_BY**2 + v)).sum(axis=(1, 2))
 
 

@@ -7,8 +7,11 @@ from labrig.diagnosis._uneven import profile, spread
 from labrig.effects import Context
 
 _MOST_ROWS = 6000
+"""Rows that are looked at: of more, whole holds at even distances; numerical."""
 _ROUNDS = 4
+"""Rounds in which what was not seen is filled; numerical."""
 _NO_MORE = 1.25
+"""What is left beside slow changes, as a part of the lesser of the two, up to which it is noise alone."""
 _EACH = 3
 """Independent differences that there must be for each coefficient of what changes along holds."""
 

@@ -25,7 +25,7 @@ def said(data, model) -> Verdict:
     return verdict_on(observations, ready, effects)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 17])
 def test_sensors_beside_markers_raise_no_alarm(make_lab, seed: int) -> None:
     """Five repeats say the noise of a single force badly: what little they say is no effect."""
     lab = make_lab(captures=60, rows_s=LONGER, seed=seed)

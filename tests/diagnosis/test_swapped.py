@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis._swapped import _exchanged
 from tests.laws import power_law, strut
 
 
@@ -84,3 +85,14 @@ def test_an_effect_beside_exchanged_markers_has_its_name(make_lab) -> None:
     assert [
         line for line in summary["warnings"] if "and others have each other's names in 6 captures" in line
     ]
+
+
+@pytest.mark.parametrize(("usual_mm", "found"), [(0.05, True), (1.0, False)])
+def test_places_must_be_farther_apart_than_markers_are_off(usual_mm: float, found: bool) -> None:
+    """Two markers 2 mm apart, exchanged in one row: told where they are off by little, not where by as much, too."""
+    expected = np.tile(np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [50.0, 0.0, 0.0]]), (20, 1, 1))
+    measured = expected + usual_mm * np.array([0.0, 1.0, 0.0])
+    measured[7, :2] = expected[7, 1::-1]
+    wanted = np.zeros((20, 3), dtype=bool)
+    wanted[7, :2] = found
+    assert (_exchanged(measured, expected) == wanted).all()
