@@ -78,7 +78,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
 
     Raises `LabrigError` where there are enough to say that units, or displacements and positions, are mistaken.
     """
-    observations = observe(ready.context, ready.residual, ready.floor)
+    observations = observe(ready.context, ready.residual, ready.floor, ready.nuisance)
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
     if enough and (line := mistaken(ready.context)) is not None:
         raise LabrigError(f"nothing can be diagnosed: {line}")
@@ -86,7 +86,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
         return ready, observations
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
     ready = replace(ready, floor=noise_of_few(design))
-    return ready, observe(ready.context, ready.residual, ready.floor)
+    return ready, observe(ready.context, ready.residual, ready.floor, ready.nuisance)
 
 
 def verdict_on(

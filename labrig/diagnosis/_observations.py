@@ -60,6 +60,8 @@ class Observations:
     whiten: csr_matrix
     capture: Ints
     index: Ints
+    left: Floats
+    """What is left of the noise's square in each (S,), where the base was fitted to the campaign."""
 
     @property
     def n_captures(self) -> int:
@@ -80,7 +82,7 @@ class Observations:
     @cached_property
     def to_explain(self) -> float:
         """How much more than noise there is in the rows of what was seen, root mean square, in floors."""
-        return self.size_of(self.values, noise=1.0)
+        return self.size_of(self.values, self.left)
 
     @property
     def within(self) -> float:
@@ -94,9 +96,11 @@ class Observations:
         each = np.concatenate([count, np.full(len(self.values) - len(count), self.within**2)])
         return each / (count.sum() * self.seen.sum())
 
-    def size_of(self, values: Floats, noise: float = 0.0) -> float:
-        """How large such observations (S, K), less their `noise`, are in the rows of what was seen, in floors."""
-        square = (values[:, self.seen] ** 2 - noise**2).sum(axis=1)
+    def size_of(self, values: Floats, noise: Floats | float = 0.0) -> float:
+        """How large such observations (S, K), less the square (S,) of their `noise`, are in the rows of what was seen,
+        in floors.
+        """
+        square = (values[:, self.seen] ** 2).sum(axis=1) - noise * self.seen.sum()
         return float(np.sqrt(max(self.counts_for @ square, 0.0)))
 
     @cached_property
@@ -155,8 +159,11 @@ def contrasts(rows: Floats) -> Floats:
     return (rows - 1) * np.minimum(1.0, _CROWD / np.maximum(rows, 1.0))
 
 
-def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
-    """Turn the base's residual (F, K) into observations; what was not seen is filled by what is like it.
+def observe(
+    context: Context, residual: Floats, floor: Floor, fitted: Floats | None = None
+) -> Observations:
+    """Turn the base's residual (F, K) into observations; what was not seen is filled by what is like it. `fitted`
+    (F, D) are the regressors that the base was fitted with to each observable.
 
     Within a hold of k rows the k - 1 orthonormal (Helmert) contrasts are free of the capture's own noise; of long
     records a hold counts as `_CROWD` rows at most, since neighbouring rows say nearly the same.
@@ -189,7 +196,19 @@ def observe(context: Context, residual: Floats, floor: Floor) -> Observations:
     whiten = csr_matrix(
         (np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index))
     )
-    return Observations(context, floor, unit, whiten @ values, whiten, np.array(owner), index)
+    return Observations(
+        context, floor, unit, whiten @ values, whiten, np.array(owner), index, _left(whiten, fitted)
+    )
+
+
+def _left(whiten: csr_matrix, fitted: Floats | None) -> Floats:
+    """What of the square of noise (S,) a least-squares fit of such regressors (F, D) leaves: one less its leverage
+    (D. C. Hoaglin and R. E. Welsch, The American Statistician 32, 1978).
+    """
+    if fitted is None or not fitted.shape[1]:
+        return np.ones(whiten.shape[0])
+    U, size, _ = np.linalg.svd(np.asarray(whiten @ fitted), full_matrices=False)
+    return 1.0 - np.square(U[:, size > 1e-9 * max(size.max(), 1e-300)]).sum(axis=1)
 
 
 def fill_gaps(values: Floats, index: Ints) -> Floats:
