@@ -10,22 +10,21 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._alone import single
 from labrig.diagnosis._columns import Columns, gram
+from labrig.diagnosis._curves import MAP, curves, family_of
 from labrig.diagnosis._directions import directions
 from labrig.diagnosis._motions import MOTION, motions
+from labrig.diagnosis._names import by_kind, has_name
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
-from labrig.effects import Effect, Feature, Space, motion_scale, plain_forms
+from labrig.effects import Effect, Feature, Space, motion_scale
 
 SLOW = "slow noise"
 DECLARED = "declared"
 _MOST_COLUMNS = 64
 _FREE_COLUMNS = 160
-_NEARLY_ALIKE = 0.1
-"""Share of a function that another space may lack and still hold it."""
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
-_ROWS_COMPARED = 50
 
 
 @dataclass(frozen=True)
@@ -79,17 +78,14 @@ def design_of(
     `declared` (F, D) are regressors of every observable by itself, `calibrated` (F, K, D) fields that all share.
     """
     context = observations.context
-    named = [
-        (name, space)
-        for name, effect in effects.items()
-        for space in (*effect.family(context), *plain_forms(effect, context))
-    ]
+    named = family_of(effects, context)
     known = [space for _, space in named]
     named_by_kind = [by_kind(space) for space in known]
     others = [
         ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
     ]
     others += [("?" + MOTION, space) for space in motions(context)]
+    others += [("?" + MAP, space) for space in curves(named, effects, context)]
     V, spread = directions(observations, _different(known))
     made: list[_Made] = []
     free: list[FreeBlock] = []
@@ -192,30 +188,6 @@ def _shown(L: Floats, shows: Floats) -> Floats:
 def _fewer(moves: Floats) -> Floats:
     """Slopes (n, r, C) whose products are the same, in fewer directions where there are fewer chambers."""
     return moves if moves.shape[1] <= moves.shape[2] else np.linalg.qr(moves)[1]
-
-
-def has_name(space: Space, named: Sequence[Mapping[str, Floats]]) -> bool:
-    """Whether one space with a name holds nearly all that this one does: what has a name is not unnamed as well."""
-    own = by_kind(space)
-    return any(all(_within(f, known.get(kind)) for kind, f in own.items()) for known in named)
-
-
-def by_kind(space: Space) -> dict[str, Floats]:
-    """The features of a space by their kind, some rows of each, as unit columns."""
-    out = {}
-    for kind in {f.kind for f in space.features}:
-        values = [f.values for f in space.features if f.kind == kind]
-        step = max(1, len(values[0]) // _ROWS_COMPARED)
-        columns = np.stack([v[::step].ravel() for v in values], axis=1)
-        out[kind] = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    return out
-
-
-def _within(columns: Floats, basis: Floats | None) -> bool:
-    if basis is None or not columns.shape[1] <= basis.shape[1] <= len(basis) / 2:
-        return False
-    left = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
-    return bool(np.linalg.norm(left, axis=0).max() < _NEARLY_ALIKE)
 
 
 class _Layout:

@@ -13,6 +13,7 @@ from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
+from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
 _AT_ONE_MOMENT = {"regulator", "stiffening", "tension", "leak", "delay"}
 """What looks alike where every set-point is seen at the same moment."""
+CUT_OFF = "curves beyond the fitted degree"
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
 _ALIKE = 0.5
@@ -76,11 +78,12 @@ def diagnose(
 def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations]:
     """The observations; where few observables have a unit, with the noise that is left when everything is asked.
 
-    Raises `LabrigError` where there are enough to say that units, or displacements and positions, are mistaken.
+    Raises `LabrigError` where there are enough to say that units, displacements and positions, axes, chambers or
+    set-points are mistaken for each other.
     """
     observations = observe(ready.context, ready.residual, ready.floor, ready.nuisance)
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
-    if enough and (line := mistaken(ready.context)) is not None:
+    if enough and (line := next(mistaken(ready.context), None)) is not None:
         raise LabrigError(f"nothing can be diagnosed: {line}")
     if observations.n_captures < k.FEWEST_OBSERVATIONS or not of_few(observations):
         return ready, observations
@@ -121,7 +124,7 @@ def words_of(design: Design) -> dict[str, str]:
     """What carries each space without a name, in words, by owner."""
     blocks = [b for b in (*design.blocks, *design.free) if b.space.alone <= 1]
     words = {b.owner: b.space.key for b in blocks if b.owner.startswith("?")}
-    return words | {REST: NOTHING, "?" + MOTION: "how the base itself moves"}
+    return words | {REST: NOTHING, "?" + MOTION: "how the base itself moves", "?" + MAP: CUT_OFF}
 
 
 @dataclass(frozen=True)

@@ -159,9 +159,7 @@ def contrasts(rows: Floats) -> Floats:
     return (rows - 1) * np.minimum(1.0, _CROWD / np.maximum(rows, 1.0))
 
 
-def observe(
-    context: Context, residual: Floats, floor: Floor, fitted: Floats | None = None
-) -> Observations:
+def observe(context: Context, residual: Floats, floor: Floor, fitted: Floats | None = None) -> Observations:
     """Turn the base's residual (F, K) into observations; what was not seen is filled by what is like it. `fitted`
     (F, D) are the regressors that the base was fitted with to each observable.
 

@@ -11,6 +11,7 @@ from scipy.linalg import block_diag
 
 from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import DECLARED, SLOW, Design
 from labrig.diagnosis._evidence import (
     Beside,
@@ -50,7 +51,7 @@ class Posterior:
     probability: Floats
 
 
-OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION})
+OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION, "?" + MAP})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""

@@ -1,4 +1,4 @@
-"""Markers that have each other's names: in some rows each is where another is expected."""
+"""Markers that have other markers' names: in some rows each is where another is expected."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def without_swapped(context: Context) -> Context:
     if len(markers) < 2:
         return context
     measured, expected = rows.values[:, place], context.base[:, place]
-    gone = _exchanged(measured, expected)
+    gone, mutual = _exchanged(measured, expected)
     if not gone.any():
         return context
     values = rows.values.copy()
@@ -32,12 +32,14 @@ def without_swapped(context: Context) -> Context:
         values[np.ix_(gone[:, m], own)] = np.nan
     who = np.flatnonzero(gone.any(axis=0))
     names = [rows.markers[markers[m]] for m in who[:_NAMED]] + (["others"] if len(who) > _NAMED else [])
+    them = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+    whose = "each other's names" if mutual else "the names of others" if len(who) > 1 else "another's name"
     captures = np.unique(rows.capture[gone.any(axis=1)])
     shown = ", ".join(str(c) for c in captures[:_NAMED]) + (", ..." if len(captures) > _NAMED else "")
     several = "captures" if len(captures) > 1 else "capture"
     line = (
-        f"{', '.join(names[:-1])} and {names[-1]} have each other's names in {len(captures)} {several} ({shown}): "
-        "left out there; label them again"
+        f"{them} {'have' if len(who) > 1 else 'has'} {whose} in {len(captures)} {several} ({shown}): left out there; "
+        "label them again"
     )
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line)))
 
@@ -52,33 +54,37 @@ def _places(rows: Rows) -> tuple[list[int], Ints]:
     return list(out), np.array(list(out.values()), dtype=int).reshape(-1, 3)
 
 
-def _exchanged(measured: Floats, expected: Floats) -> NDArray[np.bool_]:
-    """Which of the markers (F, M) are, in a row, where another is expected that is somewhere else itself."""
+def _exchanged(measured: Floats, expected: Floats) -> tuple[NDArray[np.bool_], bool]:
+    """Which of the markers (F, M) are, in a row, where another is expected that is somewhere else itself, or is not
+    seen; and whether all of them have each other's places.
+    """
     off = np.linalg.norm(measured - expected, axis=2)
+    seen = np.isfinite(off)
     to, away = _nearest(measured, expected, off)
     usual = np.full(off.shape[1], np.inf)
-    known = np.isfinite(off).any(axis=0)
+    known = seen.any(axis=0)
     usual[known] = np.nanmedian(away[:, known], axis=0)
     there = np.take_along_axis(expected, to[:, :, None], axis=1)
     apart = np.linalg.norm(expected - there, axis=2)
     moved = (to != np.arange(len(usual))) & (_NEARER * away < off)
-    moved &= apart > _NEARER * np.maximum(usual, usual[to])
-    # whoever is in another's place has left his own to one who is exchanged as well
-    taken = np.zeros_like(moved)
-    f, m = np.nonzero(moved)
-    taken[f, to[f, m]] = True
-    return moved & taken & np.take_along_axis(moved, to, axis=1)
+    moved &= apart > _NEARER * np.maximum(usual, np.where(known, usual, 0.0)[to])
+    while True:  # whoever is in another's place finds it left
+        left = moved & np.take_along_axis(~seen | moved, to, axis=1)
+        if (left == moved).all():
+            break
+        moved = left
+    return moved, bool(np.take_along_axis(moved, to, axis=1)[moved].all())
 
 
 def _nearest(measured: Floats, expected: Floats, off: Floats) -> tuple[Ints, Floats]:
-    """The marker (F, M) in whose place each is, so that all are as near as can be, and how far it is from there."""
+    """The marker (F, M) in whose place each that is seen is, so that all are as near as can be, and how far from it."""
     seen = np.isfinite(off)
     to, away = np.tile(np.arange(off.shape[1]), (len(off), 1)), off.copy()
     middle = expected.mean(axis=0)
     between = np.linalg.norm(middle[:, None] - middle, axis=2) + np.diag(np.full(len(middle), np.inf))
     for f in np.flatnonzero((np.where(seen, off, 0.0) > _CLOSE * between.min(axis=0)).any(axis=1)):
         here = np.flatnonzero(seen[f])
-        each = np.linalg.norm(measured[f][here][:, None] - expected[f][here], axis=2)
+        each = np.linalg.norm(measured[f][here][:, None] - expected[f], axis=2)
         _, found = linear_sum_assignment(each**2)
-        to[f, here], away[f, here] = here[found], each[np.arange(len(here)), found]
+        to[f, here], away[f, here] = found, each[np.arange(len(here)), found]
     return to, away

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._mixed_up import mixed_up
 from labrig.effects import Context
 
 _ALIKE = 0.9
@@ -14,17 +15,19 @@ _TIMES = 5.0
 
 def units_off(context: Context) -> list[str]:
     """A line for each unit whose observables hardly move, or follow the model's prediction many times as far or as
-    little; without one, a line where one of both gives displacements and the other positions.
+    little; without one, a line where one of both gives displacements and the other positions; without that, what else
+    is mistaken.
     """
-    out = [line for line, _ in _scales(context)]
-    return out or _displaced(context)
+    return [line for line, _ in _scales(context)] or [*_displaced(context)] or [*mixed_up(context)]
 
 
-def mistaken(context: Context) -> str | None:
-    """What nothing can be concluded beside: units, or displacements and positions, that are mistaken for each other."""
-    return next((line for line, follows in _scales(context) if follows), None) or next(
-        iter(_displaced(context)), None
-    )
+def mistaken(context: Context) -> Iterator[str]:
+    """What nothing can be concluded beside: units, displacements and positions, axes, chambers or set-points that are
+    mistaken for each other.
+    """
+    yield from (line for line, follows in _scales(context) if follows)
+    yield from _displaced(context)
+    yield from mixed_up(context)
 
 
 def _scales(context: Context) -> Iterator[tuple[str, bool]]:

@@ -59,6 +59,7 @@ def _ends(context: Context) -> Iterator[Space]:
     for j, mode in enumerate(modes[:2]):
         if size[j] < 0.2 * size[0]:
             break
+        mode = mode * np.sign(mode[np.abs(mode).argmax()])  # whichever way it was found
         for side in (1.0, -1.0):
             along = side * (moved @ mode)
             top = float(along.max())

@@ -29,7 +29,9 @@ def pushes(context: Context) -> Iterator[Space]:
     places = Places(context)
     far = float(places.length.max())
     away = places.length > _AWAY * far
-    some = slice(None, None, max(1, len(places.first) // _CAPTURES))
+    # in an order of their pressures: the same, whatever came first
+    order = np.lexsort(rows.actuation[places.first].T)
+    some = order[:: max(1, len(order) // _CAPTURES)]
     here, out, left = places.here[places.first[some]], away[places.first[some]], places.left[some]
     spots = here[out]
     if far <= 0 or len(spots) < _BEST:

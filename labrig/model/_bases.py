@@ -90,7 +90,7 @@ class StaticModel:
     kind = "static"
 
     def __init__(self, spec: StaticBase, rows: Rows) -> None:
-        self._degree = spec.degree
+        self.degree = spec.degree
         self._low, self._span = rows.low, rows.high - rows.low
         self._in_each = bool(spec.in_each_session)
         if self._in_each and len(rows.sessions) > MOST_SESSIONS:
@@ -146,7 +146,7 @@ class StaticModel:
         """The monomials up to the degree, of each chamber's fraction of its range, (F, D)."""
         x = (actuation - self._low) / self._span
         columns = [np.ones(len(x))]
-        for degree in range(1, self._degree + 1):
+        for degree in range(1, self.degree + 1):
             for chosen in combinations_with_replacement(range(x.shape[1]), degree):
                 columns.append(np.prod(x[:, chosen], axis=1))
         return np.stack(columns, axis=1)

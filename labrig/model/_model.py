@@ -193,6 +193,7 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
         event_deflection=alone.at(rows.event_actuation),
         deflection_slope=alone.slope(rows.actuation),
         base_kind=base.kind,
+        degree=base.degree if isinstance(base, StaticModel) else 0,
         inside=inside,
         reach=alone.reach,
         alone=partial(solo_deflection, base),

@@ -13,6 +13,8 @@ _CARRIES = {
     "where chambers act": "comes from chambers that act in other places than the base model assumes",
     "how the base itself moves": "is a structural error of the base model: all move another way than it predicts, as "
     "places beside them do, or by another curve of the pressures",
+    "curves beyond the fitted degree": "is a curve of the set-points, which the polynomial that was fitted as base may "
+    "lack",
     "pressures together": "depends on several pressures together",
     "place": "is the same at all pressures",
     "time in hold": "changes within the holds",

@@ -5,16 +5,9 @@ import pytest
 
 from labrig.diagnosis import prepared, rows_from
 from labrig.diagnosis._observations import observe
-from labrig.model import Model
 from tests.laws import orifice
 from tests.naming import calls_of
-
-
-def fitted(lab, degree: int) -> Model:
-    """A polynomial of the pressures, fitted to the run."""
-    path = lab.folder / "fitted.yaml"
-    path.write_text(f"base: {{kind: static, degree: {degree}}}\n")
-    return Model.load(path)
+from tests.polynomials import fitted
 
 
 @pytest.mark.parametrize("degree", [1, 3])
@@ -28,7 +21,8 @@ def test_noise_beside_a_fit_is_noise(make_lab, degree: int) -> None:
     left = observations.left[: lab.captures]
     assert left.mean() == pytest.approx(1 - {1: 4, 3: 20}[degree] / 60, abs=1e-6)
     assert np.mean(means**2) == pytest.approx(left.mean() * (1 + 0.1**2 / 3), rel=0.1)
-    assert (observations.left[lab.captures :] == pytest.approx(1.0)) and observations.to_explain < 0.2
+    assert observations.left[lab.captures :] == pytest.approx(1.0)
+    assert observations.to_explain < 0.2
 
 
 def test_a_leak_beside_a_cubic_base_is_named(make_lab) -> None:

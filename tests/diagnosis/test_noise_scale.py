@@ -9,8 +9,9 @@ from scipy.stats import multivariate_normal
 
 from labrig.diagnosis import diagnose
 from labrig.diagnosis._constants import FLOOR_SPREAD
-from labrig.diagnosis._design import by_kind, design_of, has_name
+from labrig.diagnosis._design import design_of
 from labrig.diagnosis._diagnose import observed, verdict_on
+from labrig.diagnosis._names import by_kind, has_name
 from labrig.diagnosis._noise_scale import _SCALES, _SIZES, _everything, noise_of_few, noise_scale
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from

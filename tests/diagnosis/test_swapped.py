@@ -95,4 +95,37 @@ def test_places_must_be_farther_apart_than_markers_are_off(usual_mm: float, foun
     measured[7, :2] = expected[7, 1::-1]
     wanted = np.zeros((20, 3), dtype=bool)
     wanted[7, :2] = found
-    assert (_exchanged(measured, expected) == wanted).all()
+    assert (_exchanged(measured, expected)[0] == wanted).all()
+
+
+def test_a_lost_marker_whose_name_another_took(make_lab) -> None:
+    """Where m4 is out of sight in some captures and m5 goes by its name, m4 is left out there: that is m5's place."""
+    lab = make_lab(captures=30, markers=12)
+    values = lab.predict(lab.u) + lab.noise()
+    values = renamed(values, [3, 8, 21], {5: 4})
+    values.reshape(30, -1, 12, 3)[[3, 8, 21], :, 5] = np.nan
+    gone, said = lost(lab, values)
+    assert gone == {4: [3, 8, 21], 5: [3, 8, 21]}
+    assert said == ("m4 has another's name in 3 captures (3, 8, 21): left out there; label them again",)
+
+
+def test_names_that_moved_up_by_one(make_lab) -> None:
+    """One marker was never seen, and all behind it have the name of the one before: none of those is what it says."""
+    lab = make_lab(captures=30, markers=12)
+    values = lab.predict(lab.u) + lab.noise()
+    values = renamed(values, list(range(30)), {m + 1: m for m in range(7, 11)})
+    values.reshape(30, -1, 12, 3)[:, :, 11] = np.nan
+    gone, said = lost(lab, values)
+    assert set(gone) == {7, 8, 9, 10, 11}
+    assert said[0].startswith(
+        "m7, m8, m9 and m10 have the names of others in 30 captures (0, 1, 2, 3, ...): "
+    )
+
+
+def test_a_frame_that_moved_by_the_distance_of_two_markers(make_lab) -> None:
+    """Each marker is where the next is expected, but the last is where none is: all keep their names."""
+    lab = make_lab(captures=30, markers=6)
+    lab.rest_mm[:] = 10.0 * np.arange(6)[:, None] * np.array([1.0, 0.0, 0.0])
+    lab.rest = lab.rest_mm.ravel()
+    values = (lab.predict(lab.u) + lab.noise()).reshape(30, -1, 6, 3) + np.array([10.0, 0.0, 0.0])
+    assert lost(lab, values.reshape(30, -1, 18)) == ({}, ())

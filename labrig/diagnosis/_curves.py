@@ -1,0 +1,83 @@
+"""Laws that are curves of the set-points: a map that was fitted to the run, and is not exact, errs by the same."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from labrig.arrays import Ints
+from labrig.diagnosis._names import by_kind, has_name
+from labrig.effects import Context, Effect, Space, plain_forms
+
+MAP = "map"
+"""What a map that was fitted to the run does not follow."""
+_ROWS_COMPARED = 200
+"""More than for what has no name: of one chamber a row is one number."""
+
+
+def family_of(effects: Mapping[str, Effect], context: Context) -> list[tuple[str, Space]]:
+    """Every space of these effects, their plain forms among them, by name."""
+    return [
+        (name, space)
+        for name, effect in effects.items()
+        for space in (*effect.family(context), *plain_forms(effect, context))
+    ]
+
+
+def curves(
+    named: Sequence[tuple[str, Space]], effects: Mapping[str, Effect], context: Context
+) -> list[Space]:
+    """Those of an effect's spaces that hold no more than they would if each capture began at rest, in any order:
+    functions of the set-point alone.
+
+    None where no polynomial of a degree above one was fitted: a straight line is a law, and what it lacks has a name;
+    of a series that was cut off it is the next term as well.
+    """
+    if context.degree < 2:
+        return []
+    shuffled, back = in_any_order(context)
+    there = {
+        (name, space.key): by_kind(_rows(space, back), _ROWS_COMPARED)
+        for name, space in family_of(effects, shuffled)
+    }
+    return [
+        space for name, space in named if has_name(space, [there.get((name, space.key), {})], _ROWS_COMPARED)
+    ]
+
+
+def in_any_order(context: Context) -> tuple[Context, Ints]:
+    """The same captures in another order, each in a session of its own, from rest, seen at one moment of its hold,
+    without what was recorded beside; and where each row (F,) has gone.
+    """
+    _, index = np.unique(context.rows.capture, return_inverse=True)
+    n, F = int(index.max()) + 1, len(index)
+    place = np.random.default_rng(0).permutation(n)[index]
+    order = np.argsort(place, kind="stable")
+    moved = context.thin(order)
+    rows, first = moved.rows, np.unique(place[order], return_index=True)[1]
+    session = place[order].astype(np.int64)
+    names = tuple(str(i) for i in range(n))
+    rows = replace(
+        rows,
+        capture=session,
+        session=session,
+        event=session,
+        hold_s=np.ones(F),
+        time_s=np.ones(F),
+        event_actuation=rows.actuation[first],
+        event_time_s=np.zeros(n),
+        event_session=np.arange(n),
+        sessions=names,
+        session_keys=names,
+        repeat=("",) * n,
+        covariates={},
+        between_sessions="vented",
+        start_s=float("nan"),
+    )
+    alone = replace(moved, rows=rows, event_deflection=moved.deflection[first], _memo={})
+    return alone, np.argsort(order)
+
+
+def _rows(space: Space, order: Ints) -> Space:
+    """A space with its rows in another order."""
+    return replace(space, features=tuple(replace(f, values=f.values[order]) for f in space.features))

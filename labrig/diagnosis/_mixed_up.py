@@ -1,0 +1,117 @@
+"""Axes, chambers or set-points that are mistaken for others: what was measured follows the model, once they are not."""
+
+from collections.abc import Iterator
+from itertools import permutations, product
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from labrig.effects import Context, motion_scale
+
+_CLOSER = 3.0
+"""How many times closer what was measured follows the model once something is exchanged, for that to be said."""
+_MATTERS = 0.2
+"""Share of what chambers do by which it must be another where they are exchanged: twins may be exchanged."""
+_ENOUGH = 3
+"""Captures that there must be for each coefficient that is fitted."""
+_FEWEST = 10
+"""Set-points, one after the other, that there must be to compare them with their neighbours."""
+
+
+def mixed_up(context: Context) -> Iterator[str]:
+    """A line for what is mistaken for each other: axes of markers, chambers, the set-points of captures.
+
+    Nothing physical is put right by an exchange, which has no size that could be fitted.
+    """
+    if context.moves:
+        yield from _axes(context)
+        yield from _chambers(context)
+        yield from _moments(context)
+
+
+def _axes(context: Context) -> Iterator[str]:
+    """Markers whose x, y and z are the model's in another order, or with other signs."""
+    rows = context.rows
+    own = [np.flatnonzero((rows.axis == a) & (rows.marker >= 0)) for a in range(3)]
+    if len({tuple(rows.marker[each]) for each in own}) > 1 or len(own[0]) < 2:
+        return
+    place = np.stack(own, axis=1)
+    measured, base = rows.values[:, place].reshape(-1, 3), context.base[:, place].reshape(-1, 3)
+    seen = np.isfinite(measured).all(axis=1)
+    if not seen.any():
+        return
+    # from their middle: another origin is no other axes
+    x, b = (v[seen] - v[seen].mean(axis=0) for v in (measured, base))
+    both = b.T @ x
+    found = [
+        (float(sum(s * both[j, i] for i, (j, s) in enumerate(zip(order, signs, strict=True)))), order, signs)
+        for order in permutations(range(3))
+        for signs in product((1, -1), repeat=3)
+    ]
+    follows, order, signs = max(found)
+    square = float((x**2).sum() + (b**2).sum())
+    left, now = (max(square - 2 * value, 0.0) for value in (follows, float(np.trace(both))))
+    if now > 0 and now >= _CLOSER**2 * left:
+        words = [("" if s > 0 else "-") + "xyz"[j] for j, s in zip(order, signs, strict=True)]
+        yield (
+            f"what is measured as x, y and z is {', '.join(words[:2])} and {words[2]} of the model: the axes of one of "
+            "both are named otherwise, rename them in the mapping"
+        )
+
+
+def _chambers(context: Context) -> Iterator[str]:
+    """Chambers that move what others should: each goes to the one whose slopes, over the whole run, are nearest."""
+    rows, C = context.rows, len(context.rows.chambers)
+    if C < 2 or rows.n_captures < _ENOUGH * (C + 1):
+        return
+    spread = rows.actuation.std(axis=0)
+    u = (rows.actuation - rows.actuation.mean(axis=0)) / np.where(spread > 0, spread, 1.0)
+    columns = np.column_stack([np.ones(len(u)), u])
+    seen = np.isfinite(rows.values).astype(float)
+    square = np.linalg.pinv(np.einsum("fk,fa,fb->kab", seen, columns, columns), rcond=1e-9, hermitian=True)
+    scale = motion_scale(context)
+    measured, base = (
+        np.einsum("kab,fb,fk->ka", square, columns, seen * np.nan_to_num(v) / scale)[:, 1:]
+        for v in (rows.values, context.base)
+    )
+    # a slope by a chamber's own spread: of another chamber by that one's
+    per = base / np.where(spread > 0, spread, 1.0)
+    off = ((measured[:, :, None] - per[:, None, :] * spread[:, None]) ** 2).sum(axis=0)
+    _, goes = linear_sum_assignment(off)
+    moved = np.flatnonzero(goes != np.arange(C))
+    now, left = float(np.trace(off)), float(off[np.arange(C), goes].sum())
+    does = float((base[:, moved] ** 2).sum())
+    if not len(moved) or now < max(_CLOSER**2 * left, _MATTERS**2 * does):
+        return
+    names = rows.chambers
+    pairs = ", ".join(f"{names[c]} does what the model says of {names[goes[c]]}" for c in moved)
+    yield f"{pairs}: check their hoses, and the order of the chambers in the mapping and in the model"
+
+
+def _moments(context: Context) -> Iterator[str]:
+    """Captures at which what the set-point before, or the one after, should do was measured."""
+    rows = context.rows
+    _, first, index = np.unique(rows.capture, return_index=True, return_inverse=True)
+    n = len(first)
+    if context.sample_s or n < _FEWEST:
+        return
+    seen = np.isfinite(rows.values)
+    count = np.zeros((n, seen.shape[1]))
+    np.add.at(count, index, seen)
+    sums = np.zeros_like(count)
+    np.add.at(sums, index, np.where(seen, rows.values, 0.0))
+    measured = np.where(count > 0, sums / np.maximum(count, 1), np.nan) / motion_scale(context)
+    base, session = context.base[first] / motion_scale(context), rows.session[first]
+    for later, word in ((1, "before"), (-1, "after")):
+        at = np.arange(n)
+        use = (at - later >= 0) & (at - later < n)
+        use[use] &= session[at[use] - later] == session[use]
+        if use.sum() < _FEWEST:
+            continue
+        other = base[at[use] - later]
+        now, left = (float(np.nansum((measured[use] - b) ** 2)) for b in (base[use], other))
+        if now > 0 and now >= _CLOSER**2 * left:
+            yield (
+                f"what is measured at each set-point is what the model says of the one {word}: check how the "
+                "pressures and the measurements were put together"
+            )

@@ -1,0 +1,38 @@
+"""Whether one space holds what another does."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.effects import Space
+
+_NEARLY_ALIKE = 0.1
+"""Share of a function that another space may lack and still hold it."""
+_ROWS_COMPARED = 50
+
+
+def has_name(space: Space, named: Sequence[Mapping[str, Floats]], rows: int = _ROWS_COMPARED) -> bool:
+    """Whether one space with a name, of which so many rows are known, holds nearly all that this one does: what has a
+    name is not unnamed as well.
+    """
+    own = by_kind(space, rows)
+    return any(all(_within(f, known.get(kind)) for kind, f in own.items()) for known in named)
+
+
+def by_kind(space: Space, rows: int = _ROWS_COMPARED) -> dict[str, Floats]:
+    """The features of a space by their kind, about so many rows of each, as unit columns."""
+    out = {}
+    for kind in {f.kind for f in space.features}:
+        values = [f.values for f in space.features if f.kind == kind]
+        step = max(1, len(values[0]) // rows)
+        columns = np.stack([v[::step].ravel() for v in values], axis=1)
+        out[kind] = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    return out
+
+
+def _within(columns: Floats, basis: Floats | None) -> bool:
+    if basis is None or not columns.shape[1] <= basis.shape[1] <= len(basis) / 2:
+        return False
+    left = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
+    return bool(np.linalg.norm(left, axis=0).max() < _NEARLY_ALIKE)

@@ -1,0 +1,76 @@
+"""Beside a polynomial that was fitted to the run no curve of the set-points is surely an effect."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import prepared, rows_from
+from labrig.diagnosis._curves import curves, family_of, in_any_order
+from labrig.diagnosis._diagnose import CUT_OFF
+from labrig.effects import Context
+from tests.laws import bowed, power_law, strut
+from tests.naming import calls_of, verdict_of
+from tests.polynomials import fitted
+
+OF_SET_POINTS = {"regulator", "stiffening", "tension", "contact", "coupling"}
+OF_MORE = {"creep", "leak", "delay", "hysteresis", "friction", "drift"}
+
+
+def context_of(lab, values: np.ndarray, degree: int) -> Context:
+    """A campaign beside a polynomial of so high a degree."""
+    return prepared(rows_from(lab.dataset(values)), fitted(lab, degree)).context
+
+
+def named_twice(lab, context: Context) -> set[str]:
+    """Which effects have spaces that the map may lack as well."""
+    effects = lab.model().library()
+    named = family_of(effects, context)
+    found = curves(named, effects, context)
+    return {name for name, space in named if any(space is own for own in found)}
+
+
+def test_what_a_cut_off_series_lacks_is_a_curve_of_the_set_points(make_lab) -> None:
+    """Walls, sensors and obstacles go by the set-point alone; what remembers, or goes on in a hold, does not."""
+    lab = make_lab(markers=12, captures=80, rows_s=(1.0, 3.0, 8.0), seed=1)
+    both = named_twice(lab, context_of(lab, lab.predict(power_law(lab)) + lab.noise(), 2))
+    assert both >= OF_SET_POINTS
+    assert not both & OF_MORE
+
+
+def test_a_straight_line_is_a_law(make_lab) -> None:
+    """What is not proportional has a name: of a map of the first degree, as of a base of one's own, none is shared."""
+    lab = make_lab()
+    values = lab.predict(lab.u) + lab.noise()
+    assert not named_twice(lab, context_of(lab, values, 1))
+    assert not named_twice(lab, prepared(rows_from(lab.dataset(values)), lab.model()).context)
+
+
+def test_another_order_has_the_same_captures(make_lab) -> None:
+    """Each row comes back to its place with its own set-point, from rest and in a session of its own."""
+    lab = make_lab(sessions=2)
+    context = context_of(lab, lab.predict(lab.u) + lab.noise(), 2)
+    alone, back = in_any_order(context)
+    assert (alone.rows.actuation[back] == context.rows.actuation).all()
+    assert (alone.rows.values[back] == context.rows.values).all()
+    assert (alone.rows.event_actuation[alone.rows.event] == alone.rows.actuation).all()
+    assert alone.event_deflection[alone.rows.event] == pytest.approx(alone.deflection)
+    assert not alone.previous.any()
+    assert (np.bincount(alone.rows.session) == 3).all()
+    first = context.rows.capture[np.argsort(back)][::3]
+    assert (first != np.arange(lab.captures)).mean() > 0.9
+
+
+@pytest.mark.parametrize("law", [None, bowed, strut])
+def test_no_curve_is_sure_beside_a_parabola(make_lab, law) -> None:
+    """A rig that saturates, a bowed sensor, an obstacle: a parabola lacks the next term, so no name is sure."""
+    lab = make_lab(markers=12, seed=30)
+    values = lab.predict(lab.u if law is None else law(lab)) + lab.noise()
+    found = verdict_of(lab.dataset(values), fitted(lab, 2))
+    assert (found.verdict, found.effects) == ("confounded", ())
+    assert found.beside[CUT_OFF] > 0.1
+
+
+def test_what_remembers_is_sure_beside_a_parabola(make_lab) -> None:
+    """Creep is no curve of the set-points, whatever the map lacks."""
+    lab = make_lab(markers=12, seed=30)
+    calls = calls_of(lab.dataset(lab.predict(power_law(lab)) + lab.noise()), fitted(lab, 2))
+    assert [name for name, call in calls.items() if call == "sure"] == ["creep"]

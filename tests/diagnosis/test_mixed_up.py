@@ -1,0 +1,115 @@
+"""Axes, chambers and set-points that are mistaken for each other: one line says so, and nothing is named."""
+
+import re
+
+import numpy as np
+import pytest
+
+from labrig import LabrigError
+from labrig.diagnosis import compare, diagnose, prepared, rows_from
+from labrig.diagnosis._mixed_up import mixed_up
+from tests.laws import bowed, limited, orifice, power_law, sliding, strut
+
+
+def said(lab, values: np.ndarray) -> list[str]:
+    """What is said to be mistaken."""
+    return list(mixed_up(prepared(rows_from(lab.dataset(values)), lab.model()).context))
+
+
+def axes(lab, values: np.ndarray, order: list[int], signs: tuple[int, int, int]) -> np.ndarray:
+    """What is seen by cameras whose x is the model's axis order[0] with such a sign, and so on."""
+    each = values.reshape(*values.shape[:2], -1, 3)
+    return (each[..., order] * np.array(signs)).reshape(values.shape)
+
+
+@pytest.mark.parametrize(
+    ("order", "signs", "words"),
+    [
+        ([0, 2, 1], (1, 1, 1), "x, z and y"),
+        ([0, 1, 2], (1, 1, -1), "x, y and -z"),
+        ([1, 0, 2], (-1, 1, 1), "-y, x and z"),
+    ],
+)
+def test_axes_of_another_name(make_lab, order: list[int], signs, words: str) -> None:
+    """Cameras with y up, or another hand, from another origin: the line says which axis is which."""
+    lab = make_lab(markers=12)
+    seen = axes(lab, lab.predict(power_law(lab)) + lab.noise(), order, signs) + 200.0
+    assert said(lab, seen) == [
+        f"what is measured as x, y and z is {words} of the model: the axes of one of both are named otherwise, rename "
+        "them in the mapping"
+    ]
+
+
+@pytest.mark.parametrize(("turn", "mistaken"), [(30.0, False), (85.0, True)])
+def test_a_turned_frame_is_no_other_axes(make_lab, turn: float, mistaken: bool) -> None:
+    """Cameras that were turned by 30 degrees are a frame; by nearly a right angle, other axes."""
+    lab = make_lab(markers=12)
+    a = np.deg2rad(turn)
+    R = np.array([[np.cos(a), -np.sin(a), 0.0], [np.sin(a), np.cos(a), 0.0], [0.0, 0.0, 1.0]])
+    values = (lab.predict(lab.u) + lab.noise()).reshape(60, -1, 12, 3) @ R.T
+    assert bool(said(lab, values.reshape(60, -1, 36))) == mistaken
+
+
+def test_hoses_that_were_exchanged(make_lab) -> None:
+    """Chambers one and three move what the other should, and creep: two names, and what to look at."""
+    lab = make_lab(chambers=4, markers=12)
+    values = lab.predict(power_law(lab)[..., [2, 1, 0, 3]]) + lab.noise()
+    assert said(lab, values) == [
+        "c1 does what the model says of c3, c3 does what the model says of c1: check their hoses, and the order of the "
+        "chambers in the mapping and in the model"
+    ]
+
+
+def test_chambers_that_go_round(make_lab) -> None:
+    """Each of three has the hose of the next."""
+    lab = make_lab(markers=12)
+    (line,) = said(lab, lab.predict(lab.u[..., [1, 2, 0]]) + lab.noise())
+    assert line.startswith(
+        "c1 does what the model says of c3, c2 does what the model says of c1, c3 does what the model says of c2: "
+    )
+
+
+def test_chambers_with_other_ranges(make_lab) -> None:
+    """A chamber that goes to a third of the pressure is known by what a kilopascal does, not by how far it went."""
+    lab = make_lab(markers=12, bent=0.0)
+    lab.commanded[:, 0] /= 3.0
+    (line,) = said(lab, lab.predict(lab.u[..., [1, 0, 2]]) + lab.noise())
+    assert line.startswith("c1 does what the model says of c2, c2 does what the model says of c1: ")
+
+
+def test_twins_may_be_exchanged(make_lab) -> None:
+    """Of two chambers that do nearly the same nobody is told that they are exchanged."""
+    lab = make_lab(markers=12)
+    lab.reach[:, 1] = 1.03 * lab.reach[:, 0]
+    assert said(lab, lab.predict(lab.u[..., [1, 0, 2]]) + 0.1 * lab.noise()) == []
+
+
+@pytest.mark.parametrize(("later", "word"), [(1, "before"), (-1, "after")])
+def test_rows_that_slipped_by_one(make_lab, later: int, word: str) -> None:
+    """A table whose pressures and measurements were put together one row off."""
+    lab = make_lab(markers=12)
+    values = lab.predict(np.roll(lab.u, later, axis=0)) + lab.noise()
+    assert said(lab, values) == [
+        f"what is measured at each set-point is what the model says of the one {word}: check how the pressures and the "
+        "measurements were put together"
+    ]
+
+
+@pytest.mark.parametrize("law", [None, bowed, limited, orifice, power_law, sliding, strut])
+def test_physics_is_no_mistake(make_lab, law) -> None:
+    """Whatever is missing, and at twenty times the size, nothing is said to be exchanged."""
+    lab = make_lab(markers=12, seed=3)
+    clean = lab.predict(lab.u)
+    more = (lab.predict(law(lab)) if law else clean) - clean
+    for times in (1.0, 20.0):
+        assert said(lab, clean + times * more + lab.noise()) == []
+
+
+def test_nothing_is_named_before_it_is_put_right(make_lab) -> None:
+    """A diagnosis ends with the line, where it called exchanged hoses a contact; a comparison warns."""
+    lab = make_lab(markers=12)
+    data = lab.dataset(lab.predict(lab.u[..., [1, 0, 2]]) + lab.noise())
+    start = "c1 does what the model says of c2, c2 does what the model says of c1: check their hoses"
+    with pytest.raises(LabrigError, match=f"^nothing can be diagnosed: {re.escape(start)}"):
+        diagnose(data, lab.model())
+    assert [line for line in compare(data, lab.model()).summary["warnings"] if line.startswith(start)]
