@@ -183,6 +183,7 @@ class Explained:
             joint.whiten,
             joint.capture,
             joint.index,
+            joint.left,
             self.observations,
         )
 

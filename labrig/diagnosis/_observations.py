@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import helmert
 from scipy.sparse import csr_matrix
 
+from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
 from labrig.diagnosis._floor import Floor
@@ -194,19 +195,16 @@ def observe(context: Context, residual: Floats, floor: Floor, fitted: Floats | N
     whiten = csr_matrix(
         (np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index))
     )
-    return Observations(
-        context, floor, unit, whiten @ values, whiten, np.array(owner), index, _left(whiten, fitted)
-    )
+    left = np.ones(row) if fitted is None else _left(np.asarray(whiten @ fitted))
+    return Observations(context, floor, unit, whiten @ values, whiten, np.array(owner), index, left)
 
 
-def _left(whiten: csr_matrix, fitted: Floats | None) -> Floats:
-    """What of the square of noise (S,) a least-squares fit of such regressors (F, D) leaves: one less its leverage
+def _left(fitted: Floats) -> Floats:
+    """What of the square of noise (S,) a least-squares fit of such regressors (S, D) leaves: one less its leverage
     (D. C. Hoaglin and R. E. Welsch, The American Statistician 32, 1978).
     """
-    if fitted is None or not fitted.shape[1]:
-        return np.ones(whiten.shape[0])
-    U, size, _ = np.linalg.svd(np.asarray(whiten @ fitted), full_matrices=False)
-    return 1.0 - np.square(U[:, size > 1e-9 * max(size.max(), 1e-300)]).sum(axis=1)
+    U, size, _ = svd(fitted)
+    return 1.0 - np.square(U[:, size > 1e-9 * size.max(initial=0.0)]).sum(axis=1)
 
 
 def fill_gaps(values: Floats, index: Ints) -> Floats:
