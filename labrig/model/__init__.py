@@ -12,6 +12,7 @@ from labrig.model._file import (
     write_model_file,
 )
 from labrig.model._model import Model, Predictor, as_fitted, base_context, evaluate, find_variant
+from labrig.model._robust import robust_fit
 
 __all__ = [
     "BaseModel",
@@ -29,6 +30,7 @@ __all__ = [
     "jacobian",
     "model_text",
     "read_model_file",
+    "robust_fit",
     "solo_deflection",
     "transients",
     "write_model_file",

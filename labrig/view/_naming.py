@@ -15,6 +15,7 @@ _CARRIES = {
     "places beside them do, or by another curve of the pressures",
     "curves beyond the fitted degree": "is a curve of the set-points, which the polynomial that was fitted as base may "
     "lack",
+    "single set-points that a chamber missed": "comes at single set-points, which a chamber did not follow",
     "pressures together": "depends on several pressures together",
     "place": "is the same at all pressures",
     "time in hold": "changes within the holds",
