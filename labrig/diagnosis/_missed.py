@@ -1,23 +1,24 @@
 """Single set-points that a chamber missed: a valve that did not switch, a command that was lost."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
-from labrig.effects import Context, Space, acting, errors_by_capture, motion_scale, pressure
+from labrig.effects import Context, errors_by_capture, motion_scale
 from labrig.model import robust_fit
 
-MISSED = "missed"
 MISSED_ONE = "single set-points that a chamber missed"
 _NAMED = 4
 _FEWEST = 20
 """Captures below which a few that are far off say nothing of what is usual."""
+_MORE = 3
+"""How many more observables there must be than chambers: else whatever is seen is what some chamber does."""
 _MOST = 0.1
 """Share of the captures up to which they are single ones; what comes more often is an effect."""
-_STAYS = 4
-"""Captures, one after the other, from which on it is a change."""
+_STAYS = 3
+"""How many of four captures, one after the other, make a change of them."""
 _FAR = 3.0
 """How many times as far off a capture is as those of most others are."""
 _STEP = 0.1
@@ -29,51 +30,32 @@ _EXPLAINED, _AS_MUCH = 0.9, (0.7, 1.4)
 
 @dataclass(frozen=True)
 class Missed:
-    """Captures (m,), places among all of them, their numbers, and the chamber (m,) that did not follow; `still`: it
-    stayed where it was, else it was vented; `less` (m,): by what share of its range it lacked pressure.
+    """The captures (m,), by number, and the chamber (m,) that did not follow; `still`: it stayed where it was, else it
+    was vented.
     """
 
-    at: Ints
     capture: Ints
     chamber: Ints
     still: bool
-    less: Floats
 
 
-def missed(context: Context) -> Iterator[Space]:
-    """What chambers lacked at the set-points that they missed, all of them together."""
-    found = missing(context)
+def without_missed(context: Context) -> tuple[Context, NDArray[np.bool_]]:
+    """The campaign with warnings that name the captures in which a chamber did not follow, and the other rows (F,)."""
+    found, rows = missing(context), context.rows
     if found is None:
-        return
-    rows = context.rows
-    index = np.unique(rows.capture, return_inverse=True)[1]
-    values = np.zeros_like(rows.fraction)
-    for at, chamber, less in zip(found.at, found.chamber, found.less, strict=True):
-        values[index == at, chamber] = less
-    yield Space(
-        MISSED_ONE,
-        MISSED,
-        acting([pressure("missed", values)]),
-        alike=1.0,
-        scanned=int(index.max()) + 1,
-        absolute=False,
-    )
-
-
-def missed_by(context: Context) -> list[str]:
-    """A line for each chamber that missed set-points, with their captures."""
-    found = missing(context)
-    out = []
-    for c in np.unique(found.chamber) if found else ():
-        own = found.capture[found.chamber == c] if found else ()
+        return context, np.ones(len(rows.capture), dtype=bool)
+    said = []
+    did = "stayed where it was" if found.still else "was as good as vented"
+    for c in np.unique(found.chamber):
+        own = found.capture[found.chamber == c]
         shown = ", ".join(str(i) for i in own[:_NAMED]) + (", ..." if len(own) > _NAMED else "")
         several = "captures" if len(own) > 1 else "capture"
-        did = "stayed where it was" if found and found.still else "was as good as vented"
-        out.append(
-            f"{context.rows.chambers[c]} {did} in {len(own)} {several} ({shown}), whatever it was told: look at its "
-            "valve and its hose, and measure them again"
+        said.append(
+            f"{rows.chambers[c]} {did} in {len(own)} {several} ({shown}), whatever it was told: left out there; look "
+            "at its valve and its hose, and measure them again"
         )
-    return out
+    context = replace(context, rows=replace(rows, warnings=(*rows.warnings, *said)))
+    return context, ~np.isin(rows.capture, found.capture)
 
 
 def missing(context: Context) -> Missed | None:
@@ -86,36 +68,33 @@ def missing(context: Context) -> Missed | None:
     captures, error = errors_by_capture(context)
     n, scale = len(captures), motion_scale(context)
     first = np.unique(rows.capture, return_index=True)[1]
-    if n < _FEWEST or not context.jacobian[first].any():
+    if n < _FEWEST or error.shape[1] < len(rows.chambers) + _MORE or not context.jacobian[first].any():
         return None
     off = error / scale - _usual(context, first, error / scale)
     size = np.sqrt((off**2).sum(axis=1))
-    slope = np.maximum(context.deflection_slope[first], _STEP)
     event, started = rows.event[first], context.started
     before = np.where((started[event] >= 0)[:, None], context.event_deflection[started[event]], 0.0)
-    found = []
+    slope = np.maximum(context.deflection_slope[first], _STEP)
+    best, best_at = None, np.zeros(0, dtype=np.int64)
     for still, there in ((True, before), (False, np.zeros_like(before))):
-        less = (there - context.deflection[first]) / slope
-        far = np.abs(there - context.deflection[first]) >= _STEP
-        moves = context.jacobian[first] * (context.span * less)[:, None] / scale[:, None]
+        step = there - context.deflection[first]
+        moves = context.jacobian[first] * (context.span * step / slope)[:, None] / scale[:, None]
         square = np.maximum((moves**2).sum(axis=1), 1e-300)
         along = np.einsum("nkc,nk->nc", moves, off)
         explained = along**2 / square / np.maximum(size**2, 1e-300)[:, None]
-        times = along / square
-        fits = far & (times > _AS_MUCH[0]) & (times < _AS_MUCH[1]) & (explained >= _EXPLAINED)
-        fits &= (size > _FAR * np.quantile(size, 1 - _MOST))[:, None]
+        fits = (along > _AS_MUCH[0] * square) & (along < _AS_MUCH[1] * square) & (explained >= _EXPLAINED)
+        fits &= (np.abs(step) >= _STEP) & (size > _FAR * np.quantile(size, 1 - _MOST))[:, None]
         at = np.flatnonzero(fits.any(axis=1))
-        chamber = np.where(fits, explained, 0.0).argmax(axis=1)[at]
-        found.append(Missed(at, captures[at], chamber, still, less[at, chamber]))
-    best = max(found, key=lambda one: len(one.at))
-    m = len(best.at)
-    if (
-        m == 0
-        or m > _MOST * n
-        or (m >= _STAYS and (best.at[_STAYS - 1 :] - best.at[: 1 - _STAYS] < _STAYS).any())
-    ):
-        return None
+        often = len(at) > 0 and (size > size[at].min() / 2).sum() > _MOST * n
+        if len(at) > len(best_at) and not often and not _on_end(at):
+            best_at = at
+            best = Missed(captures[at], np.where(fits, explained, 0.0).argmax(axis=1)[at], still)
     return best
+
+
+def _on_end(at: Ints) -> bool:
+    """Whether so many captures follow each other that they are a change."""
+    return len(at) >= _STAYS and bool((at[_STAYS - 1 :] - at[: 1 - _STAYS] <= _STAYS).any())
 
 
 def _usual(context: Context, first: Ints, off: Floats) -> Floats:

@@ -11,6 +11,8 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._dead import without_dead
 from labrig.diagnosis._floor import Floor, noise_floor
+from labrig.diagnosis._frozen import without_frozen
+from labrig.diagnosis._missed import without_missed
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._regression import Regression, regression_of
 from labrig.diagnosis._swapped import without_swapped
@@ -30,6 +32,7 @@ class Prepared:
 
     What the base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
     `began` (F, B) are regressors of what a record still shows of the time before it, where nobody said what that was.
+    `missed`: whether captures were left out in which a chamber did not follow.
     """
 
     context: Context
@@ -39,6 +42,7 @@ class Prepared:
     declared: Floats | None
     calibrated: Floats | None
     began: Floats | None = None
+    missed: bool = False
 
     @property
     def nuisance(self) -> Floats | None:
@@ -89,12 +93,14 @@ def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
 def prepared(rows: Rows, model: Model) -> Prepared:
     """Predict, clean, and estimate the floor; of very long records every n-th row."""
     predictor = model.predictor(rows)
-    context = without_swapped(without_dead(predictor.context(rows)))
+    context = without_swapped(without_frozen(without_dead(predictor.context(rows))))
+    context, followed = without_missed(context)
     declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
     began = transients(context) if context.sample_s and rows.between_sessions == "unknown" else None
     at_full_rate = context.residual
-    if len(rows.capture) > MOST_ROWS:
-        keep = np.unique(np.linspace(0, len(rows.capture) - 1, MOST_ROWS).astype(int))
+    if len(rows.capture) > MOST_ROWS or not followed.all():
+        keep = np.flatnonzero(followed)
+        keep = keep[np.unique(np.linspace(0, len(keep) - 1, min(len(keep), MOST_ROWS)).astype(int))]
         context = context.thin(keep)
         declared = None if declared is None else declared[keep]
         began = None if began is None else began[keep]
@@ -102,7 +108,8 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     residual, dropped = clean(context)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
     floor = noise_floor(context, residual, lost, at_full_rate)
-    return Prepared(context, residual, floor, dropped, declared, calibrated, began)
+    missed = not followed.all()
+    return Prepared(context, residual, floor, dropped, declared, calibrated, began, missed)
 
 
 def prepare(rows: Rows, model: Model) -> tuple[Regression, Context, Floor, int]:

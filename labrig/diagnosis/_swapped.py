@@ -20,7 +20,7 @@ _NAMED = 4
 def without_swapped(context: Context) -> Context:
     """The campaign without the rows of markers that were exchanged there; the rows' warnings name them."""
     rows = context.rows
-    markers, place = _places(rows)
+    markers, place = places(rows)
     if len(markers) < 2:
         return context
     measured, expected = rows.values[:, place], context.base[:, place]
@@ -44,7 +44,7 @@ def without_swapped(context: Context) -> Context:
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line)))
 
 
-def _places(rows: Rows) -> tuple[list[int], Ints]:
+def places(rows: Rows) -> tuple[list[int], Ints]:
     """The markers that have all three axes, and the observables of each, (M, 3)."""
     out = {}
     for m in np.unique(rows.marker[rows.marker >= 0]).tolist():

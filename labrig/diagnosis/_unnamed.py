@@ -6,7 +6,6 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.diagnosis._handover import handovers
-from labrig.diagnosis._missed import missed
 from labrig.diagnosis._sudden import sudden
 from labrig.effects import (
     Context,
@@ -47,7 +46,6 @@ def unnamed(context: Context) -> Iterator[Space]:
     yield from _covariates(context)
     yield from handovers(context)
     yield from sudden(context)
-    yield from missed(context)
     yield Space("place", "place", (pattern("always", np.ones(F)),))
     if (rows.axis >= 0).sum() >= 3:
         modes = np.concatenate([frame_modes(context), scale_mode(context)[:, :, None]], axis=2)

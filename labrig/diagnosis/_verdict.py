@@ -8,13 +8,9 @@ import numpy as np
 from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
-from labrig.diagnosis._missed import MISSED
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._parts import missed, sizes
 from labrig.diagnosis._posterior import OF_BASE, REST, Search, is_name
-
-_BESIDE = OF_BASE | {"?" + MISSED}
-"""What has no name, and leaves names to what is beside it, however large it is: it is known where it is."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +64,7 @@ class Answer:
         """The size, in floors, from which an effect is worth a name: beside what has none, a larger one."""
         return max(
             self.least,
-            float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in _BESIDE])),
+            float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in OF_BASE])),
         )
 
     @property

@@ -15,7 +15,8 @@ _CARRIES = {
     "places beside them do, or by another curve of the pressures",
     "curves beyond the fitted degree": "is a curve of the set-points, which the polynomial that was fitted as base may "
     "lack",
-    "single set-points that a chamber missed": "comes at single set-points, which a chamber did not follow",
+    "single set-points that a chamber missed": "is in single captures, in which a chamber did not do what it "
+    "was told, and which are left out of these figures",
     "pressures together": "depends on several pressures together",
     "place": "is the same at all pressures",
     "time in hold": "changes within the holds",

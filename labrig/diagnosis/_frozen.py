@@ -1,0 +1,61 @@
+"""Markers that stand still to the last digit: a tracker that lost one may go on to report its last place."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.arrays import Floats
+from labrig.diagnosis._swapped import places
+from labrig.effects import Context
+
+_BY_CHANCE = 1e-3
+"""Runs of equal places that a whole campaign may have by chance: values in steps are alike now and then."""
+_TOGETHER = 0.5
+"""Share of the markers that stand still at once from which on nothing is said of one: there may be no noise at all."""
+_MOVES = 0.05
+"""Share of the farthest that the model moves any marker below which one may well stand still."""
+_NAMED = 4
+
+
+def without_frozen(context: Context) -> Context:
+    """The campaign without the rows in which a marker still is exactly where it was; the rows' warnings name them."""
+    rows = context.rows
+    markers, place = places(rows)
+    if len(markers) < 2 or len(rows.capture) < 3:
+        return context
+    moves = np.linalg.norm(np.ptp(context.base[:, place], axis=0), axis=1)
+    told = moves > _MOVES * moves.max()
+    if len(rows.resolution):  # what is recorded in steps stands still as long as it moves by less
+        told &= (rows.resolution[place] == 0).all(axis=1)
+    stale = _stale(rows.values[:, place]) & told
+    if not stale.any():
+        return context
+    values, said = rows.values.copy(), []
+    for m, own in enumerate(place):
+        values[np.ix_(stale[:, m], own)] = np.nan
+    for m in np.flatnonzero(stale.any(axis=0)):
+        captures = np.unique(rows.capture[stale[:, m]])
+        shown = ", ".join(str(c) for c in captures[:_NAMED]) + (", ..." if len(captures) > _NAMED else "")
+        several = "captures" if len(captures) > 1 else "capture"
+        said.append(
+            f"{rows.markers[markers[m]]} stands still to the last digit in {len(captures)} {several} ({shown}), as "
+            "where a tracker repeats what it saw last: left out there"
+        )
+    if len(said) > _NAMED:
+        said = [*said[:_NAMED], f"so do {len(said) - _NAMED} others"]
+    return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, *said)))
+
+
+def _stale(place: Floats) -> NDArray[np.bool_]:
+    """Which of the places (F, M, 3) are those of the row before, in runs that are too long for chance, (F, M)."""
+    same = np.zeros(place.shape[:2], dtype=bool)
+    same[1:] = (place[1:] == place[:-1]).all(axis=2)
+    alone = same.mean(axis=1) < _TOGETHER
+    rate = max(float(np.median(same[alone].mean(axis=0))) if alone.any() else 1.0, 1.0 / same.size)
+    run = np.zeros(same.shape, dtype=int)
+    for f in range(1, len(same)):
+        run[f] = np.where(same[f], run[f - 1] + 1, 0)
+    for f in range(len(same) - 2, 0, -1):  # every row of a run knows how long it gets
+        run[f] = np.where(same[f] & same[f + 1], run[f + 1], run[f])
+    return same & alone[:, None] & (same.size * rate ** run.astype(float) < _BY_CHANCE)

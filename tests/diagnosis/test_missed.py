@@ -1,0 +1,82 @@
+"""Single set-points that a chamber missed: said with their captures, and effects beside them keep their names."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import diagnose, rows_from
+from labrig.diagnosis._missed import MISSED_ONE, missing
+from tests.laws import bowed, limited, orifice, power_law, sliding, strut
+
+LATE = [9, 23, 38, 51]
+
+
+def seen(lab, law=None, vented: tuple[int, ...] = (), stayed: tuple[int, ...] = ()) -> np.ndarray:
+    """What is measured where the first chamber is vented, or stays where it was, in these captures."""
+    u = lab.u if law is None else law(lab)
+    u[list(vented), :, 0] = 0.0
+    for i in stayed:
+        u[i, :, 0] = lab.commanded[i - 1, 0]
+    return lab.predict(u) + lab.noise()
+
+
+def found(lab, values: np.ndarray) -> tuple[list[int], set[int], bool] | None:
+    """Captures, chambers, and whether they stayed where they were."""
+    rows = rows_from(lab.dataset(values))
+    out = missing(lab.model().predictor(rows).context(rows))
+    return None if out is None else (out.capture.tolist(), set(out.chamber.tolist()), out.still)
+
+
+@pytest.mark.parametrize("law", [None, power_law, sliding, orifice, bowed, limited, strut])
+def test_a_chamber_that_stayed_empty_is_found(make_lab, law) -> None:
+    """Beside whatever else is missing, the captures and the chamber are these."""
+    lab = make_lab(markers=12, seed=41)
+    lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
+    assert found(lab, seen(lab, law, vented=(*LATE,))) == (LATE, {0}, False)
+
+
+@pytest.mark.parametrize("law", [None, power_law, orifice])
+def test_a_chamber_that_stayed_where_it_was_is_found(make_lab, law) -> None:
+    """A valve that did not switch: it has the pressure of before, and the next set-point again."""
+    lab = make_lab(markers=12, seed=41)
+    for i, (before, now) in zip(LATE, [(50.0, 10.0), (5.0, 40.0), (55.0, 20.0), (10.0, 55.0)], strict=True):
+        lab.commanded[i - 1, 0], lab.commanded[i, 0] = before, now
+    assert found(lab, seen(lab, law, stayed=(*LATE,))) == (LATE, {0}, True)
+
+
+@pytest.mark.parametrize("law", [None, power_law, sliding, orifice, bowed, limited, strut])
+def test_no_set_point_was_missed_where_none_was(make_lab, law) -> None:
+    """No effect is taken for a chamber that does not follow."""
+    for seed in range(5):
+        lab = make_lab(markers=12, seed=seed)
+        assert found(lab, seen(lab, law)) is None
+
+
+def test_more_than_single_ones_are_an_effect(make_lab) -> None:
+    """Where every fifth set-point is missed, or four in a row, nothing is said of single ones."""
+    lab = make_lab(markers=12)
+    lab.commanded[:, 0] = np.maximum(lab.commanded[:, 0], 30.0)
+    assert found(lab, seen(lab, vented=(*range(0, 60, 5),))) is None
+    assert found(lab, seen(lab, vented=(30, 31, 32, 33))) is None
+    assert found(lab, seen(lab, vented=(30, 31))) == ([30, 31], {0}, False)
+
+
+def test_the_cause_is_said_with_its_captures(make_lab) -> None:
+    """With nothing else missing the verdict is unknown, in words that send somebody to the valve."""
+    lab = make_lab(markers=12, seed=41)
+    lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
+    summary = diagnose(lab.dataset(seen(lab, vented=(*LATE,))), lab.model()).summary
+    assert (summary["verdict"], summary["carried_by"]) == ("unknown", MISSED_ONE)
+    assert (
+        "c1 was as good as vented in 4 captures (9, 23, 38, 51), whatever it was told: left out there; look at its "
+        "valve and its hose, and measure them again"
+    ) in summary["warnings"]
+
+
+@pytest.mark.parametrize(("law", "effect"), [(power_law, "creep"), (orifice, "leak")])
+def test_an_effect_beside_it_has_its_name(make_lab, law, effect: str) -> None:
+    """Four captures that are ten times as far off as the rest do not hide what all captures have."""
+    lab = make_lab(markers=12, seed=41)
+    lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
+    summary = diagnose(lab.dataset(seen(lab, law, vented=(*LATE,))), lab.model()).summary
+    assert (summary["verdict"], summary["effects"]) == ("identified", [effect])
+    assert [line for line in summary["warnings"] if line.startswith("c1 was as good as vented in 4 captures")]
