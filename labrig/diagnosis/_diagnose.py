@@ -16,7 +16,6 @@ from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
-from labrig.diagnosis._missed import MISSED_ONE
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._observations import Observations, observe
@@ -111,8 +110,8 @@ def verdict_on(
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
     verdict = decide(answers_of(search, least), tuple(effects), words_of(design))
-    if verdict.verdict == "nothing_missing" and ready.missed:
-        return replace(verdict, verdict="unknown", carried_by=MISSED_ONE)
+    if verdict.verdict == "nothing_missing" and ready.astray:
+        return replace(verdict, verdict="unknown", carried_by=ready.astray)
     if verdict.verdict == "nothing_missing":
         return few or verdict
     if chamber := in_one_chamber(search):

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.arrays import Floats, Ints
+from labrig.arrays import Ints
+from labrig.diagnosis._usual import usual
 from labrig.effects import Context, errors_by_capture, motion_scale
-from labrig.model import robust_fit
 
-MISSED_ONE = "single set-points that a chamber missed"
+MISSED = "single set-points that a chamber missed"
 _NAMED = 4
 _FEWEST = 20
 """Captures below which a few that are far off say nothing of what is usual."""
@@ -23,7 +23,6 @@ _FAR = 3.0
 """How many times as far off a capture is as those of most others are."""
 _STEP = 0.1
 """Share of the range from which on a step that was missed can be told from an effect."""
-_SMALL = 1e-6
 _EXPLAINED, _AS_MUCH = 0.9, (0.7, 1.4)
 """Share of its square that the missed step explains, and how many times the step: slopes of a base are not exact."""
 
@@ -70,7 +69,7 @@ def missing(context: Context) -> Missed | None:
     first = np.unique(rows.capture, return_index=True)[1]
     if n < _FEWEST or error.shape[1] < len(rows.chambers) + _MORE or not context.jacobian[first].any():
         return None
-    off = error / scale - _usual(context, first, error / scale)
+    off = error / scale - usual(context, first, error / scale)
     size = np.sqrt((off**2).sum(axis=1))
     event, started = rows.event[first], context.started
     before = np.where((started[event] >= 0)[:, None], context.event_deflection[started[event]], 0.0)
@@ -95,23 +94,3 @@ def missing(context: Context) -> Missed | None:
 def _on_end(at: Ints) -> bool:
     """Whether so many captures follow each other that they are a change."""
     return len(at) >= _STAYS and bool((at[_STAYS - 1 :] - at[: 1 - _STAYS] <= _STAYS).any())
-
-
-def _usual(context: Context, first: Ints, off: Floats) -> Floats:
-    """What each chamber does otherwise in most captures, (n, K), of how far these are off (n, K): by its pressure, by
-    the one before, by the way it came.
-    """
-    rows = context.rows
-    J = context.jacobian[first] * context.span / motion_scale(context)[:, None]
-    normal = np.einsum("nkc,nkd->ncd", J, J)
-    normal += _SMALL * np.trace(normal.mean(axis=0)) * np.eye(normal.shape[1])
-    change = np.linalg.solve(normal, np.einsum("nkc,nk->nc", J, off)[:, :, None])[:, :, 0]
-    event = rows.event[first]
-    x, before, way = rows.fraction[first], context.previous[event] / context.span, context.direction[event]
-    usual = np.zeros_like(change)
-    for c in range(change.shape[1]):
-        columns = np.column_stack(
-            [np.ones(len(x)), x[:, c], x[:, c] ** 2, before[:, c], way[:, c], way[:, c] * x[:, c]]
-        )
-        usual[:, c] = columns @ robust_fit(columns, change[:, c], np.ones(len(x)))
-    return np.einsum("nkc,nc->nk", J, usual)

@@ -12,7 +12,8 @@ from labrig.arrays import Floats
 from labrig.diagnosis._dead import without_dead
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._frozen import without_frozen
-from labrig.diagnosis._missed import without_missed
+from labrig.diagnosis._interchanged import INTERCHANGED, without_interchanged
+from labrig.diagnosis._missed import MISSED, without_missed
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._regression import Regression, regression_of
 from labrig.diagnosis._swapped import without_swapped
@@ -32,7 +33,7 @@ class Prepared:
 
     What the base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
     `began` (F, B) are regressors of what a record still shows of the time before it, where nobody said what that was.
-    `missed`: whether captures were left out in which a chamber did not follow.
+    `astray`: what single captures were left out for, in words.
     """
 
     context: Context
@@ -42,7 +43,7 @@ class Prepared:
     declared: Floats | None
     calibrated: Floats | None
     began: Floats | None = None
-    missed: bool = False
+    astray: str = ""
 
     @property
     def nuisance(self) -> Floats | None:
@@ -94,22 +95,25 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     """Predict, clean, and estimate the floor; of very long records every n-th row."""
     predictor = model.predictor(rows)
     context = without_swapped(without_frozen(without_dead(predictor.context(rows))))
-    context, followed = without_missed(context)
-    declared, calibrated = predictor.declared(rows), predictor.calibrated(rows)
+    keep, astray = np.arange(len(rows.capture)), ""
+    for what, without in ((INTERCHANGED, without_interchanged), (MISSED, without_missed)):
+        context, own = without(context)
+        if not own.all():
+            context, keep, astray = context.thin(np.flatnonzero(own)), keep[own], what
     began = transients(context) if context.sample_s and rows.between_sessions == "unknown" else None
     at_full_rate = context.residual
-    if len(rows.capture) > MOST_ROWS or not followed.all():
-        keep = np.flatnonzero(followed)
-        keep = keep[np.unique(np.linspace(0, len(keep) - 1, min(len(keep), MOST_ROWS)).astype(int))]
-        context = context.thin(keep)
-        declared = None if declared is None else declared[keep]
-        began = None if began is None else began[keep]
-        calibrated = None if calibrated is None else calibrated[keep]
+    if len(keep) > MOST_ROWS:
+        some = np.unique(np.linspace(0, len(keep) - 1, MOST_ROWS).astype(int))
+        context, keep = context.thin(some), keep[some]
+        began = None if began is None else began[some]
+    declared, calibrated = (
+        None if whole is None else whole[keep]
+        for whole in (predictor.declared(rows), predictor.calibrated(rows))
+    )
     residual, dropped = clean(context)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
     floor = noise_floor(context, residual, lost, at_full_rate)
-    missed = not followed.all()
-    return Prepared(context, residual, floor, dropped, declared, calibrated, began, missed)
+    return Prepared(context, residual, floor, dropped, declared, calibrated, began, astray)
 
 
 def prepare(rows: Rows, model: Model) -> tuple[Regression, Context, Floor, int]:

@@ -15,6 +15,8 @@ _CARRIES = {
     "places beside them do, or by another curve of the pressures",
     "curves beyond the fitted degree": "is a curve of the set-points, which the polynomial that was fitted as base may "
     "lack",
+    "captures that have each other's measurements": "is in captures that have each other's measurements, and which are "
+    "left out of these figures",
     "single set-points that a chamber missed": "is in single captures, in which a chamber did not do what it "
     "was told, and which are left out of these figures",
     "pressures together": "depends on several pressures together",

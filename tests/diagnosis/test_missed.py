@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, rows_from
-from labrig.diagnosis._missed import MISSED_ONE, missing
+from labrig.diagnosis._missed import MISSED, missing
 from tests.laws import bowed, limited, orifice, power_law, sliding, strut
 
 LATE = [9, 23, 38, 51]
@@ -65,7 +65,7 @@ def test_the_cause_is_said_with_its_captures(make_lab) -> None:
     lab = make_lab(markers=12, seed=41)
     lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
     summary = diagnose(lab.dataset(seen(lab, vented=(*LATE,))), lab.model()).summary
-    assert (summary["verdict"], summary["carried_by"]) == ("unknown", MISSED_ONE)
+    assert (summary["verdict"], summary["carried_by"]) == ("unknown", MISSED)
     assert (
         "c1 was as good as vented in 4 captures (9, 23, 38, 51), whatever it was told: left out there; look at its "
         "valve and its hose, and measure them again"

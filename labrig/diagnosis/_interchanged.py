@@ -1,0 +1,64 @@
+"""Captures that have each other's measurements: files that were renamed, rows of a table that changed places."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labrig.arrays import Floats, Ints
+from labrig.diagnosis._usual import usual
+from labrig.effects import Context, errors_by_capture, motion_scale
+
+INTERCHANGED = "captures that have each other's measurements"
+_NEARER = 3.0
+"""How many times nearer two captures are to what the model says of each other than to what it says of themselves."""
+_MOST = 0.2
+"""Share of the captures up to which they are single ones; of more it is the order of the table."""
+_MORE = 3
+"""How many more observables there must be than chambers: else some capture is always near."""
+_MOST_CAPTURES = 3000
+"""Of more, nothing is asked: each would be compared with each."""
+_NAMED = 3
+
+
+def without_interchanged(context: Context) -> tuple[Context, NDArray[np.bool_]]:
+    """The campaign with a warning that names the captures which have each other's measurements, and the other rows
+    (F,).
+    """
+    rows = context.rows
+    captures, pairs = _pairs(context)
+    if not len(pairs):
+        return context, np.ones(len(rows.capture), dtype=bool)
+    shown = ", ".join(f"{captures[i]} and {captures[j]}" for i, j in pairs[:_NAMED])
+    shown += ", ..." if len(pairs) > _NAMED else ""
+    have = "captures have" if len(pairs) == 1 else f"{len(pairs)} pairs of captures have"
+    line = f"{have} each other's measurements ({shown}): left out; put them right"
+    context = replace(context, rows=replace(rows, warnings=(*rows.warnings, line)))
+    return context, ~np.isin(rows.capture, captures[pairs])
+
+
+def _pairs(context: Context) -> tuple[Ints, Ints]:
+    """The captures, and which two of them (p, 2), by place, have each other's measurements."""
+    none = np.zeros((0, 2), dtype=np.int64)
+    rows = context.rows
+    n, K = len(np.unique(rows.capture)), len(rows.unit)
+    if not context.moves or context.sample_s or n > _MOST_CAPTURES or len(rows.chambers) + _MORE > K:
+        return none[:, 0], none
+    captures, error = errors_by_capture(context)
+    first = np.unique(rows.capture, return_index=True)[1]
+    scale = motion_scale(context)
+    said, off = context.base[first] / scale, error / scale
+    apart = _apart(said + off, said + usual(context, first, off))
+    own, both = np.diag(apart).copy(), apart + apart.T
+    np.fill_diagonal(both, np.inf)
+    best = np.argmin(both, axis=1)
+    mutual = (best[best] == np.arange(n)) & (best > np.arange(n))
+    mutual &= own + own[best] > _NEARER**2 * both[np.arange(n), best]
+    pairs = np.column_stack([np.flatnonzero(mutual), best[mutual]]).astype(np.int64)
+    return captures, pairs if pairs.size <= _MOST * n else none
+
+
+def _apart(a: Floats, b: Floats) -> Floats:
+    """Squared distances (n, m) of rows (n, K) and (m, K)."""
+    square = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * a @ b.T
+    return np.maximum(square, 0.0)

@@ -1,0 +1,30 @@
+"""What is usual in a campaign, whatever it is: beside it single captures that are mistaken stand out."""
+
+import numpy as np
+
+from labrig.arrays import Floats, Ints
+from labrig.effects import Context, motion_scale
+from labrig.model import robust_fit
+
+_SMALL = 1e-6
+"""Share of how chambers move the rig that keeps those of which little is seen from any pressure; numerical."""
+
+
+def usual(context: Context, first: Ints, off: Floats) -> Floats:
+    """What each chamber does otherwise in most captures, (n, K), of how far these are off (n, K): by its pressure, by
+    the one before, by the way it came.
+    """
+    rows = context.rows
+    J = context.jacobian[first] * context.span / motion_scale(context)[:, None]
+    normal = np.einsum("nkc,nkd->ncd", J, J)
+    normal += _SMALL * np.trace(normal.mean(axis=0)) * np.eye(normal.shape[1])
+    change = np.linalg.solve(normal, np.einsum("nkc,nk->nc", J, off)[:, :, None])[:, :, 0]
+    event = rows.event[first]
+    x, before, way = rows.fraction[first], context.previous[event] / context.span, context.direction[event]
+    otherwise = np.zeros_like(change)
+    for c in range(change.shape[1]):
+        columns = np.column_stack(
+            [np.ones(len(x)), x[:, c], x[:, c] ** 2, before[:, c], way[:, c], way[:, c] * x[:, c]]
+        )
+        otherwise[:, c] = columns @ robust_fit(columns, change[:, c], np.ones(len(x)))
+    return np.einsum("nkc,nc->nk", J, otherwise)
