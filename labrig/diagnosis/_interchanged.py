@@ -12,10 +12,12 @@ from labrig.effects import Context, errors_by_capture, motion_scale
 INTERCHANGED = "captures that have each other's measurements"
 _NEARER = 3.0
 """How many times nearer two captures are to what the model says of each other than to what it says of themselves."""
+_FAR = 4.0
+"""How many times as far off as usual each of them is: where loops are as wide as a step, others are near as well."""
 _MOST = 0.2
 """Share of the captures up to which they are single ones; of more it is the order of the table."""
-_MORE = 3
-"""How many more observables there must be than chambers: else some capture is always near."""
+_FEWEST, _MORE = 2, 3
+"""Chambers, and how many more observables there must be: else some other capture is always near."""
 _MOST_CAPTURES = 3000
 """Of more, nothing is asked: each would be compared with each."""
 _NAMED = 3
@@ -42,7 +44,8 @@ def _pairs(context: Context) -> tuple[Ints, Ints]:
     none = np.zeros((0, 2), dtype=np.int64)
     rows = context.rows
     n, K = len(np.unique(rows.capture)), len(rows.unit)
-    if not context.moves or context.sample_s or n > _MOST_CAPTURES or len(rows.chambers) + _MORE > K:
+    few = len(rows.chambers) < _FEWEST or len(rows.chambers) + _MORE > K
+    if not context.moves or context.sample_s or n > _MOST_CAPTURES or few:
         return none[:, 0], none
     captures, error = errors_by_capture(context)
     first = np.unique(rows.capture, return_index=True)[1]
@@ -54,6 +57,8 @@ def _pairs(context: Context) -> tuple[Ints, Ints]:
     best = np.argmin(both, axis=1)
     mutual = (best[best] == np.arange(n)) & (best > np.arange(n))
     mutual &= own + own[best] > _NEARER**2 * both[np.arange(n), best]
+    far = own > _FAR**2 * np.median(own)
+    mutual &= far & far[best]
     pairs = np.column_stack([np.flatnonzero(mutual), best[mutual]]).astype(np.int64)
     return captures, pairs if pairs.size <= _MOST * n else none
 

@@ -21,6 +21,8 @@ _STAYS = 3
 """How many of four captures, one after the other, make a change of them."""
 _FAR = 3.0
 """How many times as far off a capture is as those of most others are."""
+_ONE = 0.8
+"""Share of the square from which on one marker, or sensor, is off alone: that one may be mistaken."""
 _STEP = 0.1
 """Share of the range from which on a step that was missed can be told from an effect."""
 _EXPLAINED, _AS_MUCH = 0.9, (0.7, 1.4)
@@ -71,6 +73,10 @@ def missing(context: Context) -> Missed | None:
         return None
     off = error / scale - usual(context, first, error / scale)
     size = np.sqrt((off**2).sum(axis=1))
+    alone = rows.marker < 0
+    owner = np.where(alone, len(rows.markers) + np.arange(len(alone)), rows.marker)
+    each = np.stack([(off[:, owner == m] ** 2).sum(axis=1) for m in np.unique(owner)], axis=1)
+    several = each.max(axis=1) < _ONE * size**2
     event, started = rows.event[first], context.started
     before = np.where((started[event] >= 0)[:, None], context.event_deflection[started[event]], 0.0)
     slope = np.maximum(context.deflection_slope[first], _STEP)
@@ -82,7 +88,7 @@ def missing(context: Context) -> Missed | None:
         along = np.einsum("nkc,nk->nc", moves, off)
         explained = along**2 / square / np.maximum(size**2, 1e-300)[:, None]
         fits = (along > _AS_MUCH[0] * square) & (along < _AS_MUCH[1] * square) & (explained >= _EXPLAINED)
-        fits &= (np.abs(step) >= _STEP) & (size > _FAR * np.quantile(size, 1 - _MOST))[:, None]
+        fits &= (np.abs(step) >= _STEP) & (several & (size > _FAR * np.quantile(size, 1 - _MOST)))[:, None]
         at = np.flatnonzero(fits.any(axis=1))
         often = len(at) > 0 and (size > size[at].min() / 2).sum() > _MOST * n
         if len(at) > len(best_at) and not often and not _on_end(at):

@@ -6,7 +6,7 @@ from labrig.arrays import Floats, Ints
 from labrig.effects import Context, motion_scale
 from labrig.model import robust_fit
 
-_SMALL = 1e-6
+_SMALL = 1e-3
 """Share of how chambers move the rig that keeps those of which little is seen from any pressure; numerical."""
 
 
