@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Ints
 from labrig.diagnosis._usual import usual
-from labrig.effects import Context, errors_by_capture, motion_scale
+from labrig.effects import Context, fill, motion_scale
 
 MISSED = "single set-points that a chamber missed"
 _NAMED = 4
@@ -66,9 +66,9 @@ def missing(context: Context) -> Missed | None:
     rows = context.rows
     if not context.moves or context.sample_s:
         return None
-    captures, error = errors_by_capture(context)
+    captures, first = np.unique(rows.capture, return_index=True)
+    error = fill(context.residual[first])  # at once: what empties along a hold has followed
     n, scale = len(captures), motion_scale(context)
-    first = np.unique(rows.capture, return_index=True)[1]
     if n < _FEWEST or error.shape[1] < len(rows.chambers) + _MORE or not context.jacobian[first].any():
         return None
     off = error / scale - usual(context, first, error / scale)
