@@ -17,6 +17,7 @@ from labrig.diagnosis._missed import MISSED, without_missed
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._regression import Regression, regression_of
 from labrig.diagnosis._swapped import without_swapped
+from labrig.diagnosis._turned import as_the_model_turns
 from labrig.effects import Context, Rows, join_rows, rows_of
 from labrig.model import Model, transients
 
@@ -94,7 +95,8 @@ def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
 def prepared(rows: Rows, model: Model) -> Prepared:
     """Predict, clean, and estimate the floor; of very long records every n-th row."""
     predictor = model.predictor(rows)
-    context = without_swapped(without_frozen(without_dead(predictor.context(rows))))
+    context = as_the_model_turns(without_dead(predictor.context(rows)))
+    context = without_swapped(without_frozen(context))
     keep, astray = np.arange(len(rows.capture)), ""
     for what, without in ((INTERCHANGED, without_interchanged), (MISSED, without_missed)):
         context, own = without(context)

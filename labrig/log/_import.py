@@ -25,6 +25,7 @@ from labrig.tables import (
     check_values,
     factor,
     guess_mapping,
+    opened,
     read_mapping,
 )
 
@@ -130,6 +131,14 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
     _check_units(mapping, mapping_path)
     parts = [Part(mapping, file, mapping_path) for file in files]
     remarks = _plausible(mapping, parts, mapping_path)
+    values, turns = opened(
+        [o.name for o in parts[0].observables],
+        [o.unit for o in parts[0].observables],
+        np.concatenate([part.values for part in parts]),
+    )
+    remarks += turns
+    for part, own in zip(parts, np.split(values, np.cumsum([part.n for part in parts])[:-1]), strict=True):
+        part.values = own
     for part in parts:
         cut(part)
         remarks += part.remarks

@@ -4,6 +4,7 @@ from labrig.tables._clock import seconds
 from labrig.tables._guess import Guess, guess_mapping
 from labrig.tables._join import join_tables
 from labrig.tables._mapping import Event, Join, Mapping, Observable, TableFile, check_mapping, read_mapping
+from labrig.tables._opened import opened
 from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
 from labrig.tables._strokes import Segment, find_segments, held_share
@@ -33,6 +34,7 @@ __all__ = [
     "is_length",
     "join_tables",
     "kind_of",
+    "opened",
     "parts_of",
     "read_file",
     "read_mapping",
