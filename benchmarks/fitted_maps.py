@@ -109,9 +109,9 @@ def main() -> None:
     with ProcessPoolExecutor(asked.workers) as pool:
         rows = [row for row in pool.map(measured, cases(asked.first, asked.seeds)) if row]
     how = (
-        f"`python benchmarks/fitted_maps.py --first {asked.first} --seeds {asked.seeds}`: campaigns of the third to tenth "
-        "portion beside a polynomial that is fitted to the run, of a degree as high as a third of the captures allows; "
-        "hidden is an effect of two to four floors beside the rig's own model, or nothing."
+        f"`python benchmarks/fitted_maps.py --first {asked.first} --seeds {asked.seeds}`: campaigns of the third to "
+        "tenth portion beside a polynomial that is fitted to the run, as high in degree as a third of the captures "
+        "allows; hidden is an effect of two to four floors beside the rig's own model, or nothing."
     )
     write_section(asked.out, "## Fitted maps", [how, "", *table(rows)])
 

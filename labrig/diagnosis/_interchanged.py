@@ -52,15 +52,16 @@ def _pairs(context: Context) -> tuple[Ints, Ints]:
     scale = motion_scale(context)
     said, off = context.base[first] / scale, error / scale
     apart = _apart(said + off, said + usual(context, first, off))
-    own, both = np.diag(apart).copy(), apart + apart.T
-    np.fill_diagonal(both, np.inf)
-    best = np.argmin(both, axis=1)
-    mutual = (best[best] == np.arange(n)) & (best > np.arange(n))
-    mutual &= own + own[best] > _NEARER**2 * both[np.arange(n), best]
+    own, both = np.diag(apart), apart + apart.T
     far = own > _FAR**2 * np.median(own)
-    mutual &= far & far[best]
-    pairs = np.column_stack([np.flatnonzero(mutual), best[mutual]]).astype(np.int64)
-    return captures, pairs if pairs.size <= _MOST * n else none
+    pairs = np.argwhere(np.triu(np.outer(far, far) & (np.add.outer(own, own) > _NEARER**2 * both), 1))
+    chosen: dict[int, int] = {}
+    for i, j in pairs[np.argsort(both[pairs[:, 0], pairs[:, 1]])].tolist():  # the nearest first
+        if not {i, j} & {*chosen, *chosen.values()}:
+            chosen[i] = j
+    if 2 * len(chosen) > _MOST * n:
+        return none[:, 0], none
+    return captures, np.array(sorted(chosen.items()), dtype=np.int64).reshape(-1, 2)
 
 
 def _apart(a: Floats, b: Floats) -> Floats:

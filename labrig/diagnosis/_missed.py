@@ -17,8 +17,8 @@ _MORE = 3
 """How many more observables there must be than chambers: else whatever is seen is what some chamber does."""
 _MOST = 0.1
 """Share of the captures up to which they are single ones; what comes more often is an effect."""
-_STAYS = 3
-"""How many of four captures, one after the other, make a change of them."""
+_STAYS = 4
+"""Captures, one after the other, from which on it is a change."""
 _FAR = 3.0
 """How many times as far off a capture is as those of most others are."""
 _ONE = 0.8
@@ -99,4 +99,4 @@ def missing(context: Context) -> Missed | None:
 
 def _on_end(at: Ints) -> bool:
     """Whether so many captures follow each other that they are a change."""
-    return len(at) >= _STAYS and bool((at[_STAYS - 1 :] - at[: 1 - _STAYS] <= _STAYS).any())
+    return len(at) >= _STAYS and bool((at[_STAYS - 1 :] - at[: 1 - _STAYS] < _STAYS).any())
