@@ -28,7 +28,7 @@ def without_frozen(context: Context) -> Context:
     told = moves > _MOVES * moves.max()
     if len(rows.resolution):  # what is recorded in steps stands still as long as it moves by less
         told &= (rows.resolution[place] == 0).all(axis=1)
-    stale = _stale(rows.values[:, place]) & told
+    stale = _stale(rows.values[:, place], context.base[:, place]) & told
     if not stale.any():
         return context
     values, said = rows.values.copy(), []
@@ -47,15 +47,23 @@ def without_frozen(context: Context) -> Context:
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, *said)))
 
 
-def _stale(place: Floats) -> NDArray[np.bool_]:
-    """Which of the places (F, M, 3) are those of the row before, in runs that are too long for chance, (F, M)."""
-    same = np.zeros(place.shape[:2], dtype=bool)
+def _stale(place: Floats, expected: Floats) -> NDArray[np.bool_]:
+    """Which of the places (F, M, 3) are those of the row before, in runs that are too long for chance, (F, M): of
+    markers that are expected to move meanwhile, or that elsewhere tremble where they are expected to stand still.
+    """
+    same, still = np.zeros(place.shape[:2], dtype=bool), np.zeros(place.shape[:2], dtype=bool)
+    seen = np.asarray(np.isfinite(place).all(axis=2))
     same[1:] = (place[1:] == place[:-1]).all(axis=2)
-    alone = same.mean(axis=1) < _TOGETHER
+    still[1:] = (expected[1:] == expected[:-1]).all(axis=2) & seen[1:] & seen[:-1]
+    alone = same.sum(axis=1) < _TOGETHER * np.maximum(seen.sum(axis=1), 1)
     rate = max(float(np.median(same[alone].mean(axis=0))) if alone.any() else 1.0, 1.0 / same.size)
-    run = np.zeros(same.shape, dtype=int)
+    trembles = (same & still).sum(axis=0) < _TOGETHER * still.sum(axis=0)
+    run, moved = np.zeros(same.shape, dtype=int), np.zeros(same.shape, dtype=bool)
     for f in range(1, len(same)):
         run[f] = np.where(same[f], run[f - 1] + 1, 0)
+        moved[f] = same[f] & (moved[f - 1] | ~still[f])
     for f in range(len(same) - 2, 0, -1):  # every row of a run knows how long it gets
-        run[f] = np.where(same[f] & same[f + 1], run[f + 1], run[f])
-    return same & alone[:, None] & (same.size * rate ** run.astype(float) < _BY_CHANCE)
+        goes_on = same[f] & same[f + 1]
+        run[f], moved[f] = np.where(goes_on, run[f + 1], run[f]), np.where(goes_on, moved[f + 1], moved[f])
+    told = same & alone[:, None] & (trembles | moved)
+    return told & (same.size * rate ** run.astype(float) < _BY_CHANCE)

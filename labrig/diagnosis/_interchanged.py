@@ -50,7 +50,8 @@ def _pairs(context: Context) -> tuple[Ints, Ints]:
     captures, error = errors_by_capture(context)
     first = np.unique(rows.capture, return_index=True)[1]
     scale = motion_scale(context)
-    said, off = context.base[first] / scale, error / scale
+    seen = np.asarray(np.isfinite(context.residual).any(axis=0))
+    said, off = (np.where(seen, v / scale, 0.0) for v in (context.base[first], error))
     apart = _apart(said + off, said + usual(context, first, off))
     own, both = np.diag(apart), apart + apart.T
     far = own > _FAR**2 * np.median(own)

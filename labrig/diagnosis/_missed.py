@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.arrays import Ints
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._usual import usual
 from labrig.effects import Context, fill, motion_scale
 
@@ -25,6 +25,8 @@ _ONE = 0.8
 """Share of the square from which on one marker, or sensor, is off alone: that one may be mistaken."""
 _STEP = 0.1
 """Share of the range from which on a step that was missed can be told from an effect."""
+_ALIKE = 0.1
+"""Share of the range within which set-points are alike."""
 _EXPLAINED, _AS_MUCH = 0.9, (0.7, 1.4)
 """Share of its square that the missed step explains, and how many times the step: slopes of a base are not exact."""
 
@@ -67,34 +69,54 @@ def missing(context: Context) -> Missed | None:
     if not context.moves or context.sample_s:
         return None
     captures, first = np.unique(rows.capture, return_index=True)
-    error = fill(context.residual[first])  # at once: what empties along a hold has followed
     n, scale = len(captures), motion_scale(context)
-    if n < _FEWEST or error.shape[1] < len(rows.chambers) + _MORE or not context.jacobian[first].any():
+    seen = np.asarray(np.isfinite(context.residual[first]).any(axis=0))
+    if n < _FEWEST or seen.sum() < len(rows.chambers) + _MORE or not context.jacobian[first].any():
         return None
-    off = error / scale - usual(context, first, error / scale)
+    # at once: what empties along a hold has followed
+    error = np.where(seen, fill(context.residual[first]) / scale, 0.0)
+    off = error - usual(context, first, error)
     size = np.sqrt((off**2).sum(axis=1))
     alone = rows.marker < 0
     owner = np.where(alone, len(rows.markers) + np.arange(len(alone)), rows.marker)
     each = np.stack([(off[:, owner == m] ** 2).sum(axis=1) for m in np.unique(owner)], axis=1)
-    several = each.max(axis=1) < _ONE * size**2
+    clear = (each.max(axis=1) < _ONE * size**2) & (size > _FAR * np.quantile(size, 1 - _MOST))
     event, started = rows.event[first], context.started
     before = np.where((started[event] >= 0)[:, None], context.event_deflection[started[event]], 0.0)
     slope = np.maximum(context.deflection_slope[first], _STEP)
     best, best_at = None, np.zeros(0, dtype=np.int64)
     for still, there in ((True, before), (False, np.zeros_like(before))):
         step = there - context.deflection[first]
-        moves = context.jacobian[first] * (context.span * step / slope)[:, None] / scale[:, None]
+        told = np.abs(step) >= _STEP
+        moves = (
+            context.jacobian[first] * (context.span * step / slope)[:, None] / scale[:, None] * seen[:, None]
+        )
         square = np.maximum((moves**2).sum(axis=1), 1e-300)
-        along = np.einsum("nkc,nk->nc", moves, off)
+        along, whole = (np.einsum("nkc,nk->nc", moves, one) for one in (off, error))
         explained = along**2 / square / np.maximum(size**2, 1e-300)[:, None]
-        fits = (along > _AS_MUCH[0] * square) & (along < _AS_MUCH[1] * square) & (explained >= _EXPLAINED)
-        fits &= (np.abs(step) >= _STEP) & (several & (size > _FAR * np.quantile(size, 1 - _MOST)))[:, None]
+        low, high = _AS_MUCH
+        fits = told & (along > low * square) & (along < high * square) & (explained >= _EXPLAINED)
+        fits &= clear[:, None] & (whole > low * square)  # nor is it what is usual that makes it up
+        followed = told & (np.abs(whole) < low * square) & (np.abs(context.deflection[first]) >= _STEP)
+        fits &= _now_and_then(fits, followed, rows.fraction[first])
         at = np.flatnonzero(fits.any(axis=1))
         often = len(at) > 0 and (size > size[at].min() / 2).sum() > _MOST * n
         if len(at) > len(best_at) and not often and not _on_end(at):
             best_at = at
             best = Missed(captures[at], np.where(fits, explained, 0.0).argmax(axis=1)[at], still)
     return best
+
+
+def _now_and_then(missed: NDArray[np.bool_], followed: NDArray[np.bool_], x: Floats) -> NDArray[np.bool_]:
+    """Which (n, C) of the set-points x (n, C) that were missed a chamber `followed` (n, C) at other times. What it does
+    at all of its lowest, or of its highest ones, is a law.
+    """
+    out = np.zeros_like(missed)
+    for c in np.flatnonzero(missed.any(axis=0)):
+        own, others = x[missed[:, c], c], x[followed[:, c], c]
+        if (others <= own.max()).any() and (others >= own.min()).any():
+            out[:, c] = (np.abs(others - x[:, [c]]) <= _ALIKE).any(axis=1)
+    return out
 
 
 def _on_end(at: Ints) -> bool:

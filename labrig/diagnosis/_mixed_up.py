@@ -14,8 +14,8 @@ _MATTERS = 0.2
 """Share of what chambers do by which it must be another where they are exchanged: twins may be exchanged."""
 _ENOUGH = 3
 """Captures that there must be for each coefficient that is fitted."""
-_FEWEST = 10
-"""Set-points, one after the other, that there must be to compare them with their neighbours."""
+_FEWEST, _FAR = 10, 0.3
+"""Set-points that there must be to compare them with their neighbours, and by what share of the range they differ."""
 
 
 def mixed_up(context: Context) -> Iterator[str]:
@@ -24,13 +24,14 @@ def mixed_up(context: Context) -> Iterator[str]:
     Nothing physical is put right by an exchange, which has no size that could be fitted.
     """
     if context.moves:
-        yield from _axes(context)
-        yield from _chambers(context)
+        # of a symmetric rig exchanged hoses look like a mirror
+        if either := [*_axes(context), *_chambers(context)]:
+            yield "; or ".join(either)
         yield from _moments(context)
 
 
 def _axes(context: Context) -> Iterator[str]:
-    """Markers whose x, y and z are the model's in another order, or with other signs."""
+    """Markers whose x, y and z are a mirror image of the model's; those that were turned are a frame's, however far."""
     rows = context.rows
     own = [np.flatnonzero((rows.axis == a) & (rows.marker >= 0)) for a in range(3)]
     if len({tuple(rows.marker[each]) for each in own}) > 1 or len(own[0]) < 2:
@@ -43,19 +44,19 @@ def _axes(context: Context) -> Iterator[str]:
     # from their middle: another origin is no other axes
     x, b = (v[seen] - v[seen].mean(axis=0) for v in (measured, base))
     both = b.T @ x
-    found = [
-        (float(sum(s * both[j, i] for i, (j, s) in enumerate(zip(order, signs, strict=True)))), order, signs)
-        for order in permutations(range(3))
-        for signs in product((1, -1), repeat=3)
-    ]
-    follows, order, signs = max(found)
+    follows: dict[bool, list[tuple[float, tuple[int, ...], tuple[int, ...]]]] = {True: [], False: []}
+    for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
+        mirrors = bool(np.linalg.det(np.eye(3)[list(order)]) * np.prod(signs) < 0)
+        value = float(sum(s * both[j, i] for i, (j, s) in enumerate(zip(order, signs, strict=True))))
+        follows[mirrors].append((value, order, signs))
     square = float((x**2).sum() + (b**2).sum())
-    left, now = (max(square - 2 * value, 0.0) for value in (follows, float(np.trace(both))))
-    if now > 0 and now >= _CLOSER**2 * left:
+    value, order, signs = max(follows[True])
+    left, turned = (max(square - 2 * v, 0.0) for v in (value, max(follows[False])[0]))
+    if turned > 0 and turned >= _CLOSER**2 * left:
         words = [("" if s > 0 else "-") + "xyz"[j] for j, s in zip(order, signs, strict=True)]
         yield (
-            f"what is measured as x, y and z is {', '.join(words[:2])} and {words[2]} of the model: the axes of one of "
-            "both are named otherwise, rename them in the mapping"
+            f"what is measured as x, y and z is {', '.join(words[:2])} and {words[2]} of the model, a mirror image: "
+            "the axes of one of both are named otherwise, rename them in the mapping"
         )
 
 
@@ -77,11 +78,16 @@ def _chambers(context: Context) -> Iterator[str]:
     # a slope by a chamber's own spread: of another chamber by that one's
     per = base / np.where(spread > 0, spread, 1.0)
     off = ((measured[:, :, None] - per[:, None, :] * spread[:, None]) ** 2).sum(axis=0)
+    off[spread == 0], off[:, spread == 0] = (
+        np.inf,
+        np.inf,
+    )  # one that stays where it is does what the model says
+    off[spread == 0, spread == 0] = 0.0
     _, goes = linear_sum_assignment(off)
     moved = np.flatnonzero(goes != np.arange(C))
     now, left = float(np.trace(off)), float(off[np.arange(C), goes].sum())
-    does = float((base[:, moved] ** 2).sum())
-    if not len(moved) or now < max(_CLOSER**2 * left, _MATTERS**2 * does):
+    does, seen_of = (float((slope[:, moved] ** 2).sum()) for slope in (base, measured))
+    if not len(moved) or now < max(_CLOSER**2 * left, _MATTERS**2 * does) or seen_of < _CLOSER**2 * left:
         return
     names = rows.chambers
     pairs = ", ".join(f"{names[c]} does what the model says of {names[goes[c]]}" for c in moved)
@@ -106,6 +112,8 @@ def _moments(context: Context) -> Iterator[str]:
         at = np.arange(n)
         use = (at - later >= 0) & (at - later < n)
         use[use] &= session[at[use] - later] == session[use]
+        far = np.abs(rows.fraction[first[at[use] - later]] - rows.fraction[first[use]]).max(axis=1) >= _FAR
+        use[use] &= far  # a loop as wide as a small step has the set-point before as well
         if use.sum() < _FEWEST:
             continue
         other = base[at[use] - later]

@@ -2,13 +2,13 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._dead import without_dead
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._frozen import without_frozen
@@ -45,6 +45,20 @@ class Prepared:
     calibrated: Floats | None
     began: Floats | None = None
     astray: str = ""
+
+    def thin(self, keep: Ints) -> "Prepared":
+        """The same with some rows only; history and floor stay those of all of them."""
+        declared, calibrated, began = (
+            None if whole is None else whole[keep] for whole in (self.declared, self.calibrated, self.began)
+        )
+        return replace(
+            self,
+            context=self.context.thin(keep),
+            residual=self.residual[keep],
+            declared=declared,
+            calibrated=calibrated,
+            began=began,
+        )
 
     @property
     def nuisance(self) -> Floats | None:

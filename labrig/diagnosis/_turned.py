@@ -9,7 +9,8 @@ from labrig.effects import Context
 
 
 def as_the_model_turns(context: Context) -> Context:
-    """The campaign with each angle within half a turn of what the model says, and each quaternion on its side.
+    """The campaign with each angle within half a turn of what the model says and its zero is off, and each quaternion
+    on the model's side.
 
     An angle that was seen over more than a turn counts turns itself, and stays as it is.
     """
@@ -19,7 +20,9 @@ def as_the_model_turns(context: Context) -> Context:
         seen = values[np.isfinite(values[:, k]), k]
         turn = turn_of(unit)
         if turn and len(seen) and np.ptp(seen) <= turn:
-            values[:, k] -= turn * np.round((values[:, k] - context.base[:, k]) / turn)
+            off = values[:, k] - context.base[:, k]
+            middle = turn / (2 * np.pi) * np.angle(np.nanmean(np.exp(2j * np.pi * off / turn)))
+            values[:, k] -= turn * np.round((off - middle) / turn)
     for own in quaternions(rows.unit, values):
         away = (values[:, own] * context.base[:, own]).sum(axis=1) < 0
         values[away, own] *= -1

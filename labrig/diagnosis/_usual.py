@@ -15,8 +15,11 @@ def usual(context: Context, first: Ints, off: Floats) -> Floats:
     the one before, by the way it came.
     """
     rows = context.rows
-    J = context.jacobian[first] * context.span / motion_scale(context)[:, None]
+    seen = np.asarray(np.isfinite(context.residual).any(axis=0))
+    J = context.jacobian[first] * context.span / motion_scale(context)[:, None] * seen[:, None]
     normal = np.einsum("nkc,nkd->ncd", J, J)
+    if not normal.any():
+        return np.zeros_like(off)
     normal += _SMALL * np.trace(normal.mean(axis=0)) * np.eye(normal.shape[1])
     change = np.linalg.solve(normal, np.einsum("nkc,nk->nc", J, off)[:, :, None])[:, :, 0]
     event = rows.event[first]

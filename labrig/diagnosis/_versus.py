@@ -37,7 +37,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     """
     names = names_of_models(first, second)
     rows = rows_from(runs)
-    both = [prepared(rows, first), prepared(rows, second)]
+    both = _same_captures([prepared(rows, first), prepared(rows, second)])
     regression = both[0].regression
     residual = _same_cells(both)
     lost = int((np.isfinite(both[0].context.residual) & ~np.isfinite(residual[0])).sum())
@@ -87,6 +87,13 @@ def names_of_models(first: Model, second: Model) -> tuple[str, str]:
 
 def _stem(path: Path | None, otherwise: str) -> str:
     return otherwise if path is None else path.stem
+
+
+def _same_captures(both: Sequence[Prepared]) -> list[Prepared]:
+    """Without the captures that one of both models calls misplaced."""
+    first, second = (one.context.rows.capture for one in both)
+    common = [np.isin(first, second), np.isin(second, first)]
+    return [one.thin(np.flatnonzero(own)) for one, own in zip(both, common, strict=True)]
 
 
 def _same_cells(both: Sequence[Prepared]) -> list[Floats]:

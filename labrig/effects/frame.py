@@ -107,7 +107,7 @@ class Frame(Effect):
                 motion[:, own] += np.nanmean((context.residual - motion)[:, own])
             solved = field("turn", motion / np.sqrt((motion**2).mean(axis=0).mean()) * scale)
             yield Space("turned", "frame turned", acting([solved, *whole]))
-        if len(rows.sessions) > 1:
+        if 1 < len(rows.sessions) < len(np.unique(rows.capture)):
             yield another_in_each(context, rows.session)
         if (moved := since_a_kick(context)) is not None:
             yield moved

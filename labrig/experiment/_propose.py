@@ -1,7 +1,7 @@
 """The next experiment: the pressure programme that tells the open explanations apart best per minute."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import reduce
 from typing import TYPE_CHECKING
 
@@ -152,14 +152,7 @@ def _some(ready: Prepared) -> Prepared:
         return ready
     _, place = np.unique(capture, return_inverse=True)
     keep = np.flatnonzero(place % every == 0)
-    return replace(
-        ready,
-        context=ready.context.thin(keep),
-        residual=ready.residual[keep],
-        declared=None if ready.declared is None else ready.declared[keep],
-        calibrated=None if ready.calibrated is None else ready.calibrated[keep],
-        began=None if ready.began is None else ready.began[keep],
-    )
+    return ready.thin(keep)
 
 
 def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: Summary) -> None:

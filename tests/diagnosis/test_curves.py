@@ -74,3 +74,13 @@ def test_what_remembers_is_sure_beside_a_parabola(make_lab) -> None:
     lab = make_lab(markers=12, seed=30)
     calls = calls_of(lab.dataset(lab.predict(power_law(lab)) + lab.noise()), fitted(lab, 2))
     assert [name for name, call in calls.items() if call == "sure"] == ["creep"]
+
+
+def test_no_session_of_its_own_is_asked_of_each_capture(make_lab) -> None:
+    """Each capture in a session of its own makes no motion of the frame for each: there would be no room for them."""
+    lab = make_lab(markers=12)
+    context = context_of(lab, lab.predict(lab.u) + lab.noise(), 2)
+    alone, _ = in_any_order(context)
+    effects = lab.model().library()
+    most, own = (max(len(space.features) for _, space in family_of(effects, one)) for one in (alone, context))
+    assert most <= own

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose, rows_from
+from labrig.diagnosis import diagnose, prepared, rows_from, versus
 from labrig.diagnosis._missed import MISSED, missing
+from labrig.model import Model
 from tests.laws import bowed, limited, orifice, power_law, sliding, strut
+from tests.polynomials import fitted
 
 LATE = [9, 23, 38, 51]
 
@@ -80,3 +82,68 @@ def test_an_effect_beside_it_has_its_name(make_lab, law, effect: str) -> None:
     summary = diagnose(lab.dataset(seen(lab, law, vented=(*LATE,))), lab.model()).summary
     assert (summary["verdict"], summary["effects"]) == ("identified", [effect])
     assert [line for line in summary["warnings"] if line.startswith("c1 was as good as vented in 4 captures")]
+
+
+def stairs(lab, times: int = 3) -> None:
+    """Each chamber goes up and down by tenths of its range, one after the other."""
+    levels = np.concatenate([np.arange(0, 61, 6), np.arange(54, 0, -6)]).astype(float)
+    lab.commanded[:] = 0.0
+    for i in range(min(times * len(levels), lab.captures)):
+        lab.commanded[i, (i // len(levels)) % lab.chambers] = levels[i % len(levels)]
+
+
+def test_what_is_so_at_all_of_the_lowest_pressures_is_a_law(make_lab) -> None:
+    """A valve that cracks open at 8 kPa leaves the chamber empty below: at each of these set-points, so none is missed.
+
+    So it is at the highest ones, where a supply gives no more.
+    """
+    for seed in range(4):
+        lab = make_lab(markers=12, seed=seed)
+        u = lab.u
+        u[..., 0] = np.where(u[..., 0] < 8.0, 0.0, u[..., 0])
+        assert found(lab, lab.predict(u) + lab.noise()) is None
+    stairs(lab)
+    u = lab.u
+    for low, high in ((8.0, 60.0), (0.0, 55.0)):
+        some = np.where((u < low) | (u > high), 0.0, u)
+        assert found(lab, lab.predict(some) + lab.noise()) is None
+
+
+def test_what_is_usual_makes_up_no_missed_set_point(make_lab) -> None:
+    """Beside a dead zone of a step of the stairs, where every chamber is vented, nothing is off: nothing was missed."""
+    lab = make_lab(markers=12)
+    stairs(lab)
+    u = lab.u
+    u[..., 0] = np.maximum(u[..., 0] - 6.0, 0.0)
+    assert found(lab, lab.predict(u) + lab.noise()) is None
+
+
+def test_markers_that_were_never_seen_hide_nothing(make_lab) -> None:
+    """Two of twelve markers out of sight all the time: the captures are found all the same."""
+    lab = make_lab(markers=12, seed=41)
+    lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
+    values = seen(lab, vented=(*LATE,))
+    values[:, :, 9:15] = np.nan
+    assert found(lab, values) == (LATE, {0}, False)
+
+
+def test_two_models_are_compared_over_the_same_captures(make_lab) -> None:
+    """A model that knows the rig finds missed set-points, another does not: neither counts them."""
+    lab = make_lab(markers=12, seed=41)
+    lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
+    data = lab.dataset(seen(lab, vented=(*LATE,)))
+    result = versus(data, lab.model(), fitted(lab, 1))
+    assert result.summary["better"] == "model"
+    assert sum(line.startswith("c1 was as good as vented") for line in result.summary["warnings"]) <= 1
+
+
+def test_a_base_that_does_not_move_misses_nothing(make_lab) -> None:
+    """Without slopes nobody can say what a chamber should do."""
+    lab = make_lab(markers=12, seed=41)
+    values = lab.predict(lab.u) + lab.noise()
+    (lab.folder / "still.py").write_text(
+        "import numpy as np\n\n\ndef predict(u):\n    return np.zeros((len(u), 36)) + np.arange(36)\n"
+    )
+    (lab.folder / "still.yaml").write_text("base: {kind: python, file: still.py, function: predict}\n")
+    rows = prepared(rows_from(lab.dataset(values)), Model.load(lab.folder / "still.yaml")).context.rows
+    assert rows.n_captures == len(np.unique(rows.capture)) == 60

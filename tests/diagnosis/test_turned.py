@@ -24,6 +24,14 @@ def test_a_turn_is_no_error(make_lab, turns: int) -> None:
     assert verdict_of(angle(lab, seen), lab.model()).verdict == "nothing_missing"
 
 
+@pytest.mark.parametrize("zero", [170.0, 180.0])
+def test_an_angle_with_another_zero(make_lab, zero: float) -> None:
+    """A sensor that was mounted the other way round is off by the same in each row, not by a turn more in some."""
+    lab = make_lab(force=True)
+    data = angle(lab, lab.predict(lab.u) + zero + lab.noise(0.3, 0.5))
+    assert prepared(rows_from(data), lab.model()).context.residual.std() < 1.0
+
+
 def test_what_counts_turns_stays(make_lab) -> None:
     """An angle that was seen over more than a turn is what it says, however far the model is off."""
     lab = make_lab(force=True)
