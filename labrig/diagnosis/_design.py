@@ -174,7 +174,8 @@ def _share(owner: str, space: Space, count: Mapping[tuple[str, bool], int]) -> f
     if space.scanned:
         return 1.0 / space.scanned
     both = 1.0 + ((owner, not space.plain) in count)
-    return 1.0 / both / count[owner, space.plain] / (2 * space.alone or 1)
+    # one chamber's may be there where what all have was too little to be laid out
+    return 1.0 / both / max(count[owner, space.plain], 1) / (2 * space.alone or 1)
 
 
 def _shown(L: Floats, shows: Floats) -> Floats:

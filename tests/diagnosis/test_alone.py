@@ -1,11 +1,13 @@
 """One chamber of many leaks, creeps or meets something, and the others do not: its effect keeps its name."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
 from labrig.diagnosis import observe, prepared, rows_from
 from labrig.diagnosis._alone import _likeliest, single
-from labrig.diagnosis._design import design_of
+from labrig.diagnosis._design import _share, design_of
 from labrig.diagnosis._diagnose import observed, words_of
 from labrig.diagnosis._observations import Observations
 from labrig.effects import Space, pressure
@@ -137,3 +139,9 @@ def test_a_space_and_its_single_one(make_lab) -> None:
         assert own is not None
         assert np.array_equal(own.values, x * [0, 0, 0, 1])
     assert [found, of_c1] == given[1:]
+
+
+def test_one_chamber_where_all_of_them_show_nothing() -> None:
+    """Where the space of all chambers is too small to be laid out, that of one has its share all the same."""
+    alone = Space("in c1", "leak", (pressure("leak", np.ones((4, 3))),), alone=3)
+    assert _share("leak", alone, Counter()) == pytest.approx(1 / 6)
