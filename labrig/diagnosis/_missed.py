@@ -84,13 +84,12 @@ def missing(context: Context) -> Missed | None:
     event, started = rows.event[first], context.started
     before = np.where((started[event] >= 0)[:, None], context.event_deflection[started[event]], 0.0)
     slope = np.maximum(context.deflection_slope[first], _STEP)
+    per_pressure = context.jacobian[first] * context.span * (seen / scale)[:, None]
     best, best_at = None, np.zeros(0, dtype=np.int64)
     for still, there in ((True, before), (False, np.zeros_like(before))):
         step = there - context.deflection[first]
         told = np.abs(step) >= _STEP
-        moves = (
-            context.jacobian[first] * (context.span * step / slope)[:, None] / scale[:, None] * seen[:, None]
-        )
+        moves = per_pressure * (step / slope)[:, None]
         square = np.maximum((moves**2).sum(axis=1), 1e-300)
         along, whole = (np.einsum("nkc,nk->nc", moves, one) for one in (off, error))
         explained = along**2 / square / np.maximum(size**2, 1e-300)[:, None]

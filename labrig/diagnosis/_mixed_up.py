@@ -78,11 +78,10 @@ def _chambers(context: Context) -> Iterator[str]:
     # a slope by a chamber's own spread: of another chamber by that one's
     per = base / np.where(spread > 0, spread, 1.0)
     off = ((measured[:, :, None] - per[:, None, :] * spread[:, None]) ** 2).sum(axis=0)
-    off[spread == 0], off[:, spread == 0] = (
-        np.inf,
-        np.inf,
-    )  # one that stays where it is does what the model says
-    off[spread == 0, spread == 0] = 0.0
+    stays = spread == 0  # what stays where it is does what the model says
+    off[stays] = np.inf
+    off[:, stays] = np.inf
+    off[stays, stays] = 0.0
     _, goes = linear_sum_assignment(off)
     moved = np.flatnonzero(goes != np.arange(C))
     now, left = float(np.trace(off)), float(off[np.arange(C), goes].sum())
