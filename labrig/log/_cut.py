@@ -14,6 +14,8 @@ _MOVING = 4
 _STREAM_ROWS = 30
 _EVEN = 0.5
 _HELD_JITTER = 0.05
+_APART = 0.15
+"""Share of the range from which on two rows are other set-points, and no neighbours of a record."""
 _CELLS = 20_000_000
 """Holds of very unequal lengths are padded to the longest: beyond this many cells their rows count singly."""
 
@@ -27,7 +29,7 @@ def cut(part: Part) -> None:
         _segments(part)
     elif how is not None:
         _holds(part)
-    elif part.mapping.time is not None and _is_stream(part):
+    elif part.mapping.time is not None and _is_stream(part) and not _scattered(part):
         _name(part)
     lengths = np.diff(np.r_[part.starts, part.n])
     if len(lengths) * lengths.max() > max(_CELLS, 20 * part.n):
@@ -84,6 +86,10 @@ def _labels(part: Part) -> NDArray[np.object_]:
 
 def _segments(part: Part) -> None:
     """Plateaus become captures where the input is held most of the time; otherwise every row is one, with a name."""
+    if _scattered(part):
+        part.each_alone(np.ones(part.n, dtype=bool))
+        part.remarks.append(f"{part.table.path.name}: {part.n} set-points of one row each")
+        return
     found = _name(part)
     moves = [s for _, s in found if s.kind != "plateau"]
     holds = [s.end - s.begin for _, s in found if s.kind == "plateau"]
@@ -122,6 +128,13 @@ def _name(part: Part) -> list[tuple[int, Segment]]:
             found.append((own.start, s))
             part.segment[own.start + s.begin : own.start + s.end] = s.name
     return found
+
+
+def _scattered(part: Part) -> bool:
+    """Whether most rows are far from the one before: set-points that were measured once each, and no record."""
+    span = np.ptp(part.actuation, axis=0)
+    steps = np.abs(np.diff(part.actuation, axis=0)) / np.where(span > 0, span, np.inf)
+    return part.n > 1 and bool(np.median(steps.max(axis=1)) > _APART)
 
 
 def _is_stream(part: Part) -> bool:

@@ -26,6 +26,8 @@ _CALM, _LONG = 0.5, 0.5
 _WINDOW, _QUIET = 0.08, 0.004
 """Within such a part of the rows that one way over the range takes, a plateau in a slow motion moves by no more."""
 _SHORTEST = 3
+_EXACTLY = 1 / 3
+"""Share of the rows that are exactly as the row before from which on an input is a command that is held."""
 _ALIKE = 0.15
 _PIECES = 12
 
@@ -71,15 +73,24 @@ def held_share(segments: Sequence[Segment]) -> float:
 
 def _noise(x: Floats) -> float:
     """Standard deviation of an input's own noise; 0 for a command."""
-    if len(x) < 5:
+    if len(x) < 5 or _exact(x):
         return 0.0
     second = np.abs(np.diff(x, n=2, axis=0))
     return float(np.median(second, axis=0).max() * 1.4826 / np.sqrt(6))
 
 
+def _exact(x: Floats) -> bool:
+    """Whether an input is a command that is held, however short its holds: in many rows it is exactly what it was, and
+    where it is not, it makes a step that no rounding of a slow motion makes.
+    """
+    step = np.abs(np.diff(x, axis=0)).max(axis=1)
+    return bool((step == 0).mean() >= _EXACTLY) and bool(np.median(step[step > 0]) > 2 * _JUMP)
+
+
 def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple[int, int]]:
     """Where all inputs stand still: between steps, or within a slow motion."""
     flat = min(_FLAT + 6 * noise, 0.2)
+    least = 2 if _exact(x) else _SHORTEST
     jump = np.abs(np.diff(x, axis=0)).max(axis=1)
     edges = np.r_[0, np.flatnonzero(jump > max(_JUMP, 6 * noise)) + 1, len(x)]
     starts, lengths = edges[:-1], np.diff(edges)
@@ -87,9 +98,9 @@ def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple
     ends = np.r_[0.0, jump[edges[1:-1] - 1], 0.0]
     beside = np.maximum(ends[:-1], ends[1:]) if len(starts) > 1 else np.array([np.inf])
     still = (spread <= np.minimum(flat, _CALM * beside)) & (
-        lengths >= (_SHORTEST if noise == 0 else 2 * _SHORTEST)
+        lengths >= (least if noise == 0 else 2 * _SHORTEST)
     )
-    still &= lengths >= _LONG * _moving_beside(lengths)
+    still &= lengths >= _LONG * _moving_beside(lengths, least)
     out = [(int(s), int(s + k)) for s, k in zip(starts[still], lengths[still], strict=True)]
     at = 0
     for begin, end in [*out, (len(x), len(x))]:
@@ -99,9 +110,9 @@ def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple
     return sorted(out)
 
 
-def _moving_beside(lengths: Ints) -> Ints:
+def _moving_beside(lengths: Ints, least: int) -> Ints:
     """For each run of rows without a step, how many rows of steps lie on its longer side."""
-    short = lengths < _SHORTEST
+    short = lengths < least
     block = np.cumsum(np.r_[True, short[1:] != short[:-1]]) - 1
     rows = np.bincount(block, weights=np.where(short, lengths, 0)).astype(np.int64)
     before = np.r_[0, rows][block]

@@ -221,3 +221,30 @@ def test_clocks_that_never_meet(desk: Path) -> None:
         LabrigError, match=r"camera\.csv: its times .* are not those of pressure\.csv, 0 to 99.95 s"
     ):
         clocks(desk, "linear", offset_s=5000)
+
+
+@pytest.mark.parametrize("rows", [2, 3, 4, 5])
+def test_set_points_of_few_rows_are_holds(desk: Path, rows: int) -> None:
+    """A table of 40 set-points anywhere, each of a few rows with the same command: as many captures of so many rows."""
+    u = np.random.default_rng(0).uniform(0, 60, 40).round(1)
+    run = imported(np.repeat(u, rows), capture={"per": "segment"})
+    assert run.sizes["capture"] == 40
+    assert run.commanded.values[:, 0] == pytest.approx(u)
+    assert (np.isfinite(run.observed.values).sum(axis=1) == rows).all()
+
+
+def test_set_points_of_one_row_are_no_record(desk: Path) -> None:
+    """Where each row is another set-point, far from the one before, each is a capture of its own, without a segment."""
+    u = np.random.default_rng(0).uniform(0, 60, 40).round(1)
+    run = imported(u, capture={"per": "segment"})
+    assert run.sizes["capture"] == 40
+    assert "segment" not in run.coords
+    assert run.attrs["import_remarks"] == ["t.csv: 40 set-points of one row each"]
+
+
+def test_a_ramp_that_is_logged_twice_as_often_is_no_row_of_holds(desk: Path) -> None:
+    """A command that rises every other row by little is a slow motion: its rows count one by one."""
+    run = imported(
+        np.repeat(np.r_[np.linspace(0, 60, 200), np.linspace(60, 0, 200)], 2), capture={"per": "segment"}
+    )
+    assert run.sizes["capture"] == 800
