@@ -14,6 +14,8 @@ _MOVING = 4
 _STREAM_ROWS = 30
 _EVEN = 0.5
 _HELD_JITTER = 0.05
+_WAITED = 2.0
+"""How many times as long as between two rows of a hold it is before the first, from which on it is asked since when."""
 _APART = 0.15
 """Share of the range from which on two rows are other set-points, and no neighbours of a record."""
 _CELLS = 20_000_000
@@ -31,12 +33,47 @@ def cut(part: Part) -> None:
         _holds(part)
     elif part.mapping.time is not None and _is_stream(part) and not _scattered(part):
         _name(part)
+    _settled(part)
     lengths = np.diff(np.r_[part.starts, part.n])
     if len(lengths) * lengths.max() > max(_CELLS, 20 * part.n):
         part.remarks.append(
             f"{part.table.path.name}: its captures are too unequal: their rows count one by one"
         )
         part.each_alone(np.ones(part.n, dtype=bool))
+
+
+def _settled(part: Part) -> None:
+    """Set-points were actuated `settle_s` before their first row; a remark where there was time, and nobody says so.
+
+    Rows of a moving input, which count one by one, belong to no hold. Raises `LabrigError` where the row before is
+    nearer than that.
+    """
+    starts, lengths = part.starts, np.diff(np.r_[part.starts, part.n])
+    if part.mapping.hold is not None or part.file.events or part.mapping.time is None:
+        return
+    held = (lengths > 1) | (part.segment[starts] == "")
+    follows = np.r_[False, part.session[starts[1:]] == part.session[starts[1:] - 1]]
+    gap_s = part.time_s[starts] - np.r_[-np.inf, part.time_s[starts[1:] - 1]]
+    settle_s = part.mapping.settle_s
+    if settle_s is None:
+        within_s = np.diff(part.time_s)[np.diff(part.capture) == 0]
+        usual_s = float(np.median(gap_s[held & follows])) if (held & follows).any() else 0.0
+        if len(within_s) and usual_s > _WAITED * float(np.median(within_s)):
+            part.remarks.append(
+                f"{part.table.path.name}: {usual_s:.3g} s lie between the last row of a set-point and the first of the "
+                "next, and each hold is taken to begin at its first row: if it was actuated before, write how long "
+                "before, such as 'settle_s: 3'"
+            )
+        return
+    early = held & follows & (gap_s < settle_s)
+    if early.any():
+        i = int(np.argmax(early))
+        raise LabrigError(
+            f"{part.table.at(int(starts[i]))}: settle_s is {settle_s:g} s, but the row before, of another set-point, "
+            f"is only {gap_s[i]:.3g} s earlier"
+        )
+    since = part.time_s - np.repeat(part.time_s[starts], lengths) + settle_s
+    part.hold_s = np.where(np.repeat(held, lengths), since, part.hold_s)
 
 
 def _holds(part: Part) -> None:

@@ -168,6 +168,7 @@ class Mapping(_Strict):
     time: UnitColumn | None = None
     capture: CaptureColumn | None = None
     hold: UnitColumn | None = None
+    settle_s: float | None = Field(None, ge=0)
     session: Column | None = None
     between_sessions: Literal["held", "vented", "unknown"] = "unknown"
     repeat: Column | None = None
@@ -182,6 +183,14 @@ class Mapping(_Strict):
     def _formerly(cls, value: Any) -> Any:
         """Files from before call vented pressures `released`."""
         return "vented" if value == "released" else value
+
+    @model_validator(mode="after")
+    def _since_when(self) -> "Mapping":
+        if self.settle_s is not None and self.hold is not None:
+            raise ValueError("'hold:' and 'settle_s:' say the same: leave one of them out")
+        if self.settle_s is not None and self.time is None:
+            raise ValueError("'settle_s:' needs the time of each row: say its column under 'time:'")
+        return self
 
     def files(self) -> list[TableFile]:
         """The tables, in order."""

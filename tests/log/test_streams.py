@@ -1,5 +1,6 @@
 """Inputs that nobody cut into captures: rows at full rate, the whole history, and segments with names."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -248,3 +249,68 @@ def test_a_ramp_that_is_logged_twice_as_often_is_no_row_of_holds(desk: Path) -> 
         np.repeat(np.r_[np.linspace(0, 60, 200), np.linspace(60, 0, 200)], 2), capture={"per": "segment"}
     )
     assert run.sizes["capture"] == 800
+
+
+def table_of(rows_s: tuple[float, ...], wait_s: float, **more: object):
+    """A run of 20 set-points with rows at such moments after the first, each actuated so long before."""
+    u = np.random.default_rng(1).uniform(0, 60, 20).round(1)
+    t = (np.arange(20)[:, None] * (wait_s + rows_s[-1] + 1.0) + np.array(rows_s)).ravel()
+    p = np.repeat(u, len(rows_s))
+    pd.DataFrame({"t": t, "p": p, "F": 2 * p}).to_csv("t.csv", index=False)
+    mapping = {
+        "table": "t.csv",
+        "time": {"column": "t", "unit": "s"},
+        "capture": {"per": "segment"},
+        "actuation": [{"column": "p", "name": "p", "unit": "kPa"}],
+        "observables": [{"column": "F", "name": "F", "unit": "N"}],
+        **more,
+    }
+    Path("map.yaml").write_text(yaml.safe_dump({k: v for k, v in mapping.items() if v is not None}))
+    return labrig.import_table("map.yaml", "run")
+
+
+def test_the_wait_before_the_first_row_is_part_of_the_hold(desk: Path) -> None:
+    """Actuate, wait 3 s, record: with settle_s the rows know how long they were held, and when it began."""
+    run = table_of((0.0, 0.5, 1.0), 3.0, settle_s=3)
+    assert run.hold_s.values == pytest.approx(np.tile([3.0, 3.5, 4.0], (20, 1)))
+    assert run.event_time_s.values == pytest.approx(run.time_s.values[:, 0] - 3.0)
+    assert run.attrs["import_remarks"] == []
+
+
+def test_a_wait_that_nobody_said_is_asked_about(desk: Path) -> None:
+    """Where much more time lies before a hold's first row than between its rows, the import says when it begins."""
+    run = table_of((0.0, 0.5, 1.0), 3.0)
+    assert run.hold_s.values == pytest.approx(np.tile([0.0, 0.5, 1.0], (20, 1)))
+    assert run.attrs["import_remarks"] == [
+        "t.csv: 4 s lie between the last row of a set-point and the first of the next, and each hold is taken to begin "
+        "at its first row: if it was actuated before, write how long before, such as 'settle_s: 3'"
+    ]
+
+
+def test_rows_at_one_pace_raise_no_question(desk: Path) -> None:
+    """Of holds that are logged all the time nothing is asked."""
+    assert table_of((0.0, 1.0, 2.0), 0.0).attrs["import_remarks"] == []
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (
+            {"settle_s": 9},
+            "t.csv, line 5: settle_s is 9 s, but the row before, of another set-point, is only 4 s earlier",
+        ),
+        (
+            {"settle_s": 3, "hold": {"column": "t", "unit": "s"}},
+            "'hold:' and 'settle_s:' say the same: leave one of them out",
+        ),
+        (
+            {"settle_s": 3, "time": None},
+            "'settle_s:' needs the time of each row: say its column under 'time:'",
+        ),
+    ],
+)
+def test_a_wait_that_cannot_be(desk: Path, more: dict, words: str) -> None:
+    """Longer than there was time, said twice, or without any time: one line, and no run."""
+    with pytest.raises(LabrigError, match=re.escape(words)):
+        table_of((0.0, 0.5, 1.0), 3.0, **more)
+    assert not Path("run").exists()
