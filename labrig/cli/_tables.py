@@ -14,17 +14,21 @@ _VERDICTS = {
     "unknown": "an effect is missing that is none of those that labrig knows",
     "underpowered": "too few data, or an effect as small as the tolerance could not be seen",
 }
+_ASTRAY = "some captures are mistaken, and left out; beside them nothing is missing"
 _WHERE_ROWS = 6
 _RANKING_ROWS = 5
 
 
 def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
+    from labrig.view import astray
+
     console = new_console()
     units = summary["units"]
     error = summary["error"]
     if verdict := summary.get("verdict"):
-        console.print(f"verdict: {verdict} ({_VERDICTS[verdict]})", highlight=False)
+        meaning = _ASTRAY if astray(summary) else _VERDICTS[verdict]
+        console.print(f"verdict: {verdict} ({meaning})", highlight=False)
         _print_effects(console, summary)
     errors = Table(title=f"error, {units} rms")
     for name in error:

@@ -24,7 +24,7 @@ from labrig.diagnosis._opened import Fall
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
-from labrig.diagnosis._problem import Prepared, prepared, rows_from
+from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._track_record import times_there, track_record
@@ -263,7 +263,7 @@ def _waterfall(ready: Prepared, chosen: Fit | None, errors: _Errors) -> list[tup
 
 def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> Next | None:
     """What to measure next, in words, where the verdict is open."""
-    if verdict.verdict not in {"confounded", "unknown", "underpowered"}:
+    if verdict.verdict not in {"confounded", "unknown", "underpowered"} or verdict.carried_by in ASTRAY:
         return None
     names = [n for n in (*verdict.effects, *verdict.rivals) if n in effects]
     return {"separates": names, "probes": [effects[n].experiment for n in names]}

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST_ROWS = 6000
+ASTRAY = {INTERCHANGED: without_interchanged, MISSED: without_missed}
+"""What single captures are left out for, and how."""
 _NAMED = 3  # markers or sensors in a message
 
 
@@ -112,7 +114,7 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     context = as_the_model_turns(without_dead(predictor.context(rows)))
     context = without_swapped(without_frozen(context))
     keep, astray = np.arange(len(rows.capture)), ""
-    for what, without in ((INTERCHANGED, without_interchanged), (MISSED, without_missed)):
+    for what, without in ASTRAY.items():
         context, own = without(context)
         if not own.all():
             context, keep, astray = context.thin(np.flatnonzero(own)), keep[own], what

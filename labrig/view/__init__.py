@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
-    from labrig.view._naming import effect_rows, names_in_short
+    from labrig.view._naming import astray, effect_rows, names_in_short
     from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
     from labrig.view._pictures import pictures_of
@@ -56,6 +56,7 @@ _LAZY = {
     "surface_explorer": "_explorer",
     "proud": "_surface_figure",
     "surface_figure": "_surface_figure",
+    "astray": "_naming",
     "effect_rows": "_naming",
     "names_in_short": "_naming",
     "fitted": "_values",
@@ -109,6 +110,7 @@ __all__ = [
     "Skin",
     "Table",
     "Viewer",
+    "astray",
     "capture_words",
     "chamber_outlines",
     "cloud",

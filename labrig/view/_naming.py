@@ -34,6 +34,14 @@ _CARRIES = {
 }
 
 
+_ASTRAY = {"single set-points that a chamber missed", "captures that have each other's measurements"}
+
+
+def astray(summary: Summary) -> bool:
+    """Whether nothing is missing but what single captures were left out for."""
+    return summary.get("verdict") == "unknown" and summary.get("carried_by") in _ASTRAY
+
+
 @dataclass(frozen=True)
 class Called:
     """One effect: what is said of it, how probable it is, and how large it would be, in units and in floors."""
@@ -106,7 +114,9 @@ def naming(summary: Summary) -> str:
     parts = []
     if verdict == "nothing_missing":
         parts.append(f"{percent(probability)} sure")
-    if verdict == "unknown":
+    if astray(summary):
+        parts.append(f"nothing is missing beside captures that were left out, {percent(probability)} sure")
+    elif verdict == "unknown":
         parts.append(f"an effect that labrig does not know, {percent(probability)} sure")
     if certain:
         parts.append(" and ".join(_with_figures(one, units) for one in certain))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from labrig.contents import Next, Summary
 from labrig.view._naming import (
     added,
+    astray,
     carries,
     names,
     naming,
@@ -117,6 +118,8 @@ def _headline(summary: Summary) -> str:
                 return f"An effect is missing, and these data do not determine which: {_either(perhaps)}."
             known = f"{capital(listed(effects))} {'is' if len(effects) == 1 else 'are'} missing"
             return f"{known}, and these data do not determine whether {_either(perhaps)} is missing too."
+        case "unknown" if astray(summary):
+            return "Some captures are mistaken, and left out; beside them nothing is missing."
         case "unknown":
             if certain := names(sure(summary)):
                 return f"Besides {listed(certain)}, an effect is missing that is none of those that labrig knows."
@@ -255,6 +258,8 @@ def next_experiment(summary: Summary) -> str:
                 "To confirm it, measure a new run with other set-points, another order and other holds: a wrong effect "
                 "may fit this run, but it does not predict another."
             )
+        case "unknown" if astray(summary):
+            return "Put right what the warnings say of single captures, and measure these again."
         case "unknown" if str(summary.get("carried_by")).startswith("a sudden change"):
             return (
                 "Look at what happened to the rig at that moment: hoses, seams, markers, what lies on it. Then measure "

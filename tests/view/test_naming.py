@@ -199,3 +199,18 @@ def test_an_older_diagnosis():
     assert summary_words(older).found == (
         "confounded: leak, sure; possible beside it: drift; these data do not determine it"
     )
+
+
+@pytest.mark.parametrize(
+    ("carried", "why"),
+    [
+        ("single set-points that a chamber missed", "in which a chamber did not do what it was told"),
+        ("captures that have each other's measurements", "that have each other's measurements"),
+    ],
+)
+def test_what_single_captures_were_left_out_for(make_summary, carried, why):
+    """Beside captures that are mistaken nothing is missing: that is said, and not that an effect is unknown."""
+    words = summary_words(make_summary("unknown", 0.99, {"carried_by": carried}))
+    assert words.headline == "Some captures are mistaken, and left out; beside them nothing is missing."
+    assert words.named == "nothing is missing beside captures that were left out, 99 % sure"
+    assert why in " ".join(str(value) for value in vars(words).values())
