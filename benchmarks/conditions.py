@@ -9,7 +9,6 @@ named and nothing else; where nothing is hidden, where nothing is said to be mis
 out for.
 """
 
-import argparse
 import tempfile
 import warnings
 from collections.abc import Callable
@@ -21,8 +20,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.one_of_many import share
+from benchmarks._by_hand import options, share
 from labrig.bench._report import write_section
+from labrig.diagnosis._problem import ASTRAY
 from tests.conftest import Lab
 from tests.laws import Law, limited, orifice, power_law, sliding
 from tests.naming import verdict_of
@@ -43,7 +43,6 @@ HIDDEN: dict[str, Law | None] = {
     "stiffening": limited,
 }
 """What is hidden: nothing, or a law of an effect."""
-_LEFT_OUT = {"single set-points that a chamber missed", "captures that have each other's measurements"}
 Measured = Callable[[Lab, "Floats", "Floats", np.random.Generator], tuple["Dataset", "Model"]]
 
 
@@ -174,7 +173,7 @@ class Found:
         """Whether what is hidden is named, and nothing else: of nothing, what single captures were left out for."""
         if self.effect:
             return self.names == {self.effect}
-        return self.verdict == "nothing_missing" or self.carried_by in _LEFT_OUT
+        return self.verdict == "nothing_missing" or self.carried_by in ASTRAY
 
     @property
     def wrong(self) -> bool:
@@ -226,12 +225,7 @@ def table(rows: list[Found]) -> list[str]:
 
 def main() -> None:
     """Measure and write the section."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
-    asked = parser.parse_args()
+    asked = options(seeds=3, first=0)
     cases = list(product(CONDITIONS, HIDDEN, range(asked.first, asked.first + asked.seeds)))
     with ProcessPoolExecutor(asked.workers) as pool:
         rows = list(pool.map(measured, cases))

@@ -7,7 +7,6 @@ Of each portion from the third on: two campaigns with one effect that is no curv
 and one without any. The degree is two or three, as high as a third of the captures allows (else one).
 """
 
-import argparse
 import tempfile
 import warnings
 from concurrent.futures import ProcessPoolExecutor
@@ -15,7 +14,7 @@ from dataclasses import dataclass
 from math import comb
 from pathlib import Path
 
-from benchmarks.one_of_many import share
+from benchmarks._by_hand import options, share
 from labrig._errors import LabrigError
 from labrig.bench._draw import draw
 from labrig.bench._report import write_section
@@ -100,12 +99,7 @@ def table(rows: list[Found]) -> list[str]:
 
 def main() -> None:
     """Measure and write the section."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--first", type=int, default=88000010)
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
-    asked = parser.parse_args()
+    asked = options(seeds=3, first=88000010)
     with ProcessPoolExecutor(asked.workers) as pool:
         rows = [row for row in pool.map(measured, cases(asked.first, asked.seeds)) if row]
     how = (

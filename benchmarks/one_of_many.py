@@ -6,7 +6,6 @@ On the laboratory of the tests. A campaign is right where the effect is named an
 where nothing is named.
 """
 
-import argparse
 import tempfile
 import warnings
 from concurrent.futures import ProcessPoolExecutor
@@ -16,7 +15,7 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.bench import wilson
+from benchmarks._by_hand import options, share
 from labrig.bench._report import write_section
 from tests.conftest import Lab
 from tests.laws import Law, bowed, limited, of_one, orifice, power_law, sliding, stretched, strut
@@ -158,20 +157,9 @@ def table(rows: list[Found]) -> list[str]:
     return out
 
 
-def share(each: list[bool]) -> str:
-    """How many of them, and the 95 % interval."""
-    low, high = wilson(sum(each), len(each))
-    return f"{sum(each)} of {len(each)} ({100 * low:.0f} to {100 * high:.0f} %)"
-
-
 def main() -> None:
     """Measure and write the section."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--seeds", type=int, default=2)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path("benchmarks/RESULTS.md"))
-    asked = parser.parse_args()
+    asked = options(seeds=2, first=0)
     with ProcessPoolExecutor(asked.workers) as pool:
         rows = list(pool.map(measured, cases(range(asked.first, asked.first + asked.seeds))))
     how = (

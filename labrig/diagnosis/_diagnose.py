@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 _AT_ONE_MOMENT = {"regulator", "stiffening", "tension", "leak", "delay"}
 """What looks alike where every set-point is seen at the same moment."""
 CUT_OFF = "curves beyond the fitted degree"
+"""What carries what a fitted polynomial may lack."""
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
 _ALIKE = 0.5
@@ -81,7 +82,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     Raises `LabrigError` where there are enough to say that units, displacements and positions, axes, chambers or
     set-points are mistaken for each other.
     """
-    observations = observe(ready.context, ready.residual, ready.floor, ready.nuisance)
+    observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
     if enough and (line := next(mistaken(ready.context), None)) is not None:
         raise LabrigError(f"nothing can be diagnosed: {line}")
@@ -89,7 +90,7 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
         return ready, observations
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
     ready = replace(ready, floor=noise_of_few(design))
-    return ready, observe(ready.context, ready.residual, ready.floor, ready.nuisance)
+    return ready, observe(ready.context, ready.residual, ready.floor, ready.declared)
 
 
 def verdict_on(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats
+from labrig.diagnosis._listed import in_captures
 from labrig.diagnosis._swapped import places
 from labrig.effects import Context
 
@@ -36,10 +37,8 @@ def without_frozen(context: Context) -> Context:
         values[np.ix_(stale[:, m], own)] = np.nan
     for m in np.flatnonzero(stale.any(axis=0)):
         captures = np.unique(rows.capture[stale[:, m]])
-        shown = ", ".join(str(c) for c in captures[:_NAMED]) + (", ..." if len(captures) > _NAMED else "")
-        several = "captures" if len(captures) > 1 else "capture"
         said.append(
-            f"{rows.markers[markers[m]]} stands still to the last digit in {len(captures)} {several} ({shown}), as "
+            f"{rows.markers[markers[m]]} stands still to the last digit in {in_captures(captures)}, as "
             "where a tracker repeats what it saw last: left out there"
         )
     if len(said) > _NAMED:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._listed import first_few
 from labrig.diagnosis._usual import usual
 from labrig.effects import Context, errors_by_capture, motion_scale
 
@@ -20,7 +21,6 @@ _FEWEST, _MORE = 2, 3
 """Chambers, and how many more observables there must be: else some other capture is always near."""
 _MOST_CAPTURES = 3000
 """Of more, nothing is asked: each would be compared with each."""
-_NAMED = 3
 
 
 def without_interchanged(context: Context) -> tuple[Context, NDArray[np.bool_]]:
@@ -31,8 +31,7 @@ def without_interchanged(context: Context) -> tuple[Context, NDArray[np.bool_]]:
     captures, pairs = _pairs(context)
     if not len(pairs):
         return context, np.ones(len(rows.capture), dtype=bool)
-    shown = ", ".join(f"{captures[i]} and {captures[j]}" for i, j in pairs[:_NAMED])
-    shown += ", ..." if len(pairs) > _NAMED else ""
+    shown = first_few([f"{captures[i]} and {captures[j]}" for i, j in pairs])
     have = "captures have" if len(pairs) == 1 else f"{len(pairs)} pairs of captures have"
     line = f"{have} each other's measurements ({shown}): left out; put them right"
     context = replace(context, rows=replace(rows, warnings=(*rows.warnings, line)))

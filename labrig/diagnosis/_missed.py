@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._listed import in_captures
 from labrig.diagnosis._usual import usual
 from labrig.effects import Context, fill, motion_scale
 
 MISSED = "single set-points that a chamber missed"
-_NAMED = 4
 _FEWEST = 20
 """Captures below which a few that are far off say nothing of what is usual."""
 _MORE = 3
@@ -51,11 +51,9 @@ def without_missed(context: Context) -> tuple[Context, NDArray[np.bool_]]:
     did = "stayed where it was" if found.still else "was as good as vented"
     for c in np.unique(found.chamber):
         own = found.capture[found.chamber == c]
-        shown = ", ".join(str(i) for i in own[:_NAMED]) + (", ..." if len(own) > _NAMED else "")
-        several = "captures" if len(own) > 1 else "capture"
         said.append(
-            f"{rows.chambers[c]} {did} in {len(own)} {several} ({shown}), whatever it was told: left out there; look "
-            "at its valve and its hose, and measure them again"
+            f"{rows.chambers[c]} {did} in {in_captures(own)}, whatever it was told: left out; look at its valve and "
+            "its hose, and measure again"
         )
     context = replace(context, rows=replace(rows, warnings=(*rows.warnings, *said)))
     return context, ~np.isin(rows.capture, found.capture)
@@ -99,8 +97,7 @@ def missing(context: Context) -> Missed | None:
         followed = told & (np.abs(whole) < low * square) & (np.abs(context.deflection[first]) >= _STEP)
         fits &= _now_and_then(fits, followed, rows.fraction[first])
         at = np.flatnonzero(fits.any(axis=1))
-        often = len(at) > 0 and (size > size[at].min() / 2).sum() > _MOST * n
-        if len(at) > len(best_at) and not often and not _on_end(at):
+        if len(at) > len(best_at) and not _on_end(at):
             best_at = at
             best = Missed(captures[at], np.where(fits, explained, 0.0).argmax(axis=1)[at], still)
     return best

@@ -6,6 +6,7 @@ from itertools import permutations, product
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from labrig.diagnosis._floor import capture_means
 from labrig.effects import Context, motion_scale
 
 _CLOSER = 3.0
@@ -78,10 +79,6 @@ def _chambers(context: Context) -> Iterator[str]:
     # a slope by a chamber's own spread: of another chamber by that one's
     per = base / np.where(spread > 0, spread, 1.0)
     off = ((measured[:, :, None] - per[:, None, :] * spread[:, None]) ** 2).sum(axis=0)
-    stays = spread == 0  # what stays where it is does what the model says
-    off[stays] = np.inf
-    off[:, stays] = np.inf
-    off[stays, stays] = 0.0
     _, goes = linear_sum_assignment(off)
     moved = np.flatnonzero(goes != np.arange(C))
     now, left = float(np.trace(off)), float(off[np.arange(C), goes].sum())
@@ -96,16 +93,11 @@ def _chambers(context: Context) -> Iterator[str]:
 def _moments(context: Context) -> Iterator[str]:
     """Captures at which what the set-point before, or the one after, should do was measured."""
     rows = context.rows
-    _, first, index = np.unique(rows.capture, return_index=True, return_inverse=True)
+    first = np.unique(rows.capture, return_index=True)[1]
     n = len(first)
     if context.sample_s or n < _FEWEST:
         return
-    seen = np.isfinite(rows.values)
-    count = np.zeros((n, seen.shape[1]))
-    np.add.at(count, index, seen)
-    sums = np.zeros_like(count)
-    np.add.at(sums, index, np.where(seen, rows.values, 0.0))
-    measured = np.where(count > 0, sums / np.maximum(count, 1), np.nan) / motion_scale(context)
+    measured = capture_means(rows.values, rows.capture)[0] / motion_scale(context)
     base, session = context.base[first] / motion_scale(context), rows.session[first]
     for later, word in ((1, "before"), (-1, "after")):
         at = np.arange(n)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._listed import in_captures
 from labrig.effects import Context, Rows
 
 _NEARER = 3.0
@@ -35,10 +36,8 @@ def without_swapped(context: Context) -> Context:
     them = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
     whose = "each other's names" if mutual else "the names of others" if len(who) > 1 else "another's name"
     captures = np.unique(rows.capture[gone.any(axis=1)])
-    shown = ", ".join(str(c) for c in captures[:_NAMED]) + (", ..." if len(captures) > _NAMED else "")
-    several = "captures" if len(captures) > 1 else "capture"
     line = (
-        f"{them} {'have' if len(who) > 1 else 'has'} {whose} in {len(captures)} {several} ({shown}): left out there; "
+        f"{them} {'have' if len(who) > 1 else 'has'} {whose} in {in_captures(captures)}: left out there; "
         "label them again"
     )
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line)))

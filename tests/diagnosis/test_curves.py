@@ -36,6 +36,21 @@ def test_what_a_cut_off_series_lacks_is_a_curve_of_the_set_points(make_lab) -> N
     assert not both & OF_MORE
 
 
+def test_what_is_found_on_a_run_is_found_in_any_order(make_lab) -> None:
+    """Ends of motions, and places where something stands, are chosen on the run, and alike whatever came first.
+
+    More than 100 captures, of which only some are looked at.
+    """
+    lab = make_lab(markers=12, captures=230, seed=3)
+    context = context_of(lab, lab.predict(strut(lab)) + lab.noise(), 2)
+    effects = lab.model().library()
+    named = family_of({"contact": effects["contact"]}, context)
+    found = [space.key for space in curves(named, {"contact": effects["contact"]}, context)]
+    chosen = [space.key for _, space in named if space.key.startswith(("end of motion", "pushes"))]
+    assert len(chosen) == 3
+    assert set(chosen) <= set(found)
+
+
 def test_a_straight_line_is_a_law(make_lab) -> None:
     """What is not proportional has a name: of a map of the first degree, as of a base of one's own, none is shared."""
     lab = make_lab()

@@ -16,7 +16,7 @@ def test_noise_beside_a_fit_is_noise(make_lab, degree: int) -> None:
     lab = make_lab(bent=0.0, markers=40, repeats=False)
     data = lab.dataset(lab.predict(lab.u) + lab.noise(row=0.1, capture=1.0))
     ready = prepared(rows_from(data), fitted(lab, degree))
-    observations = observe(ready.context, ready.residual, ready.floor, ready.nuisance)
+    observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
     means = observations.values[: lab.captures] * observations.unit
     left = observations.left[: lab.captures]
     assert left.mean() == pytest.approx(1 - {1: 4, 3: 20}[degree] / 60, abs=1e-6)

@@ -53,6 +53,15 @@ def test_few_observables_say_nothing(make_lab) -> None:
     assert read(lab, exchanged(lab.predict(lab.u) + lab.noise(0.2, 0.4)))[1] == ()
 
 
+@pytest.mark.parametrize("size_kpa", [5.0, 15.0])
+def test_a_wide_loop_is_no_exchange(make_lab, size_kpa: float) -> None:
+    """Under a loop of a quarter of the range other captures are often near, and nothing has changed places."""
+    for seed in range(3):
+        lab = make_lab(chambers=2, markers=12, seed=seed, repeats=False)
+        clean = lab.predict(lab.u)
+        assert read(lab, clean + 2 * (lab.predict(lab.looped(size_kpa)) - clean) + lab.noise()) == (set(), ())
+
+
 @pytest.mark.parametrize(("law", "effects"), [(None, []), (power_law, ["creep"])])
 def test_what_is_missing_beside_them(make_lab, law, effects: list[str]) -> None:
     """With an effect it is named; without, what single captures were left out for is why the verdict is unknown."""

@@ -116,13 +116,12 @@ def test_nothing_is_named_before_it_is_put_right(make_lab) -> None:
 
 
 def test_a_loop_as_wide_as_a_step_is_no_slip_of_rows(make_lab) -> None:
-    """On stairs of a tenth of the range play of one step has the set-point before on the way: that is hysteresis."""
-    lab = make_lab(chambers=1, markers=12)
-    levels = np.concatenate([np.arange(0, 61, 6), np.arange(54, 0, -6)]).astype(float)
-    lab.commanded[:, 0] = np.resize(levels, 60)
+    """On stairs of a twentieth of the range play of one step has the set-point before on the way: it is hysteresis."""
+    lab = make_lab(chambers=1, markers=12, captures=120)
+    lab.commanded[:, 0] = np.resize(np.r_[0:61:3, 57:0:-3], 120)
     state, u = 0.0, lab.u
     for i, now in enumerate(lab.commanded[:, 0]):
-        state = max(now - 6.0, min(now + 6.0, state))
+        state = max(now - 3.0, min(now + 3.0, state))
         u[i] = state
     assert said(lab, lab.predict(u) + lab.noise()) == []
 

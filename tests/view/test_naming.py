@@ -2,7 +2,8 @@
 
 import pytest
 
-from labrig.view import effect_rows, names_in_short, summary_words
+from labrig.diagnosis._problem import ASTRAY
+from labrig.view import astray, effect_rows, names_in_short, summary_words
 from labrig.view._naming import carries
 from labrig.view._words import note
 
@@ -215,3 +216,9 @@ def test_what_single_captures_were_left_out_for(make_summary, carried, why):
     assert words.headline == "Some captures are mistaken, and left out; beside them nothing is missing."
     assert words.named == "nothing is missing beside captures that were left out, 99 % sure"
     assert why in carries(carried)
+
+
+def test_what_is_astray_is_called_alike_by_diagnosis_and_words(make_summary):
+    """Whatever the diagnosis leaves single captures out for, the words know it."""
+    assert all(astray(make_summary("unknown", 0.99, {"carried_by": why})) for why in ASTRAY)
+    assert not astray(make_summary("unknown", 0.99, {"carried_by": "history"}))
