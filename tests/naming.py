@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from labrig.diagnosis import prepared, rows_from
-from labrig.diagnosis._diagnose import observed, verdict_on
+from labrig.diagnosis._diagnose import laid_out, verdict_on
 from labrig.diagnosis._verdict import Verdict
 from labrig.model import Model
 
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 def verdict_of(data: "Dataset", model: Model) -> Verdict:
     """What `diagnose` says is missing, without formulas, errors and places."""
     effects = model.library()
-    ready, observations = observed(prepared(rows_from(data), model), effects)
-    return verdict_on(observations, ready, effects)
+    ready, observations, design = laid_out(prepared(rows_from(data), model), effects)
+    return verdict_on(observations, ready, effects, design=design)
 
 
 def calls_of(data: "Dataset", model: Model) -> dict[str, str]:

@@ -53,6 +53,14 @@ class Columns:
         """Those of some observations, by number or by mask (S,)."""
         return replace(self, through=self.through[rows], capture=self.capture[rows], plain=self.plain[rows])
 
+    def turned(self, to: Floats) -> "Columns":
+        """The same along other directions, each a combination (r, s) of these."""
+        return replace(
+            self,
+            moves=np.einsum("nrc,rs->nsc", self.moves, to),
+            plain=np.einsum("orq,rs->osq", self.plain, to),
+        )
+
     @cached_property
     def _slopes(self) -> Floats:
         return self.moves[self.capture]

@@ -64,6 +64,8 @@ class Design:
     W: Columns
     blocks: tuple[Block, ...]
     free: tuple[FreeBlock, ...]
+    counts: Floats
+    """What a floor along each direction (r,) counts for: less than one where all markers shake that way."""
 
 
 def design_of(
@@ -125,7 +127,34 @@ def design_of(
     blocks = [
         b if b.space.along is None else replace(b, way=layout.way(b.space.along, W, b.at)) for b in blocks
     ]
-    return Design(observations, V, spread, W, tuple(blocks), tuple(free))
+    return stilled(
+        Design(observations, V, spread, W, tuple(blocks), tuple(free), np.ones(len(spread))), observations
+    )
+
+
+def stilled(design: Design, observations: Observations) -> Design:
+    """A design of raw observations as one of observations that count less what shakes (`Observations.still`).
+
+    What shakes is then a direction, or several, by itself; the others are the principal axes beside it.
+    """
+    still, V = observations.still, design.V.astype(float)
+    m = len(still.less)
+    if m == 0:
+        return design
+    shaken = np.linalg.qr(V.T @ still.ways)[0]
+    beside = np.linalg.svd(np.eye(len(V.T)) - shaken @ shaken.T)[0][:, : len(shaken) - m]
+    turn = np.concatenate([shaken, beside @ np.linalg.eigh((beside.T * design.spread) @ beside)[1]], axis=1)
+    counts = np.concatenate([still.less, np.ones(len(turn) - m)])
+    spread = (turn**2).T @ design.spread * counts**2
+    to = (turn * counts).astype(design.V.dtype)
+    return replace(
+        design,
+        observations=observations,
+        V=(V @ turn).astype(design.V.dtype),
+        spread=spread,
+        W=design.W.turned(to),
+        counts=counts,
+    )
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
-from labrig.diagnosis._design import Design, design_of
+from labrig.diagnosis._design import Design, design_of, stilled
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
@@ -27,6 +27,7 @@ from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result
+from labrig.diagnosis._shaken import shaken
 from labrig.diagnosis._track_record import times_there, track_record
 from labrig.diagnosis._units_off import mistaken, units_off
 from labrig.diagnosis._verdict import Verdict, answers_of, decide, in_one_chamber, underpowered
@@ -68,8 +69,8 @@ def diagnose(
     """
     ready = prepared(rows_from(runs), model)
     effects = {n: e for n, e in model.library().items() if n not in without}
-    ready, observations = observed(ready, effects)
-    verdict = verdict_on(observations, ready, effects, tolerance)
+    ready, observations, design = laid_out(ready, effects)
+    verdict = verdict_on(observations, ready, effects, tolerance, design)
     result = result_of(ready, observations, verdict, model, effects)
     named = about(runs, model)
     result.summary["runs"], result.summary["model"] = named["runs"], named["model"]
@@ -77,7 +78,13 @@ def diagnose(
 
 
 def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations]:
-    """The observations; where few observables have a unit, with the noise that is left when everything is asked.
+    """The observations, with the noise that is left when everything is asked: see `laid_out`."""
+    return laid_out(ready, effects)[:2]
+
+
+def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations, Design | None]:
+    """The observations and their design, if they are enough to be asked; with the noise that is left when everything
+    is asked, where few observables have a unit, and where the frame shakes.
 
     Raises `LabrigError` where there are enough to say that units, displacements and positions, axes, chambers or
     set-points are mistaken for each other.
@@ -86,15 +93,26 @@ def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
     if enough and (line := next(mistaken(ready.context), None)) is not None:
         raise LabrigError(f"nothing can be diagnosed: {line}")
-    if observations.n_captures < k.FEWEST_OBSERVATIONS or not of_few(observations):
-        return ready, observations
+    if observations.n_captures < k.FEWEST_OBSERVATIONS:
+        return ready, observations, None
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
-    ready = replace(ready, floor=noise_of_few(design))
-    return ready, observe(ready.context, ready.residual, ready.floor, ready.declared)
+    if of_few(observations):
+        ready = replace(ready, floor=noise_of_few(design))
+        observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
+        design = design_of(observations, effects, ready.nuisance, ready.calibrated)
+    moves = shaken(design)
+    if moves.size:
+        observations = observations.shaking(moves)
+        ready, design = replace(ready, floor=observations.floor), stilled(design, observations)
+    return ready, observations, design
 
 
 def verdict_on(
-    observations: Observations, ready: Prepared, effects: dict[str, Effect], tolerance: float | None = None
+    observations: Observations,
+    ready: Prepared,
+    effects: dict[str, Effect],
+    tolerance: float | None = None,
+    design: Design | None = None,
 ) -> Verdict:
     """Which effects are missing, by the evidence of everything that these observations might say."""
     floor = float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
@@ -102,7 +120,7 @@ def verdict_on(
     few = underpowered(observations, tuple(effects), least, ready.context.rows.unit[0], floor)
     if few is not None and len(observations.values) < k.FEWEST_OBSERVATIONS:
         return few
-    design = design_of(observations, effects, ready.nuisance, ready.calibrated)
+    design = design or design_of(observations, effects, ready.nuisance, ready.calibrated)
     try:
         search = Search(design).run()
     except np.linalg.LinAlgError:

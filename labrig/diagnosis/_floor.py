@@ -31,11 +31,14 @@ class Floor:
     repeats: dict[str, float | None]
     freedom: Ints
     """How many differences between repeats with the same history it comes from, (K,); 0 where from none."""
+    shaken: Floats
+    """How all markers shake together from capture to capture, (K, m): the covariance of the means' noise is that of
+    `mean` and this times its transpose."""
 
     @property
     def row(self) -> Floats:
-        """Noise of one row: both together, (K,)."""
-        return np.sqrt(self.mean**2 + self.within**2)
+        """Noise of one row: all together, (K,)."""
+        return np.sqrt(self.mean**2 + self.within**2 + np.square(self.shaken).sum(axis=1))
 
 
 def capture_means(values: Floats, capture: Ints) -> tuple[Floats, Ints]:
@@ -77,7 +80,7 @@ def noise_floor(
     for number, own in enumerate(units.values()):
         groups = groups_of(rows, own)
         each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
-        again = _repeats(context, means[:, own], captures)
+        again = repeats_of(context, means[:, own], captures)
         alike = np.array(again["same history"]).reshape(-1, len(each))
         even = profile_of_means(means[:, own], alike[: 0 if stream else None], each, groups)
         inside = float(np.sqrt(np.mean((each / even) ** 2)))
@@ -106,7 +109,7 @@ def noise_floor(
             rows_differ = float(np.sqrt(np.mean(each**2)))
             repeats = {"within a capture": rows_differ if rows_differ > 0 else None}
             repeats |= {kind: _spread(differences) for kind, differences in again.items()}
-    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom)
+    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom, np.zeros((len(mean), 0)))
 
 
 def _tiny(residual: Floats) -> float:
@@ -125,7 +128,7 @@ def _neighbours(means: Floats) -> float:
     return float(1.4826 * np.median(good) / np.sqrt(6.0)) if len(good) else float("nan")
 
 
-def _repeats(context: Context, means: Floats, captures: Ints) -> dict[str, list[Floats]]:
+def repeats_of(context: Context, means: Floats, captures: Ints) -> dict[str, list[Floats]]:
     """What repeats of a set-point differ by, each (K,), per kind of history."""
     rows = context.rows
     first = np.searchsorted(rows.capture, captures)

@@ -11,7 +11,7 @@ from labrig._linalg import svd
 from labrig.arrays import Bools, Floats, Ints
 from labrig.diagnosis._constants import DECLARED_FLOORS
 from labrig.diagnosis._design import DECLARED, LEAST_SHARE, Block, Design, design_of
-from labrig.diagnosis._diagnose import observed
+from labrig.diagnosis._diagnose import laid_out
 from labrig.diagnosis._evidence import Sums
 from labrig.diagnosis._observations import Counted, Observations, contrasts, observe, worth_of
 from labrig.diagnosis._posterior import Explanation, Raised, Search, small_sizes
@@ -79,8 +79,10 @@ class Explained:
 
     def __init__(self, ready: Prepared, effects: Mapping[str, Effect]) -> None:
         self.effects = dict(effects)
-        self.ready, self.observations = observed(ready, self.effects)
-        self.design = design_of(self.observations, self.effects, self.ready.nuisance, self.ready.calibrated)
+        self.ready, self.observations, design = laid_out(ready, self.effects)
+        self.design = design or design_of(
+            self.observations, self.effects, self.ready.nuisance, self.ready.calibrated
+        )
         self.search = Search(self.design).run()
 
     def forms(self, names: Sequence[str], most: int) -> list[Explanation]:
@@ -184,6 +186,7 @@ class Explained:
             joint.capture,
             joint.index,
             joint.left,
+            joint.still,
             self.observations,
         )
 

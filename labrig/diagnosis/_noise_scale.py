@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import Design
 from labrig.diagnosis._floor import Floor
@@ -49,38 +49,48 @@ def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
     observations = design.observations
     n, floor = observations.n_captures, observations.floor
     values = observations.values[:n, own]
-    power, square, rest = _along(
-        _everything(design, n, np.asarray(design.V, dtype=float)[own]), values.reshape(-1)
+    power, square, rest = along(
+        everything(design, np.arange(n), np.asarray(design.V, dtype=float)[own]), values.reshape(-1)
     )
     few = min(1.0 / np.sqrt(max(int(floor.freedom[own].max()), 1)), 2 * k.FLOOR_SPREAD)
     off = np.log(_SCALES * float((observations.unit[own] / floor.mean[own]).mean()))
     log = -0.5 * (off / np.where(off > 0, few, k.FLOOR_SPREAD)) ** 2
-    for i, scale in enumerate(_SCALES):
-        variance = np.square(_SIZES)[:, None] * power + scale**2
-        evidence = -0.5 * (np.log(variance) + square / variance).sum(axis=1)
-        evidence -= 0.5 * ((values.size - len(power)) * np.log(scale**2) + rest / scale**2)
-        log[i] += np.logaddexp.reduce(evidence)
+    log += log_evidence(_SCALES, power, square, rest, values.size)
     p = np.exp(log - log.max())
     return float(np.exp((p * np.log(_SCALES)).sum() / p.sum()))
 
 
-def _everything(design: Design, n: int, V: Floats) -> Floats:
-    """Columns (n k, q) of unit prior variance for the means of those observables that the directions V (k, r) are of,
-    when every owner acts at one floor; what one chamber has alone is in those of all chambers.
+def log_evidence(scales: Floats, power: Floats, square: Floats, rest: float, numbers: int) -> Floats:
+    """The log evidence of each scale of the noise, whatever the common size of everything else: of so many `numbers`,
+    their squares along the columns' principal axes, and the square beside them.
     """
-    W = design.W.some(np.arange(n))
+    out = np.zeros(len(scales))
+    for i, scale in enumerate(scales):
+        variance = np.square(_SIZES)[:, None] * power + scale**2
+        evidence = -0.5 * (np.log(variance) + square / variance).sum(axis=1)
+        evidence -= 0.5 * ((numbers - len(power)) * np.log(scale**2) + rest / scale**2)
+        out[i] = np.logaddexp.reduce(evidence)
+    return out
+
+
+def everything(design: Design, captures: Ints, V: Floats) -> Floats:
+    """Columns (n k, q) of unit prior variance for the means of n captures, in those observables, or combinations of
+    them, that the directions V (k, r) are of, when every owner acts at one floor; what one chamber has alone is in
+    those of all chambers.
+    """
+    W, n = design.W.some(captures), len(captures)
     blocks = [b for b in design.blocks if b.space.alone <= 1]
     owners = [b.owner for b in blocks]
     columns = []
     for block in blocks:
-        along = W.of(block.at).astype(float).reshape(n, V.shape[1], -1)
-        along = np.einsum("kr,nrq->nkq", V, along).reshape(n * len(V), -1)
-        columns.append(along / np.sqrt(owners.count(block.owner)))
-    columns += [np.kron(free.G[:n], V * np.sqrt(design.spread)) for free in design.free]
+        made = W.of(block.at).astype(float).reshape(n, V.shape[1], -1)
+        made = np.einsum("kr,nrq->nkq", V, made).reshape(n * len(V), -1)
+        columns.append(made / np.sqrt(owners.count(block.owner)))
+    columns += [np.kron(free.G[captures], V * np.sqrt(design.spread)) for free in design.free]
     return np.concatenate(columns, axis=1) / np.sqrt(len(set(owners)) + len(design.free))
 
 
-def _along(columns: Floats, values: Floats) -> tuple[Floats, Floats, float]:
+def along(columns: Floats, values: Floats) -> tuple[Floats, Floats, float]:
     """The variances along the columns' principal axes, the values' squares along them, and the square beside them."""
     if columns.shape[1] < columns.shape[0]:
         power, turn = np.linalg.eigh(columns.T @ columns)

@@ -1,7 +1,7 @@
 """Observations: what a campaign says about a model's error, as independent numbers of unit noise."""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -51,7 +51,8 @@ class Observations:
     """S independent observations of K observables: captures' means first, then contrasts within their holds.
 
     `values` (S, K) in units of their own noise; `unit` (K,) is the noise of a mean; `whiten` (S, F) carries rows, in
-    floors, to observations; `capture` (S,) numbers the captures 0..n-1; `index` (F,) that of each row.
+    floors, to observations; `capture` (S,) numbers the captures 0..n-1; `index` (F,) that of each row; `still` makes
+    the noise as large in what all markers share as in each of them.
     """
 
     context: Context
@@ -63,6 +64,7 @@ class Observations:
     index: Ints
     left: Floats
     """What is left of the noise's square in each (S,), where the base was fitted to the campaign."""
+    still: "Still"
 
     @property
     def n_captures(self) -> int:
@@ -79,6 +81,13 @@ class Observations:
         """How far, in floors, each chamber's whole range would move each capture, (n, K, C), as the base says there."""
         context = self.context
         return (context.jacobian * context.span / self.unit[None, :, None])[self.first]
+
+    def shaking(self, shaken: Floats) -> "Observations":
+        """The same where the frame shakes, too, by so much in the observables' units (K, m); see `Floor.shaken`."""
+        still = Still.beside(shaken / self.unit[:, None])
+        return replace(
+            self, floor=replace(self.floor, shaken=shaken), values=still.of(self.values), still=still
+        )
 
     @cached_property
     def to_explain(self) -> float:
@@ -135,6 +144,26 @@ class Observations:
     def first(self) -> Ints:
         """The first row of each capture."""
         return np.unique(self.index, return_index=True)[1]
+
+
+@dataclass(frozen=True)
+class Still:
+    """Makes what all markers share when they shake as large as the noise of each: along the orthonormal `ways` (K, m)
+    changes count for `less` (m,) of what they are.
+    """
+
+    ways: Floats
+    less: Floats
+
+    @classmethod
+    def beside(cls, shaken: Floats) -> "Still":
+        """For noise whose covariance is one and `shaken` (K, m) times its transpose."""
+        ways, size, _ = svd(shaken)
+        return cls(ways, 1 / np.hypot(1.0, size))
+
+    def of(self, values: Floats) -> Floats:
+        """Values (..., K) as they count."""
+        return values + (values @ self.ways * (self.less - 1)) @ self.ways.T if len(self.less) else values
 
 
 def _units(context: Context, floor: Floor) -> Floats:
@@ -196,7 +225,9 @@ def observe(context: Context, residual: Floats, floor: Floor, fitted: Floats | N
         (np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index))
     )
     left = np.ones(row) if fitted is None else _left(np.asarray(whiten @ fitted))
-    return Observations(context, floor, unit, whiten @ values, whiten, np.array(owner), index, left)
+    still = Still.beside(floor.shaken / unit[:, None])
+    seen = still.of(whiten @ values)
+    return Observations(context, floor, unit, seen, whiten, np.array(owner), index, left, still)
 
 
 def _left(fitted: Floats) -> Floats:

@@ -55,7 +55,8 @@ def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float]]:
     background, raised = split(e.raised)
     blocks = [design.blocks[b] for _, b, _ in raised]
     fitted = search.raise_blocks(background, e.slow, raised)
-    counts = np.repeat(design.observations.counts_for, design.V.shape[1])
+    # in the observables' own floors, whatever shakes
+    counts = (design.observations.counts_for[:, None] / design.counts**2).ravel()
     out = {}
     for owner in dict.fromkeys(o for o, _, _ in raised):
         own = [(block.at, sd) for (o, _, sd), block in zip(raised, blocks, strict=True) if o == owner]
@@ -76,7 +77,7 @@ def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float]]:
         part = free.G @ beta[start : start + free.G.shape[1]]
         start, all_free = start + free.G.shape[1], all_free + part
         if any(owner == free.owner for owner, _, _ in background):
-            out[free.owner] = (observations.size_of(part @ design.V.T), 0.0)
+            out[free.owner] = (observations.size_of(part / design.counts @ design.V.T), 0.0)
     explained = design.W.made(fitted.mean) + all_free
     out[REST] = (observations.size_of(observations.values - explained @ design.V.T, noise=1.0), 0.0)
     return out

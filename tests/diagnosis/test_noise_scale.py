@@ -12,7 +12,7 @@ from labrig.diagnosis._constants import FLOOR_SPREAD
 from labrig.diagnosis._design import design_of
 from labrig.diagnosis._diagnose import observed, verdict_on
 from labrig.diagnosis._names import by_kind, has_name
-from labrig.diagnosis._noise_scale import _SCALES, _SIZES, _everything, noise_of_few, noise_scale
+from labrig.diagnosis._noise_scale import _SCALES, _SIZES, everything, noise_of_few, noise_scale
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.effects._family import Space, pattern, pressure
@@ -63,7 +63,7 @@ def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
     ready = prepared(rows, model)
     design = design_of(observe(ready.context, ready.residual, ready.floor), {"leak": model.library()["leak"]})
     n, r = design.observations.n_captures, design.V.shape[1]
-    columns = _everything(design, n, np.asarray(design.V, dtype=float))
+    columns = everything(design, np.arange(n), np.asarray(design.V, dtype=float))
     assert columns.shape[0] > np.linalg.matrix_rank(columns)  # some noise lies beside all columns
     values = (design.observations.values @ design.V)[:n].reshape(-1)
     few = min(1.0 / np.sqrt(max(design.observations.floor.freedom[0], 1)), 2 * FLOOR_SPREAD)

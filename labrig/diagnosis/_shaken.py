@@ -1,0 +1,66 @@
+"""A frame that shakes: what all markers share in each capture as one rigid body, more than the noise of each."""
+
+import numpy as np
+from scipy.stats import chi2
+
+from labrig.arrays import Floats
+from labrig.diagnosis._design import Design
+from labrig.diagnosis._floor import repeats_of
+from labrig.diagnosis._noise_scale import along, everything, log_evidence
+from labrig.effects import frame_modes
+
+_COORDINATES = 9
+"""Of three markers: with fewer every motion is a rigid one."""
+_MOST_CAPTURES = 400
+_SCALES = np.geomspace(1.0, 100.0, 41)
+"""By how many times rigid motions are noisier than each marker: not at all, with a probability of a half."""
+_CHANCE = 0.05
+_NEW = 0.1
+"""Share of its length by which a rigid motion must stand off those before it: markers in a row have not all six."""
+
+
+def shaken(design: Design) -> Floats:
+    """How all markers shake together from capture to capture, (K, m), in the observables' units: see `Floor.shaken`.
+    None of its columns where they do not.
+
+    Of each rigid motion, noise is what no space follows, as it is of few observables (`noise_scale`): so a frame that
+    creeps, was moved or turns with the load does not shake. Nor is it more than repeats with the same history may
+    differ by.
+    """
+    observations = design.observations
+    rows, unit, n = observations.context.rows, observations.unit, observations.n_captures
+    own = (rows.axis >= 0) & observations.seen
+    out = np.zeros((len(unit), 0))
+    if own.sum() < _COORDINATES or n < 2:
+        return out
+    modes = frame_modes(observations.context)[observations.first].mean(axis=0) / unit[:, None] * own[:, None]
+    V = design.V.astype(float)
+    Q, R = np.linalg.qr(V.T @ (modes / np.linalg.norm(modes, axis=0)))
+    ways = V @ Q[:, np.abs(np.diag(R)) > _NEW]
+    few = np.unique(np.linspace(0, n - 1, min(n, _MOST_CAPTURES)).astype(int))
+    values = observations.values[:n] @ ways
+    repeats = repeats_of(observations.context, values, np.unique(rows.capture))["same history"]
+    most = _most(np.array(repeats).reshape(-1, ways.shape[1]))
+    sizes = []
+    for j in np.flatnonzero((values[few].std(axis=0) > 1) & (most > 1)):
+        scale = min(_scale(design, few, ways[:, j]), float(most[j]))
+        sizes += [unit * ways[:, j] * np.sqrt(scale**2 - 1)] if scale > 1 else []
+    return np.stack(sizes, axis=1) if sizes else out
+
+
+def _most(differ: Floats) -> Floats:
+    """The largest noise (m,) from which differences (P, m) between pairs come in one case of twenty."""
+    if not len(differ):
+        return np.full(differ.shape[1], np.inf)
+    return np.sqrt((differ**2).sum(axis=0) / 2 / chi2.ppf(_CHANCE, len(differ)))
+
+
+def _scale(design: Design, captures: np.ndarray, way: Floats) -> float:
+    """How noisy the means of some captures are along a unit way (K,), in floors; one where no more than each."""
+    values = design.observations.values[captures] @ way
+    power, square, rest = along(everything(design, captures, (way @ design.V)[None]), values)
+    log = log_evidence(_SCALES, power, square, rest, len(values))
+    log[1:] -= np.log(len(log) - 1)
+    p = np.exp(log - log.max())
+    p /= p.sum()
+    return 1.0 if p[0] > 0.5 else float(np.exp((p[1:] * np.log(_SCALES[1:])).sum() / p[1:].sum()))
