@@ -349,4 +349,9 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
         out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
         out.append("what the pressures did between sessions is unknown: taken as vented")
+    if (moved := ready.floor.shakes[ready.floor.shakes > 0]).size:
+        out.append(
+            f"all markers move together from capture to capture, by {np.sqrt(np.mean(moved**2)):.2g} {rows.unit[0]}, "
+            "and nothing that was recorded says why: it counts as noise, so look at the mounts of rig and cameras"
+        )
     return [*out, *ready.left_out, *ready.not_quoted]

@@ -38,7 +38,12 @@ class Floor:
     @property
     def row(self) -> Floats:
         """Noise of one row: all together, (K,)."""
-        return np.sqrt(self.mean**2 + self.within**2 + np.square(self.shaken).sum(axis=1))
+        return np.sqrt(self.mean**2 + self.within**2 + self.shakes**2)
+
+    @property
+    def shakes(self) -> Floats:
+        """How far each observable (K,) is shaken, root mean square."""
+        return np.sqrt(np.square(self.shaken).sum(axis=1))
 
 
 def capture_means(values: Floats, capture: Ints) -> tuple[Floats, Ints]:
