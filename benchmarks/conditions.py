@@ -72,6 +72,13 @@ def _trembling(
     return lab.dataset(lab.predict(u) + noise + moved.reshape(n, 1, -1)), lab.model()
 
 
+def _shaken(lab: Lab, u: "Floats", noise: "Floats", random: np.random.Generator) -> tuple["Dataset", "Model"]:
+    """The table stands 0.4 mm higher or lower in each capture."""
+    up = np.zeros((len(u), 1, MARKERS, 3))
+    up[..., 2] = 0.4 * random.normal(size=(len(u), 1, 1))
+    return lab.dataset(lab.predict(u) + noise + up.reshape(len(u), 1, -1)), lab.model()
+
+
 def _hidden(lab: Lab, u: "Floats", noise: "Floats", random: np.random.Generator) -> tuple["Dataset", "Model"]:
     """Every third marker is out of sight at high pressures, nine rows of ten."""
     values, load = lab.predict(u) + noise, lab.u.mean(axis=2)
@@ -147,6 +154,7 @@ CONDITIONS: dict[str, tuple[dict[str, Any], Measured]] = {
         _with_noise(_each(of_marker=np.exp(np.random.default_rng(5).normal(0.0, 0.5, MARKERS)))),
     ),
     "frame that trembles": (USUAL, _trembling),
+    "table that shakes up and down": (USUAL, _shaken),
     "markers out of sight": (USUAL, _hidden),
     "exchanged names": (USUAL, _exchanged),
     "rows at 1, 3 and 8 s": ({"rows_s": (1.0, 3.0, 8.0)}, _with_noise()),
