@@ -4,9 +4,11 @@ import numpy as np
 from scipy.stats import chi2
 
 from labrig.arrays import Floats
+from labrig.diagnosis._constants import SURE
 from labrig.diagnosis._design import Design
 from labrig.diagnosis._floor import repeats_of
 from labrig.diagnosis._noise_scale import along, everything, log_evidence
+from labrig.diagnosis._observations import Observations
 from labrig.effects import frame_modes
 
 _COORDINATES = 9
@@ -15,6 +17,10 @@ _MOST_CAPTURES = 400
 _SCALES = np.geomspace(1.0, 100.0, 41)
 """By how many times rigid motions are noisier than each marker: not at all, with a probability of a half."""
 _CHANCE = 0.05
+_APART = 0.3
+"""Length of what a rigid motion has beside the chambers' own, from which on that says how much it shakes."""
+_SHOWS = 0.1
+"""Square of what shows, in floors."""
 _NEW = 0.1
 """Share of its length by which a rigid motion must stand off those before it: markers in a row have not all six."""
 
@@ -24,8 +30,9 @@ def shaken(design: Design) -> Floats:
     None of its columns where they do not.
 
     Of each rigid motion, noise is what no space follows, as it is of few observables (`noise_scale`): so a frame that
-    creeps, was moved or turns with the load does not shake. Nor is it more than repeats with the same history may
-    differ by.
+    creeps, was moved or turns with the load does not shake. It is read off what is left of the motion beside all that
+    the chambers do, where a law that no space holds would leave as much. Nor is it more than repeats with the same
+    history may differ by.
     """
     observations = design.observations
     rows, unit, n = observations.context.rows, observations.unit, observations.n_captures
@@ -35,17 +42,29 @@ def shaken(design: Design) -> Floats:
         return out
     modes = frame_modes(observations.context)[observations.first].mean(axis=0) / unit[:, None] * own[:, None]
     V = design.V.astype(float)
-    Q, R = np.linalg.qr(V.T @ (modes / np.linalg.norm(modes, axis=0)))
+    length = np.linalg.norm(modes, axis=0)
+    Q, R = np.linalg.qr(V.T @ (modes[:, length > 0] / length[length > 0]))
     ways = V @ Q[:, np.abs(np.diag(R)) > _NEW]
+    driven = _driven(observations)
+    beside = ways - driven @ (driven.T @ ways)
+    part = np.linalg.norm(beside, axis=0)
+    ways, beside, part = ways[:, part > _APART], (beside / part)[:, part > _APART], part[part > _APART]
     few = np.unique(np.linspace(0, n - 1, min(n, _MOST_CAPTURES)).astype(int))
-    values = observations.values[:n] @ ways
+    values = observations.values[:n] @ beside
     repeats = repeats_of(observations.context, values, np.unique(rows.capture))["same history"]
     most = _most(np.array(repeats).reshape(-1, ways.shape[1]))
     sizes = []
     for j in np.flatnonzero((values[few].std(axis=0) > 1) & (most > 1)):
-        scale = min(_scale(design, few, ways[:, j]), float(most[j]))
-        sizes += [unit * ways[:, j] * np.sqrt(scale**2 - 1)] if scale > 1 else []
+        scale = min(_scale(design, few, beside[:, j]), float(most[j]))
+        sizes += [unit * ways[:, j] * np.sqrt(scale**2 - 1) / part[j]] if scale > 1 else []
     return np.stack(sizes, axis=1) if sizes else out
+
+
+def _driven(observations: Observations) -> Floats:
+    """The directions (K, d) in which the chambers move the observables so far that an error of a law would show."""
+    slopes = np.moveaxis(observations.slopes, 2, 1).reshape(-1, len(observations.unit)) * observations.seen
+    power, ways = np.linalg.eigh(slopes.T @ slopes)
+    return ways[:, power * observations.to_explain**2 > _SHOWS * power.sum()]
 
 
 def _most(differ: Floats) -> Floats:
@@ -63,4 +82,4 @@ def _scale(design: Design, captures: np.ndarray, way: Floats) -> float:
     log[1:] -= np.log(len(log) - 1)
     p = np.exp(log - log.max())
     p /= p.sum()
-    return 1.0 if p[0] > 0.5 else float(np.exp((p[1:] * np.log(_SCALES[1:])).sum() / p[1:].sum()))
+    return 1.0 if p[0] > 1 - SURE else float(np.exp((p[1:] * np.log(_SCALES[1:])).sum() / p[1:].sum()))
