@@ -1,4 +1,4 @@
-"""Laws that are curves of the set-points: a map that was fitted to the run, and is not exact, errs by the same."""
+"""Laws that are curves of the set-points: a map that was fitted or learnt, and is not exact, errs by the same."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from labrig.diagnosis._names import by_kind, has_name
 from labrig.effects import Context, Effect, Space, plain_forms
 
 MAP = "map"
-"""What a map that was fitted to the run does not follow."""
+"""What a map that was fitted or learnt does not follow."""
 _ROWS_COMPARED = 200
 """More than for what has no name: of one chamber a row is one number."""
 
@@ -30,10 +30,10 @@ def curves(
     """Those of an effect's spaces that hold no more than they would if each capture began at rest, in any order:
     functions of the set-point alone.
 
-    None where no polynomial of a degree above one was fitted: a straight line is a law, and what it lacks has a name;
-    of a series that was cut off it is the next term as well.
+    None where no polynomial of a degree above one was fitted, and nothing learnt: a straight line is a law, and what it
+    lacks has a name; of a series that was cut off it is the next term as well, and a learnt map has ripples of its own.
     """
-    if context.degree < 2:
+    if not context.learned:
         return []
     shuffled, back = in_any_order(context)
     there = {

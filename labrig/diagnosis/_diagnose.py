@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 _AT_ONE_MOMENT = {"regulator", "stiffening", "tension", "leak", "delay"}
 """What looks alike where every set-point is seen at the same moment."""
-CUT_OFF = "curves beyond the fitted degree"
-"""What carries what a fitted polynomial may lack."""
+CUT_OFF = "curves that the fitted map lacks"
+"""What carries what a polynomial that was fitted, or a map that was learnt, may lack."""
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
 _ALIKE = 0.5

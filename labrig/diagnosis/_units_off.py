@@ -8,6 +8,12 @@ from labrig.arrays import Floats, Ints
 from labrig.diagnosis._mixed_up import mixed_up
 from labrig.effects import Context
 
+_OF_BOTH = ("the model", "the measurement")
+_NEAR, _FAR = 0.1, 0.3
+"""Share of the places at rest by which what markers are off by may be another; and of how far they move, from which on
+it is looked at."""
+_STILL = 0.05
+"""Share of what the model changes from set-point to set-point that its slopes say, below which it has none."""
 _ALIKE = 0.9
 _TIMES = 5.0
 """Correlation, and ratio of motions or sizes, from which on a person is asked, and nothing is named before."""
@@ -18,7 +24,8 @@ def units_off(context: Context) -> list[str]:
     little; without one, a line where one of both gives displacements and the other positions; without that, what else
     is mistaken.
     """
-    return [line for line, _ in _scales(context)] or [*_displaced(context)] or [*mixed_up(context)]
+    scales = [line for line, _ in _scales(context)]
+    return scales or [*_displaced(context)] or [*_stairs(context)] or [*mixed_up(context)]
 
 
 def mistaken(context: Context) -> Iterator[str]:
@@ -27,7 +34,27 @@ def mistaken(context: Context) -> Iterator[str]:
     """
     yield from (line for line, follows in _scales(context) if follows)
     yield from _displaced(context)
+    yield from _stairs(context)
     yield from mixed_up(context)
+
+
+def _stairs(context: Context) -> list[str]:
+    """A line where the model stands still beside each set-point, though it says another thing at the next one: effects
+    that act through its slopes would be nothing at all.
+    """
+    first = np.unique(context.rows.capture, return_index=True)[1]
+    u, base, slope = context.rows.actuation[first], context.base[first], context.jacobian[first]
+    step = np.diff(u, axis=0)
+    said = np.einsum("nkc,nc->nk", slope[1:] + slope[:-1], step) / 2
+    scale = np.maximum(np.ptp(base, axis=0), 1e-300)
+    moved, follows = (float((np.square(v / scale)).sum()) for v in (np.diff(base, axis=0), said))
+    if context.base_kind != "python" or moved <= 0 or follows > _STILL**2 * moved:
+        return []
+    return [
+        "the model says the same at pressures a little beside each set-point, and another thing at the next one, as a "
+        "table that is looked up: no slopes can be read off it, so let it interpolate, or give its predictions as "
+        "base: {kind: table, file: ...}"
+    ]
 
 
 def _scales(context: Context) -> Iterator[tuple[str, bool]]:
@@ -71,11 +98,37 @@ def _displaced(context: Context) -> list[str]:
     measured, model = (_apart(v[row, own], rows.axis[own]) for v in (rows.values, context.base))
     moves = np.sqrt(np.sum(np.var(context.base[:, own], axis=0)) / len(np.unique(rows.marker[own])))
     if max(measured, model) < max(_TIMES * min(measured, model), moves):
-        return []
-    small, large = ("the model", "the measurement") if model < measured else ("the measurement", "the model")
+        return _counted_from_rest(context)
+    small, large = _OF_BOTH if model < measured else _OF_BOTH[::-1]
     return [
         f"at the least pressures the markers lie {measured:.2g} mm from their middle as measured and {model:.2g} mm as "
         f"the model says: {small} seems to give displacements, {large} positions, where both must give the same"
+    ]
+
+
+def _counted_from_rest(context: Context) -> list[str]:
+    """A line where each marker is off, on average, by the place at rest that one of both has, and the other lacks: of
+    markers that move farther than they lie apart, no place tells of it, but that all are off by just this does.
+    """
+    rows = context.rows
+    own = np.flatnonzero((rows.marker >= 0) & np.isfinite(rows.values).any(axis=0))
+    axis = rows.axis[own]
+
+    def from_middle(place: Floats) -> Floats:
+        return (
+            place - np.array([place[axis == a].mean() if (axis == a).any() else 0.0 for a in range(3)])[axis]
+        )
+
+    rest = from_middle(context.base_vented[own])
+    off = from_middle(np.nanmean(rows.values[:, own] - context.base[:, own], axis=0))
+    moves = from_middle(np.std(context.base[:, own], axis=0))
+    rest_size, off_size, moved = (float(np.linalg.norm(v)) for v in (rest, off, moves))
+    if off_size < _FAR * moved or min(rest_size, float(np.linalg.norm(off + rest))) > _NEAR * off_size:
+        return []
+    small, large = _OF_BOTH if rest_size < _NEAR * off_size else _OF_BOTH[::-1]
+    return [
+        f"all markers are off by their places at rest: {small} seems to give displacements, {large} positions, where "
+        "both must give the same"
     ]
 
 

@@ -57,7 +57,7 @@ class Context:
     event_deflection: Floats
     deflection_slope: Floats
     base_kind: str = "python"
-    degree: int = 0
+    learned: bool = False
     inside: dict[str, Floats] = field(default_factory=dict, repr=False)
     pinned: dict[str, float] = field(default_factory=dict)
     displaced: Floats | None = None

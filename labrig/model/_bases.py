@@ -11,16 +11,28 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.effects import MOST_SESSIONS, Rows
 from labrig.model._deflection import GRID, Deflection
-from labrig.model._file import FmuBase, ModelFile, OdeBase, PythonBase, StaticBase, SurrogateBase
+from labrig.model._file import (
+    FmuBase,
+    ModelFile,
+    OdeBase,
+    PythonBase,
+    StaticBase,
+    SurrogateBase,
+    TableBase,
+)
 from labrig.model._memory import MemoryModel
 from labrig.model._memory_kinds import FmuModel, OdeModel, RecordModel, StepModel, memory_of
 from labrig.model._python import load_function
 from labrig.model._robust import robust_fit
 from labrig.model._simulator import SimulatorModel, solved_curves
 from labrig.model._surrogate import SurrogateModel
+from labrig.model._table import TableModel
 
 _STEP = 1e-3
 """Step of the finite differences, fraction of a chamber's range; their error is of its square, at the limits too."""
+_ASKED_AGAIN = 16
+_SAME = 1e-3
+"""Rows that a function is asked for again, and by what share of how far its answers differ they may be others."""
 _NAMED = 6  # observables in a message
 _CENTRAL = ((1.0, -1.0), (0.0, 0.5, -0.5))
 _UP, _DOWN = ((1.0, 2.0), (-1.5, 2.0, -0.5)), ((-1.0, -2.0), (1.5, -2.0, 0.5))
@@ -67,8 +79,22 @@ class PythonModel:
                 f"the run needs {expected}, a column for each of {_shortly(self._observables)}"
             )
         if not np.isfinite(out).all():
-            raise LabrigError(f"{self._where} returned NaN or infinite values")
+            at = actuation[np.flatnonzero(~np.isfinite(out).all(axis=1))[0]]
+            raise LabrigError(
+                f"{self._where} returned NaN or infinite values, at {', '.join(f'{v:.4g}' for v in at)}: it is asked "
+                "for pressures between the limits, a little beside the set-points too"
+            )
         return out
+
+    def check_memory(self, actuation: Floats) -> None:
+        """Raise `LabrigError` where the function answers otherwise when it is asked again, in another order."""
+        some = actuation[np.unique(np.linspace(0, len(actuation) - 1, _ASKED_AGAIN).astype(int))]
+        once, again = self.predict(some), self.predict(some[::-1])[::-1]
+        if np.abs(once - again).max(initial=0.0) > _SAME * np.abs(once - once.mean(axis=0)).max(initial=0.0):
+            raise LabrigError(
+                f"{self._where} answers otherwise when it is asked again in another order: it must be a function of "
+                "the pressures alone (a model with memory: docs/reference/model.md; a network: no dropout)"
+            )
 
     def declared(self, actuation: Floats) -> Floats | None:
         """None: a plain Python base has no parameters of its own."""
@@ -164,11 +190,23 @@ def build_base(model: ModelFile, folder: Path, rows: Rows) -> BaseModel:
         return OdeModel(spec, folder, rows)
     if isinstance(spec, FmuBase):
         return FmuModel(spec, folder, rows)
+    if isinstance(spec, TableBase):
+        return TableModel(spec, folder, rows)
     if isinstance(spec, StaticBase):
         return StaticModel(spec, rows)
     if isinstance(spec, SurrogateBase):
         return SurrogateModel(folder / spec.file, rows)
     return SimulatorModel(spec, folder, rows)
+
+
+def is_learned(model: ModelFile) -> bool:
+    """Whether any curve of the set-points may be what the base lacks: it was learnt, or is a series cut off."""
+    spec = model.base
+    if isinstance(spec, StaticBase):
+        return spec.degree > 1
+    return isinstance(spec, SurrogateBase) or (
+        isinstance(spec, PythonBase | TableBase) and bool(spec.learned)
+    )
 
 
 def jacobian(base: BaseModel, actuation: Floats, low: Floats, high: Floats) -> Floats:

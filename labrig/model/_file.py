@@ -22,7 +22,7 @@ class PythonBase(_Strict):
 
     Or with memory. `record`: ``predict(u: (n, C), t: (n,)) -> (n, K)`` over one record. `step`: ``step(state: (S,),
     u: (C,), dt_s) -> (state, y: (K,))``, the output now and the state `dt_s` later, from `state` on. Left out, the
-    number of its parameters says which.
+    number of its parameters says which. `learned`: it was fitted or trained, so its error may be any curve.
     """
 
     kind: Literal["python"]
@@ -31,6 +31,7 @@ class PythonBase(_Strict):
     memory: Literal["none", "record", "step"] | None = None
     state: list[float] | None = None
     max_step_s: float | None = Field(default=None, gt=0)
+    learned: bool | None = None
 
 
 class OdeBase(_Strict):
@@ -56,6 +57,17 @@ class FmuBase(_Strict):
     inputs: dict[str, str]
     outputs: dict[str, str]
     parameters: dict[str, float] = Field(default_factory=dict)
+
+
+class TableBase(_Strict):
+    """A CSV table of predictions, with a column for each chamber and observable; between its set-points it is smooth.
+
+    `learned`: it comes from a model that was fitted or trained, so its error may be any curve of the pressures.
+    """
+
+    kind: Literal["table"]
+    file: str
+    learned: bool | None = None
 
 
 class StaticBase(_Strict):
@@ -87,7 +99,8 @@ class SurrogateBase(_Strict):
 
 
 Base = Annotated[
-    PythonBase | OdeBase | FmuBase | StaticBase | SimulatorBase | SurrogateBase, Field(discriminator="kind")
+    PythonBase | OdeBase | FmuBase | TableBase | StaticBase | SimulatorBase | SurrogateBase,
+    Field(discriminator="kind"),
 ]
 
 

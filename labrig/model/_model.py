@@ -26,7 +26,16 @@ from labrig.effects import (
     without_value,
 )
 from labrig.model._at_rest import at_rest, begun
-from labrig.model._bases import BaseModel, SimulatorModel, StaticModel, build_base, jacobian, solo_deflection
+from labrig.model._bases import (
+    BaseModel,
+    PythonModel,
+    SimulatorModel,
+    StaticModel,
+    build_base,
+    is_learned,
+    jacobian,
+    solo_deflection,
+)
 from labrig.model._file import EffectEntry, ModelFile, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
 
@@ -91,6 +100,8 @@ class Model:
     def predictor(self, fitted: Rows) -> "Predictor":
         """The model made ready for rows like `fitted`; a base that is fitted to a run is fitted to them."""
         base = build_base(self.file, self.folder, fitted)
+        if isinstance(base, PythonModel):
+            base.check_memory(np.unique(fitted.actuation, axis=0))
         if isinstance(base, StaticModel):
             # the effects act through the slopes that they were fitted with: those of the map without them
             alone = _resting(base, fitted)
@@ -159,7 +170,8 @@ class Predictor:
         predicted = self.base.predict_rows(rows) if isinstance(self.base, StaticModel) else context.base
         rows = replace(rows, warnings=(*rows.warnings, *self.model.unsaid(context)))
         total, moved = predicted + _sum(changes), context.displacement
-        return replace(context, rows=rows, base=total, displaced=moved, _memo={}), changes
+        learned = is_learned(self.model.file)
+        return replace(context, rows=rows, base=total, displaced=moved, learned=learned, _memo={}), changes
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""
@@ -193,7 +205,6 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
         event_deflection=alone.at(rows.event_actuation),
         deflection_slope=alone.slope(rows.actuation),
         base_kind=base.kind,
-        degree=base.degree if isinstance(base, StaticModel) else 0,
         inside=inside,
         reach=alone.reach,
         alone=partial(solo_deflection, base),

@@ -13,8 +13,7 @@ _CARRIES = {
     "where chambers act": "comes from chambers that act in other places than the base model assumes",
     "how the base itself moves": "is a structural error of the base model: all move another way than it predicts, as "
     "places beside them do, or by another curve of the pressures",
-    "curves beyond the fitted degree": "is a curve of the set-points, which the polynomial that was fitted as base may "
-    "lack",
+    "curves that the fitted map lacks": "is a curve of the set-points, which the map that was fitted as base may lack",
     "captures that have each other's measurements": "is in captures that have each other's measurements, and which are "
     "left out of these figures",
     "single set-points that a chamber missed": "is in single captures, in which a chamber did not do what it "

@@ -7,6 +7,7 @@ from labrig.diagnosis import prepared, rows_from
 from labrig.diagnosis._curves import curves, family_of, in_any_order
 from labrig.diagnosis._diagnose import CUT_OFF
 from labrig.effects import Context
+from labrig.model import Model
 from tests.laws import bowed, power_law, strut
 from tests.naming import calls_of, verdict_of
 from tests.polynomials import fitted
@@ -99,3 +100,20 @@ def test_no_session_of_its_own_is_asked_of_each_capture(make_lab) -> None:
     effects = lab.model().library()
     most, own = (max(len(space.features) for _, space in family_of(effects, one)) for one in (alone, context))
     assert most <= own
+
+
+@pytest.mark.parametrize("how", ["python", "table"])
+def test_a_map_that_was_learnt_errs_by_any_curve(make_lab, how: str) -> None:
+    """Where a person says that a function, or a table, was learnt, no curve of the set-points is surely an effect."""
+    lab = make_lab(markers=12, captures=80, rows_s=(1.0, 3.0, 8.0), seed=1)
+    rows = rows_from(lab.dataset(lab.predict(power_law(lab)) + lab.noise()))
+    table = np.column_stack([lab.commanded, lab.predict(lab.commanded)])
+    names = ",".join([*rows.chambers, *rows.observables])
+    np.savetxt(lab.folder / "known.csv", table, delimiter=",", header=names, comments="")
+    lab.model()
+    path = lab.folder / "learnt.yaml"
+    file = {"python": "base.py", "table": "known.csv"}[how]
+    path.write_text(f"base: {{kind: {how}, file: {file}, learned: true}}\n")
+    both = named_twice(lab, prepared(rows, Model.load(path)).context)
+    assert both >= OF_SET_POINTS
+    assert not both & OF_MORE

@@ -24,7 +24,14 @@ def observed(lab: Any, values: np.ndarray, **known: float) -> Observations:
     floor = ready.floor
     if known:
         each = {name: np.full(len(floor.mean), size) for name, size in known.items()}
-        floor = Floor(each["mean"], each["within"], "given", {}, np.zeros(len(each["mean"]), dtype=int), np.zeros((len(each["mean"]), 0)))
+        floor = Floor(
+            each["mean"],
+            each["within"],
+            "given",
+            {},
+            np.zeros(len(each["mean"]), dtype=int),
+            np.zeros((len(each["mean"]), 0)),
+        )
     return observe(ready.context, ready.residual, floor)
 
 

@@ -94,6 +94,23 @@ def test_markers_that_start_side_by_side(tmp_path: Path) -> None:
     assert diagnose(lab.dataset(lab.predict(lab.u) + away + lab.noise()), lab.model()).summary["verdict"]
 
 
+@pytest.mark.parametrize("displaced", ["the model", "the measurement"])
+def test_markers_that_move_farther_than_they_lie_apart(tmp_path: Path, displaced: str) -> None:
+    """On a body that bends far, too, displacements are no positions."""
+    lab = Lab(tmp_path, markers=8)
+    lab.rest_mm = 0.1 * lab.rest_mm
+    lab.rest = lab.rest_mm.reshape(lab.rest.shape)
+    far = np.ptp(lab.predict(lab.u), axis=(0, 1)).max()
+    assert far > np.ptp(lab.rest)  # the farthest moves farther than the body is long
+    values = lab.predict(lab.u) + lab.noise()
+    if displaced == "the model":
+        lab.rest = np.zeros_like(lab.rest)
+    else:
+        values = values - lab.rest
+    with pytest.raises(LabrigError, match=f"{displaced} seems to give displacements"):
+        diagnose(lab.dataset(values), lab.model())
+
+
 def test_numbers_too_far_apart_end_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where a matrix is lost to rounding (from which size on, computers differ), a diagnosis says what to check."""
 

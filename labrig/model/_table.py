@@ -1,0 +1,85 @@
+"""A base that is a table of predictions: of finite elements, or of any model that can't be called."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.arrays import Floats
+from labrig.effects import Rows
+from labrig.model._file import TableBase
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_EXACT = 1_000
+_NEAREST = 60
+"""Set-points up to which one surface goes through all of them; of more, one through so many nearest ones."""
+
+
+class TableModel:
+    """What a table says of its set-points, and a smooth surface through them between (a thin-plate spline: G. Wahba,
+    Spline Models for Observational Data, SIAM 1990).
+
+    Columns are named as the run's chambers and observables, in the run's units; rows of one set-point are averaged.
+    """
+
+    kind = "table"
+
+    def __init__(self, spec: TableBase, folder: Path, rows: Rows) -> None:
+        from scipy.interpolate import RBFInterpolator
+
+        path = folder / spec.file
+        table = _read(path)
+        self._low, self._span = rows.low, rows.high - rows.low
+        at, values = (_columns(path, table, names) for names in (rows.chambers, rows.observables))
+        points, index = np.unique((at - self._low) / self._span, axis=0, return_inverse=True)
+        count = np.bincount(index.reshape(-1))
+        mean = np.stack([np.bincount(index.reshape(-1), v) / count for v in values.T], axis=1)
+        C = points.shape[1]
+        if np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-6) < C:
+            raise LabrigError(
+                f"{path}: its {len(points)} set-points do not change every chamber by itself "
+                f"({', '.join(rows.chambers)}): no slopes can be read off them"
+            )
+        many = _NEAREST if len(points) > _EXACT else None
+        self._surface = RBFInterpolator(points, mean, kernel="thin_plate_spline", degree=1, neighbors=many)
+
+    def predict(self, actuation: Floats) -> Floats:
+        """The surface at pressures (F, C), (F, K); beyond the table's set-points it goes on."""
+        return np.asarray(self._surface((actuation - self._low) / self._span))
+
+    def declared(self, actuation: Floats) -> Floats | None:
+        """None: a table has no parameters of its own."""
+        return None
+
+
+def _read(path: Path) -> "pd.DataFrame":
+    import pandas as pd
+
+    if not path.is_file():
+        raise LabrigError(f"{path}: the model's table does not exist")
+    try:
+        return pd.read_csv(path, skipinitialspace=True)
+    except (ValueError, OSError, pd.errors.ParserError) as error:
+        raise LabrigError(f"{path}: can't be read as a CSV table: {error}") from error
+
+
+def _columns(path: Path, table: "pd.DataFrame", names: tuple[str, ...]) -> Floats:
+    """Columns of numbers by name, (n, q)."""
+    lacking = [name for name in names if name not in table.columns]
+    if lacking:
+        raise LabrigError(
+            f"{path}: has no column {lacking[0]!r}; a table has one for each chamber and each observable of the run "
+            f"({len(lacking)} are lacking, it has {', '.join(map(str, table.columns[:8]))}, ...)"
+        )
+    try:
+        values = table[list(names)].to_numpy(dtype=float)
+    except ValueError as error:
+        raise LabrigError(f"{path}: {error}") from error
+    if not len(values) or not np.isfinite(values).all():
+        where = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        row = f" (line {where[0] + 2})" if len(where) else ""
+        raise LabrigError(f"{path}: needs finite numbers in every row{row}")
+    return values

@@ -1,0 +1,105 @@
+"""A base that is a table of predictions: exact at its set-points, smooth between them."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from labrig import LabrigError
+from labrig.diagnosis import diagnose
+from labrig.effects import rows_of
+from labrig.model import Model
+from tests.conftest import Lab
+from tests.laws import power_law
+from tests.naming import verdict_of
+
+
+def with_table(lab: Lab, u: np.ndarray, more: str = "") -> Model:
+    """A model that knows what the laboratory's own function says at set-points (n, C)."""
+    rows = rows_of(lab.dataset(lab.predict(lab.u)))
+    table = pd.DataFrame(np.column_stack([u, lab.predict(u)]), columns=[*rows.chambers, *rows.observables])
+    table.to_csv(lab.folder / "predicted.csv", index=False)
+    path = lab.folder / "table.yaml"
+    path.write_text(f"base: {{kind: table, file: predicted.csv{more}}}\n")
+    return Model.load(path)
+
+
+def test_a_table_says_what_it_holds_and_is_smooth_between(make_lab) -> None:
+    """At its set-points it is the table; slopes are those of the function that it came from, nearly."""
+    lab = make_lab(chambers=2, markers=4, captures=60)
+    rows = rows_of(lab.dataset(lab.predict(lab.u)))
+    of_table, of_function = (m.context(rows) for m in (with_table(lab, lab.commanded), lab.model()))
+    assert of_table.base == pytest.approx(of_function.base, abs=1e-6)
+    scale = np.abs(of_function.jacobian).max()
+    assert np.sqrt(np.mean((of_table.jacobian - of_function.jacobian) ** 2)) < 0.1 * scale
+
+
+def test_an_effect_is_named_beside_a_table(make_lab) -> None:
+    """Creep acts through the slopes of the table."""
+    lab = make_lab(chambers=2, markers=8, captures=80, rows_s=(1.0, 3.0, 8.0))
+    model = with_table(lab, lab.commanded)
+    found = verdict_of(lab.dataset(lab.predict(power_law(lab)) + lab.noise()), model)
+    assert found.effects == ("creep",)
+
+
+def test_a_function_that_looks_up_the_nearest_is_asked_about(make_lab) -> None:
+    """A model without slopes says nothing of what acts through them: nothing is named, and one line says what to do."""
+    lab = make_lab(chambers=2, markers=4, captures=60)
+    np.savez(lab.folder / "known.npz", u=lab.commanded, y=lab.predict(lab.commanded))
+    (lab.folder / "nearest.py").write_text(
+        "from pathlib import Path\n\nimport numpy as np\n\nknown = np.load(Path(__file__).with_name('known.npz'))\n\n\n"
+        "def predict(u):\n    away = ((u[:, None] - known['u'][None]) ** 2).sum(axis=2)\n"
+        "    return known['y'][away.argmin(axis=1)]\n"
+    )
+    path = lab.folder / "nearest.yaml"
+    path.write_text("base: {kind: python, file: nearest.py}\n")
+    with pytest.raises(LabrigError) as error:
+        diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), Model.load(path))
+    assert str(error.value) == (
+        "nothing can be diagnosed: the model says the same at pressures a little beside each set-point, and another "
+        "thing at the next one, as a table that is looked up: no slopes can be read off it, so let it interpolate, or "
+        "give its predictions as base: {kind: table, file: ...}"
+    )
+
+
+LINES = {
+    "column": (
+        "has no column 'm1.z'; a table has one for each chamber and each observable",
+        lambda t: t.drop(columns="m1.z"),
+    ),
+    "chamber": (
+        "do not change every chamber by itself (c1, c2): no slopes can be read off them",
+        lambda t: t.assign(c2=5.0),
+    ),
+    "gap": ("needs finite numbers in every row (line 5)", lambda t: t.replace(t["c1"][3], np.nan)),
+    "word": ("could not convert string to float: 'no'", lambda t: t.astype(object).replace(t["c1"][3], "no")),
+    "file": ("the model's table does not exist", None),
+}
+
+
+@pytest.mark.parametrize("what", LINES)
+def test_a_table_that_will_not_do(make_lab, what: str) -> None:
+    """What is lacking, and where, in one line."""
+    complaint, change = LINES[what]
+    lab = make_lab(chambers=2, markers=4, captures=20)
+    model, path = with_table(lab, lab.commanded), lab.folder / "predicted.csv"
+    if change is None:
+        path.unlink()
+    else:
+        change(pd.read_csv(path)).to_csv(path, index=False)
+    with pytest.raises(LabrigError) as error:
+        model.context(rows_of(lab.dataset(lab.predict(lab.u))))
+    assert str(error.value).startswith(f"{path}: ")
+    assert complaint in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_table_moves_with_its_model_file(make_lab, tmp_path: Path) -> None:
+    """A model that is saved elsewhere finds its table."""
+    lab = make_lab(chambers=2, markers=4, captures=20)
+    other = tmp_path / "elsewhere"
+    other.mkdir()
+    with_table(lab, lab.commanded).save(other / "model.yaml")
+    rows = rows_of(lab.dataset(lab.predict(lab.u)))
+    assert np.isfinite(Model.load(other / "model.yaml").context(rows).base).all()
