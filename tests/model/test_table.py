@@ -46,11 +46,11 @@ def test_an_effect_is_named_beside_a_table(make_lab) -> None:
 def test_a_function_that_looks_up_the_nearest_is_asked_about(make_lab) -> None:
     """A model without slopes says nothing of what acts through them: nothing is named, and one line says what to do."""
     lab = make_lab(chambers=2, markers=4, captures=60)
-    np.savez(lab.folder / "known.npz", u=lab.commanded, y=lab.predict(lab.commanded))
+    np.save(lab.folder / "known.npy", np.column_stack([lab.commanded, lab.predict(lab.commanded)]))
     (lab.folder / "nearest.py").write_text(
-        "from pathlib import Path\n\nimport numpy as np\n\nknown = np.load(Path(__file__).with_name('known.npz'))\n\n\n"
-        "def predict(u):\n    away = ((u[:, None] - known['u'][None]) ** 2).sum(axis=2)\n"
-        "    return known['y'][away.argmin(axis=1)]\n"
+        "from pathlib import Path\n\nimport numpy as np\n\nknown = np.load(Path(__file__).with_name('known.npy'))\n\n\n"
+        "def predict(u):\n    away = ((u[:, None] - known[None, :, :2]) ** 2).sum(axis=2)\n"
+        "    return known[away.argmin(axis=1), 2:]\n"
     )
     path = lab.folder / "nearest.yaml"
     path.write_text("base: {kind: python, file: nearest.py}\n")
