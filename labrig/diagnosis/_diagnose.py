@@ -22,7 +22,7 @@ from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import one_moment, one_speed
 from labrig.diagnosis._opened import Fall
 from labrig.diagnosis._parameters import entry_of
-from labrig.diagnosis._posterior import REST, Search
+from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
@@ -43,6 +43,8 @@ _AT_ONE_MOMENT = {"regulator", "stiffening", "tension", "leak", "delay"}
 """What looks alike where every set-point is seen at the same moment."""
 CUT_OFF = "curves that the fitted map lacks"
 """What carries what a polynomial that was fitted, or a map that was learnt, may lack."""
+BY_SET_POINT = "a curve of the set-points"
+"""What carries what goes by the set-point alone, though only an effect that remembers would hold it."""
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
 _ALIKE = 0.5
@@ -128,7 +130,8 @@ def verdict_on(
             f"what is measured and what the model says are too far apart in size to be compared (the error is "
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
-    verdict = decide(answers_of(search, least), tuple(effects), words_of(design))
+    remembering = {name for name, effect in effects.items() if effect.remembers}
+    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design))
     if verdict.verdict == "nothing_missing" and ready.astray:
         return replace(verdict, verdict="unknown", carried_by=ready.astray)
     if verdict.verdict == "nothing_missing":
@@ -145,7 +148,12 @@ def words_of(design: Design) -> dict[str, str]:
     """What carries each space without a name, in words, by owner."""
     blocks = [b for b in (*design.blocks, *design.free) if b.space.alone <= 1]
     words = {b.owner: b.space.key for b in blocks if b.owner.startswith("?")}
-    return words | {REST: NOTHING, "?" + MOTION: "how the base itself moves", "?" + MAP: CUT_OFF}
+    return words | {
+        REST: NOTHING,
+        "?" + MOTION: "how the base itself moves",
+        "?" + MAP: CUT_OFF,
+        CURVE: BY_SET_POINT,
+    }
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,10 @@
 """Observations: what a campaign says about a model's error, as independent numbers of unit noise."""
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,6 +116,21 @@ class Observations:
         return float(np.sqrt(max(self.counts_for @ square, 0.0)))
 
     @cached_property
+    def curves(self) -> Floats:
+        """Smooth curves of the set-points, orthonormal as observations count, (S, q): polynomials of the pressures up
+        to the third degree, no more than a third of the captures.
+        """
+        x = self.context.rows.fraction
+        columns = [np.ones(len(x))]
+        for degree in (1, 2, 3):
+            more = [np.prod(x[:, c], axis=1) for c in _products(x.shape[1], degree)]
+            if len(columns) + len(more) > self.n_captures / 3:
+                break
+            columns += more
+        U, size, _ = svd(np.sqrt(self.counts_for)[:, None] * (self.whiten @ np.stack(columns, axis=1)))
+        return U[:, size > 1e-9 * size.max(initial=0.0)]
+
+    @cached_property
     def condition(self) -> Ints:
         """A number for the condition of each row (F,): set-point, the one before, and octave of the time held."""
         context = self.context
@@ -164,6 +181,11 @@ class Still:
     def of(self, values: Floats) -> Floats:
         """Values (..., K) as they count."""
         return values + (values @ self.ways * (self.less - 1)) @ self.ways.T if len(self.less) else values
+
+
+def _products(chambers: int, degree: int) -> Iterator[list[int]]:
+    """Which chambers are multiplied, of so many."""
+    return (list(each) for each in combinations_with_replacement(range(chambers), degree))
 
 
 def _units(context: Context, floor: Floor) -> Floats:

@@ -46,10 +46,11 @@ def missed(search: Search, e: Explanation, least: float) -> dict[str, float]:
     return out
 
 
-def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float]]:
-    """How large each part of an explanation is in the joint fit, root mean square in floors, and its sd, by owner.
+def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float, float]]:
+    """How large each part of an explanation is in the joint fit, root mean square in floors, its sd, and how large what
+    no curve of the set-points makes of it, by owner.
 
-    Of free patterns without an sd; `REST` is what nothing follows, above the noise.
+    Of free patterns the size only; `REST` is what nothing follows, above the noise.
     """
     design = search.design
     background, raised = split(e.raised)
@@ -57,7 +58,7 @@ def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float]]:
     fitted = search.raise_blocks(background, e.slow, raised)
     # in the observables' own floors, whatever shakes
     counts = (design.observations.counts_for[:, None] / design.counts**2).ravel()
-    out = {}
+    out, curves = {}, design.observations.curves
     for owner in dict.fromkeys(o for o, _, _ in raised):
         own = [(block.at, sd) for (o, _, sd), block in zip(raised, blocks, strict=True) if o == owner]
         at = np.concatenate([np.arange(a.start, a.stop) for a, _ in own])
@@ -69,7 +70,9 @@ def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float]]:
         made = columns @ w
         size = float(np.sqrt(counts @ made**2))
         way = columns.T @ (counts * made) / max(size, 1e-300)
-        out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))))
+        curved = curves.T @ (made * np.sqrt(counts)).reshape(len(curves), -1)
+        beyond = float(np.sqrt(max(size**2 - (curved**2).sum(), 0.0)))
+        out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))), beyond)
     beta = free_fit(search.sums, free_variances(design, search.free_sizes(background)), fitted.mean)
     observations, all_free = design.observations, np.zeros((len(design.observations.values), beta.shape[1]))
     start = 0
@@ -77,7 +80,8 @@ def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float]]:
         part = free.G @ beta[start : start + free.G.shape[1]]
         start, all_free = start + free.G.shape[1], all_free + part
         if any(owner == free.owner for owner, _, _ in background):
-            out[free.owner] = (observations.size_of(part / design.counts @ design.V.T), 0.0)
+            out[free.owner] = (observations.size_of(part / design.counts @ design.V.T), 0.0, 0.0)
     explained = design.W.made(fitted.mean) + all_free
-    out[REST] = (observations.size_of(observations.values - explained @ design.V.T, noise=1.0), 0.0)
+    left = observations.values - explained @ design.V.T
+    out[REST] = (observations.size_of(left, noise=1.0), 0.0, 0.0)
     return out

@@ -51,7 +51,9 @@ class Posterior:
     probability: Floats
 
 
-OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION, "?" + MAP})
+CURVE = "?curve"
+"""What goes by the set-point alone of a part whose name is that of what remembers, or goes on."""
+OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION, "?" + MAP, CURVE})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""

@@ -1,6 +1,6 @@
 """The verdict: what the probabilities of all explanations say, in one word."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -10,7 +10,7 @@ from scipy.special import ndtr
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._parts import missed, sizes
-from labrig.diagnosis._posterior import OF_BASE, REST, Search, is_name
+from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, Search, is_name
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,14 @@ class Answer:
         return ("nothing_missing", "identified")[bool(self.names)] if len(self.names) < 2 else "multiple"
 
 
-def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
-    """The likeliest explanations as answers, their probabilities summing to one."""
+def answers_of(
+    search: Search, tolerance_floors: float = 0.0, remembering: Collection[str] = ()
+) -> list[Answer]:
+    """The likeliest explanations as answers, their probabilities summing to one.
+
+    Effects that are `remembering` count by what no curve of the set-points makes of them: as small a part as no model
+    is exact in (`SMALL`) does not say what the rest is.
+    """
     posterior = search.posterior()
     least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
     doubt = np.sqrt(
@@ -105,9 +111,14 @@ def answers_of(search: Search, tolerance_floors: float = 0.0) -> list[Answer]:
     out = []
     for e, p in kept:
         found, lost = sizes(search, e), missed(search, e, least)
-        parts = {o: (*s, lost[o]) for o, s in found.items() if is_name(o)}
+        parts = {o: (size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
+        most = {o: found[o][2] * k.MATERIAL / k.SMALL for o in parts if o in remembering}
+        curved = [min(parts[o][0], lost[o]) for o, seen in most.items() if seen < least]
+        parts |= {o: (*parts[o][:2], min(lost[o], seen)) for o, seen in most.items()}
         unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
         unnamed = {o: size for o, size in unnamed.items() if size >= least}
+        if (size := float(np.linalg.norm(curved))) >= least:
+            unnamed[CURVE] = size
         if found[REST][0] >= doubt:
             unnamed[REST] = found[REST][0]
         out.append(Answer(float(p / total), parts, unnamed, least))

@@ -125,6 +125,8 @@ class Effect(ABC):
     experiment: ClassVar[str]
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
+    remembers: ClassVar[bool] = False
+    """Whether what it does depends on time, or on what was before: a curve of the set-points alone is not it."""
 
     @abstractmethod
     def variants(self, context: Context) -> Iterator[Variant]:

@@ -23,6 +23,7 @@ class Delay(Effect):
         "and all of it is gone once a few time constants have passed."
     )
     acts_on = "pressure"
+    remembers = True
     parameters = (
         Parameter("share", "1", 0.4, 2.5, "chamber", "share of the change that lags; 1 is a plain lag"),
         Parameter("tau_s", "s", 0.0, 30.0, meaning="time constant of the lag"),

@@ -31,6 +31,7 @@ class Drift(Effect):
         "during the session."
     )
     acts_on = "observation"
+    remembers = True
     parameters = (
         Parameter("shift", "observable", meaning="shift after the warm-up, for each observable"),
         Parameter("gain", "1", -1.0, 1.0, meaning="change of the whole displacement after the warm-up"),

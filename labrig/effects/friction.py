@@ -20,6 +20,7 @@ class Friction(Effect):
         "which may grow with the load."
     )
     acts_on = "mechanics"
+    remembers = True
     parameters = (
         Parameter("coulomb", "actuation", 0.0, per="chamber", meaning="held back, as a pressure"),
         Parameter("loaded", "1", -1.0, 1.0, "chamber", "held back for each unit of pressure"),

@@ -30,6 +30,7 @@ class Hysteresis(Effect):
         "a set-point reached from above lies higher than the same one reached from below."
     )
     acts_on = "pressure"
+    remembers = True
     parameters = (
         Parameter(
             "weight", "1", 0.0, 5.0, "chamber", "share of the response that goes through the play", turns=True

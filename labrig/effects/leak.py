@@ -24,6 +24,7 @@ class Leak(Effect):
         "the next actuation fills it up again."
     )
     acts_on = "pressure"
+    remembers = True
     parameters = (
         Parameter("loss", "1", 0.4, 1.5, "chamber", "share of the pressure that escapes in the end"),
         Parameter("tau_s", "s", 0.1, 1e6, meaning="time constant of the escape"),

@@ -25,6 +25,7 @@ class MarkerSlip(Effect):
         "it alone is off by a constant amount."
     )
     acts_on = "observation"
+    remembers = True
     parameters = (
         Parameter("slip", "mm", per="marker", meaning="where the marker went, along x, y, z"),
         Parameter("marker", "1", 0.0, meaning="which marker, counted from 0", given=True),
