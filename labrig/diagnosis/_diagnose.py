@@ -47,8 +47,12 @@ BY_SET_POINT = "a curve of the set-points"
 """What carries what goes by the set-point alone, though only an effect that remembers would hold it."""
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
+_EARLY = 3.0
+"""How many floors what was left out of each hold's beginning is off, for that to be said."""
 _ALIKE = 0.5
 """From which part of what is left on repeats differ by as much: five pairs may be off by a factor of two."""
+_MORE = 1.5
+"""How many times the noise of a mean repeats differ by where they differ by more than that."""
 
 
 def diagnose(
@@ -315,7 +319,13 @@ def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str
     """A line where repeats with the same history differ by as much as what follows nothing that was recorded."""
     left = verdict.beside.get(NOTHING, 0.0) * unit_size
     differ = ready.floor.repeats.get("same history")
-    if verdict.verdict != "unknown" or not left or differ is None or differ < _ALIKE * left:
+    noise = float(np.sqrt(np.mean(ready.floor.mean[ready.regression.counted] ** 2)))
+    if (
+        verdict.verdict != "unknown"
+        or not left
+        or differ is None
+        or differ < max(_ALIKE * left, _MORE * noise)
+    ):
         return []
     unit = ready.context.rows.unit[0]
     return [
@@ -357,6 +367,13 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
         out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
         out.append("what the pressures did between sessions is unknown: taken as vented")
+    counted = ready.regression.counted
+    early, floor = (float(np.sqrt(np.mean(v[counted] ** 2))) for v in (rows.early, ready.floor.row))
+    if "delay" not in verdict.effects and early > _EARLY * floor:
+        out.append(
+            f"in the first second after an actuation, which is left out (valves, inertia), what is measured is still "
+            f"{early:.2g} {rows.unit[int(counted[0])]} from where it settles: a lag so short is not looked at"
+        )
     if (moved := ready.floor.shakes[ready.floor.shakes > 0]).size:
         out.append(
             f"all markers move together from capture to capture, by {np.sqrt(np.mean(moved**2)):.2g} {rows.unit[0]}, "

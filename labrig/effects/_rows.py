@@ -45,7 +45,8 @@ class Rows:
     `event_time_s`, `event_session` (E,); `low`, `high` (C,) limits of the actuation; `unit`, `marker`,
     `axis` (K,), the last two -1 where an observable is no marker's; `rest_mm` (M, 3) or None;
     `repeat` (captures,) labels; `resolution` (K,) the step in which an observable was recorded, 0 where there is none
-    to be seen; `session_keys` (sessions,) names of the sessions that are no other run's, where the
+    to be seen; `early` (K,) how far those rows of the first second that are left out lie from the rest of their holds,
+    root mean square; `session_keys` (sessions,) names of the sessions that are no other run's, where the
     run has an identity; `start_s` when the run began, by a clock that runs of one rig share, or NaN.
     """
 
@@ -78,6 +79,7 @@ class Rows:
     start_s: float = float("nan")
     session_keys: tuple[str, ...] = ()
     resolution: Floats = field(default_factory=lambda: np.zeros(0))
+    early: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def n_captures(self) -> int:
@@ -146,13 +148,14 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     seen = np.asarray(np.isfinite(values).any(axis=2))
     n_bins = int(np.clip(row_budget // n_captures, _MIN_BINS, _MAX_BINS))
 
-    picked: dict[str, list[Any]] = {n: [] for n in ("capture", "hold", "time", "all")}
+    picked: dict[str, list[Any]] = {n: [] for n in ("capture", "hold", "time", "all", "early")}
     for c in range(n_captures):
         index = np.flatnonzero(seen[c])
         if not len(index):
             continue
         together = np.concatenate([values[c], measured_all[c], covariates_all[c]], axis=1)
         chunks = _bins(index, hold[c], n_bins)
+        picked["early"].append(_before(values[c], index, chunks[0][0]))
         for chunk in chunks:
             picked["capture"].append(c)
             picked["hold"].append(_mean(hold[c, chunk]))
@@ -207,6 +210,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         start_s=float(dataset.attrs.get("start_s", np.nan)),
         resolution=resolution_of(values.reshape(-1, values.shape[2]), _levels(commanded, hold.shape[1])),
         session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
+        early=_size(np.concatenate(picked["early"])),
     )
 
 
@@ -240,6 +244,7 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
         joined[name] = np.concatenate([getattr(p, name) + o for p, o in zip(parts, offset[:-1], strict=True)])
     joined["sessions"] = tuple(f"{i + 1}:{s}" for i, p in enumerate(parts) for s in p.sessions)
     joined["resolution"] = np.max([p.resolution for p in parts], axis=0)
+    joined["early"] = _size(np.array([p.early for p in parts]))
     joined["session_keys"] = tuple(key for p in parts for key in p.session_keys or p.sessions)
     joined["repeat"] = tuple(f"{i + 1}:{r}" if r else "" for i, p in enumerate(parts) for r in p.repeat)
     joined["low"] = np.min([p.low for p in parts], axis=0)
@@ -338,6 +343,19 @@ def _bins(index: Ints, hold_s: Floats, n_bins: int) -> list[Ints]:
     edges = np.unique(np.concatenate([log_edges, np.linspace(floor, t[-1], n_bins - n_bins // 2 + 1)]))
     place = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(edges) - 2)
     return [kept[place == b] for b in np.unique(place)]
+
+
+def _before(values: Floats, seen: Ints, begin: int) -> Floats:
+    """How far rows that were seen before `begin` lie from the middle of those after, (n, K)."""
+    rest = values[seen[seen >= begin]]
+    usual = np.array([_mean(column) for column in rest.T])
+    return values[seen[seen < begin]] - usual
+
+
+def _size(values: Floats) -> Floats:
+    """Root mean square of what was seen in each column; 0 where nothing was."""
+    count = np.isfinite(values).sum(axis=0)
+    return np.sqrt(np.nansum(values**2, axis=0) / np.maximum(count, 1))
 
 
 def _mean(x: Floats) -> float:

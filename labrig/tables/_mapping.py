@@ -25,6 +25,19 @@ class Column(_Strict):
     thousands: str | None = None
 
 
+class TimeColumn(Column):
+    """A clock: a column and its unit, or one of frames that are counted, `rate_hz` of them in a second."""
+
+    unit: str = "s"
+    rate_hz: float | None = Field(None, gt=0)
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> "TimeColumn":
+        if self.rate_hz is not None and "unit" in self.model_fields_set:
+            raise ValueError("a clock has a unit, or is frames at a rate_hz, not both")
+        return self
+
+
 class UnitColumn(Column):
     """A column and the unit of its numbers."""
 
@@ -151,7 +164,7 @@ class Join(_Strict):
 
     name: str
     file: str | None = None
-    time: UnitColumn
+    time: TimeColumn
     how: Literal["linear", "nearest", "previous"] = "linear"
     offset_s: float = 0.0
     rate: float = Field(default=1.0, gt=0)
@@ -165,7 +178,7 @@ class Mapping(_Strict):
     table: str | list[str | TableFile] | None = None
     format: Format = Field(default_factory=Format)
     join: list[Join] = Field(default_factory=list)
-    time: UnitColumn | None = None
+    time: TimeColumn | None = None
     capture: CaptureColumn | None = None
     hold: UnitColumn | None = None
     settle_s: float | None = Field(None, ge=0)

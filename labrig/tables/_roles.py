@@ -9,7 +9,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._names import Name, take_apart
-from labrig.tables._table import DATE, Table
+from labrig.tables._table import DATE, NOTHING, Table
 from labrig.tables._units import like
 
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}")
@@ -83,7 +83,7 @@ def _numbers(table: Table, column: Any) -> Floats | None:
     text = values.dropna().astype(str).str.strip()
     if table.decimal != ".":
         text = text.str.replace(table.decimal, ".", regex=False)
-    text = text[text != ""]
+    text = text[~text.str.casefold().isin(NOTHING)]
     if (
         len(text)
         and np.isnan(np.asarray(pd.to_numeric(text.head(1000), errors="coerce"), float)).mean() > 0.02

@@ -18,6 +18,52 @@ DATE = "date"
 _LONG = 40
 
 
+_WORDS = (
+    "",
+    "nan",
+    "na",
+    "n/a",
+    "n.a.",
+    "<na>",
+    "none",
+    "null",
+    "nil",
+    "-",
+    "--",
+    "---",
+    "\u2013",
+    "\u2014",
+    "?",
+    ".",
+    "*",
+    "ol",
+    "o.l.",
+    "ovl",
+    "ovld",
+    "overload",
+    "overrange",
+    "k.a.",
+    "n.d.",
+    "err",
+    "error",
+)
+_OF_SHEETS = (
+    "#n/a",
+    "#nv",
+    "#na",
+    "#wert!",
+    "#value!",
+    "#div/0!",
+    "#num!",
+    "#zahl!",
+    "#null!",
+    "#ref!",
+    "#bezug!",
+)
+NOTHING = frozenset((*_WORDS, *_OF_SHEETS))
+"""What instruments, loggers and spreadsheets write, in any case, where they have no number."""
+
+
 @dataclass(frozen=True)
 class Table:
     """The rows of one file.
@@ -45,7 +91,7 @@ class Table:
             blank = np.isnan(out)
         else:
             text = values.astype(str).str.strip()
-            blank = np.asarray(values.isna() | text.isin(["", "nan", "NaN", "NA", "<NA>", "None"]))
+            blank = np.asarray(values.isna() | text.str.casefold().isin(NOTHING))
             if thousands:
                 text = text.str.replace(thousands, "", regex=False)
             if self.decimal != ".":

@@ -11,7 +11,7 @@ import yaml
 
 import labrig
 from labrig import LabrigError
-from labrig.log import guess_mapping, import_guessed
+from labrig.log import guess_mapping, import_guessed, import_table
 
 N = 60
 T = np.arange(N) * 0.1
@@ -242,3 +242,34 @@ def test_a_counter_of_rows_is_left_out(desk: Path) -> None:
     guess = guess_mapping("t.csv")
     assert guess.mapping["capture"] == {"per": "segment"}
     assert "column 'Nr' counts rows and is left out" in guess.remarks
+
+
+@pytest.mark.parametrize("word", ["-", "--", "OVL", "#NV", "k.A.", "n/a", "Err", "\u2014"])
+def test_what_instruments_write_where_they_have_no_number(desk: Path, word: str) -> None:
+    """A dash, an overload, a spreadsheet's error: nothing was measured there, and all else is read."""
+    force = [word if i in (13, 17, 44) else f"{f:.4f}" for i, f in enumerate(F)]
+    FRAME.assign(force_n=force).to_csv("t.csv", index=False)
+    import_guessed([Path("t.csv")], Path("run"))
+    seen = labrig.open_run("run")["observed"].values.ravel()
+    assert np.isfinite(seen).sum() == N - 3
+    assert seen[np.isfinite(seen)] == pytest.approx(np.delete(F, [13, 17, 44]), abs=1e-4)
+
+
+def test_frames_that_are_counted_are_a_clock(desk: Path) -> None:
+    """Of a camera that counts frames, the rate says when each was; a unit beside it is refused."""
+    pd.DataFrame({"frame": np.arange(N) * 12, "p": P, "f": F}).to_csv("t.csv", index=False)
+    content = {
+        "table": "t.csv",
+        "time": {"column": "frame", "rate_hz": 120},
+        "actuation": [{"column": "p", "name": "c1", "unit": "kPa"}],
+        "observables": [{"column": "f", "name": "force", "unit": "N"}],
+    }
+    Path("m.yaml").write_text(yaml.safe_dump(content))
+    import_table(Path("m.yaml"), Path("run"))
+    run = labrig.open_run("run")
+    time = run["time_s"].values
+    assert np.sort(time[np.isfinite(time)]) == pytest.approx(T)
+    content["time"]["unit"] = "s"
+    Path("m.yaml").write_text(yaml.safe_dump(content))
+    with pytest.raises(LabrigError, match="a clock has a unit, or is frames at a rate_hz, not both"):
+        import_table(Path("m.yaml"), Path("run2"))

@@ -46,8 +46,8 @@ def predicted_by(code: str, rows) -> np.ndarray:
         ),
         (
             "def predict(u):\n    return 0 * u[:, :1] + float('nan')\n",
-            "own.py:predict returned NaN or infinite values, at 38.2, 16.2: it is asked for pressures between the limits, a "
-            "little beside the set-points too",
+            "own.py:predict returned NaN or infinite values, at 38.2, 16.2: it is asked for pressures between the "
+            "limits, a little beside the set-points too",
         ),
         (
             "def predict(u):\n    raise ValueError('no')\n",
