@@ -1,6 +1,7 @@
 """Fitted values with their uncertainty, as they go into a model file."""
 
 import re
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -65,14 +66,20 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
     )
 
 
+def _either(units: Iterable[str]) -> str:
+    """The unit of what may have several, each of another kind."""
+    different = list(dict.fromkeys(units))
+    return f"({' or '.join(different)})" if len(different) > 1 else "".join(different)
+
+
 def _unit(context: Context, unit: str) -> str:
     """The unit of a parameter with those of the run in it."""
     rows = context.rows
     moving = [rows.covariates[name].unit for name in context.motion] if "motion" in unit else []
     own = {
         "actuation": rows.actuation_unit or "1",
-        "observable": "/".join(dict.fromkeys(rows.unit)),
-        "motion": "/".join(dict.fromkeys(moving)) or "1",
+        "observable": _either(rows.unit),
+        "motion": _either(moving) or "1",
     }
     return re.sub("|".join(own), lambda found: own[found[0]], unit)
 

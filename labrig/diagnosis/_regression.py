@@ -18,7 +18,7 @@ from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor, capture_means
 from labrig.diagnosis._outliers import FORM
-from labrig.effects import Context, bulk_edge, fill, frame_modes
+from labrig.effects import FEW_OBSERVABLES, Context, bulk_edge, fill, frame_modes
 
 MAX_PATTERNS = 8
 _FEW_CAPTURES = 3
@@ -26,6 +26,7 @@ _ROWS_THAT_COUNT = 12
 _CAPTURES_PER_TERM = 7
 _CAPTURES_PER_LINE = 3
 _STATIC_RIDGE = 0.01
+_FAR_MORE = 2.0
 _CALIBRATION_RIDGE = 1e-6
 
 
@@ -154,10 +155,17 @@ class Regression:
 
     @cached_property
     def counted(self) -> Ints:
-        """The observables that errors are quoted for: those of the commonest unit of those that were seen."""
+        """The observables that errors are quoted for: those of the commonest unit of those that were seen, or of few
+        observables those that are off by far more of their noise.
+        """
         units, seen = self.context.rows.unit, np.flatnonzero((self.weight > 0).any(axis=0))
         of_seen = [units[k] for k in seen]
         commonest = max(dict.fromkeys(of_seen), key=of_seen.count)
+        if of_seen.count(commonest) <= FEW_OBSERVABLES:
+            off = np.nanmean((self.context.residual[:, seen] / self.floor.row[seen]) ** 2, axis=0)
+            each = {u: float(off[[v == u for v in of_seen]].mean()) for u in dict.fromkeys(of_seen)}
+            most = max(each, key=lambda u: each[u])
+            commonest = most if each[most] > _FAR_MORE**2 * each[commonest] else commonest
         return np.array([k for k, u in enumerate(units) if u == commonest])
 
     @cached_property
