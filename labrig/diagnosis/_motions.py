@@ -10,6 +10,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects import (
+    FEW_OBSERVABLES,
     STRAINS,
     Context,
     Feature,
@@ -26,6 +27,8 @@ MOTION = "motion"
 """What these spaces belong to: one of them holds."""
 _WIDTHS = (0.25, 0.5, 1.0)
 """How far beside a marker places are whose motion it may have, of the body's radius: a grid."""
+_BODY = 9
+"""Coordinates of markers from which on they are a body."""
 _LEAST = 0.05
 """Of the motion's size: what changes it less is not made larger than itself."""
 
@@ -37,13 +40,13 @@ def motions(context: Context) -> Iterator[Space]:
     axes are not the rig's, or whose body gives way otherwise across than along); or it has the motion of places beside
     it (markers or patches that sit elsewhere, a mesh that is too coarse). Or walls follow another curve, which is then
     one with that of the effects of a chamber's own pressure; or a chamber moves as its neighbours do, too, which is one
-    with what reaches it from them.
+    with what reaches it from them. Or each of several sensors has a gain and a bow of its own (IEC 61298-2).
     """
     if not context.moves:
         return
     rows = context.rows
     known = rows.rest_mm is not None and bool(np.isfinite(rows.rest_mm).all())
-    if known and (rows.axis >= 0).sum() >= 9 and (rows.marker >= 0).any():
+    if known and (rows.axis >= 0).sum() >= _BODY and (rows.marker >= 0).any():
         motion = by_marker(context, context.displacement)
         load = context.deflection.mean(axis=1)[:, None, None]
         out = list(_otherwise(context, motion))
@@ -52,9 +55,29 @@ def motions(context: Context) -> Iterator[Space]:
             for name, way, weight in _maps()
         ]
         yield Space("how all moves", MOTION, acting(out))
+    if curves := list(_of_sensors(context)):
+        yield Space("what each sensor makes of it", MOTION, acting(curves))
     yield any_curve(context)
     if len(rows.chambers) > 1:
         yield reached(context)
+
+
+def _of_sensors(context: Context) -> Iterator[Feature]:
+    """A gain, a bow and an S of each of a few sensors, (F, K) each; the axes of one or two markers are sensors, too.
+    None of a single one, whose own curve is that of all that moves it.
+    """
+    rows, moved = context.rows, context.displacement
+    of_markers = np.flatnonzero((rows.axis >= 0) & (np.abs(moved).max(axis=0) > 0))
+    own = np.flatnonzero((rows.axis < 0) & (np.abs(moved).max(axis=0) > 0))
+    own = np.union1d(own, of_markers) if len(of_markers) < _BODY else own
+    if len(own) > FEW_OBSERVABLES or len(own) + len(of_markers) < 2:
+        return
+    for k in own:
+        most = np.abs(moved[:, k]).max()
+        for power, weight in ((1, 1.0), (2, 0.5), (3, 0.3)):
+            values = np.zeros_like(moved)
+            values[:, k] = most * (moved[:, k] / most) ** power
+            yield field(f"{rows.observables[k]} to the power of {power}", values, weight)
 
 
 def _otherwise(context: Context, motion: Floats) -> Iterator[Feature]:

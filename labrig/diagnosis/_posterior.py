@@ -51,6 +51,8 @@ class Posterior:
     probability: Floats
 
 
+STATIC = "?static"
+"""What several pressures do together, by the set-point alone."""
 CURVE = "?curve"
 """What goes by the set-point alone of a part whose name is that of what remembers, or goes on."""
 OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION, "?" + MAP, CURVE})

@@ -21,6 +21,8 @@ _APART = 0.3
 """Length of what a rigid motion has beside the chambers' own, from which on that says how much it shakes."""
 _SHOWS = 0.1
 """Square of what shows, in floors."""
+_CLEAR = 2.0
+"""How many times noisier a rigid motion has to be: less is another law's misfit as often, and harms nothing."""
 _NEW = 0.1
 """Share of its length by which a rigid motion must stand off those before it: markers in a row have not all six."""
 
@@ -56,7 +58,7 @@ def shaken(design: Design) -> Floats:
     sizes = []
     for j in np.flatnonzero((values[few].std(axis=0) > 1) & (most > 1)):
         scale = min(_scale(design, few, beside[:, j]), float(most[j]))
-        sizes += [unit * ways[:, j] * np.sqrt(scale**2 - 1) / part[j]] if scale > 1 else []
+        sizes += [unit * ways[:, j] * np.sqrt(scale**2 - 1) / part[j]] if scale > _CLEAR else []
     return np.stack(sizes, axis=1) if sizes else out
 
 

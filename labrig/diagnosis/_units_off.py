@@ -46,7 +46,8 @@ def _stairs(context: Context) -> list[str]:
     u, base, slope = context.rows.actuation[first], context.base[first], context.jacobian[first]
     step = np.diff(u, axis=0)
     said = np.einsum("nkc,nc->nk", slope[1:] + slope[:-1], step) / 2
-    scale = np.maximum(np.ptp(base, axis=0), 1e-300)
+    way = np.ptp(base, axis=0)
+    scale = np.where(way > 0, way, np.inf)
     moved, follows = (float((np.square(v / scale)).sum()) for v in (np.diff(base, axis=0), said))
     if context.base_kind != "python" or moved <= 0 or follows > _STILL**2 * moved:
         return []

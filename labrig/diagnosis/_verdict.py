@@ -10,7 +10,7 @@ from scipy.special import ndtr
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._parts import missed, sizes
-from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, Search, is_name
+from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, STATIC, Search, is_name
 
 
 @dataclass(frozen=True)
@@ -58,19 +58,23 @@ class Answer:
     unnamed: dict[str, float]
     least: float
     """The size, in floors, from which a part is worth a name."""
+    remembering: frozenset[str] = frozenset()
+    """Effects that are no curve of the set-points, whatever else is."""
 
-    @cached_property
-    def limit(self) -> float:
-        """The size, in floors, from which an effect is worth a name: beside what has none, a larger one."""
+    def limit(self, name: str) -> float:
+        """The size, in floors, from which an effect is worth a name: beside what has none, a larger one.
+
+        What the base is wrong in outvotes no name; nor does a curve of the set-points one of what is no such curve.
+        """
+        apart = OF_BASE | {STATIC} if name in self.remembering else OF_BASE
         return max(
-            self.least,
-            float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in OF_BASE])),
+            self.least, float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in apart]))
         )
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """The effects that are worth a name."""
-        return tuple(o for o in self.sizes if self.counts(o) >= self.limit)
+        return tuple(o for o in self.sizes if self.counts(o) >= self.limit(o))
 
     def counts(self, name: str) -> float:
         """By how many floors an effect counts: its size, but no more than would be missed without it."""
@@ -79,7 +83,7 @@ class Answer:
 
     def worth(self, name: str) -> float:
         """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
-        return float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit) / k.MATERIAL_SPREAD))
+        return float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit(name)) / k.MATERIAL_SPREAD))
 
     @property
     def verdict(self) -> str:
@@ -121,7 +125,7 @@ def answers_of(
             unnamed[CURVE] = size
         if found[REST][0] >= doubt:
             unnamed[REST] = found[REST][0]
-        out.append(Answer(float(p / total), parts, unnamed, least))
+        out.append(Answer(float(p / total), parts, unnamed, least, frozenset(remembering)))
     return out
 
 
