@@ -24,11 +24,31 @@ def mixed_up(context: Context) -> Iterator[str]:
 
     Nothing physical is put right by an exchange, which has no size that could be fitted.
     """
+    yield from _order(context)
     if context.moves:
         # of a symmetric rig exchanged hoses look like a mirror
         if either := [*_axes(context), *_chambers(context)]:
             yield "; or ".join(either)
         yield from _moments(context)
+
+
+def _order(context: Context) -> Iterator[str]:
+    """Markers of which the model gives all x first, then all y, then all z, where the run has those of each marker."""
+    rows = context.rows
+    own = [np.flatnonzero((rows.axis == a) & (rows.marker >= 0)) for a in range(3)]
+    if len({tuple(rows.marker[each]) for each in own}) > 1 or len(own[0]) < 2:
+        return
+    place = np.stack(own, axis=1).ravel()
+    as_given = np.sort(place)
+    base = context.base[:, as_given].reshape(len(context.base), 3, -1)
+    measured, other = rows.values[:, place], np.moveaxis(base, 1, 2).reshape(len(base), -1)
+    now, left = (float(np.nansum((measured - b) ** 2)) for b in (context.base[:, place], other))
+    if now > 0 and now >= _CLOSER**2 * left:
+        yield (
+            f"the model gives x of all markers, then y and z of all: the run has {rows.observables[place[0]]}, "
+            f"{rows.observables[place[1]]}, {rows.observables[place[2]]}, then those of the next marker, so let it "
+            "give them in this order"
+        )
 
 
 def _axes(context: Context) -> Iterator[str]:

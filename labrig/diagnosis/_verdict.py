@@ -67,9 +67,7 @@ class Answer:
         What the base is wrong in outvotes no name; nor does a curve of the set-points one of what is no such curve.
         """
         apart = OF_BASE | {STATIC} if name in self.remembering else OF_BASE
-        return max(
-            self.least, float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in apart]))
-        )
+        return max(self.least, float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in apart])))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -98,11 +96,13 @@ def answers_of(
 ) -> list[Answer]:
     """The likeliest explanations as answers, their probabilities summing to one.
 
-    Effects that are `remembering` count by what no curve of the set-points makes of them: as small a part as no model
-    is exact in (`SMALL`) does not say what the rest is.
+    Effects that are `remembering` count by what no curve of the set-points makes of them: where that alone would not be
+    found, as `detectable_floors` says, it does not say what the rest is.
     """
     posterior = search.posterior()
     least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
+    observations = search.design.observations
+    shows = detectable_floors(observations) * np.sqrt(observations.counted.inexact)
     doubt = np.sqrt(
         np.expm1(2 * k.FLOOR_SPREAD)
     )  # what is left when the noise is larger by one sd, about a floor
@@ -116,7 +116,7 @@ def answers_of(
     for e, p in kept:
         found, lost = sizes(search, e), missed(search, e, least)
         parts = {o: (size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
-        most = {o: found[o][2] * k.MATERIAL / k.SMALL for o in parts if o in remembering}
+        most = {o: found[o][2] * least / shows for o in parts if o in remembering}
         curved = [min(parts[o][0], lost[o]) for o, seen in most.items() if seen < least]
         parts |= {o: (*parts[o][:2], min(lost[o], seen)) for o, seen in most.items()}
         unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}

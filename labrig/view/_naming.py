@@ -13,6 +13,8 @@ _CARRIES = {
     "where chambers act": "comes from chambers that act in other places than the base model assumes",
     "how the base itself moves": "is a structural error of the base model: all move another way than it predicts, as "
     "places beside them do, or by another curve of the pressures",
+    "a curve of the set-points": "is a curve of the set-points, which only effects that remember would hold: look at "
+    "what the model, or a sensor, says at each of them",
     "curves that the fitted map lacks": "is a curve of the set-points, which the map that was fitted as base may lack",
     "captures that have each other's measurements": "is in captures that have each other's measurements, and which are "
     "left out of these figures",

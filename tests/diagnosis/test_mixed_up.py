@@ -146,3 +146,17 @@ def test_a_mirror_or_exchanged_hoses(make_lab) -> None:
     (line,) = said(lab, lab.predict(lab.u[..., [1, 0]]) + lab.noise())
     assert "what is measured as x, y and z is -x, y and z of the model" in line
     assert "; or c1 does what the model says of c2" in line
+
+
+def test_all_x_then_all_y_then_all_z(make_lab) -> None:
+    """A model whose columns are those of each axis, where the run has those of each marker, is told so."""
+    lab = make_lab(markers=12)
+    values = lab.predict(power_law(lab)) + lab.noise()
+    seen = np.moveaxis(values.reshape(*values.shape[:2], 3, 12), 2, 3).reshape(values.shape)
+    (line,) = said(lab, seen)
+    assert line == (
+        "the model gives x of all markers, then y and z of all: the run has m0.x, m0.y, m0.z, then those of the next "
+        "marker, so let it give them in this order"
+    )
+    with pytest.raises(LabrigError, match="the model gives x of all markers"):
+        diagnose(lab.dataset(seen), lab.model())

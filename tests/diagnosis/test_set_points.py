@@ -1,0 +1,101 @@
+"""What goes by the set-point alone is no effect that remembers, and a sensor's own curve is the base's."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis._diagnose import BY_SET_POINT, laid_out
+from labrig.diagnosis._posterior import CURVE, OF_BASE, STATIC, Search
+from labrig.diagnosis._verdict import Answer, answers_of, decide
+from tests.laws import power_law
+from tests.naming import verdict_of
+from tests.sensors import model_of_both, two_sensors
+
+REMEMBERS = {"creep", "leak", "delay", "hysteresis", "friction", "drift", "marker_slip"}
+
+
+def bowed(lab, force: np.ndarray, bow: float) -> np.ndarray:
+    """What a sensor reads whose characteristic is a parabola beside a straight line through its ends."""
+    return force + 4 * bow * (force - force.min()) * (force.max() - force) / np.ptp(force) ** 2
+
+
+@pytest.mark.parametrize("rows_s", [(3.0, 4.0), (1.0, 3.0, 8.0)])
+def test_a_bowed_sensor_is_no_effect(make_lab, rows_s) -> None:
+    """One of two sensors that is not linear is told as what it is: no creep, no coupling, but the base's own form."""
+    lab = make_lab(chambers=3, force=True, captures=70, rows_s=rows_s, seed=2)
+    force = lab.predict(lab.u)
+    data = two_sensors(lab, force + lab.noise(), bowed(lab, force, 0.6) + lab.noise())
+    found = verdict_of(data, model_of_both(lab))
+    assert (found.verdict, found.effects, found.rivals) == ("unknown", (), ())
+    assert found.carried_by == "how the base itself moves"
+
+
+def test_creep_is_named_beside_a_bowed_sensor(make_lab) -> None:
+    """What a sensor's curve lacks hides nothing that goes on in the holds."""
+    lab = make_lab(chambers=3, force=True, captures=70, rows_s=(1.0, 3.0, 8.0), seed=2)
+    force = lab.predict(power_law(lab))
+    data = two_sensors(lab, force + lab.noise(), bowed(lab, force, 0.6) + lab.noise())
+    assert verdict_of(data, model_of_both(lab)).effects == ("creep",)
+
+
+def test_curves_of_the_set_points_are_smooth_and_few(make_lab) -> None:
+    """They hold any parabola of the pressures, and nothing that changes along a hold."""
+    lab = make_lab(chambers=2, captures=40, rows_s=(1.0, 3.0, 8.0))
+    model = lab.model()
+    rows = rows_from(lab.dataset(lab.predict(lab.u) + lab.noise()))
+    _, seen, _ = laid_out(prepared(rows, model), {})
+    curves, x = seen.curves, seen.context.rows.fraction
+    weight = np.sqrt(seen.counts_for)
+    parabola = weight * (seen.whiten @ (x[:, 0] * x[:, 1] - 0.3 * x[:, 0]))
+    in_hold = weight * (seen.whiten @ np.log(seen.context.elapsed_s))
+    assert curves.T @ curves == pytest.approx(np.eye(curves.shape[1]), abs=1e-9)
+    assert curves.shape[1] <= seen.n_captures / 3
+    assert curves @ (curves.T @ parabola) == pytest.approx(parabola, abs=1e-9)
+    n = seen.n_captures
+    assert (curves @ (curves.T @ in_hold))[n:] == pytest.approx(np.zeros(len(weight) - n), abs=1e-9)
+
+
+def test_what_remembers_counts_by_what_no_curve_makes(make_lab) -> None:
+    """A part that a curve of the set-points makes nearly all of has no name; the same part of another effect has."""
+    lab = make_lab(chambers=2, markers=6, captures=50, rows_s=(3.0, 4.0))
+    softer = lab.u * (1 + 0.1 * lab.u / lab.u.max())
+    model = lab.model()
+    _, _, design = laid_out(
+        prepared(rows_from(lab.dataset(lab.predict(softer) + lab.noise())), model),
+        {"regulator": model.library()["regulator"]},
+    )
+    search = Search(design).run()
+    plain, of_memory = (answers_of(search, 0.0, names) for names in ((), ("regulator",)))
+    assert plain[0].names == ("regulator",)
+    assert not of_memory[0].names
+    assert of_memory[0].unnamed[CURVE] == pytest.approx(plain[0].counts("regulator"))
+    words = {CURVE: BY_SET_POINT, **{o: o for a in of_memory for o in a.unnamed}}
+    found = decide(of_memory, ("regulator",), words | {CURVE: BY_SET_POINT})
+    assert (found.verdict, found.carried_by) == ("unknown", BY_SET_POINT)
+
+
+def test_a_curve_outvotes_nothing_that_remembers() -> None:
+    """Beside a larger curve of the set-points without a name, creep keeps its name, and stiffening loses it."""
+    sizes = {"creep": (2.0, 0.1, 2.0), "stiffening": (2.0, 0.1, 2.0)}
+    answer = Answer(1.0, sizes, {STATIC: 5.0}, 0.5, frozenset({"creep"}))
+    assert answer.names == ("creep",)
+    assert answer.worth("creep") > 0.99
+    assert answer.worth("stiffening") < 0.01
+    assert Answer(1.0, sizes, {CURVE: 5.0}, 0.5).names == ("creep", "stiffening")
+    assert CURVE in OF_BASE
+
+
+def test_which_effects_remember(make_lab) -> None:
+    """Those that are defined by time, or by what was before; a curve of the pressures may be all of any other."""
+    library = make_lab().model().library()
+    assert {name for name, effect in library.items() if effect.remembers} == REMEMBERS
+
+
+def test_rows_that_are_left_out_are_looked_at(make_lab) -> None:
+    """A lag that is over within the first second is said, since nothing else tells of it; without one nothing is."""
+    lab = make_lab(chambers=2, markers=6, captures=40, rows_s=(0.1, 0.4, 0.7, 3.0, 6.0))
+    late = lab.u * (1 - np.exp(-lab.hold_s / 0.2))[:, :, None]
+    for u, expected in ((late, 1), (lab.u, 0)):
+        summary = diagnose(lab.dataset(lab.predict(u) + lab.noise()), lab.model()).summary
+        lines = [line for line in summary["warnings"] if "a lag so short is not looked at" in line]
+        assert len(lines) == expected
