@@ -68,7 +68,7 @@ def test_the_smallest_model(path: Path) -> None:
         (
             "base: {kind: magic}\n",
             ", line 1: base: kind: there is no 'magic'; "
-            "there are 'python', 'ode', 'fmu', 'static', 'simulator', 'surrogate'",
+            "there are 'python', 'ode', 'fmu', 'table', 'static', 'simulator', 'surrogate'",
         ),
         ("base: {degree: 1}\n", ", line 1: base: kind: is missing"),
         (
