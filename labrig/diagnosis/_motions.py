@@ -40,7 +40,7 @@ def motions(context: Context) -> Iterator[Space]:
     axes are not the rig's, or whose body gives way otherwise across than along); or it has the motion of places beside
     it (markers or patches that sit elsewhere, a mesh that is too coarse). Or walls follow another curve, which is then
     one with that of the effects of a chamber's own pressure; or a chamber moves as its neighbours do, too, which is one
-    with what reaches it from them. Or each of several sensors has a gain and a bow of its own (IEC 61298-2).
+    with what reaches it from them. Or each of several sensors has a bow of its own (IEC 61298-2).
     """
     if not context.moves:
         return
@@ -63,8 +63,8 @@ def motions(context: Context) -> Iterator[Space]:
 
 
 def _of_sensors(context: Context) -> Iterator[Feature]:
-    """A gain, a bow and an S of each of a few sensors, (F, K) each; the axes of one or two markers are sensors, too.
-    None of a single one, whose own curve is that of all that moves it.
+    """A bow and an S of each of a few sensors, (F, K) each; the axes of one or two markers are sensors, too. None of a
+    single one, whose own curve is that of all that moves it; nor a gain, which is what is settled of any history.
     """
     rows, moved = context.rows, context.displacement
     of_markers = np.flatnonzero((rows.axis >= 0) & (np.abs(moved).max(axis=0) > 0))
@@ -74,7 +74,7 @@ def _of_sensors(context: Context) -> Iterator[Feature]:
         return
     for k in own:
         most = np.abs(moved[:, k]).max()
-        for power, weight in ((1, 1.0), (2, 0.5), (3, 0.3)):
+        for power, weight in ((2, 0.5), (3, 0.3)):
             values = np.zeros_like(moved)
             values[:, k] = most * (moved[:, k] / most) ** power
             yield field(f"{rows.observables[k]} to the power of {power}", values, weight)

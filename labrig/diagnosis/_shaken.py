@@ -33,8 +33,8 @@ def shaken(design: Design) -> Floats:
 
     Of each rigid motion, noise is what no space follows, as it is of few observables (`noise_scale`): so a frame that
     creeps, was moved or turns with the load does not shake. It is read off what is left of the motion beside all that
-    the chambers do, where a law that no space holds would leave as much. Nor is it more than repeats with the same
-    history may differ by.
+    the chambers do, where a law that no space holds would leave as much. Nor does a frame shake whose motions come back
+    with the set-point: repeats with the same history would differ by as much.
     """
     observations = design.observations
     rows, unit, n = observations.context.rows, observations.unit, observations.n_captures
@@ -53,13 +53,24 @@ def shaken(design: Design) -> Floats:
     ways, beside, part = ways[:, part > _APART], (beside / part)[:, part > _APART], part[part > _APART]
     few = np.unique(np.linspace(0, n - 1, min(n, _MOST_CAPTURES)).astype(int))
     values = observations.values[:n] @ beside
-    repeats = repeats_of(observations.context, values, np.unique(rows.capture))["same history"]
-    most = _most(np.array(repeats).reshape(-1, ways.shape[1]))
-    sizes = []
-    for j in np.flatnonzero((values[few].std(axis=0) > 1) & (most > 1)):
-        scale = min(_scale(design, few, beside[:, j]), float(most[j]))
-        sizes += [unit * ways[:, j] * np.sqrt(scale**2 - 1) / part[j]] if scale > _CLEAR else []
-    return np.stack(sizes, axis=1) if sizes else out
+    scale = np.ones(len(part))
+    for j in np.flatnonzero(values[few].std(axis=0) > 1):
+        scale[j] = _scale(design, few, beside[:, j])
+    moves = scale > _CLEAR
+    repeats = repeats_of(observations.context, values[:, moves], np.unique(rows.capture))["same history"]
+    if not moves.any() or _repeat(np.array(repeats).reshape(-1, int(moves.sum())), scale[moves]):
+        return out
+    return unit[:, None] * ways[:, moves] * np.sqrt(scale[moves] ** 2 - 1) / part[moves]
+
+
+def _repeat(differ: Floats, scale: Floats) -> bool:
+    """Whether pairs that repeat each other differ by less (P, m) than noise of such a scale (m,) would, by chance in one
+    case of twenty; never without any.
+    """
+    return (
+        float(np.square(differ / scale).sum()) / 2 < chi2.ppf(_CHANCE, max(differ.size, 1))
+        and differ.size > 0
+    )
 
 
 def _driven(observations: Observations) -> Floats:
@@ -67,13 +78,6 @@ def _driven(observations: Observations) -> Floats:
     slopes = np.moveaxis(observations.slopes, 2, 1).reshape(-1, len(observations.unit)) * observations.seen
     power, ways = np.linalg.eigh(slopes.T @ slopes)
     return ways[:, power * observations.to_explain**2 > _SHOWS * power.sum()]
-
-
-def _most(differ: Floats) -> Floats:
-    """The largest noise (m,) from which differences (P, m) between pairs come in one case of twenty."""
-    if not len(differ):
-        return np.full(differ.shape[1], np.inf)
-    return np.sqrt((differ**2).sum(axis=0) / 2 / chi2.ppf(_CHANCE, len(differ)))
 
 
 def _scale(design: Design, captures: np.ndarray, way: Floats) -> float:

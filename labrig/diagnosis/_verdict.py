@@ -116,8 +116,9 @@ def answers_of(
     for e, p in kept:
         found, lost = sizes(search, e), missed(search, e, least)
         parts = {o: (size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
-        most = {o: found[o][2] * least / shows for o in parts if o in remembering}
-        curved = [min(parts[o][0], lost[o]) for o, seen in most.items() if seen < least]
+        beyond = {o: found[o][2] for o in parts if o in remembering}
+        most = {o: size * least / shows for o, size in beyond.items() if size < shows}
+        curved = [min(parts[o][0], lost[o]) for o in most]
         parts |= {o: (*parts[o][:2], min(lost[o], seen)) for o, seen in most.items()}
         unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
         unnamed = {o: size for o, size in unnamed.items() if size >= least}

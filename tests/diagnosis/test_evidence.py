@@ -61,7 +61,7 @@ def tiny(seed: int = 0, widths: Mapping[str, int] = WIDTHS, free: Mapping[str, i
         np.array([1.5, 1.0, 0.5]),
         Columns(through, moves, capture, rng.normal(size=(S, R, start - 2))),
     )
-    return Design(cast(Any, observations), V, spread, W, tuple(blocks), tuple(patterns))
+    return Design(cast(Any, observations), V, spread, W, tuple(blocks), tuple(patterns), np.ones(len(spread)))
 
 
 def plain(matrix: np.ndarray, r: int) -> Columns:
@@ -231,7 +231,9 @@ def twice(seed: int) -> tuple[Design, Design]:
     """A design in which two owners have the same space: with the same columns, and with columns of their own."""
     one = tiny(seed)
     W, first = one.W.whole, one.blocks[0].at
-    observations = SimpleNamespace(**vars(one.observations), counts_for=np.full(S, 1 / (S * R)))
+    observations = SimpleNamespace(
+        **vars(one.observations), counts_for=np.full(S, 1 / (S * R)), curves=np.zeros((S, 0))
+    )
     observations.size_of = lambda values, noise=0.0: float(np.sqrt(np.mean(values**2)))
     again = plain(np.concatenate([W, W[:, first]], axis=1), R)
     shared, own = (Block("c", space("a"), at) for at in (first, slice(7, 9)))

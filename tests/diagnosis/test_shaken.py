@@ -63,7 +63,7 @@ def test_one_way_alone_may_shake(lab) -> None:
     ready, _, _ = laid_out(prepared(rows_from(lab.dataset(values)), model), model.library())
     by_axis = np.sqrt(np.square(ready.floor.shakes).reshape(-1, 3).mean(axis=0))
     assert by_axis[2] == pytest.approx(0.4, rel=0.25)
-    assert by_axis[:2].max() < 0.05
+    assert by_axis[:2].max() < 0.1
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,7 @@ def design_of(acts: float, way: Floats | None) -> Design:
         counts_for=np.full(S, 1 / (S * R)),
     )
     W = Columns(np.zeros((S, 0, 0)), np.zeros((S, R, 0)), np.arange(S), made)
-    return Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, ())
+    return Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, (), np.ones(R))
 
 
 @given(st.floats(-2.0, 2.0), st.floats(0.3, 3.0))
@@ -123,7 +123,7 @@ def test_two_stops_that_are_nearly_one_do_not_drive_on_either(seed: int) -> None
         values=seen, to_explain=size, worth=1.0, counts_for=np.full(S, 1 / (S * R))
     )
     W = Columns(np.zeros((S, 0, 0)), np.zeros((S, R, 0)), np.arange(S), made)
-    design = Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, ())
+    design = Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, (), np.ones(R))
     posterior = Search(design).run().posterior()
     stopped = [
         p for e, p in zip(posterior.explanations, posterior.probability, strict=True) if "stop" in e.owners

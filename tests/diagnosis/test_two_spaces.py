@@ -34,9 +34,10 @@ def design_of(weights: Floats) -> Design:
         to_explain=float(np.sqrt(np.mean(seen**2))),
         worth=1.0,
         counts_for=np.full(S, 1.0 / (S * R)),
+        curves=np.zeros((S, 0)),
         size_of=lambda values, noise=0.0: float(np.sqrt(max(np.mean(values**2) - noise, 0.0))),
     )
-    return Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, ())
+    return Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, (), np.ones(R))
 
 
 def test_a_law_in_two_spaces_has_one_name() -> None:
@@ -59,7 +60,7 @@ def test_the_size_of_an_effect_is_that_of_its_spaces_together() -> None:
     search = Search(design)
     size = max(search.sizes)
     both = Explanation(frozenset({"a"}), (("a", 0, size), ("a", 1, size)), 0.0, 0.05)
-    value, sd = sizes(search, both)["a"]
+    value, sd, _ = sizes(search, both)["a"]
     prior = np.full(9, search.spike)
     prior[:4], prior[4:8], prior[8] = size, search.spike, 0.05
     X = design.W.whole
