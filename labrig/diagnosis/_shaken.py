@@ -64,13 +64,12 @@ def shaken(design: Design) -> Floats:
 
 
 def _repeat(differ: Floats, scale: Floats) -> bool:
-    """Whether pairs that repeat each other differ by less (P, m) than noise of such a scale (m,) would, by chance in one
+    """Whether pairs that repeat each other differ by less (P, m) than noise of such a scale (m,) would, but in one
     case of twenty; never without any.
     """
-    return (
-        float(np.square(differ / scale).sum()) / 2 < chi2.ppf(_CHANCE, max(differ.size, 1))
-        and differ.size > 0
-    )
+    if not differ.size:
+        return False
+    return bool(np.square(differ / scale).sum() / 2 < chi2.ppf(_CHANCE, differ.size))
 
 
 def _driven(observations: Observations) -> Floats:
