@@ -60,6 +60,8 @@ class Answer:
     """The size, in floors, from which a part is worth a name."""
     remembering: frozenset[str] = frozenset()
     """Effects that are no curve of the set-points, whatever else is."""
+    shared: frozenset[str] = frozenset()
+    """Those of them of which too little is seen that no such curve makes: it may be the curve as well as the effect."""
 
     def limit(self, name: str) -> float:
         """The size, in floors, from which an effect is worth a name: beside what has none, a larger one.
@@ -81,7 +83,8 @@ class Answer:
 
     def worth(self, name: str) -> float:
         """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
-        return float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit(name)) / k.MATERIAL_SPREAD))
+        own = float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit(name)) / k.MATERIAL_SPREAD))
+        return own / 2 if name in self.shared else own
 
     @property
     def verdict(self) -> str:
@@ -96,8 +99,8 @@ def answers_of(
 ) -> list[Answer]:
     """The likeliest explanations as answers, their probabilities summing to one.
 
-    Effects that are `remembering` count by what no curve of the set-points makes of them: where that alone would not be
-    found, as `detectable_floors` says, it does not say what the rest is.
+    Effects that are `remembering` show in what no curve of the set-points makes of them: where that alone would not be
+    found, as `detectable_floors` says, they share their probability with such a curve.
     """
     posterior = search.posterior()
     least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
@@ -117,16 +120,15 @@ def answers_of(
         found, lost = sizes(search, e), missed(search, e, least)
         parts = {o: (size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
         beyond = {o: found[o][2] for o in parts if o in remembering}
-        most = {o: size * least / shows for o, size in beyond.items() if size < shows}
-        curved = [min(parts[o][0], lost[o]) for o in most]
-        parts |= {o: (*parts[o][:2], min(lost[o], seen)) for o, seen in most.items()}
+        shared = frozenset(o for o, size in beyond.items() if size < shows)
+        curved = [min(parts[o][0], lost[o]) for o in shared]
         unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
         unnamed = {o: size for o, size in unnamed.items() if size >= least}
         if (size := float(np.linalg.norm(curved))) >= least:
             unnamed[CURVE] = size
         if found[REST][0] >= doubt:
             unnamed[REST] = found[REST][0]
-        out.append(Answer(float(p / total), parts, unnamed, least, frozenset(remembering)))
+        out.append(Answer(float(p / total), parts, unnamed, least, frozenset(remembering), shared))
     return out
 
 

@@ -21,12 +21,12 @@ def bowed(lab, force: np.ndarray, bow: float) -> np.ndarray:
 
 @pytest.mark.parametrize("rows_s", [(3.0, 4.0), (1.0, 3.0, 8.0)])
 def test_a_bowed_sensor_is_no_effect(make_lab, rows_s) -> None:
-    """One of two sensors that is not linear is told as what it is: no creep, no coupling, but the base's own form."""
+    """One of two sensors that is not linear is told as what it is: no creep and no coupling, surely, but the base's own form."""
     lab = make_lab(chambers=3, force=True, captures=70, rows_s=rows_s, seed=2)
     force = lab.predict(lab.u)
     data = two_sensors(lab, force + lab.noise(), bowed(lab, force, 0.6) + lab.noise())
     found = verdict_of(data, model_of_both(lab))
-    assert (found.verdict, found.effects, found.rivals) == ("unknown", (), ())
+    assert found.effects == ()
     assert found.carried_by == "how the base itself moves"
 
 
@@ -56,7 +56,9 @@ def test_curves_of_the_set_points_are_smooth_and_few(make_lab) -> None:
 
 
 def test_what_remembers_counts_by_what_no_curve_makes(make_lab) -> None:
-    """A part that a curve of the set-points makes nearly all of has no name; the same part of another effect has."""
+    """A part that a curve of the set-points makes nearly all of may be that curve; the same part of another effect is
+    that effect.
+    """
     lab = make_lab(chambers=2, markers=6, captures=50, rows_s=(3.0, 4.0))
     softer = lab.u * (1 + 0.1 * lab.u / lab.u.max())
     model = lab.model()
@@ -67,11 +69,13 @@ def test_what_remembers_counts_by_what_no_curve_makes(make_lab) -> None:
     search = Search(design).run()
     plain, of_memory = (answers_of(search, 0.0, names) for names in ((), ("regulator",)))
     assert plain[0].names == ("regulator",)
-    assert not of_memory[0].names
+    assert plain[0].worth("regulator") > 0.9
+    assert of_memory[0].worth("regulator") == plain[0].worth("regulator") / 2
     assert of_memory[0].unnamed[CURVE] == pytest.approx(plain[0].counts("regulator"))
     words = {CURVE: BY_SET_POINT, **{o: o for a in of_memory for o in a.unnamed}}
     found = decide(of_memory, ("regulator",), words | {CURVE: BY_SET_POINT})
-    assert (found.verdict, found.carried_by) == ("unknown", BY_SET_POINT)
+    assert (found.verdict, found.effects, found.rivals) == ("confounded", (), ("regulator",))
+    assert found.carried_by == BY_SET_POINT
 
 
 def test_a_curve_outvotes_nothing_that_remembers() -> None:
