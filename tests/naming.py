@@ -14,8 +14,7 @@ if TYPE_CHECKING:
 def verdict_of(data: "Dataset", model: Model) -> Verdict:
     """What `diagnose` says is missing, without formulas, errors and places."""
     effects = model.library()
-    ready, observations, design = laid_out(prepared(rows_from(data), model), effects)
-    return verdict_on(observations, ready, effects, design=design)
+    return verdict_on(*laid_out(prepared(rows_from(data), model), effects), effects)
 
 
 def calls_of(data: "Dataset", model: Model) -> dict[str, str]:

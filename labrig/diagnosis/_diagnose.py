@@ -76,16 +76,11 @@ def diagnose(
     ready = prepared(rows_from(runs), model)
     effects = {n: e for n, e in model.library().items() if n not in without}
     ready, observations, design = laid_out(ready, effects)
-    verdict = verdict_on(observations, ready, effects, tolerance, design)
+    verdict = verdict_on(ready, observations, design, effects, tolerance)
     result = result_of(ready, observations, verdict, model, effects)
     named = about(runs, model)
     result.summary["runs"], result.summary["model"] = named["runs"], named["model"]
     return result
-
-
-def observed(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations]:
-    """The observations, with the noise that is left when everything is asked: see `laid_out`."""
-    return laid_out(ready, effects)[:2]
 
 
 def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations, Design | None]:
@@ -99,9 +94,11 @@ def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
     if enough and (line := next(mistaken(ready.context), None)) is not None:
         raise LabrigError(f"nothing can be diagnosed: {line}")
-    if observations.n_captures < k.FEWEST_OBSERVATIONS:
+    if not enough:
         return ready, observations, None
     design = design_of(observations, effects, ready.nuisance, ready.calibrated)
+    if observations.n_captures < k.FEWEST_OBSERVATIONS:
+        return ready, observations, design
     if of_few(observations):
         ready = replace(ready, floor=noise_of_few(design))
         observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
@@ -114,19 +111,21 @@ def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
 
 
 def verdict_on(
-    observations: Observations,
     ready: Prepared,
+    observations: Observations,
+    design: Design | None,
     effects: dict[str, Effect],
     tolerance: float | None = None,
-    design: Design | None = None,
 ) -> Verdict:
-    """Which effects are missing, by the evidence of everything that these observations might say."""
+    """Which effects are missing, by the evidence of everything that these observations, as they were `laid_out`, might
+    say.
+    """
     floor = float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
     least = (tolerance or 0.0) / floor if floor > 0 else 0.0
     few = underpowered(observations, tuple(effects), least, ready.context.rows.unit[0], floor)
-    if few is not None and len(observations.values) < k.FEWEST_OBSERVATIONS:
+    if few is not None and design is None:
         return few
-    design = design or design_of(observations, effects, ready.nuisance, ready.calibrated)
+    assert design is not None  # there are enough observations
     try:
         search = Search(design).run()
     except np.linalg.LinAlgError:
@@ -374,9 +373,10 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
             f"in the first second after an actuation, which is left out (valves, inertia), what is measured is still "
             f"{early:.2g} {rows.unit[int(counted[0])]} from where it settles: a lag so short is not looked at"
         )
-    if (moved := ready.floor.shakes[ready.floor.shakes > 0]).size:
+    if len(moved := np.flatnonzero(ready.floor.shakes)):
+        size = float(np.sqrt(np.mean(ready.floor.shakes[moved] ** 2)))
         out.append(
-            f"all markers move together from capture to capture, by {np.sqrt(np.mean(moved**2)):.2g} {rows.unit[0]}, "
+            f"all markers move together from capture to capture, by {size:.2g} {rows.unit[int(moved[0])]}, "
             "and nothing that was recorded says why: it counts as noise, so look at the mounts of rig and cameras"
         )
     return [*out, *ready.left_out, *ready.not_quoted]

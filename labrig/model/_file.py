@@ -60,7 +60,7 @@ class FmuBase(_Strict):
 
 
 class TableBase(_Strict):
-    """A CSV table of predictions, with a column for each chamber and observable; between its set-points it is smooth.
+    """A table of predictions, with a column for each chamber and observable; between its set-points it is smooth.
 
     `learned`: it comes from a model that was fitted or trained, so its error may be any curve of the pressures.
     """

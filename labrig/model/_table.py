@@ -1,7 +1,6 @@
 """A base that is a table of predictions: of finite elements, or of any model that can't be called."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,9 +8,6 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.effects import Rows
 from labrig.model._file import TableBase
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _EXACT = 1_000
 _NEAREST = 60
@@ -31,9 +27,8 @@ class TableModel:
         from scipy.interpolate import RBFInterpolator
 
         path = folder / spec.file
-        table = _read(path)
         self._low, self._span = rows.low, rows.high - rows.low
-        at, values = (_columns(path, table, names) for names in (rows.chambers, rows.observables))
+        at, values = _columns(path, rows.chambers, rows.observables)
         points, index = np.unique((at - self._low) / self._span, axis=0, return_inverse=True)
         count = np.bincount(index.reshape(-1))
         mean = np.stack([np.bincount(index.reshape(-1), v) / count for v in values.T], axis=1)
@@ -55,31 +50,14 @@ class TableModel:
         return None
 
 
-def _read(path: Path) -> "pd.DataFrame":
-    import pandas as pd
+def _columns(path: Path, chambers: tuple[str, ...], observables: tuple[str, ...]) -> list[Floats]:
+    """Columns of a table in any of the formats that runs are imported from: (n, C) and (n, K)."""
+    from labrig.tables import Format, kind_of, read_file, sniff
 
     if not path.is_file():
         raise LabrigError(f"{path}: the model's table does not exist")
-    try:
-        return pd.read_csv(path, skipinitialspace=True)
-    except (ValueError, OSError, pd.errors.ParserError) as error:
-        raise LabrigError(f"{path}: can't be read as a CSV table: {error}") from error
-
-
-def _columns(path: Path, table: "pd.DataFrame", names: tuple[str, ...]) -> Floats:
-    """Columns of numbers by name, (n, q)."""
-    lacking = [name for name in names if name not in table.columns]
-    if lacking:
-        raise LabrigError(
-            f"{path}: has no column {lacking[0]!r}; a table has one for each chamber and each observable of the run "
-            f"({len(lacking)} are lacking, it has {', '.join(map(str, table.columns[:8]))}, ...)"
-        )
-    try:
-        values = table[list(names)].to_numpy(dtype=float)
-    except ValueError as error:
-        raise LabrigError(f"{path}: {error}") from error
-    if not len(values) or not np.isfinite(values).all():
-        where = np.flatnonzero(~np.isfinite(values).all(axis=1))
-        row = f" (line {where[0] + 2})" if len(where) else ""
-        raise LabrigError(f"{path}: needs finite numbers in every row{row}")
-    return values
+    table = read_file(path, sniff(path) if kind_of(path) == "text" else Format())
+    return [
+        np.stack([table.numbers(name, what, required=True) for name in each], axis=1)
+        for what, each in (("a chamber of the run", chambers), ("an observable of the run", observables))
+    ]

@@ -3,10 +3,20 @@
 from labrig.tables._clock import seconds
 from labrig.tables._guess import Guess, guess_mapping
 from labrig.tables._join import join_tables
-from labrig.tables._mapping import Event, Join, Mapping, Observable, TableFile, check_mapping, read_mapping
+from labrig.tables._mapping import (
+    Event,
+    Format,
+    Join,
+    Mapping,
+    Observable,
+    TableFile,
+    check_mapping,
+    read_mapping,
+)
 from labrig.tables._opened import opened
 from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
+from labrig.tables._sniff import sniff
 from labrig.tables._strokes import Segment, find_segments, held_share
 from labrig.tables._table import DATE, Table
 from labrig.tables._units import check, factor, is_length
@@ -15,6 +25,7 @@ __all__ = [
     "DATE",
     "READ",
     "Event",
+    "Format",
     "Guess",
     "Join",
     "Mapping",
@@ -40,4 +51,5 @@ __all__ = [
     "read_mapping",
     "read_table",
     "seconds",
+    "sniff",
 ]

@@ -8,7 +8,7 @@ import pytest
 from labrig.diagnosis import observe, prepared, rows_from
 from labrig.diagnosis._alone import _likeliest, single
 from labrig.diagnosis._design import _share, design_of
-from labrig.diagnosis._diagnose import observed, words_of
+from labrig.diagnosis._diagnose import laid_out, words_of
 from labrig.diagnosis._observations import Observations
 from labrig.effects import Space, pressure
 from tests.laws import of_one, orifice, power_law, strut
@@ -50,7 +50,7 @@ def test_one_or_all_are_even_odds(make_lab) -> None:
     """A space and its single one, which stands for any of four chambers, are together as likely as the space was."""
     lab = make_lab(chambers=4, captures=60)
     model = lab.model()
-    _, observations = observed(prepared(rows_from(lab.dataset(of_one(lab, strut, 2))), model), {})
+    _, observations, _ = laid_out(prepared(rows_from(lab.dataset(of_one(lab, strut, 2))), model), {})
     blocks = design_of(observations, {"hysteresis": model.library()["hysteresis"]}).blocks
     share = {b.space.key: b.share for b in blocks if b.owner == "hysteresis"}
     whole = share["in the skin"]
@@ -65,7 +65,7 @@ def test_what_has_no_name_is_carried_by_a_name_of_its_own(make_lab) -> None:
     """Words of what carries an unnamed part do not change with the chamber that is asked about by itself."""
     lab = make_lab(chambers=4, captures=60)
     model = lab.model()
-    _, observations = observed(prepared(rows_from(lab.dataset(of_one(lab, strut, 2))), model), {})
+    _, observations, _ = laid_out(prepared(rows_from(lab.dataset(of_one(lab, strut, 2))), model), {})
     words = words_of(design_of(observations, {}))
     assert "history through the pressures" in words.values()
     assert not [w for w in words.values() if w.endswith(" alone")]
@@ -83,7 +83,7 @@ def test_what_one_chamber_meets_is_no_other_effect_surely(make_lab, c: int) -> N
 def observations_of(lab, values: np.ndarray) -> Observations:
     """What a campaign says, as the diagnosis has it."""
     model = lab.model()
-    return observed(prepared(rows_from(lab.dataset(values)), model), model.library())[1]
+    return laid_out(prepared(rows_from(lab.dataset(values)), model), model.library())[1]
 
 
 @pytest.mark.parametrize(

@@ -82,3 +82,19 @@ def test_each_of_few_sensors_has_a_function(make_lab) -> None:
     lab = make_lab()
     context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
     assert by_sensor(context, [("late", np.ones_like(context.base))]) == []
+
+
+@pytest.mark.parametrize("drifts", ["force", "voltage"])
+def test_errors_are_quoted_in_the_unit_that_is_off(make_lab, drifts: str) -> None:
+    """Of two sensors the one that drifts is in the figures; what a rate is of is said as either unit."""
+    lab = make_lab(force=True, chambers=2, captures=60, rows_s=(1.0, 3.0))
+    force, later = lab.predict(lab.u), (np.arange(60) / 60)[:, None, None] ** 0.7
+    off = 1.5 * later
+    both = [force + off * (drifts == name) + lab.noise() for name in ("force", "voltage")]
+    found = diagnose(two_sensors(lab, *both), model_of_both(lab))
+    assert found.summary["effects"] == ["drift"]
+    assert found.summary["units"] == {"force": "N", "voltage": "V"}[drifts]
+    assert found.summary["drop"] > 0.7
+    assert found.improved is not None
+    units = {p.unit for e in found.improved.file.effects for p in e.parameters.values()}
+    assert any("(N or V)" in unit for unit in units)

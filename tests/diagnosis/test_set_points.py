@@ -7,7 +7,7 @@ from labrig.diagnosis import diagnose, prepared, rows_from
 from labrig.diagnosis._diagnose import BY_SET_POINT, laid_out
 from labrig.diagnosis._posterior import CURVE, OF_BASE, STATIC, Search
 from labrig.diagnosis._verdict import Answer, answers_of, decide
-from tests.laws import power_law
+from tests.laws import limited, power_law
 from tests.naming import verdict_of
 from tests.sensors import model_of_both, two_sensors
 
@@ -60,21 +60,20 @@ def test_what_remembers_counts_by_what_no_curve_makes(make_lab) -> None:
     that effect.
     """
     lab = make_lab(chambers=2, markers=6, captures=50, rows_s=(3.0, 4.0))
-    softer = lab.u * (1 + 0.1 * lab.u / lab.u.max())
     model = lab.model()
     _, _, design = laid_out(
-        prepared(rows_from(lab.dataset(lab.predict(softer) + lab.noise())), model),
-        {"regulator": model.library()["regulator"]},
+        prepared(rows_from(lab.dataset(lab.predict(limited(lab)) + lab.noise())), model),
+        {"stiffening": model.library()["stiffening"]},
     )
     search = Search(design).run()
-    plain, of_memory = (answers_of(search, 0.0, names) for names in ((), ("regulator",)))
-    assert plain[0].names == ("regulator",)
-    assert plain[0].worth("regulator") > 0.9
-    assert of_memory[0].worth("regulator") == plain[0].worth("regulator") / 2
-    assert of_memory[0].unnamed[CURVE] == pytest.approx(plain[0].counts("regulator"))
+    plain, of_memory = (answers_of(search, 0.0, names) for names in ((), ("stiffening",)))
+    assert plain[0].names == ("stiffening",)
+    assert plain[0].worth("stiffening") > 0.9
+    assert of_memory[0].worth("stiffening") == plain[0].worth("stiffening") / 2
+    assert of_memory[0].unnamed[CURVE] == pytest.approx(plain[0].counts("stiffening"))
     words = {CURVE: BY_SET_POINT, **{o: o for a in of_memory for o in a.unnamed}}
-    found = decide(of_memory, ("regulator",), words | {CURVE: BY_SET_POINT})
-    assert (found.verdict, found.effects, found.rivals) == ("confounded", (), ("regulator",))
+    found = decide(of_memory, ("stiffening",), words | {CURVE: BY_SET_POINT})
+    assert (found.verdict, found.effects, found.rivals) == ("confounded", (), ("stiffening",))
     assert found.carried_by == BY_SET_POINT
 
 

@@ -85,3 +85,11 @@ def test_what_follows_something_does_not_shake(lab, how) -> None:
     }[how]
     values = lab.predict(lab.u) + lab.noise() + as_one_body(lab, shift, 0 * shift)
     assert shakes_mm(lab, values) < 0.05
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_chambers_that_err_from_capture_to_capture_do_not_shake_the_frame(make_lab, seed: int) -> None:
+    """Regulators that come to another pressure each time move markers as chambers do, which is no frame's motion."""
+    lab = make_lab(chambers=3, markers=12, captures=N, rows_s=(3.0, 4.0), seed=seed)
+    off = np.random.default_rng(seed).normal(0, 0.1, (N, 1, 3)) * lab.u.max()
+    assert shakes_mm(lab, lab.predict(np.maximum(lab.u + off, 0)) + lab.noise()) < 0.05

@@ -123,3 +123,22 @@ def test_the_spread_is_that_of_most() -> None:
     values[:300], values[300:600] = 100.0, np.nan
     assert spread(values) == pytest.approx(1.0, rel=0.12)
     assert spread(np.full(3, np.nan)) == 0.0
+
+
+@pytest.mark.parametrize("repeats", [True, False])
+def test_what_repeats_differ_by_is_said_where_it_is_more_than_noise(make_lab, repeats: bool) -> None:
+    """A body that breathes anew in each capture is nothing that was recorded, and its repeats say so; one that breathes
+    by its set-point, in no way that anything holds, repeats.
+    """
+    lab = make_lab(captures=60, markers=8)
+    random = np.random.default_rng(4)
+    breath = random.normal(size=60)
+    if repeats:
+        for i in range(14, 59, 10):
+            breath[i], breath[i + 1] = breath[4], breath[5]
+    away = (lab.rest_mm - lab.rest_mm.mean(axis=0)).ravel() * np.where(np.arange(24) // 3 % 2, 1, -1)
+    values = lab.predict(lab.u) + lab.noise() + 0.02 * breath[:, None, None] * away
+    summary = diagnose(lab.dataset(values), lab.model()).summary
+    assert summary["verdict"] == "unknown"
+    said = [line for line in summary["warnings"] if "does not repeat, so look at what trembles" in line]
+    assert len(said) == int(not repeats)

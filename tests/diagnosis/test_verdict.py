@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis import diagnose
-from labrig.diagnosis._diagnose import observed, result_of
+from labrig.diagnosis._diagnose import laid_out, result_of
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._verdict import Answer, Considered, Verdict, decide, detectable_floors, underpowered
@@ -221,7 +221,7 @@ def test_a_name_whose_formula_helps_nothing_is_doubted(make_lab, hidden: float, 
     left = np.maximum(np.sqrt(lab.u) - hidden * lab.hold_s[:, :, None], 0.0) ** 2
     model = lab.model()
     ready = prepared(rows_from(lab.dataset(lab.predict(left) + lab.noise())), model)
-    ready, observations = observed(ready, model.library())
+    ready, observations, _ = laid_out(ready, model.library())
     said = result_of(ready, observations, Verdict("identified", ("leak",), 1.0), model, model.library())
     notes = [note for note in said.summary["warnings"] if note.startswith("with leak added")]
     assert bool(notes) == doubted
@@ -241,7 +241,7 @@ def test_a_name_without_a_formula_on_these_runs_is_still_named(make_lab) -> None
     left = np.maximum(np.sqrt(lab.u) - 0.03 * lab.hold_s[:, :, None], 0.0) ** 2
     model = lab.model()
     ready = prepared(rows_from(lab.dataset(lab.predict(left) + lab.noise())), model)
-    ready, observations = observed(ready, model.library())
+    ready, observations, _ = laid_out(ready, model.library())
     for names, kept in ((("marker_slip", "leak"), ["leak"]), (("marker_slip",), [])):
         verdict = Verdict("multiple" if kept else "identified", names, 1.0)
         said = result_of(ready, observations, verdict, model, model.library())

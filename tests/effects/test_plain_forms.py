@@ -8,7 +8,7 @@ import pytest
 from labrig.arrays import Floats
 from labrig.diagnosis import prepared, rows_from
 from labrig.diagnosis._design import design_of
-from labrig.diagnosis._diagnose import observed
+from labrig.diagnosis._diagnose import laid_out
 from labrig.effects import Context, Effect, Term, Variant, plain_forms
 from labrig.effects._forms import spaces_of
 from tests.effects.test_family import check, followed, shipped, with_all
@@ -90,7 +90,7 @@ def test_plain_forms_are_together_as_likely_as_the_family(make_lab) -> None:
     model = lab.model()
     effects = model.library()
     data = lab.dataset(lab.predict(lab.u) + lab.noise())
-    _, observations = observed(prepared(rows_from(data), model), effects)
+    _, observations, _ = laid_out(prepared(rows_from(data), model), effects)
     shares: dict[str, dict[bool, float]] = {}
     for block in design_of(observations, effects).blocks:
         if block.owner in ("regulator", "stiffening", "hysteresis"):

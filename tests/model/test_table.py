@@ -65,15 +65,21 @@ def test_a_function_that_looks_up_the_nearest_is_asked_about(make_lab) -> None:
 
 LINES = {
     "column": (
-        "has no column 'm1.z'; a table has one for each chamber and each observable",
+        "has no column 'm1.z' (an observable of the run); it has c1, c2, m0.x",
         lambda t: t.drop(columns="m1.z"),
     ),
     "chamber": (
         "do not change every chamber by itself (c1, c2): no slopes can be read off them",
         lambda t: t.assign(c2=5.0),
     ),
-    "gap": ("needs finite numbers in every row (line 5)", lambda t: t.replace(t["c1"][3], np.nan)),
-    "word": ("could not convert string to float: 'no'", lambda t: t.astype(object).replace(t["c1"][3], "no")),
+    "gap": (
+        "column 'c1' (a chamber of the run) is empty or NaN; every row needs it",
+        lambda t: t.replace(t["c1"][3], np.nan),
+    ),
+    "word": (
+        "column 'c1' (a chamber of the run) holds 'no', not a number",
+        lambda t: t.astype(object).replace(t["c1"][3], "no"),
+    ),
     "file": ("the model's table does not exist", None),
 }
 
@@ -90,9 +96,23 @@ def test_a_table_that_will_not_do(make_lab, what: str) -> None:
         change(pd.read_csv(path)).to_csv(path, index=False)
     with pytest.raises(LabrigError) as error:
         model.context(rows_of(lab.dataset(lab.predict(lab.u))))
-    assert str(error.value).startswith(f"{path}: ")
+    assert str(error.value).startswith(str(path))
     assert complaint in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_table_as_spreadsheets_write_it(make_lab) -> None:
+    """Semicolons and decimal commas, or a workbook: it is read as the tables of runs are."""
+    lab = make_lab(chambers=2, markers=4, captures=20)
+    rows = rows_of(lab.dataset(lab.predict(lab.u)))
+    expected = with_table(lab, lab.commanded).context(rows).base
+    table = pd.read_csv(lab.folder / "predicted.csv")
+    table.to_csv(lab.folder / "predicted.csv", index=False, sep=";", decimal=",")
+    assert Model.load(lab.folder / "table.yaml").context(rows).base == pytest.approx(expected)
+    table.to_excel(lab.folder / "predicted.xlsx", index=False)
+    path = lab.folder / "sheet.yaml"
+    path.write_text("base: {kind: table, file: predicted.xlsx}\n")
+    assert Model.load(path).context(rows).base == pytest.approx(expected)
 
 
 def test_a_table_moves_with_its_model_file(make_lab, tmp_path: Path) -> None:
