@@ -14,9 +14,11 @@ from labrig.effects import frame_modes
 _COORDINATES = 9
 """Of three markers: with fewer every motion is a rigid one."""
 _MOST_CAPTURES = 400
+"""Captures that are asked, spread over the campaign: it bounds the time."""
 _SCALES = np.geomspace(1.0, 100.0, 41)
 """By how many times rigid motions are noisier than each marker: not at all, with a probability of a half."""
 _CHANCE = 0.05
+"""Probability with which repeats of a frame that does shake are taken for a frame that does not."""
 _APART = 0.3
 """Length of what a rigid motion has beside the chambers' own, from which on that says how much it shakes."""
 _SHOWS = 0.1
