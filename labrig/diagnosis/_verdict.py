@@ -100,12 +100,13 @@ def answers_of(
     """The likeliest explanations as answers, their probabilities summing to one.
 
     Effects that are `remembering` show in what no curve of the set-points makes of them: where that alone would not be
-    found, as `detectable_floors` says, they share their probability with such a curve.
+    found among so many numbers, or is no more than any law is off its family (`INEXACT`), they share their probability
+    with such a curve.
     """
     posterior = search.posterior()
     least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
     observations = search.design.observations
-    shows = detectable_floors(observations) * np.sqrt(observations.counted.inexact)
+    shows = np.hypot(_found_among(observations.values.size), k.INEXACT * search.T)
     doubt = np.sqrt(
         np.expm1(2 * k.FLOOR_SPREAD)
     )  # what is left when the noise is larger by one sd, about a floor
@@ -207,9 +208,14 @@ def underpowered(
 
 def detectable_floors(observations: Observations) -> float:
     """The smallest effect, in floors, whose evidence would outweigh its prior and its freedom (Schwarz 1978)."""
-    numbers = float(min(observations.values.size, k.INDEPENDENT, k.PER_CONDITION * observations.conditions))
+    numbers = min(observations.values.size, k.INDEPENDENT, k.PER_CONDITION * observations.conditions)
+    return max(_found_among(numbers), k.LEAST_FLOORS)
+
+
+def _found_among(numbers: float) -> float:
+    """The root mean square, in units of the noise, from which an effect is found among so many independent numbers."""
     needed = 2 * np.log(1 / k.P_EFFECT) + k.FREEDOM * np.log1p(numbers / k.FREEDOM)
-    return float(max(np.sqrt(needed / numbers), k.LEAST_FLOORS))
+    return float(np.sqrt(needed / numbers))
 
 
 def _considered(name: str, answers: Sequence[Answer]) -> Considered:
