@@ -368,7 +368,7 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
         out.append("what the pressures did between sessions is unknown: taken as vented")
     counted = ready.regression.counted
     early, floor = (float(np.sqrt(np.mean(v[counted] ** 2))) for v in (rows.early, ready.floor.row))
-    if "delay" not in verdict.effects and early > _EARLY * floor:
+    if verdict.verdict == "nothing_missing" and early > _EARLY * floor:
         out.append(
             f"in the first second after an actuation, which is left out (valves, inertia), what is measured is still "
             f"{early:.2g} {rows.unit[int(counted[0])]} from where it settles: a lag so short is not looked at"
