@@ -95,8 +95,8 @@ def test_which_effects_remember(make_lab) -> None:
 
 
 def test_rows_that_are_left_out_are_looked_at(make_lab) -> None:
-    """A lag that is over within the first second is said where nothing is missing, since nothing else tells of it; where
-    an effect is named, that valves take time is no news.
+    """A lag that is over within the first second is said where nothing is missing, since nothing else tells of it;
+    where an effect is named, that valves take time is no news.
     """
     lab = make_lab(chambers=2, markers=6, captures=40, rows_s=(0.1, 0.4, 0.7, 3.0, 6.0))
     filled = (1 - np.exp(-lab.hold_s / 0.2))[:, :, None]
