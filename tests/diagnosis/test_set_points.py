@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis._constants import INEXACT
 from labrig.diagnosis._diagnose import BY_SET_POINT, laid_out
 from labrig.diagnosis._posterior import CURVE, OF_BASE, STATIC, Search
-from labrig.diagnosis._verdict import Answer, answers_of, decide
+from labrig.diagnosis._verdict import Answer, answers_of, decide, detectable_floors
 from tests.laws import limited, power_law
 from tests.naming import verdict_of
 from tests.sensors import model_of_both, two_sensors
@@ -75,6 +76,24 @@ def test_what_remembers_counts_by_what_no_curve_makes(make_lab) -> None:
     found = decide(of_memory, ("stiffening",), words | {CURVE: BY_SET_POINT})
     assert (found.verdict, found.effects, found.rivals) == ("confounded", (), ("stiffening",))
     assert found.carried_by == BY_SET_POINT
+
+
+@pytest.mark.parametrize("bent", [0.4, 100.0])
+def test_what_shows_is_found_and_more_than_laws_are_off(make_lab, monkeypatch, bent: float) -> None:
+    """In few numbers it has to be found; of errors of many floors a twentieth is what any law is off its family."""
+    lab = make_lab(chambers=1, force=True, captures=50, rows_s=(3.0,), bent=0.0)
+    model = lab.model()
+    x = lab.u / lab.u.max()
+    data = lab.dataset(lab.predict(lab.u) + lab.noise() + bent * x * x)
+    _, seen, design = laid_out(prepared(rows_from(data), model), {"creep": model.library()["creep"]})
+    search = Search(design).run()
+    needed = np.hypot(detectable_floors(seen), INEXACT * search.T)
+    assert (detectable_floors(seen) < INEXACT * search.T) == (bent > 1)
+    for beyond, shared in ((0.95 * needed, {"creep"}), (1.05 * needed, set())):
+        found = {"creep": (50.0, 0.1, beyond), "?rest": (0.0, 0.0, 0.0)}
+        monkeypatch.setattr("labrig.diagnosis._verdict.sizes", lambda search, e, found=found: found)
+        monkeypatch.setattr("labrig.diagnosis._verdict.missed", lambda search, e, least: {"creep": 50.0})
+        assert answers_of(search, 0.0, ("creep",))[0].shared == shared
 
 
 def test_a_curve_outvotes_nothing_that_remembers() -> None:

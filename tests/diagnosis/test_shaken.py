@@ -1,10 +1,14 @@
 """A frame that shakes as one body from capture to capture is noise: no effect is made of it, and it is said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis._design import stilled
 from labrig.diagnosis._diagnose import laid_out
+from labrig.diagnosis._observations import Still
 from tests.conftest import Lab
 from tests.laws import power_law
 from tests.naming import verdict_of
@@ -85,6 +89,28 @@ def test_what_follows_something_does_not_shake(lab, how) -> None:
     }[how]
     values = lab.predict(lab.u) + lab.noise() + as_one_body(lab, shift, 0 * shift)
     assert shakes_mm(lab, values) < 0.05
+
+
+@pytest.mark.parametrize(("shift_mm", "shakes"), [(0.03, False), (0.1, True)])
+def test_what_shakes_little_more_than_its_noise_does_not_count(lab, shift_mm: float, shakes: bool) -> None:
+    """Twelve markers tell of less than their noise, and laws are off by as much: from twice the noise on it is said."""
+    shift = np.random.default_rng(4).normal(0, shift_mm, (N, 3)) * [0, 0, 1]
+    values = lab.predict(lab.u) + lab.noise() + as_one_body(lab, shift, 0 * shift)
+    assert (shakes_mm(lab, values) > 0) == shakes
+
+
+def test_patterns_count_less_where_the_frame_shakes(lab) -> None:
+    """What is expected of free patterns counts for as little as what is measured there, and elsewhere as before."""
+    model = lab.model()
+    values = lab.predict(lab.u) + lab.noise()
+    _, seen, raw = laid_out(prepared(rows_from(lab.dataset(values)), model), model.library())
+    still = Still.beside(raw.V @ np.random.default_rng(5).normal(size=(len(raw.spread), 2)))
+    design = stilled(raw, replace(seen, still=still))
+    expected = still.of(still.of((raw.V * raw.spread) @ raw.V.T).T)
+    along = design.V.T @ expected @ design.V
+    assert design.spread == pytest.approx(np.diag(along), rel=1e-3)
+    assert design.counts[:2] == pytest.approx(still.less)
+    assert (design.counts[2:] == 1).all()
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

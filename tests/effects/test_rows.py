@@ -117,6 +117,15 @@ def test_joined_runs_keep_their_own_sessions_and_history(make_lab) -> None:
     assert join_rows([a]) is a
 
 
+def test_what_is_left_out_of_joined_runs_is_of_all_of_them(make_lab) -> None:
+    """How far rows of the first second lie from where they settle is the root mean square over the runs."""
+    lab = make_lab(captures=6, rows_s=(0.2, 3.0, 4.0), repeats=False)
+    far = np.array([1.0, 0.0, 0.0])[:, None]
+    parts = [rows_of(lab.dataset(lab.predict(lab.u) + off * far)) for off in (0.0, 3.0, 4.0)]
+    assert parts[1].early == pytest.approx(np.full(18, 3.0))
+    assert join_rows(parts).early == pytest.approx(np.full(18, np.sqrt(25 / 3)))
+
+
 def test_joined_runs_go_on_in_time_where_it_is_known(make_lab) -> None:
     """A run that began two hours later is two hours later; one that began before the first ended is not trusted."""
     lab = make_lab(captures=6, repeats=False)
