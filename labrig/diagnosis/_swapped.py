@@ -1,5 +1,6 @@
 """Markers that have other markers' names: in some rows each is where another is expected."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,8 @@ _NEARER = 3.0
 how much farther apart these places are than the two usually are from theirs."""
 _CLOSE = 0.25
 """Rows in which no marker is off by so much of the way to the nearest other are not looked at; numerical."""
+_OTHERS = 4
+"""Markers by which it is told what a marker between them is off: one of them may itself be exchanged."""
 _NAMED = 4
 
 
@@ -26,6 +29,9 @@ def without_swapped(context: Context) -> Context:
         return context
     measured, expected = rows.values[:, place], context.base[:, place]
     gone, mutual = _exchanged(measured, expected)
+    left = np.where(gone[:, :, None], np.nan, measured)
+    more, each = _exchanged(left, expected + _as_others(left - expected, expected))
+    gone, mutual = gone | more, mutual and each
     if not gone.any():
         return context
     values = rows.values.copy()
@@ -51,6 +57,20 @@ def places(rows: Rows) -> tuple[list[int], Ints]:
         if all(len(one) == 1 for one in own):
             out[m] = [int(one[0]) for one in own]
     return list(out), np.array(list(out.values()), dtype=int).reshape(-1, 3)
+
+
+def _as_others(off: Floats, expected: Floats) -> Floats:
+    """What each marker is off (F, M, 3) by its neighbours: as most of those nearest to it are in the same row, and as
+    it usually differs from them; none where none is seen.
+    """
+    middle = expected.mean(axis=0)
+    nearest = np.linalg.norm(middle[:, None] - middle, axis=2).argsort(axis=1, kind="stable")[
+        :, 1 : _OTHERS + 1
+    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of rows that see none of them
+        others = np.nanmedian(off[:, nearest], axis=2)
+        return np.nan_to_num(others + np.nanmedian(off - others, axis=0))
 
 
 def _exchanged(measured: Floats, expected: Floats) -> tuple[NDArray[np.bool_], bool]:

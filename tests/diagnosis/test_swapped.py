@@ -129,3 +129,15 @@ def test_a_frame_that_moved_by_the_distance_of_two_markers(make_lab) -> None:
     lab.rest = lab.rest_mm.ravel()
     values = (lab.predict(lab.u) + lab.noise()).reshape(30, -1, 6, 3) + np.array([10.0, 0.0, 0.0])
     assert lost(lab, values.reshape(30, -1, 18)) == ({}, ())
+
+
+def test_markers_are_told_by_their_neighbours_where_the_model_is_far_off(make_lab) -> None:
+    """Creep of a third of the way to the next marker, seen by all, hides no marker that has another's name."""
+    lab = make_lab(captures=60, markers=12, chambers=3, seed=51)
+    creeping = lab.predict(power_law(lab))
+    assert np.abs(creeping - lab.predict(lab.u)).max() > np.linalg.norm(lab.rest_mm[4] - lab.rest_mm[5]) / 3
+    values = creeping + lab.noise()
+    taken = renamed(values, list(range(2, 60, 5)), {5: 4})
+    taken.reshape(60, -1, 12, 3)[2::5, :, 5] = np.nan
+    assert lost(lab, taken)[0] == {4: list(range(2, 60, 5)), 5: list(range(2, 60, 5))}
+    assert lost(lab, values) == ({}, ())
