@@ -1,6 +1,5 @@
 """What each column of a foreign table is likely to be: a time, a label, an input, a marker, an output."""
 
-import re
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -10,13 +9,11 @@ from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._names import Name, take_apart
 from labrig.tables._table import DATE, NOTHING, Table
-from labrig.tables._units import like
+from labrig.tables._time import are_dates, find_time
 
-_DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}")
 _PRESSURES = ("Pa", "psi", "bar", "mmHg")
 _GENERIC = {("data",), ("value",), ("values",)}
 _DRIVES = ("V", "A", "percent")
-_NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
 
 
 @dataclass
@@ -52,7 +49,7 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
         if numbers is not None and np.isfinite(numbers).any():
             out.values[name.column] = numbers
             parsed.append(name)
-        elif numbers is None and out.time is None and _are_dates(table, column):
+        elif numbers is None and out.time is None and are_dates(table, column):
             out.time = (name, DATE)
         elif numbers is None and name.has(names.SESSION) and out.session is None:
             out.session = name
@@ -64,7 +61,8 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
         else:
             what = "holds no numbers" if numbers is None else "is empty"
             out.remarks.append(f"column {name.column!r} {what} and is left out")
-    _find_time(out, parsed)
+    if out.time is None:
+        out.time = find_time(parsed, out.values, out.remarks)
     rest = [n for n in parsed if out.time is None or n.column != out.time[0].column]
     rest = _find_labels(out, rest)
     rest = _find_markers(out, rest)
@@ -91,67 +89,6 @@ def _numbers(table: Table, column: Any) -> Floats | None:
         return None
     every = values.astype(str).str.strip().str.replace(table.decimal, ".", regex=False)
     return np.asarray(pd.to_numeric(every, errors="coerce"), dtype=float)
-
-
-def _are_dates(table: Table, column: Any) -> bool:
-    import pandas as pd
-
-    values = table.frame[column]
-    if values.dtype.kind == "M":
-        return True
-    sample = values.dropna().head(20)
-    if not len(sample) or not all(_DATE.search(str(v)) for v in sample):
-        return False
-    return bool(pd.to_datetime(sample.astype(str), errors="coerce", format="mixed", utc=True).notna().all())
-
-
-def _find_time(out: Roles, parsed: list[Name]) -> None:
-    if out.time is not None:
-        return
-    able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
-    called = [n for n in able if n.words[:1] and (n.words[0] in names.TIME or n.words[-1] in names.TIME)]
-    called += [n for n in able if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
-    rising = [n for n in called if _rises(out.values[n.column])]
-    first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
-    if not rising and parsed and first_may and _rises(out.values[parsed[0].column]):
-        first = out.values[parsed[0].column]
-        if len(first) > 2 and np.std(np.diff(first)) < 0.2 * np.mean(np.diff(first)):
-            rising = [parsed[0]]
-            out.remarks.append(f"column {parsed[0].column!r} rises evenly: taken for the time")
-    if not rising:
-        if called:
-            out.remarks.append(f"column {called[0].column!r} is called a time but goes back: left out")
-        out.remarks.append("no column is a time: rows are taken as 1 s apart; say so under 'time:' if not")
-        return
-    chosen = rising[0]
-    for other in rising[1:]:
-        out.remarks.append(f"column {other.column!r} is a clock as well and is left out")
-        parsed.remove(other)
-    unit = chosen.unit
-    if unit is None or unit not in {"s", "ms", "us", "ns", "min", "hour", "h"}:
-        unit = _time_unit(out.values[chosen.column])
-        out.remarks.append(f"the unit of the time {chosen.column!r} is not said: taken as {unit}")
-    out.time = (chosen, unit)
-
-
-def _rises(values: Floats) -> bool:
-    """Whether values only go up, but for places where they begin anew."""
-    if not np.isfinite(values).all() or len(values) < 2:
-        return False
-    step = np.diff(values)
-    return bool((step > 0).any() and (step < 0).sum() <= max(0, len(step) // 50) and (step >= 0).mean() > 0.9)
-
-
-def _time_unit(values: Floats) -> str:
-    """By its size where it counts from 1970, else by the distance of its rows: no rig logs at 10 kHz and more."""
-    for size, unit in ((1e17, "ns"), (1e14, "us"), (1e11, "ms")):
-        if values[0] > size:
-            return unit
-    step = float(np.median(np.diff(values))) if len(values) > 1 else 1.0
-    whole = bool(np.all(values == np.round(values)))
-    if whole and step >= 1e5:
-        return "ns" if step >= 1e6 * 5 else "us"
-    return "ms" if whole and step >= 5 and float(np.ptp(values)) >= 2000 else "s"
 
 
 def _find_labels(out: Roles, rest: list[Name]) -> list[Name]:
