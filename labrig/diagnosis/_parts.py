@@ -1,19 +1,61 @@
 """What each part of an explanation is worth: how large it is in the joint fit, and what would be missed without it."""
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
+from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW
 from labrig.diagnosis._evidence import beside_free, free_fit, free_variances, unexplained
 from labrig.diagnosis._posterior import REST, Explanation, Search, split
 
+_SMALLEST = 1e-3
+"""Floors that nothing is told apart by; numerical."""
 
-def missed(search: Search, e: Explanation, least: float) -> dict[str, float]:
+
+def missed(search: Search, e: Explanation, least: float) -> list[tuple[float, dict[str, float]]]:
     """What would be missed without each part of an explanation, all else fitted again, in floors, by owner.
 
     Parts may stand in for each other. So the one that would be missed least is let go, if by less than `least`, and the
-    others are asked again, until each that stays would be missed.
+    others are asked again, until each that stays would be missed. Of two that would be missed by nearly as little
+    either may be the one: then there are two such lists, each with its probability (`MATERIAL_SPREAD`).
     """
+    left = _left(search, e)
+    whole = frozenset(o for o, _, _ in e.raised)
+    total = max(left(frozenset()) - left(whole), 1e-9)
+
+    def lost(stay: frozenset[str]) -> dict[str, float]:
+        shares = {o: max(left(stay - {o}) - left(stay), 0.0) / total for o in stay}
+        return {o: search.T * float(np.sqrt(min(share, 1.0))) for o, share in shares.items()}
+
+    def let_go(stay: frozenset[str], gone: dict[str, float]) -> dict[str, float]:
+        while stay:
+            floors = lost(stay)
+            last = min(floors, key=lambda o: (floors[o], o))
+            if floors[last] >= least:
+                return gone | floors
+            gone = gone | {last: floors[last]}
+            stay = stay - {last}
+        return gone
+
+    usual = let_go(whole, {})
+    few = sorted((size, o) for o, size in lost(whole).items() if size < least)
+    if len(few) < 2:
+        return [(1.0, usual)]
+    (one, _), (two, second) = few[:2]
+    apart = np.log(max(two, _SMALLEST) / max(one, _SMALLEST))
+    p = float(ndtr(-apart / (np.sqrt(2) * k.MATERIAL_SPREAD)))
+    other = let_go(whole - {second}, {second: two})
+    stays = [{o for o, size in each.items() if size >= least} for each in (usual, other)]
+    if p < k.NEGLIGIBLE or stays[0] == stays[1]:
+        return [(1.0, usual)]
+    return [(1 - p, usual), (p, other)]
+
+
+def _left(search: Search, e: Explanation) -> Callable[[frozenset[str]], float]:
+    """What is not explained with only some of the parts of an explanation."""
     design = search.design
     always = [
         (b.at, e.slow if b.owner == SLOW else k.DECLARED_FLOORS)
@@ -21,29 +63,16 @@ def missed(search: Search, e: Explanation, least: float) -> dict[str, float]:
         if b.owner in (SLOW, DECLARED)
     ]
     fixed = {f.owner: (k.DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
-    known: dict[frozenset[str], float] = {}
 
+    @cache
     def left(keep: frozenset[str]) -> float:
-        if keep not in known:
-            chosen = [q for q in e.raised if q[0] in keep]
-            sd = fixed | {o: s for o, b, s in chosen if b < 0}
-            beside = beside_free(search.sums, free_variances(design, sd))
-            columns = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
-            known[keep] = unexplained(beside, [at for at, _ in columns], [s for _, s in columns])
-        return known[keep]
+        chosen = [q for q in e.raised if q[0] in keep]
+        sd = fixed | {o: s for o, b, s in chosen if b < 0}
+        beside = beside_free(search.sums, free_variances(design, sd))
+        columns = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
+        return unexplained(beside, [at for at, _ in columns], [s for _, s in columns])
 
-    stay = frozenset(o for o, _, _ in e.raised)
-    total = max(left(frozenset()) - left(stay), 1e-9)
-    out: dict[str, float] = {}
-    while stay:
-        lost = {o: max(left(stay - {o}) - left(stay), 0.0) / total for o in stay}
-        floors = {o: search.T * float(np.sqrt(min(share, 1.0))) for o, share in lost.items()}
-        last = min(floors, key=lambda o: (floors[o], o))
-        if floors[last] >= least:
-            return out | floors
-        out[last] = floors[last]
-        stay = stay - {last}
-    return out
+    return left
 
 
 def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float, float]]:

@@ -1,7 +1,7 @@
 """The verdict: what the probabilities of all explanations say, in one word."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy.special import ndtr
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._parts import missed, sizes
-from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, STATIC, Search, is_name
+from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, STATIC, Explanation, Search, is_name
 
 
 @dataclass(frozen=True)
@@ -86,6 +86,15 @@ class Answer:
         own = float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit(name)) / k.MATERIAL_SPREAD))
         return own / 2 if name in self.shared else own
 
+    def exactly(self, names: Collection[str]) -> float:
+        """Probability that these are effects of their own, and nothing else is."""
+        own = [self.worth(o) if o in names else 1 - self.worth(o) for o in self.sizes]
+        return float(np.prod(own)) * all(o in self.sizes for o in names)
+
+    def some(self, names: Collection[str]) -> float:
+        """Probability that one of these at least is an effect of its own."""
+        return 1 - float(np.prod([1 - self.worth(o) for o in names if o in self.sizes]))
+
     @property
     def verdict(self) -> str:
         """The word for it alone."""
@@ -118,19 +127,36 @@ def answers_of(
     total = sum(p for _, p in kept)
     out = []
     for e, p in kept:
-        found, lost = sizes(search, e), missed(search, e, least)
-        parts = {o: (size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
-        beyond = {o: found[o][2] for o in parts if o in remembering}
-        shared = frozenset(o for o, size in beyond.items() if size < shows)
-        curved = [min(parts[o][0], lost[o]) for o in shared]
-        unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
-        unnamed = {o: size for o, size in unnamed.items() if size >= least}
-        if (size := float(np.linalg.norm(curved))) >= least:
-            unnamed[CURVE] = size
-        if found[REST][0] >= doubt:
-            unnamed[REST] = found[REST][0]
-        out.append(Answer(float(p / total), parts, unnamed, least, frozenset(remembering), shared))
+        joint = sizes(search, e)
+        for share, lost in missed(search, e, least):
+            if share * p / total < k.NEGLIGIBLE:
+                continue
+            found = joint | _without_the_rest(search, e, {o for o, size in lost.items() if size >= least})
+            parts = {o: (size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
+            beyond = {o: found[o][2] for o in parts if o in remembering}
+            shared = frozenset(o for o, size in beyond.items() if size < shows)
+            curved = [min(parts[o][0], lost[o]) for o in shared]
+            unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
+            unnamed = {o: size for o, size in unnamed.items() if size >= least}
+            if (size := float(np.linalg.norm(curved))) >= least:
+                unnamed[CURVE] = size
+            if found[REST][0] >= doubt:
+                unnamed[REST] = found[REST][0]
+            out.append(
+                Answer(share * float(p / total), parts, unnamed, least, frozenset(remembering), shared)
+            )
     return out
+
+
+def _without_the_rest(
+    search: Search, e: Explanation, stay: set[str]
+) -> dict[str, tuple[float, float, float]]:
+    """The sizes of the parts that stay, where others were let go: what these were is theirs, too."""
+    raised = tuple(part for part in e.raised if part[0] in stay)
+    if not raised or len(raised) == len(e.raised):
+        return {}
+    fitted = sizes(search, replace(e, owners=frozenset(stay), raised=raised))
+    return {o: size for o, size in fitted.items() if o in stay}
 
 
 def in_one_chamber(search: Search) -> str:
@@ -171,15 +197,13 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
             n: sum(a.probability * a.counts(n) for a in answers) for n, p in there.items() if p >= k.SURE
         }
         return Verdict("unknown", (), unknown, (), considered, carried, beside, within=within)
-    more = sum(
-        a.probability * (1 - np.prod([1 - a.worth(n) for n in a.sizes if n not in sure])) for a in answers
-    )
+    more = sum(a.probability * a.some([n for n in a.sizes if n not in sure]) for a in answers)
     if sure and more < k.SURE:
         word = "identified" if len(sure) == 1 else "multiple"
-        all_of_them = sum(a.probability * float(np.prod([a.worth(n) for n in sure])) for a in answers)
-        return Verdict(word, sure, float(all_of_them), (), considered, carried, beside)
+        exactly = sum(a.probability * a.exactly(sure) for a in answers)
+        return Verdict(word, sure, float(exactly), (), considered, carried, beside)
     if possible:
-        some = share(lambda a: bool(set(a.names) & set(possible)) and a.verdict != "unknown")
+        some = float(sum(a.probability * a.some(possible) for a in answers if a.verdict != "unknown"))
         return Verdict("confounded", sure, some, possible, considered, carried, beside)
     return Verdict("unknown", (), unknown, (), considered, carried, beside)
 

@@ -92,7 +92,9 @@ def test_what_shows_is_found_and_more_than_laws_are_off(make_lab, monkeypatch, b
     for beyond, shared in ((0.95 * needed, {"creep"}), (1.05 * needed, set())):
         found = {"creep": (50.0, 0.1, beyond), "?rest": (0.0, 0.0, 0.0)}
         monkeypatch.setattr("labrig.diagnosis._verdict.sizes", lambda search, e, found=found: found)
-        monkeypatch.setattr("labrig.diagnosis._verdict.missed", lambda search, e, least: {"creep": 50.0})
+        monkeypatch.setattr(
+            "labrig.diagnosis._verdict.missed", lambda search, e, least: [(1.0, {"creep": 50.0})]
+        )
         assert answers_of(search, 0.0, ("creep",))[0].shared == shared
 
 

@@ -54,10 +54,10 @@ def test_nothing_missing() -> None:
 
 
 def test_identified() -> None:
-    """One effect in nearly all answers is it, as sure as these are; what may stand beside it is possible."""
+    """One effect in nearly all answers is it, as sure as that nothing else is; what may stand beside it is possible."""
     verdict = told(answer(0.8, "leak"), answer(0.15, "leak", "drift"), answer(0.05, "creep"))
     assert (verdict.verdict, verdict.effects, verdict.rivals) == ("identified", ("leak",), ())
-    assert verdict.probability == pytest.approx(0.95)
+    assert verdict.probability == pytest.approx(0.8)
     assert chances(verdict) == {"leak": 0.95, "drift": 0.15, "creep": 0.05}
     assert [c.call for c in verdict.considered] == ["sure", "possible", "not it", "not it"]
 

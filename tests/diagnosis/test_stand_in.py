@@ -1,0 +1,59 @@
+"""Effects that can stand in for each other: one of them is named or doubted, and nothing is never all there is."""
+
+import numpy as np
+import pytest
+
+from labrig.diagnosis._verdict import Answer, decide
+from labrig.model import Model
+from tests.naming import verdict_of
+
+ARM = """
+import numpy as np
+
+ALONG_MM = np.array([30.0, 60.0, 90.0, 120.0])
+TOWARDS = np.deg2rad([90.0, 210.0, 330.0])
+
+
+def predict(u):
+    bend = 2e-4 * np.stack([u @ np.cos(TOWARDS), u @ np.sin(TOWARDS)], axis=-1)
+    size = np.maximum(np.linalg.norm(bend, axis=-1), 1e-9)[..., None]
+    way, turn = bend / size, size * ALONG_MM
+    aside, down = (1 - np.cos(turn)) / size, -np.sin(turn) / size
+    return np.stack([aside * way[..., :1], aside * way[..., 1:], down], axis=-1).reshape(*u.shape[:-1], 12)
+"""
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_sag_that_two_effects_make_is_one_of_both(make_lab, seed: int) -> None:
+    """An arm that sags by 3 mm, as a cantilever does and more under pressure: gravity or another shape at rest."""
+    lab = make_lab(chambers=3, markers=4, captures=60, rows_s=(3.0, 4.0), seed=seed)
+    lab.model()
+    (lab.folder / "base.py").write_text(ARM)
+    content: dict = {}
+    exec(ARM, content)  # the arm itself, as its file has it
+    lab.rest_mm[:] = content["predict"](np.zeros((1, 3))).reshape(4, 3)
+    place = content["predict"](lab.u)
+    place[..., ::3] += 3.0 * (np.arange(1, 5) / 4) ** 3 * (1 + 0.3 * lab.u.sum(axis=2, keepdims=True) / 180)
+    found = verdict_of(lab.dataset(place + lab.noise()), Model.load(lab.folder / "model.yaml"))
+    assert found.verdict in {"identified", "confounded"}
+    assert {*found.effects, *found.rivals} & {"gravity", "rest_shape"}
+
+
+def test_the_probability_is_that_of_these_effects_and_nothing_else() -> None:
+    """Creep is there for sure; a leak beside it, probably: so it is not probable that creep is all there is."""
+    sizes = {"creep": (5.0, 0.5, 5.0), "leak": (2.4, 0.5, 2.4)}
+    answer = Answer(1.0, sizes, {}, 2.0)
+    creep, leak = answer.worth("creep"), answer.worth("leak")
+    assert 0.5 < leak < 0.9
+    found = decide([answer], ("creep", "leak"), {})
+    assert (found.verdict, found.effects) == ("identified", ("creep",))
+    assert found.probability == pytest.approx(creep * (1 - leak))
+
+
+def test_a_doubt_says_how_probable_one_of_its_rivals_is() -> None:
+    """Two parts, each below what a name needs: that one of both has one is more than either by itself."""
+    answer = Answer(1.0, {"creep": (1.6, 0.5, 1.6), "leak": (1.8, 0.5, 1.8)}, {}, 2.0)
+    creep, leak = answer.worth("creep"), answer.worth("leak")
+    other = Answer(0.0, {}, {}, 2.0)
+    assert answer.some(("creep", "leak")) == pytest.approx(1 - (1 - creep) * (1 - leak))
+    assert answer.some(("delay",)) == other.some(("creep",)) == 0.0
