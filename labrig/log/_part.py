@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.tables import (
+    Actuation,
     Mapping,
     Observable,
     Table,
@@ -37,7 +39,8 @@ class Part:
         folder = mapping_path.parent
         self.mapping, self.file, self.mapping_path = mapping, file, mapping_path
         self.remarks: list[str] = []
-        self.table: Table = read_table(folder / file.file, mapping)
+        self.table: Table = read_table(folder / file.file, mapping, file.part)
+        self.remarks += [f"{self.table.path.name}: {line}" for line in self.table.said]
         self.n = len(self.table.frame)
         self.time_s = np.array(self._time())
         if mapping.join:
@@ -91,8 +94,8 @@ class Part:
             "the joined file has no input at their time"
         )
         frame = self.table.frame.loc[whole].reset_index(drop=True)
-        table = self.table
-        self.table = Table(table.path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
+        lines = self.table.lines
+        self.table = replace(self.table, frame=frame, lines=None if lines is None else lines[whole])
         self.time_s = self.time_s[whole]
         self.n = len(frame)
 
@@ -100,9 +103,7 @@ class Part:
         out = np.zeros((self.n, len(self.mapping.actuation)))
         for c, entry in enumerate(self.mapping.actuation):
             if entry.column is not None:
-                out[:, c] = entry.scaled(
-                    self.table.numbers(entry.column, f"actuation {entry.name}", required=True)
-                )
+                out[:, c] = entry.scaled(self._commanded(entry))
             elif entry.name in self.file.actuation:
                 out[:, c] = self.file.actuation[entry.name]
             elif entry.value is not None:
@@ -119,6 +120,21 @@ class Part:
                     )
                 out[self.time_s >= event.time_s, c] = event.actuation[entry.name]
         return out
+
+    def _commanded(self, entry: Actuation) -> Floats:
+        """What a column of commands says in each row (n,), also where it is written only on a change."""
+        what = f"actuation {entry.name}"
+        assert entry.column is not None
+        numbers = self.table.numbers(
+            entry.column, what, required=not entry.on_change, thousands=entry.thousands
+        )
+        known = np.flatnonzero(np.isfinite(numbers))
+        if len(known) == 0 or known[0] > 0:
+            raise LabrigError(
+                f"{self.table.at(0)}: column {entry.column!r} ({what}) is empty in the first row: what was commanded "
+                "before its first change is not known; write it there"
+            )
+        return numbers[known[np.searchsorted(known, np.arange(self.n), side="right") - 1]]
 
     def _values(self) -> Floats:
         columns = []
@@ -219,10 +235,11 @@ def observables_of(mapping: Mapping, table: Table) -> list[Observable]:
         return mapping.observables
     if table.path.suffix.lower() != ".c3d":
         raise LabrigError(f"{table.path}: the mapping names no observables")
+    joined = tuple(f"{join.name}." for join in mapping.join)
     return [
         Observable(column=str(c), name=str(c), unit="mm", marker=str(c).rsplit(".", 1)[0], axis=str(c)[-1])  # type: ignore[arg-type]
         for c in table.frame.columns
-        if c != "time_s"
+        if str(c).endswith((".x", ".y", ".z")) and not str(c).startswith(joined)
     ]
 
 

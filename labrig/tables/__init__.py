@@ -4,6 +4,7 @@ from labrig.tables._clock import seconds
 from labrig.tables._guess import Guess, guess_mapping
 from labrig.tables._join import join_tables
 from labrig.tables._mapping import (
+    Actuation,
     Event,
     Format,
     Join,
@@ -24,6 +25,7 @@ from labrig.tables._units import check, factor, is_length
 __all__ = [
     "DATE",
     "READ",
+    "Actuation",
     "Event",
     "Format",
     "Guess",

@@ -1,5 +1,6 @@
 """Files with clocks of their own, read at the times of the first one."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,7 +49,7 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
             if isinstance(values := _numbers(other, column), np.ndarray):
                 columns[f"{join.name}.{column}"] = reader(values)
     frame = pd.concat([table.frame, pd.DataFrame(columns)], axis=1)
-    return Table(table.path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
+    return replace(table, frame=frame)
 
 
 def _numbers(table: Table, column: str | int) -> Floats | None:

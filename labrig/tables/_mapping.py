@@ -1,7 +1,7 @@
 """MAP.yaml: what the columns of somebody's own table mean."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, field_validator, model_validator
 
@@ -79,10 +79,15 @@ class _Scaled(_Strict):
 
 
 class Actuation(_Scaled):
-    """One chamber's command: from a column, or a constant `value`; with its limits if they are known."""
+    """One chamber's command: from a column, or a constant `value`; with its limits if they are known.
+
+    With `on_change` it is written only where it changes: an empty cell is as the one above.
+    """
 
     column: str | int | None = None
     value: float | None = None
+    on_change: bool = False
+    thousands: str | None = None
     name: str
     unit: str
     min: float | None = None
@@ -128,9 +133,13 @@ class Event(_Strict):
 
 
 class TableFile(_Strict):
-    """One file of a campaign in several; `session` defaults to the file's name, `join` names its own joined files."""
+    """One file of a campaign in several; `session` defaults to the file's name, `join` names its own joined files.
+
+    `part` is the sheet, group or topic of this file, where it is not that of all under `format`.
+    """
 
     file: str
+    part: str | None = None
     session: str | None = None
     actuation: dict[str, float] = Field(default_factory=dict)
     covariates: dict[str, float] = Field(default_factory=dict)
@@ -141,7 +150,8 @@ class TableFile(_Strict):
 class Format(_Strict):
     """How a table is written, and which part of its file it is.
 
-    `encoding` is found out where it is not given; with `units_row` the line below the header holds units.
+    `encoding` is found out where it is not given; with `units_row` the line below the header holds units. `groups` are
+    lines, so many above the names, that say what several columns belong to. `missing` stands where there is no number.
     """
 
     separator: str = ","
@@ -151,8 +161,18 @@ class Format(_Strict):
     encoding: str | None = None
     part: str | None = None
     skip_rows: int = Field(default=0, ge=0)
+    groups: list[Annotated[int, Field(gt=0)]] = Field(default_factory=list)
+    missing: list[str] = Field(default_factory=list)
     rows: int | None = Field(default=None, gt=0)
     every: int = Field(default=1, gt=0)
+
+    @field_validator("missing", mode="before")
+    @classmethod
+    def _words(cls, value: Any) -> Any:
+        """Numbers that stand for nothing may be written as numbers."""
+        return (
+            [str(v) if isinstance(v, int | float) else v for v in value] if isinstance(value, list) else value
+        )
 
 
 class Join(_Strict):
@@ -212,7 +232,7 @@ class Mapping(_Strict):
 
     def any_thousands(self) -> bool:
         """Whether some column has signs between its thousands, so that the table must be read as text."""
-        columns = [self.time, self.hold, *self.measured, *self.observables, *self.covariates]
+        columns = [self.time, self.hold, *self.actuation, *self.measured, *self.observables, *self.covariates]
         return any(c is not None and c.thousands for c in columns)
 
     def marker_table(self) -> dict[str, Marker]:

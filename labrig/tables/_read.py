@@ -4,6 +4,7 @@ import os
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from labrig._errors import LabrigError
@@ -62,9 +63,12 @@ def kind_of(path: Path) -> str:
     return "text"
 
 
-def read_table(path: Path, mapping: Mapping) -> Table:
-    """Read one file of a mapping; raises `LabrigError` when it is not there or not what its name says."""
-    return read_file(path, mapping.format, mapping, as_text=mapping.any_thousands())
+def read_table(path: Path, mapping: Mapping, part: str | None = None) -> Table:
+    """Read one file of a mapping, or a `part` of it; raises `LabrigError` when it is not there or not what its name
+    says.
+    """
+    how = mapping.format if part is None else mapping.format.model_copy(update={"part": part})
+    return read_file(path, how, mapping, as_text=mapping.any_thousands())
 
 
 def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_text: bool = False) -> Table:
@@ -75,7 +79,7 @@ def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_tex
     frame = table.frame.iloc[: how.rows].reset_index(drop=True)
     if frame.empty:
         raise LabrigError(f"{path}: has no rows")
-    return Table(path, frame, table.first_row, table.decimal, table.row_is, table.doubled)
+    return replace(table, frame=frame, missing=frozenset(how.missing))
 
 
 @contextmanager

@@ -1,16 +1,20 @@
 """How a text table is written, by its first lines: separator, header, units below it, decimal sign."""
 
-import csv
 import re
 from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 
 from labrig._errors import LabrigError
+from labrig.tables._header import groups_above, split
 from labrig.tables._mapping import Format
 from labrig.tables._names import is_unit
-from labrig.tables._text import SEPARATORS, find_encoding
+from labrig.tables._text import find_encoding
 
 _LINES = 200
+_ABOVE = 12
+"""Lines above the first row among which its names are looked for."""
+_FEW = 3
 _LONGEST = 1 << 16
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
 _CHOICES = {",": ",", ";": ";", "tab": "\t", "|": "|", "whitespace": None}
@@ -26,38 +30,69 @@ def sniff(path: Path) -> Format:
         raise LabrigError(f"{path}: has no rows")
     if len(lines) == _LINES:
         lines = lines[:-1]
-    separator = max(_CHOICES, key=lambda name: _score(lines, name))
-    cells = [_split(line, separator) for line in lines]
+    scores = {name: _score(lines, name) for name in _CHOICES}
+    drawn = {name: score for name, score in scores.items() if _CHOICES[name] and score[0] >= 0.5}
+    separator = max(drawn or scores, key=lambda name: scores[name])
+    cells = [split(line, separator) for line in lines]
     width = _width(cells)
     first = _first_row(cells, width)
     if first is None:
         raise LabrigError(
             f"{path}: no row of numbers in its first {len(lines)} lines; is it a table of measurements?"
         )
-    above = next((i for i in range(first - 1, -1, -1) if any(c.strip() for c in cells[i])), None)
-    header = above is not None and len(cells[above]) == width
-    units_row = False
-    if header and above and len(cells[above - 1]) == width and _are_units(cells[above]):
-        units_row, above = True, above - 1
-    skip = above if header and above is not None else first
+    top = _header(cells, first, width)
+    groups = [] if top is None else groups_above(_block(cells, top, width))
+    if top is not None and len(groups) == 1 and _all_differ(cells[top - groups[0]], width):
+        top, groups = top - groups[0], []
+    units_row = top is not None and top + 1 < first and _are_units(cells[top + 1])
+    skip = first if top is None else top
     body = [row for row in cells[first:] if len(row) == width]
     return Format(
         separator=separator,
-        header=header,
+        header=top is not None,
         units_row=units_row,
         decimal="," if separator != "," and _commas(body) else ".",
         encoding=None if encoding in {"utf-8", "utf-8-sig"} else encoding,
         skip_rows=skip,
+        groups=groups,
     )
 
 
-def _split(line: str, separator: str) -> list[str]:
-    if separator == "whitespace":
-        return line.split()
-    try:
-        return next(csv.reader([line], delimiter=SEPARATORS.get(separator, separator), skipinitialspace=True))
-    except (csv.Error, StopIteration):
-        return [line]
+def _header(cells: list[list[str]], first: int, width: int) -> int | None:
+    """The line of the names: the nearest above the first row that has as many cells, most of them words that are no
+    units and not all alike; none where a line between has numbers.
+    """
+    for i in range(first - 1, max(first - _ABOVE, 0) - 1, -1):
+        row = cells[i]
+        words = [c.strip() for c in row if c.strip()]
+        if not words:
+            continue
+        if sum(_is_number(c) for c in words) > 1:
+            return None
+        fits = len(row) == width or len(_filled(row)) == width or width in (len(row) + 1, len(row) - 1)
+        alike = len(words) > _FEW and len(set(words[1:])) == 1
+        if fits and len(words) >= width / 2 and not alike and not (_are_units(row) and i > 0):
+            return i
+    return None
+
+
+def _all_differ(row: list[str], width: int) -> bool:
+    return len(row) >= width and all(c.strip() for c in row[:width]) and len(set(row[:width])) == width
+
+
+def _block(cells: list[list[str]], top: int, width: int) -> list[list[str]]:
+    """The lines above the names that may say what several of them belong to, and the names."""
+    start = top
+    while start > max(top - _ABOVE, 0) and any(c.strip() for c in cells[start - 1]):
+        start -= 1
+    return [row[:width] + [""] * (width - len(row)) for row in cells[start : top + 1]]
+
+
+def _filled(row: list[str]) -> list[str]:
+    """A row without the empty cells at its end."""
+    while row and not row[-1].strip():
+        row = row[:-1]
+    return row
 
 
 def _width(cells: list[list[str]]) -> int:
@@ -68,7 +103,7 @@ def _width(cells: list[list[str]]) -> int:
 
 def _score(lines: list[str], separator: str) -> tuple[float, int]:
     """How many rows have the commonest number of cells, all numbers or empty; then how many cells those are."""
-    cells = [_split(line, separator) for line in lines if line.strip()]
+    cells = [split(line, separator) for line in lines if line.strip()]
     width = _width(cells)
     if width == 0:
         return 0.0, 0
@@ -79,13 +114,20 @@ def _score(lines: list[str], separator: str) -> tuple[float, int]:
 
 
 def _first_row(cells: list[list[str]], width: int) -> int | None:
-    """The first row that has numbers, where the next one has numbers in the same cells."""
+    """The first row that has numbers, where the next ones have numbers in the same cells: of a few, or else of one."""
     marks = [[_is_number(c) for c in row] if len(row) == width else [] for row in cells]
+
+    def alike(one: list[bool], other: list[bool]) -> bool:
+        both = sum(a and b for a, b in zip(one, other, strict=False))
+        return any(one) and both >= 0.5 * max(sum(other), 1)
+
+    goes_on = [alike(one, other) for one, other in pairwise(marks)]
+    for i in range(len(goes_on) - _FEW + 1):
+        if all(goes_on[i : i + _FEW]):
+            return i
     for i, own in enumerate(marks):
-        if not any(own):
-            continue
         later = [m for m in marks[i + 1 : i + 6] if m]
-        if not later or any(sum(a and b for a, b in zip(own, m, strict=True)) >= 0.5 * sum(m) for m in later):
+        if any(own) and (not later or any(alike(own, m) for m in later)):
             return i
     return None
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,8 +68,9 @@ NOTHING = frozenset((*_WORDS, *_OF_SHEETS))
 class Table:
     """The rows of one file.
 
-    Row i is row `first_row + i` as people count; `row_is` is what a row is called there. Markers of C3D files appear as
-    columns ``NAME.x`` in mm, their time as ``time_s``. `doubled` are names that more than one column has.
+    Row i is row `first_row + i` as people count, or `lines[i]`; `row_is` is what a row is called there. Markers of C3D
+    files appear as columns ``NAME.x`` in mm, their time as ``time_s``. `doubled` are names that more than one column
+    has, `missing` what stands where there is no number, beside the usual words; `said` is what was left out.
     """
 
     path: Path
@@ -78,6 +79,9 @@ class Table:
     decimal: str = "."
     row_is: str = "row"
     doubled: frozenset[str] = field(default_factory=frozenset)
+    missing: frozenset[str] = field(default_factory=frozenset)
+    lines: Ints | None = field(default=None, repr=False)
+    said: tuple[str, ...] = ()
 
     def numbers(
         self, column: str | int, what: str, *, required: bool = False, thousands: str | None = None
@@ -87,11 +91,14 @@ class Table:
 
         values = self._column(column, what)
         if values.dtype.kind in "fiub" and not thousands:
-            out = np.asarray(values, dtype=float)
+            out = np.array(values, dtype=float)
+            out[np.isin(out, [float(word) for word in self.missing if _is_number(word)])] = np.nan
             blank = np.isnan(out)
         else:
             text = values.astype(str).str.strip()
-            blank = np.asarray(values.isna() | text.str.casefold().isin(NOTHING))
+            blank = np.asarray(
+                values.isna() | text.str.casefold().isin(NOTHING | {w.casefold() for w in self.missing})
+            )
             if thousands:
                 text = text.str.replace(thousands, "", regex=False)
             if self.decimal != ".":
@@ -136,7 +143,7 @@ class Table:
 
     def at(self, i: int) -> str:
         """Where row i of the table is, for a complaint."""
-        return f"{self.path}, {self.row_is} {i + self.first_row}"
+        return f"{self.path}, {self.row_is} {i + self.first_row if self.lines is None else self.lines[i]}"
 
     def _column(self, column: str | int, what: str) -> "pd.Series":
         if column in self.doubled:
@@ -149,6 +156,14 @@ class Table:
             raise LabrigError(f"{self.path}: has no column {column!r} ({what}); it has {have}{more}")
         values: Any = self.frame[column]
         return values
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def short(value: Any, *, quote: bool = True) -> str:

@@ -1,13 +1,17 @@
 """Text tables: CSV and its kin, in any encoding."""
 
 import codecs
+import itertools
 import warnings
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
 from labrig._errors import LabrigError
+from labrig.tables._header import SEPARATORS, names_of, split
+from labrig.tables._lines import check_blanks, cut_short, without_text
 from labrig.tables._mapping import Format
-from labrig.tables._table import Table, short
+from labrig.tables._table import Table
 
 _BLOCK = 1 << 22
 _MARKS = (
@@ -18,7 +22,7 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
 _OLD = ["cp1252", "cp1251", "cp932", "gb18030", "mac_roman"]
-SEPARATORS = {"whitespace": r"\s+", "tab": "\t"}
+_FEW = 20
 
 
 def find_encoding(path: Path) -> str:
@@ -64,7 +68,7 @@ def _old_encoding(sample: bytes) -> str:
 
 
 def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
-    """Read a text table; `as_text` leaves its cells as they are written.
+    """Read a text table; `as_text` leaves its cells as they are written. What is said of it are lines left out.
 
     Raises `LabrigError` if its encoding is wrong, its rows are longer than its header, or it is no text.
     """
@@ -88,14 +92,18 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
     if as_text or how.decimal != ".":
         options["dtype"] = str
     above = how.skip_rows + how.header + (how.units_row and how.header)
-    names, doubled = _names(path, how, options) if how.header else (None, frozenset())
     if how.rows is not None:
         options["nrows"] = how.rows
     try:
+        names, doubled = None, frozenset()
+        if how.header:
+            names, doubled = names_of(path, how, encoding, _width(path, how, encoding, above))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pd.errors.DtypeWarning)
             warnings.simplefilter("error", pd.errors.ParserWarning)
             frame = pd.read_csv(path, skiprows=above, names=names, **options)
+        if how.separator == "whitespace":
+            check_blanks(path, encoding, above, len(frame.columns))
     except pd.errors.EmptyDataError:
         raise LabrigError(f"{path}: has no rows") from None
     except pd.errors.ParserWarning:
@@ -104,41 +112,18 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
         raise LabrigError(
             f"{path}: is not text in the encoding {encoding}; name the right one under 'format: encoding:'"
         ) from None
+    said = []
     if frame.isna().to_numpy()[-1:].all():
         frame = frame.iloc[: frame.notna().any(axis=1).to_numpy().nonzero()[0].max(initial=-1) + 1]
-    return Table(path, frame, above + 1, how.decimal, "line", doubled)
+    if how.rows is None and cut_short(frame):
+        frame, said = frame.iloc[:-1], ["its last line was not written to its end and is left out"]
+    frame, lines, more = without_text(frame, above + 1, how.decimal)
+    return Table(path, frame, above + 1, how.decimal, "line", doubled, lines=lines, said=(*said, *more))
 
 
-def _names(path: Path, how: Format, options: dict[str, Any]) -> tuple[list[str], frozenset[str]]:
-    """The names in the header, made different from each other, and those that were not."""
-    import pandas as pd
-
-    options = {**options, "dtype": str, "nrows": 1, "keep_default_na": False}
-    try:
-        raw = pd.read_csv(path, skiprows=how.skip_rows, **options).iloc[0].tolist()
-    except (pd.errors.EmptyDataError, IndexError):
-        raise LabrigError(f"{path}: has no rows") from None
-    except UnicodeError:
-        raise LabrigError(
-            f"{path}: is not text in the encoding {options['encoding']}; "
-            "name the right one under 'format: encoding:'"
-        ) from None
-    return distinct([str(name).strip() for name in raw])
-
-
-def distinct(raw: list[str]) -> tuple[list[str], frozenset[str]]:
-    """Names of columns, the second of two that are alike with its number behind it; and those that were alike."""
-    names: list[str] = []
-    doubled = set()
-    taken = set(raw)
-    for i, name in enumerate(raw):
-        name = name if len(name) <= 200 else short(name, quote=False)
-        if not name or name in names:
-            if name:
-                doubled.add(name)
-            name = f"{name or 'column'}.{i}"
-            while name in taken:
-                name += "_"
-        names.append(name)
-        taken.add(name)
-    return names, frozenset(doubled)
+def _width(path: Path, how: Format, encoding: str, above: int) -> int:
+    """The commonest number of cells of the first lines below the names."""
+    with path.open(encoding=encoding, newline=None) as file:
+        lines = list(itertools.islice(file, above, above + _FEW))
+    widths = Counter(len(split(line.rstrip("\n"), how.separator)) for line in lines if line.strip())
+    return widths.most_common(1)[0][0] if widths else 0

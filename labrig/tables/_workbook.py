@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from labrig._errors import LabrigError
+from labrig.tables._header import distinct
 from labrig.tables._mapping import Format
 from labrig.tables._table import Table
-from labrig.tables._text import distinct
 
 
 def sheets(path: Path) -> dict[str, int]:
