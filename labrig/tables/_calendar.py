@@ -20,7 +20,7 @@ class Calendar:
     """Days since 1970, (n,), NaN where there is no such day, and the order they were read in.
 
     `order` is `mdy` or `dmy` (or `ymd`, for years of two digits) for dates with slashes or dashes, empty where their
-    writing says it: 2026-05-04, 04.05.2026. `sure` is false where month first and day first would do alike.
+    writing says it: 2026-05-04, 04.05.2026. `sure` is false where another order would do alike.
     """
 
     days: Floats
@@ -52,7 +52,7 @@ def read_calendar(dates: "pd.Series", time_s: Floats, day_first: bool | None) ->
         if own[:2] == best[:2] and own[2] <= best[2] + _ALIKE_S and np.isfinite(own[2])
     ]
     order = alike[0] if alike else "mdy"
-    return Calendar(read[order], order, len({*alike} & {"mdy", "dmy"}) < 2, example)
+    return Calendar(read[order], order, len(alike) == 1, example)
 
 
 def _says_it(text: str) -> bool:

@@ -64,11 +64,14 @@ def read_stamps(
 
     kind = cells[0].dtype.kind if len(cells) == 1 else "O"
     if kind == "M":
-        since = pd.to_datetime(cells[0], utc=True) - pd.Timestamp("1970-01-01", tz="UTC")
-        return Stamps(_in_seconds(since), dated=True)
+        return Stamps(_in_seconds(pd.to_datetime(cells[0], utc=True) - _1970()), dated=True)
     if kind == "m":
         return Stamps(_in_seconds(cells[0]), dated=False)
     text = as_text(cells)
+    if len(cells) == 1 and text.head(1).str.match(r"\d{4}-\d").any():
+        stamps = pd.to_datetime(text, errors="coerce", utc=True, format="ISO8601")
+        if stamps.notna().all():
+            return Stamps(_in_seconds(stamps - _1970()), dated=True)
     found = text.str.extract(rf"^(?P<all>{_CELL.pattern})$")
     known = (found["date"].notna() | found["a"].notna()).to_numpy(dtype=bool)
     if not known.any():
@@ -125,15 +128,15 @@ def _in_seconds(spans: "pd.Series") -> Floats:
     return np.array(spans / pd.Timedelta(seconds=1), dtype=float)
 
 
-def _stamps(found: "pd.DataFrame", called: str, day_first: bool | None, minutes: bool) -> Stamps:
-    """Cells taken apart at the groups of `_CELL`."""
+def _stamps(found: Any, called: str, day_first: bool | None, minutes: bool) -> Stamps:
+    """Cells taken apart: `found` is a frame of the groups of `_CELL`."""
     dated = bool(found["date"].notna().any())
     unsure: list[str] = []
     minutes = minutes or (not dated and _in_minutes(found, called, unsure))
     time = _of_day(found, minutes)
     if not dated:
         out = Stamps(time, dated=False, minutes=minutes, unsure=unsure)
-        if np.nanmax(time) < DAY_S and not minutes:
+        if not minutes and not (time >= DAY_S).any():
             out.nights = np.flatnonzero(np.diff(time) < -DAY_S / 2) + 1
             for row in out.nights:
                 time[row:] += DAY_S
@@ -143,7 +146,7 @@ def _stamps(found: "pd.DataFrame", called: str, day_first: bool | None, minutes:
     return Stamps(calendar.days * DAY_S + time, dated=True, calendar=calendar)
 
 
-def _in_minutes(found: "pd.DataFrame", called: str, unsure: list[str]) -> bool:
+def _in_minutes(found: Any, called: str, unsure: list[str]) -> bool:
     """Whether cells of two parts are minutes and seconds, not hours and minutes."""
     two = found[found["a"].notna() & found["c"].isna()]
     if two.empty or found["half"].notna().any() or _SAYS_HOURS.search(called):
@@ -163,23 +166,21 @@ def _in_minutes(found: "pd.DataFrame", called: str, unsure: list[str]) -> bool:
     return False
 
 
-def _of_day(found: "pd.DataFrame", minutes: bool) -> Floats:
+def _of_day(found: Any, minutes: bool) -> Floats:
     """Seconds of the clock in each cell, (n,)."""
     a, b, c = (np.array(found[k], dtype=float) for k in "abc")
     out = a * 3600 + b * 60 + np.where(np.isnan(c), 0.0, c)
-    low = b >= 60
     if minutes:
-        two = np.isnan(c)
-        out = np.where(two, a * 60 + b, out)
-        low &= ~two
-    out = np.where(low | (c > 60) | (minutes & (b >= 60)), np.nan, out)
-    half = found["half"].str[:1].str.lower().to_numpy()
-    out = np.where((half == "p") & (a < 12), out + DAY_S / 2, out)
-    out = np.where((half == "a") & (a == 12), out - DAY_S / 2, out)
+        out = np.where(np.isnan(c), a * 60 + b, out)
+    out = np.where((b >= 60) | (c > 60), np.nan, out)
+    if found["half"].notna().any():
+        half = found["half"].str[:1].str.lower().to_numpy()
+        out = np.where((half == "p") & (a < 12), out + DAY_S / 2, out)
+        out = np.where((half == "a") & (a == 12), out - DAY_S / 2, out)
     return out + _fraction(found)
 
 
-def _fraction(found: "pd.DataFrame") -> Floats:
+def _fraction(found: Any) -> Floats:
     """What follows the seconds, (n,): behind a point, a comma, or a colon (ms, or hundredths)."""
     part = found["part"]
     if not part.notna().any():
@@ -224,7 +225,11 @@ def _other(text: "pd.Series") -> Stamps:
     if text.str.contains(r"^-?\d+ days?\b").mean() > 0.5:
         return Stamps(_in_seconds(pd.to_timedelta(text, errors="coerce")), dated=False)
     shown = text.where(text.ne(""))
-    since = pd.to_datetime(shown, errors="coerce", utc=True, format="mixed") - pd.Timestamp(
-        "1970-01-01", tz="UTC"
-    )
-    return Stamps(_in_seconds(since), dated=True)
+    stamps = pd.to_datetime(shown, errors="coerce", utc=True, format="mixed")
+    return Stamps(_in_seconds(stamps - _1970()), dated=True)
+
+
+def _1970() -> Any:
+    import pandas as pd
+
+    return pd.Timestamp("1970-01-01", tz="UTC")

@@ -10,7 +10,7 @@ from labrig.tables import _names as names
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
 from labrig.tables._table import NOTHING, Table
-from labrig.tables._time import are_dates, find_clock
+from labrig.tables._time import are_dates, find_clock, may_be_clock
 
 _PRESSURES = ("Pa", "psi", "bar", "mmHg")
 _GENERIC = {("data",), ("value",), ("values",)}
@@ -51,7 +51,7 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
         if numbers is not None and np.isfinite(numbers).any():
             out.values[name.column] = numbers
             parsed.append(name)
-        elif numbers is None and are_dates(table, column):
+        elif numbers is None and may_be_clock(name) and are_dates(table, column):
             dated.append(column)
         elif numbers is None and name.has(names.SESSION) and out.session is None:
             out.session = name

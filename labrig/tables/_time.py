@@ -25,6 +25,11 @@ _PART_OF_DAY = 1e-4
 """Numbers of days rise by less in a row; as seconds they would be rows at 10 kHz and more, which no rig logs."""
 
 
+def may_be_clock(name: Name) -> bool:
+    """Whether dates of a column with this name are its clock, not the name of a session."""
+    return name.has(names.TIME) or not name.has(names.SESSION - {"day"})
+
+
 def are_dates(table: Table, column: Any) -> bool:
     """Whether a column holds dates, times of day, or amounts of time with their unit (0.5 sec)."""
     values = table.frame[column]
@@ -123,7 +128,7 @@ def find_time(
     what was assumed. Raises `LabrigError` if it runs backward through the whole file.
     """
     able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
-    called = [n for n in able if n.words[:1] and (n.words[0] in _ALSO_TIME or n.words[-1] in _ALSO_TIME)]
+    called = [n for n in able if n.words[:1] and {n.words[0].strip("%#"), n.words[-1]} & _ALSO_TIME]
     called += [n for n in able if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
     rising = [n for n in called if _rises(values[n.column])]
     first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
