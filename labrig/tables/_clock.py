@@ -28,7 +28,7 @@ def seconds(table: Table, time: TimeColumn, what: str, remarks: list[str] | None
         out = out + stamps.seconds
         if remarks is not None and len(stamps.nights):
             remarks.append(
-                f"{table.at(int(stamps.nights[0]))}: the time of day passes midnight: the next day is taken"
+                f"{_at(table, int(stamps.nights[0]))}: the time of day passes midnight: the next day is taken"
             )
     for column, unit in parts:
         if unit in (DATE, MINUTES):
@@ -41,8 +41,12 @@ def seconds(table: Table, time: TimeColumn, what: str, remarks: list[str] | None
             scale = 1 / time.rate_hz if time.rate_hz else factor(unit, "s", f"{table.path}: {what}")
             out = out + numbers * scale
     if remarks is not None and dated and (row := _hour_ahead(out)):
-        remarks.append(f"{table.at(row)}: an hour is missing in the time: summer time, or a pause?")
+        remarks.append(f"{_at(table, row)}: an hour is missing in the time: summer time, or a pause?")
     return out
+
+
+def _at(table: Table, row: int) -> str:
+    return f"{table.path.name}, {table.row_is} {row + table.first_row}"
 
 
 def check_clock(time: TimeColumn, where: str) -> None:
