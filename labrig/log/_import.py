@@ -14,12 +14,12 @@ from labrig.log._cut import cut
 from labrig.log._part import Part, session_blocks
 from labrig.log._segments import read_run_yaml
 from labrig.tables import (
-    DATE,
     Guess,
     Mapping,
     TableFile,
     beside,
     check,
+    check_clock,
     check_limits,
     check_mapping,
     check_values,
@@ -158,9 +158,11 @@ def _check_units(mapping: Mapping, path: Path) -> None:
         for entry in entries:
             check(entry.unit, f"{path}: {what} {entry.name!r}")
     clocks = [(f"join {j.name!r}: time", j.time) for j in mapping.join]
-    for what, entry in (("time", mapping.time), ("hold", mapping.hold), *clocks):
-        if entry is not None and (entry.unit != DATE or what == "hold"):
-            factor(entry.unit, "s", f"{path}: {what}")
+    for what, entry in (("time", mapping.time), *clocks):
+        if entry is not None:
+            check_clock(entry, f"{path}: {what}")
+    if mapping.hold is not None:
+        factor(mapping.hold.unit, "s", f"{path}: hold")
 
 
 def _plausible(mapping: Mapping, parts: Sequence[Part], path: Path) -> list[str]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.tables import (
+    DATE,
     Actuation,
     Mapping,
     Observable,
@@ -22,6 +23,7 @@ from labrig.tables import (
     join_tables,
     read_table,
     seconds,
+    why_back,
 )
 
 Labels = NDArray[np.object_]
@@ -72,7 +74,7 @@ class Part:
 
     def _time(self) -> Floats:
         if self.mapping.time is not None:
-            return seconds(self.table, self.mapping.time, "time")
+            return seconds(self.table, self.mapping.time, "time", self.remarks)
         if "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d":
             return self.table.numbers("time_s", "time")
         return np.arange(self.n, dtype=float)
@@ -211,8 +213,10 @@ class Part:
         back = (np.diff(self.time_s) < 0) & (self.session[1:] == self.session[:-1])
         if back.any():
             i = int(np.flatnonzero(back)[0])
+            time = self.mapping.time
+            why = why_back(self.time_s, i + 1, dated=time is not None and DATE in time.units())
             raise LabrigError(
-                f"{self.table.at(i + 1)}: time goes backward within session {self.session[i]!r}"
+                f"{self.table.at(i + 1)}: time goes backward within session {self.session[i]!r}{why}"
             )
 
     def _remark_on_clock(self) -> None:

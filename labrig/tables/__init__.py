@@ -1,6 +1,6 @@
 """Somebody's own tables: read from many formats, what their columns mean, and a guess where nobody says it."""
 
-from labrig.tables._clock import seconds
+from labrig.tables._clock import check_clock, seconds, why_back
 from labrig.tables._guess import Guess, guess_mapping
 from labrig.tables._join import join_tables
 from labrig.tables._mapping import (
@@ -37,6 +37,7 @@ __all__ = [
     "TableFile",
     "beside",
     "check",
+    "check_clock",
     "check_limits",
     "check_mapping",
     "check_values",
@@ -54,4 +55,5 @@ __all__ = [
     "read_table",
     "seconds",
     "sniff",
+    "why_back",
 ]

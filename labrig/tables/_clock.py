@@ -3,15 +3,85 @@
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.tables._mapping import TimeColumn, UnitColumn
-from labrig.tables._table import DATE, Table
+from labrig.tables._mapping import TimeColumn
+from labrig.tables._table import DATE, MINUTES, Table
 from labrig.tables._units import factor
 
+NUMBERED = {"excel days": (86400.0, 25569.0), "datenum": (86400.0, 719529.0), "ticks": (1e-7, 621355968e9)}
+"""Units of numbers that are dates: how many s one is, and the number of 1970."""
+_WRAPS_S = {2**32 / 1e3: "ms", 2**32 / 1e6: "us"}
+_HOUR_S = 3600.0
 
-def seconds(table: Table, time: TimeColumn | UnitColumn, what: str) -> Floats:
-    """The time column of a table in s, (n,), as its clock counts; raises `LabrigError` for a gap or text."""
-    if time.unit == DATE:
-        return table.dates(time.column, what)
-    rate = time.rate_hz if isinstance(time, TimeColumn) else None
-    scale = 1 / rate if rate else factor(time.unit, "s", f"{table.path}: {what}")
-    return np.array(table.numbers(time.column, what, required=True, thousands=time.thousands)) * scale
+
+def seconds(table: Table, time: TimeColumn, what: str, remarks: list[str] | None = None) -> Floats:
+    """The clock of the n rows of a table in s, (n,): its columns, added, or rows that are counted.
+
+    What a person should know is added to `remarks`. Raises `LabrigError` for a gap or text.
+    """
+    if time.column is None:
+        return np.arange(len(table.frame)) / (time.rate_hz or 1.0)
+    parts = list(zip(time.columns(), time.units(), strict=True))
+    out = np.zeros(len(table.frame))
+    if dated := [column for column, unit in parts if unit in (DATE, MINUTES)]:
+        minutes = any(unit == MINUTES for _, unit in parts)
+        stamps = table.dates(dated, what, day_first=time.day_first, minutes=minutes)
+        out = out + stamps.seconds
+        if remarks is not None and len(stamps.nights):
+            remarks.append(
+                f"{_at(table, int(stamps.nights[0]))}: the time of day passes midnight: the next day is taken"
+            )
+    for column, unit in parts:
+        if unit in (DATE, MINUTES):
+            continue
+        numbers = table.numbers(column, what, required=True, thousands=time.thousands)
+        if unit in NUMBERED:
+            scale, zero = NUMBERED[unit]
+            out = out + (numbers - zero) * scale
+        else:
+            scale = 1 / time.rate_hz if time.rate_hz else factor(unit, "s", f"{table.path}: {what}")
+            out = out + numbers * scale
+    if remarks is not None and dated and (row := _hour_ahead(out)):
+        remarks.append(f"{_at(table, row)}: an hour is missing in the time: summer time, or a pause?")
+    return out
+
+
+def _at(table: Table, row: int) -> str:
+    return f"{table.path.name}, {table.row_is} {row + table.first_row}"
+
+
+def check_clock(time: TimeColumn, where: str) -> None:
+    """Raise `LabrigError`, naming `where`, if a clock has a unit that is no time."""
+    for unit in time.units():
+        if unit not in (DATE, MINUTES, *NUMBERED):
+            factor(unit, "s", where)
+
+
+def why_back(time_s: Floats, row: int, *, dated: bool) -> str:
+    """What a clock (n,) that goes back before a row is likely to be: the end of a complaint, or nothing."""
+    step = time_s[row] - time_s[row - 1]
+    usual = _usual(time_s)
+    if dated and -_HOUR_S - 1e-6 <= step <= -_HOUR_S + max(1.0, 3 * usual):
+        return "; time goes back an hour: summer time?"
+    for wrap, unit in _WRAPS_S.items():
+        if -wrap <= step <= -wrap + max(1.0, 100 * usual):
+            return f"; its counter of 32 bits began anew at 4294967295 {unit}: add what it lost to the later rows"
+    if len(time_s) > 2 and (np.diff(time_s) <= 0).all():
+        return "; it runs backward through the whole file: sort its rows by time"
+    return ""
+
+
+def _usual(time_s: Floats) -> float:
+    ahead = np.diff(time_s)
+    ahead = ahead[ahead > 0]
+    return float(np.median(ahead)) if len(ahead) else 0.0
+
+
+def _hour_ahead(time_s: Floats) -> int:
+    """The row before which a steady clock (n,) jumps ahead by exactly one hour; 0 where none does."""
+    step, usual = np.diff(time_s), _usual(time_s)
+    if not 0 < usual < 600:
+        return 0
+    far = np.flatnonzero(step > 10 * usual)
+    if len(far) != 1 or not 0 <= step[far[0]] - _HOUR_S <= max(1.0, 2 * usual):
+        return 0
+    return int(far[0]) + 1

@@ -146,7 +146,7 @@ def _joins(
             {
                 "name": name,
                 "file": file,
-                "time": {"column": roles.time[0].column, "unit": roles.time[1]},
+                "time": roles.time.entry(list(roles.time.columns)),
                 "how": "previous" if roles.actuation and steps else "linear",
                 "format": how.model_dump(exclude_defaults=True),
             }
@@ -170,7 +170,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
         return column if all(has_header) else int(column)
 
     if roles.time is not None:
-        out["time"] = {"column": key(roles.time[0].column), "unit": roles.time[1]}
+        out["time"] = roles.time.entry([key(c) for c in roles.time.columns])
     if roles.capture is not None and _held(table, roles):
         out["capture"] = {"column": key(roles.capture.column)}
     elif roles.time is not None and len(table.frame) >= _PREVIEW:

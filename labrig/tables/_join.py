@@ -8,10 +8,10 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.tables._clock import seconds
+from labrig.tables._clock import seconds, why_back
 from labrig.tables._mapping import Join
 from labrig.tables._read import read_file
-from labrig.tables._table import Table
+from labrig.tables._table import DATE, Table
 
 if TYPE_CHECKING:
     pass
@@ -36,8 +36,9 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
         clock = seconds(other, join.time, f"join {join.name}") * join.rate + join.offset_s
         back = np.flatnonzero(np.diff(clock) < 0)
         if len(back):
+            why = why_back(clock, int(back[0]) + 1, dated=DATE in join.time.units())
             raise LabrigError(
-                f"{other.at(int(back[0]) + 1)}: time goes backward; a joined file has one clock"
+                f"{other.at(int(back[0]) + 1)}: time goes backward; a joined file has one clock{why}"
             )
         if clock[-1] < time_s.min() or clock[0] > time_s.max():
             raise LabrigError(

@@ -25,17 +25,41 @@ class Column(_Strict):
     thousands: str | None = None
 
 
-class TimeColumn(Column):
-    """A clock: a column and its unit, or one of frames that are counted, `rate_hz` of them in a second."""
+class TimeColumn(_Strict):
+    """A clock: columns that are added, with their units (one for all, or one each), or `rate_hz` frames in a second.
 
-    unit: str = "s"
+    Without a `column` the rows themselves are counted. Columns of dates and times are read together, as one text.
+    """
+
+    column: str | int | list[str | int] | None = None
+    thousands: str | None = None
+    unit: str | list[str] = "s"
     rate_hz: float | None = Field(None, gt=0)
+    day_first: bool | None = None
 
     @model_validator(mode="after")
     def _one_of_both(self) -> "TimeColumn":
         if self.rate_hz is not None and "unit" in self.model_fields_set:
             raise ValueError("a clock has a unit, or is frames at a rate_hz, not both")
+        if self.column is None and self.rate_hz is None:
+            raise ValueError("name the column of the clock, or the rate_hz of the rows")
+        if self.rate_hz is not None and isinstance(self.column, list):
+            raise ValueError("frames at a rate_hz are counted in one column")
+        if not self.columns() and self.column is not None:
+            raise ValueError("name at least one column")
+        if isinstance(self.unit, list) and len(self.unit) != len(self.columns()):
+            raise ValueError("give one unit, or one for each column")
         return self
+
+    def columns(self) -> list[str | int]:
+        """The columns that are added, none where rows are counted."""
+        if self.column is None:
+            return []
+        return self.column if isinstance(self.column, list) else [self.column]
+
+    def units(self) -> list[str]:
+        """The unit of each column."""
+        return self.unit if isinstance(self.unit, list) else [self.unit] * len(self.columns())
 
 
 class UnitColumn(Column):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from labrig._errors import LabrigError
 from labrig.tables._mapping import Format, Mapping
@@ -132,12 +133,23 @@ def _reader(kind: str, mapping: Mapping | None, as_text: bool) -> Callable[[Path
 
 
 def _read_parquet(path: Path, how: Format) -> Table:
+    """Read Parquet; an index with a name, or one that counts no rows, is a column: `time` where it has no name."""
     import pandas as pd
 
     frame = pd.read_parquet(path)
-    if frame.index.name is not None and frame.index.name not in frame.columns:
+    index = frame.index
+    if index.name is None and _is_clock(index):
+        index.name = "time"
+    if index.name is not None and index.name not in frame.columns:
         frame = frame.reset_index()
     return Table(path, frame)
+
+
+def _is_clock(index: Any) -> bool:
+    """Whether an index holds times: dates, spans, fractions, or whole numbers that never go up by one."""
+    if index.dtype.kind in "Mmf":
+        return True
+    return index.dtype.kind in "iu" and len(index) > 1 and int(abs(index[1:] - index[:-1]).min()) > 1
 
 
 def parts_of(path: Path) -> dict[str, int]:

@@ -8,8 +8,9 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._names import Name, take_apart
-from labrig.tables._table import DATE, NOTHING, Table
-from labrig.tables._time import are_dates, find_time
+from labrig.tables._pairs import Clock
+from labrig.tables._table import NOTHING, Table
+from labrig.tables._time import are_dates, find_clock, may_be_clock
 
 _PRESSURES = ("Pa", "psi", "bar", "mmHg")
 _GENERIC = {("data",), ("value",), ("values",)}
@@ -18,9 +19,9 @@ _DRIVES = ("V", "A", "percent")
 
 @dataclass
 class Roles:
-    """The columns of a table by what they are taken for; `time` with its unit; `remarks` say what was assumed."""
+    """The columns of a table by what they are taken for; `time` with its units; `remarks` say what was assumed."""
 
-    time: tuple[Name, str] | None = None
+    time: Clock | None = None
     capture: Name | None = None
     session: Name | None = None
     repeat: Name | None = None
@@ -41,6 +42,7 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
     """
     out = Roles()
     parsed: list[Name] = []
+    dated: list[Any] = []
     for column in table.frame.columns:
         name = take_apart(column, units.get(str(column)))
         if part.strip("/") and name.words in _GENERIC:
@@ -49,8 +51,8 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
         if numbers is not None and np.isfinite(numbers).any():
             out.values[name.column] = numbers
             parsed.append(name)
-        elif numbers is None and out.time is None and are_dates(table, column):
-            out.time = (name, DATE)
+        elif numbers is None and may_be_clock(name) and are_dates(table, column):
+            dated.append(column)
         elif numbers is None and name.has(names.SESSION) and out.session is None:
             out.session = name
         elif numbers is None and (name.has(names.CAPTURE) or name.has(names.REPEAT)):
@@ -61,9 +63,8 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
         else:
             what = "holds no numbers" if numbers is None else "is empty"
             out.remarks.append(f"column {name.column!r} {what} and is left out")
-    if out.time is None:
-        out.time = find_time(parsed, out.values, out.remarks)
-    rest = [n for n in parsed if out.time is None or n.column != out.time[0].column]
+    out.time = find_clock(table, dated, parsed, out.values, out.remarks)
+    rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
     rest = _find_labels(out, rest)
     rest = _find_markers(out, rest)
     _find_inputs(out, rest)
@@ -76,7 +77,7 @@ def _numbers(table: Table, column: Any) -> Floats | None:
     values = table.frame[column]
     if values.dtype.kind in "fiub":
         return np.asarray(values, dtype=float)
-    if values.dtype.kind == "M":
+    if values.dtype.kind in "Mm":
         return None
     text = values.dropna().astype(str).str.strip()
     if table.decimal != ".":

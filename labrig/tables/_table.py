@@ -1,5 +1,6 @@
 """One foreign table in memory: its columns as numbers or labels; every complaint names the file, row and column."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,12 +10,15 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
+from labrig.tables._dates import Stamps, UnreadableError, as_text, read_stamps
 
 if TYPE_CHECKING:
     import pandas as pd
 
 DATE = "date"
 """The `unit` of a time column that holds dates and times of day."""
+MINUTES = "min:s"
+"""The `unit` of a time column that holds minutes and seconds, 12:34.5."""
 _LONG = 40
 
 
@@ -115,20 +119,28 @@ class Table:
             raise LabrigError(f"{self.at(i)}: column {column!r} ({what}) is empty or NaN; every row needs it")
         return out
 
-    def dates(self, column: str | int, what: str) -> Floats:
-        """A column of dates and times of day as seconds since 1970 (UTC where they name no zone)."""
-        import pandas as pd
+    def dates(
+        self, columns: Sequence[str | int], what: str, *, day_first: bool | None = None, minutes: bool = False
+    ) -> Stamps:
+        """The dates and times of the rows, in one column or in several; `day_first` and `minutes` as in `read_stamps`.
 
-        values = self._column(column, what)
-        kind = None if values.dtype.kind == "M" else "mixed"
-        stamps = pd.to_datetime(values, errors="coerce", utc=True, format=kind)
-        if stamps.isna().any():
-            i = int(np.flatnonzero(np.asarray(stamps.isna()))[0])
-            raise LabrigError(
-                f"{self.at(i)}: column {column!r} ({what}) holds {short(values.iloc[i])}, not a date"
+        Raises `LabrigError` for a missing column, or a cell that is neither.
+        """
+        cells = [self._column(column, what) for column in columns]
+        names = ", ".join(repr(column) for column in columns)
+        where = f"column{'s' if len(columns) > 1 else ''} {names} ({what})"
+        try:
+            out = read_stamps(cells, names, day_first=day_first, minutes=minutes)
+        except UnreadableError as error:
+            raise LabrigError(f"{self.path}: {where} {error}") from None
+        wrong = np.flatnonzero(np.isnan(out.seconds))
+        if len(wrong):
+            i = int(wrong[0])
+            found = (
+                cells[0].iloc[i] if len(cells) == 1 else as_text([c.iloc[i : i + 1] for c in cells]).iloc[0]
             )
-        since = (stamps - pd.Timestamp("1970-01-01", tz="UTC")) / pd.Timedelta(seconds=1)
-        return np.asarray(since, dtype=float)
+            raise LabrigError(f"{self.at(i)}: {where} holds {short(found)}, not a date")
+        return out
 
     def labels(self, column: str | int, what: str) -> NDArray[np.object_]:
         """A column as text, empty where there is nothing; whole numbers without a decimal point; shape (rows,)."""

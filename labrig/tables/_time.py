@@ -1,4 +1,4 @@
-"""Which column of a foreign table is its clock, and in what unit."""
+"""Which columns of a foreign table are its clock, and in what unit."""
 
 import re
 from collections.abc import Mapping
@@ -6,37 +6,129 @@ from typing import Any
 
 import numpy as np
 
+from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._dates import DAY_S, Stamps
 from labrig.tables._names import Name
-from labrig.tables._table import Table
+from labrig.tables._pairs import Clock, finer, seconds_and_parts, year_to_second
+from labrig.tables._table import DATE, MINUTES, Table
 from labrig.tables._units import like
 
-_DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}")
+_DATE = re.compile(
+    r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}|\d[-/. ][A-Za-z]{3,9}[-/. ,]|^\d{8}(\D|$)|\d days?\b"
+)
+_AMOUNT = re.compile(r"\s*[+-]?\d+([.,]\d+)?\s*[A-Za-zµμ]+\.?\s*")
 _NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
+_ALSO_TIME = names.TIME | {"millis", "micros", "ticks", "datenum"}
+_PART_OF_DAY = 1e-4
+"""Numbers of days rise by less in a row; as seconds they would be rows at 10 kHz and more, which no rig logs."""
+
+
+def may_be_clock(name: Name) -> bool:
+    """Whether dates of a column with this name are its clock, not the name of a session."""
+    return name.has(names.TIME) or not name.has(names.SESSION - {"day"})
 
 
 def are_dates(table: Table, column: Any) -> bool:
-    """Whether a column holds dates or times of day."""
-    import pandas as pd
-
+    """Whether a column holds dates, times of day, or amounts of time with their unit (0.5 sec)."""
     values = table.frame[column]
-    if values.dtype.kind == "M":
+    if values.dtype.kind in "Mm":
         return True
     sample = values.dropna().head(20)
-    if not len(sample) or not all(_DATE.search(str(v)) for v in sample):
+    sample = sample[sample.astype(str).str.strip().ne("")]
+    if not len(sample):
         return False
-    return bool(pd.to_datetime(sample.astype(str), errors="coerce", format="mixed", utc=True).notna().all())
+    written = all(_DATE.search(str(v)) or hasattr(v, "total_seconds") for v in sample)
+    if not written and not all(_AMOUNT.fullmatch(str(v)) for v in sample):
+        return False
+    part = Table(table.path, table.frame.loc[sample.index, [column]].reset_index(drop=True))
+    try:
+        stamps = part.dates([column], "time")
+    except LabrigError as error:
+        return "frames" in str(error)
+    return written or (stamps.amounts and _rises(stamps.seconds))
+
+
+def find_clock(
+    table: Table, dated: list[Any], parsed: list[Name], values: Mapping[str, Floats], remarks: list[str]
+) -> Clock | None:
+    """The clock of a table: of the columns `dated` that hold dates and times, and the numbers that are `parsed`.
+
+    Other clocks are taken out of `parsed`, and `remarks` say what was assumed. Raises `LabrigError` for a clock that
+    runs backward through the whole file.
+    """
+    written = _written(table, dated, parsed, values, remarks) if dated else None
+    if written is not None and written[1]:
+        return written[0]
+    numbers = year_to_second(parsed) or seconds_and_parts(parsed, values)
+    if numbers is not None or written is not None:
+        own = [n for n in parsed if n.unit is not None and like(n.unit, "s")]
+        if numbers is None and any(_rises(values[n.column]) for n in own if n.has(names.TIME)):
+            numbers = find_time(table, parsed, values, remarks)
+        return numbers or (written[0] if written else None)
+    return find_time(table, parsed, values, remarks)
+
+
+def _written(
+    table: Table, dated: list[Any], parsed: list[Name], values: Mapping[str, Floats], remarks: list[str]
+) -> tuple[Clock, bool] | None:
+    """The clock of columns of dates and times, and whether it moves."""
+    read: dict[Any, Stamps] = {}
+    for column in dated:
+        try:
+            read[column] = table.dates([column], "time")
+        except LabrigError as error:
+            if len(dated) == 1 and "frames" not in str(error):
+                return Clock((str(column),), DATE), True  # a gap, which the import names
+            remarks.append(f"column {column!r} can't be read as a time and is left out: {error}")
+    if not read:
+        return None
+    chosen = _chosen(read)
+    stamps = read[chosen[0]] if len(chosen) == 1 else table.dates(chosen, "time")
+    _refuse_backward(table, ", ".join(str(c) for c in chosen), stamps.seconds)
+    remarks += [f"column {str(c)!r} is a clock as well and is left out" for c in read if c not in chosen]
+    columns = tuple(str(c) for c in chosen)
+    unit = MINUTES if stamps.minutes else DATE
+    _say(stamps, remarks)
+    day_first = None
+    if stamps.calendar is not None and stamps.calendar.order in {"dmy", "mdy"} and stamps.calendar.sure:
+        day_first = stamps.calendar.order == "dmy"
+    if part := finer(parsed, values, stamps.seconds):
+        return Clock((*columns, part[0].column), [*(unit for _ in columns), part[1]], day_first), True
+    return Clock(columns, unit, day_first), bool(np.ptp(stamps.seconds))
+
+
+def _chosen(read: dict[Any, Stamps]) -> list[Any]:
+    """A date and a time of day beside it, else the first that moves, else the first."""
+    days = [c for c, own in read.items() if own.dated and not (own.seconds % DAY_S).any()]
+    alone = [c for c, own in read.items() if not own.dated and not own.amounts and not own.minutes]
+    if days and alone:
+        return [days[0], alone[0]]
+    return [next((c for c, own in read.items() if np.ptp(own.seconds)), next(iter(read)))]
+
+
+def _say(stamps: Stamps, remarks: list[str]) -> None:
+    remarks += stamps.unsure
+    dates = stamps.calendar
+    if dates is None or not dates.order:
+        return
+    order = {"mdy": "month first", "dmy": "day first", "ymd": "year first"}[dates.order]
+    other = dates.order == "mdy" and not dates.sure
+    remarks.append(
+        f"dates such as {dates.example!r} are read {order}"
+        + (": write 'day_first: true' if not" if other else "")
+    )
 
 
 def find_time(
-    parsed: list[Name], values: Mapping[str, Floats], remarks: list[str]
-) -> tuple[Name, str] | None:
+    table: Table, parsed: list[Name], values: Mapping[str, Floats], remarks: list[str]
+) -> Clock | None:
     """The clock and its unit, of columns with these `values`; other clocks are taken out of `parsed`, and `remarks` say
-    what was assumed.
+    what was assumed. Raises `LabrigError` if it runs backward through the whole file.
     """
     able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
-    called = [n for n in able if n.words[:1] and (n.words[0] in names.TIME or n.words[-1] in names.TIME)]
+    called = [n for n in able if n.words[:1] and {n.words[0].strip("%#"), n.words[-1]} & _ALSO_TIME]
     called += [n for n in able if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
     rising = [n for n in called if _rises(values[n.column])]
     first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
@@ -46,6 +138,8 @@ def find_time(
             rising = [parsed[0]]
             remarks.append(f"column {parsed[0].column!r} rises evenly: taken for the time")
     if not rising:
+        for n in called:
+            _refuse_backward(table, n.column, values[n.column])
         if called:
             remarks.append(f"column {called[0].column!r} is called a time but goes back: left out")
         remarks.append("no column is a time: rows are taken as 1 s apart; say so under 'time:' if not")
@@ -56,9 +150,17 @@ def find_time(
         parsed.remove(other)
     unit = chosen.unit
     if unit is None or unit not in {"s", "ms", "us", "ns", "min", "hour", "h"}:
-        unit = _time_unit(values[chosen.column])
+        unit = _time_unit(values[chosen.column], chosen)
         remarks.append(f"the unit of the time {chosen.column!r} is not said: taken as {unit}")
-    return chosen, unit
+    return Clock((chosen.column,), unit)
+
+
+def _refuse_backward(table: Table, column: str, values: Floats) -> None:
+    step = np.diff(values)
+    if len(step) > 1 and (step <= 0).all() and (step < 0).mean() > 0.5:
+        raise LabrigError(
+            f"{table.path}: the time {column!r} runs backward through the whole file; sort its rows by time"
+        )
 
 
 def _rises(values: Floats) -> bool:
@@ -69,13 +171,22 @@ def _rises(values: Floats) -> bool:
     return bool((step > 0).any() and (step < 0).sum() <= max(0, len(step) // 50) and (step >= 0).mean() > 0.9)
 
 
-def _time_unit(values: Floats) -> str:
-    """By its size where it counts from 1970, else by the distance of its rows: no rig logs at 10 kHz and more."""
+def _time_unit(values: Floats, name: Name) -> str:
+    """By its size where it counts from 1970 or in days, else by the distance of its rows."""
+    step = float(np.median(np.diff(values))) if len(values) > 1 else 1.0
+    if 6e17 < values[0] < 7e17:
+        return "ticks"
     for size, unit in ((1e17, "ns"), (1e14, "us"), (1e11, "ms")):
         if values[0] > size:
             return unit
-    step = float(np.median(np.diff(values))) if len(values) > 1 else 1.0
     whole = bool(np.all(values == np.round(values)))
+    if not whole and (step < _PART_OF_DAY or "date" in name.words or "datenum" in name.words):
+        if 40000 < values[0] < 60000:
+            return "excel days"
+        if 7e5 < values[0] < 8e5:
+            return "datenum"
     if whole and step >= 1e5:
         return "ns" if step >= 1e6 * 5 else "us"
+    if "millis" in name.words or "micros" in name.words:
+        return "ms" if "millis" in name.words else "us"
     return "ms" if whole and step >= 5 and float(np.ptp(values)) >= 2000 else "s"
