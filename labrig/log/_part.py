@@ -23,6 +23,7 @@ from labrig.tables import (
     join_tables,
     read_table,
     seconds,
+    unseen,
     why_back,
 )
 
@@ -144,7 +145,12 @@ class Part:
             scale = factor(o.unit, "mm", f"observable {o.name}") if o.marker and is_length(o.unit) else 1.0
             numbers = self.table.numbers(o.column, f"observable {o.name}", thousands=o.thousands)
             columns.append(o.scaled(numbers) * scale)
-        return np.stack(columns, axis=1)
+        names, owners = [o.name for o in self.observables], [o.marker for o in self.observables]
+        markers = list(dict.fromkeys(owner for owner in owners if owner))
+        own = np.array([markers.index(owner) if owner else -1 for owner in owners])
+        values, said = unseen(np.stack(columns, axis=1), names, own)
+        self.remarks += [f"{self.table.path.name}: {line}" for line in said]
+        return values
 
     def _measured(self) -> Floats:
         names = [a.name for a in self.mapping.actuation]

@@ -21,6 +21,7 @@ from labrig.tables._sniff import sniff
 from labrig.tables._strokes import Segment, find_segments, held_share
 from labrig.tables._table import DATE, Table
 from labrig.tables._units import check, factor, is_length
+from labrig.tables._unseen import unseen
 
 __all__ = [
     "DATE",
@@ -55,5 +56,6 @@ __all__ = [
     "read_table",
     "seconds",
     "sniff",
+    "unseen",
     "why_back",
 ]

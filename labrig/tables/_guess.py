@@ -12,13 +12,14 @@ from labrig.tables._names import Name, unit_of
 from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
-from labrig.tables._sniff import sniff
+from labrig.tables._sniff import layout, sniff
 from labrig.tables._table import Table, short
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _PREVIEW = 20
+_TOP = 200
 _MOST_PARTS = 12
 
 
@@ -66,26 +67,11 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
 
 
 def _sheet_format(path: Path, how: Format) -> Format:
-    """Whether a sheet has a header, and units below it."""
-    top = read_file(path, how.model_copy(update={"header": False, "rows": 3})).frame
-
-    def text(i: int) -> list[str]:
-        return [str(v) for v in top.iloc[i].tolist() if v is not None and v == v] if i < len(top) else []
-
-    first, second = text(0), text(1)
-    header = bool(first) and not all(_is_float(v) for v in first)
-    units = (
-        header and bool(second) and all(unit_of(v) is not None for v in second) and not _is_float(second[0])
-    )
-    return how.model_copy(update={"header": header, "units_row": units})
-
-
-def _is_float(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    """Where a sheet has its names and units; as it is where no rows of numbers are found."""
+    top = read_file(path, how.model_copy(update={"header": False, "rows": _TOP})).frame
+    cells = [["" if v is None or v != v else str(v) for v in row] for row in top.to_numpy().tolist()]
+    found = layout(cells)
+    return how if found is None else found[1].model_copy(update={"part": how.part})
 
 
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
@@ -96,7 +82,7 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
     mapping: dict[str, Any] = {"table": beside(path, Path(folder)) if folder is not None else path.name}
     if written := how.model_dump(exclude_defaults=True):
         mapping["format"] = written
-    remarks = list(roles.remarks)
+    remarks = [*table.said, *roles.remarks]
     joined = [one for one in read if one[1] is not table]
     joins, extra = _joins(mapping["table"], joined, roles, remarks)
     if joins:
@@ -156,6 +142,11 @@ def _joins(
     return joins, extra
 
 
+def _on_change(values: np.ndarray) -> bool:
+    """Whether a command is written only where it changes: it is there in the first row, and missing in most."""
+    return bool(np.isfinite(values[:1]).all() and np.isnan(values).mean() > 0.5)
+
+
 def _is_steps(values: np.ndarray) -> bool:
     return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
 
@@ -185,7 +176,11 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
     for prefix, own in sources:
         for n in own.actuation:
             unit = n.unit or _assume("pressure", own.values[n.column], key(n.column, prefix), remarks)
-            actuation.append({"column": key(n.column, prefix), "name": _called(n, prefix), "unit": unit})
+            entry = {"column": key(n.column, prefix), "name": _called(n, prefix), "unit": unit}
+            if not prefix and _on_change(own.values[n.column]):
+                entry["on_change"] = True
+                remarks.append(f"{n.column!r} is empty in most rows: taken as written only where it changes")
+            actuation.append(entry)
     out["actuation"] = actuation
     names = {entry["column"]: entry["name"] for entry in actuation}
     measured = [

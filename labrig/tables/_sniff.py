@@ -34,28 +34,36 @@ def sniff(path: Path) -> Format:
     drawn = {name: score for name, score in scores.items() if _CHOICES[name] and score[0] >= 0.5}
     separator = max(drawn or scores, key=lambda name: scores[name])
     cells = [split(line, separator) for line in lines]
-    width = _width(cells)
-    first = _first_row(cells, width)
-    if first is None:
+    found = layout(cells)
+    if found is None:
         raise LabrigError(
             f"{path}: no row of numbers in its first {len(lines)} lines; is it a table of measurements?"
         )
+    first, how = found
+    width = _width(cells)
+    body = [row for row in cells[first:] if len(row) == width]
+    return how.model_copy(
+        update={
+            "separator": separator,
+            "decimal": "," if separator != "," and _commas(body) else ".",
+            "encoding": None if encoding in {"utf-8", "utf-8-sig"} else encoding,
+        }
+    )
+
+
+def layout(cells: list[list[str]]) -> tuple[int, Format] | None:
+    """The first row of numbers of some lines of cells, and where their names and units are; None without such a row."""
+    width = _width(cells)
+    first = _first_row(cells, width)
+    if first is None:
+        return None
     top = _header(cells, first, width)
     groups = [] if top is None else groups_above(_block(cells, top, width))
     if top is not None and len(groups) == 1 and _all_differ(cells[top - groups[0]], width):
         top, groups = top - groups[0], []
     units_row = top is not None and top + 1 < first and _are_units(cells[top + 1])
     skip = first if top is None else top
-    body = [row for row in cells[first:] if len(row) == width]
-    return Format(
-        separator=separator,
-        header=top is not None,
-        units_row=units_row,
-        decimal="," if separator != "," and _commas(body) else ".",
-        encoding=None if encoding in {"utf-8", "utf-8-sig"} else encoding,
-        skip_rows=skip,
-        groups=groups,
-    )
+    return first, Format(header=top is not None, units_row=units_row, skip_rows=skip, groups=groups)
 
 
 def _header(cells: list[list[str]], first: int, width: int) -> int | None:

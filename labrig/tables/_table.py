@@ -1,6 +1,6 @@
 """One foreign table in memory: its columns as numbers or labels; every complaint names the file, row and column."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,8 +23,10 @@ _LONG = 40
 
 
 _WORDS = (
-    "",
     "nan",
+    "-nan",
+    "nan(ind)",
+    "-nan(ind)",
     "na",
     "n/a",
     "n.a.",
@@ -32,18 +34,15 @@ _WORDS = (
     "none",
     "null",
     "nil",
-    "-",
-    "--",
-    "---",
-    "\u2013",
-    "\u2014",
-    "?",
-    ".",
-    "*",
+    "missing",
+    "undefined",
     "ol",
+    "+ol",
+    "-ol",
     "o.l.",
     "ovl",
     "ovld",
+    "over",
     "overload",
     "overrange",
     "k.a.",
@@ -64,6 +63,8 @@ _OF_SHEETS = (
     "#ref!",
     "#bezug!",
 )
+_SIGNS = r"[^\w]*"
+_MINUS = "\u2212"
 NOTHING = frozenset((*_WORDS, *_OF_SHEETS))
 """What instruments, loggers and spreadsheets write, in any case, where they have no number."""
 
@@ -99,10 +100,8 @@ class Table:
             out[np.isin(out, [float(word) for word in self.missing if _is_number(word)])] = np.nan
             blank = np.isnan(out)
         else:
-            text = values.astype(str).str.strip()
-            blank = np.asarray(
-                values.isna() | text.str.casefold().isin(NOTHING | {w.casefold() for w in self.missing})
-            )
+            text = values.astype(str).str.strip().str.replace(_MINUS, "-", regex=False)
+            blank = np.asarray(values.isna() | is_nothing(text, self.missing))
             if thousands:
                 text = text.str.replace(thousands, "", regex=False)
             if self.decimal != ".":
@@ -168,6 +167,11 @@ class Table:
             raise LabrigError(f"{self.path}: has no column {column!r} ({what}); it has {have}{more}")
         values: Any = self.frame[column]
         return values
+
+
+def is_nothing(text: "pd.Series", more: Collection[str] = ()) -> "pd.Series":
+    """Where cells of text say that there is no number: in one of the usual words, or with signs alone."""
+    return text.str.casefold().isin(NOTHING | {w.casefold() for w in more}) | text.str.fullmatch(_SIGNS)
 
 
 def _is_number(word: str) -> bool:

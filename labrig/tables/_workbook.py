@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from labrig._errors import LabrigError
-from labrig.tables._header import distinct
+from labrig.tables._header import distinct, joined
 from labrig.tables._mapping import Format
 from labrig.tables._table import Table
 
@@ -24,6 +24,9 @@ def read_workbook(path: Path, how: Format) -> Table:
         raise LabrigError(f"{path}: has no sheet {how.part!r}; it has {', '.join(names)}")
     chosen = [how.part] if how.part is not None else names
     cells = next((found for name in chosen if (found := _cells(book, name))), [])
+    if max(how.groups, default=0) > how.skip_rows:
+        raise LabrigError(f"{path}: there is no row {max(how.groups)} above its names: see 'format: groups:'")
+    over = [cells[how.skip_rows - i] for i in how.groups if how.skip_rows < len(cells)]
     cells = cells[how.skip_rows :]
     if not cells:
         raise LabrigError(f"{path}: has no rows")
@@ -31,7 +34,7 @@ def read_workbook(path: Path, how: Format) -> Table:
     doubled: frozenset[str] = frozenset()
     header = None
     if how.header:
-        header, doubled = distinct([str(name).strip() for name in cells[0]])
+        header, doubled = distinct(joined([[str(name).strip() for name in row] for row in (*over, cells[0])]))
         below = 1 + how.units_row
         cells, above = cells[below:], above + below
     frame = pd.DataFrame(cells, columns=header)
