@@ -1,6 +1,7 @@
 """Columns of a foreign table that number or name something, and are no measurement."""
 
 import re
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._names import Name
+from labrig.tables._names import Name, take_apart
 from labrig.tables._table import Table, short
 
 if TYPE_CHECKING:
@@ -116,18 +117,23 @@ def refuse_long(table: Table, time: str) -> None:
         return
     for name, column in columns.items():
         values = table.frame[column]
-        if name == time or (values.dtype.kind == "f" and (values.dropna() % 1 != 0).any()):
+        words = take_apart(name).words
+        if name == time or (values.dtype.kind in "fiub" and not set(words[:1]) & (names.COUNTER | names.LABEL)):
             continue
         label, found = pd.factorize(values)
-        if not several <= len(found) <= max(2 * several, 2) or len(found) >= len(size):
-            continue
         pairs = pd.DataFrame({"at": moments, "label": label})
-        if (label >= 0).all() and not pairs.duplicated().any() and _come_again(pairs, several):
-            have = ", ".join(short(str(v), quote=False) for v in found[:4]) + (", ..." if len(found) > 4 else "")
+        few = several <= len(found) <= min(2 * several, len(size))
+        if few and (label >= 0).all() and not pairs.duplicated().any() and _come_again(pairs, several):
+            have = [short(str(v) if isinstance(v, str) else f"m{v:g}", quote=False) for v in found[:3]]
+            wanted = [f"{one}.{axis}" for one in have[:1] for axis in "xyz"] if {"x", "y"} <= _axes(columns) else have
             raise LabrigError(
-                f"{table.path}: has {several} rows at one time, one for each {name!r} ({have}): make one row of each "
-                f"time (pivot it), with columns such as {found[0]}.x, {found[0]}.y, {found[0]}.z"
+                f"{table.path}: has {several} rows at one time, which column {name!r} tells apart; make it one row of "
+                f"each time (pivot it), with columns such as {', '.join(wanted)}"
             )
+
+
+def _axes(columns: Iterable[str]) -> set[str | None]:
+    return {take_apart(name).axis for name in columns}
 
 
 def _come_again(pairs: "pd.DataFrame", several: int) -> bool:

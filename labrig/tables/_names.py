@@ -35,11 +35,15 @@ MEASURED = {
     "feedback", "pv", "ist", "istwert", "mes", "mesure", "mesur\u00e9",
 }  # fmt: skip
 COUNTER = {"index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq"}
+LABEL = {"marker", "tag", "body", "object", "point", "track", "sensor", "target"}
 CAPTURE = {"capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage", "cycle"}
 SESSION = {"session", "day", "run", "experiment", "exp", "test", "specimen"}
 REPEAT = {"repeat", "repetition", "rep"}
 AMBIENT = {"temp", "temperature", "room", "ambient", "humidity", "payload", "load", "tilt"}
-SIDE = {"barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "cpu", "solenoid"}
+SIDE = {
+    "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "cpu", "solenoid",
+    "likelihood", "confidence", "score",
+}  # fmt: skip
 SUPPLY = {"supply", "line", "tank", "source", "reservoir", "main", "regulator"}
 """What is beside the measurement if it is a pressure, too."""
 STATE = {"valve", "relay", "state", "status", "alarm", "enable", "enabled"}
@@ -115,16 +119,15 @@ def _bracketed(text: str) -> tuple[str, str | None, str]:
 
 def _behind_slash(text: str) -> tuple[str, str | None]:
     """A name before a slash and the unit behind it, as in F/N or t/s; or before a whole unit, as in flow l/min."""
-    before, _, last = text.rpartition(" ")
-    if "/" not in last or text.startswith("/"):
+    if "/" not in text or text.startswith("/"):
         return text, None
-    if before and (said := unit_of(last)) is not None:
+    before, _, last = text.rpartition(" ")
+    if before and "/" in last and not last.startswith("/") and (said := unit_of(last)) is not None:
         return before.rstrip(" ,:-"), said
     name, _, unit = text.rpartition("/")
     said = unit_of(unit)
-    if said in {"s", "min", "h"} and not Name("", tuple(w.lower() for w in _parts(name)), None, None, "").has(TIME):
-        return text, None
-    return (name, said) if said is not None else (text, None)
+    of_time = any(word.lower() in TIME for word in _parts(name))
+    return (name.rstrip(), said) if said is not None and (of_time or said not in {"s", "min", "h"}) else (text, None)
 
 
 def _suffix(text: str, written: str) -> tuple[str, str | None]:
