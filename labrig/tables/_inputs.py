@@ -57,12 +57,20 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
             f"column {b.column!r} follows {a.column!r}: taken for its sensor, and {a.column!r} for what was commanded"
             for a, b in led
         ]
-        return with_siblings(list(dict.fromkeys(a for a, _ in led)), rest, values), said
+        commands = [a for a, _ in led]
+        if not all(_stem(a) for a in commands):
+            commands += [n for n in find_held(rest, values) if not _stem(n) and n not in commands]
+        return with_siblings(commands, rest, values), said
     pressures = [n for n in rest if is_pressure(n)]
-    seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or [n for n in rest if is_drive(n)]
+    seeds = (
+        [n for n in pressures if not n.has(names.MEASURED)] or pressures or [n for n in rest if is_drive(n)]
+    )
     if still := [n for n in seeds if is_held(values[n.column])]:
         seeds = [n for n in seeds if n in still or not _is_noisy(values[n.column])]
-    return with_siblings(seeds, rest, values), []
+    said = []
+    if seeds and all(n.has(names.MEASURED) for n in seeds):
+        said = [f"no column is called commanded: {seeds[0].column!r}, which was measured, is taken for it"]
+    return with_siblings(seeds, rest, values), said
 
 
 def find_held(rest: list[Name], values: Mapping[str, Floats]) -> list[Name]:
@@ -79,9 +87,15 @@ def with_siblings(seeds: list[Name], rest: list[Name], values: Mapping[str, Floa
     return [n for n in rest if n in seeds or (_stem(n), n.unit, _is_noisy(values[n.column])) in kinds]
 
 
-def find_sensors(left: list[Name], inputs: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Name]]:
+def find_sensors(
+    left: list[Name], inputs: list[Name], values: Mapping[str, Floats]
+) -> list[tuple[Name, Name]]:
     """Which columns of `left` read which of the `inputs`: pairs of both, by name, else by their numbers."""
-    found = [(n, own) for n in left if (is_pressure(n) or n.has(names.MEASURED)) and (own := _same(n, inputs, left))]
+    found = [
+        (n, own)
+        for n in left
+        if (is_pressure(n) or n.has(names.MEASURED)) and (own := _same(n, inputs, left))
+    ]
     taken = {n.column for pair in found for n in pair}
     near = []
     for u in inputs:

@@ -50,17 +50,19 @@ def find_labels(out: "Roles", rest: list[Name]) -> list[Name]:
             out.hold = n
         elif whole and n.has(names.SESSION) and together and out.session is None:
             out.session = n
-        elif whole and n.has(names.CAPTURE) and together and out.capture is None and (
-            blocks < len(values) or "sample" not in n.words
+        elif (
+            whole
+            and n.has(names.CAPTURE)
+            and together
+            and out.capture is None
+            and (blocks < len(values) or "sample" not in n.words)
         ):
             out.capture = n
         elif whole and n.has(names.REPEAT) and n.unit is None and out.repeat is None:
             out.repeat = n
         elif whole and out.capture is None and together and blocks < len(values) and _counts(n, values):
             out.capture = n
-        elif whole and n.unit is None and _is_number(n):
-            step = np.diff(values)
-            rows = len(step) > 0 and step[0] > 0 and bool((step == step[0]).all())
+        elif whole and n.unit is None and _is_number(n, rows := _rises_evenly(values)):
             what = "counts rows" if rows else "is a number or a name, no measurement,"
             out.remarks.append(f"column {n.column!r} {what} and is left out")
         else:
@@ -68,11 +70,17 @@ def find_labels(out: "Roles", rest: list[Name]) -> list[Name]:
     return kept
 
 
-def _is_number(name: Name) -> bool:
+def _is_number(name: Name, rows: bool) -> bool:
     """Whether a column is called a number of something, or a capture and nothing else."""
-    if name.words[:1] and name.words[0] in names.COUNTER:
+    ends = {*name.words[:1], *(name.words[-1:] if rows else ())}
+    if ends & names.COUNTER:
         return True
-    return name.words != () and all(word in names.CAPTURE or word.isdigit() for word in name.words)
+    return name.has(names.CAPTURE) and all(word in names.CAPTURE or word.isdigit() for word in name.words)
+
+
+def _rises_evenly(values: Floats) -> bool:
+    step = np.diff(values)
+    return len(step) > 0 and bool(step[0] > 0 and (step == step[0]).all())
 
 
 def _counts(name: Name, values: Floats) -> bool:
@@ -103,7 +111,9 @@ def _within_a_second(name: Name, values: Floats) -> bool:
         return True
     if name.unit not in _OF_A_SECOND or not name.words[-1:] or name.words[-1] not in names.TIME:
         return False
-    return bool((values >= 0).all() and (values < _OF_A_SECOND[name.unit]).all() and (np.diff(values) < 0).any())
+    return bool(
+        (values >= 0).all() and (values < _OF_A_SECOND[name.unit]).all() and (np.diff(values) < 0).any()
+    )
 
 
 def refuse_long(table: Table, time: str) -> None:
@@ -118,14 +128,20 @@ def refuse_long(table: Table, time: str) -> None:
     for name, column in columns.items():
         values = table.frame[column]
         words = take_apart(name).words
-        if name == time or (values.dtype.kind in "fiub" and not set(words[:1]) & (names.COUNTER | names.LABEL)):
+        if name == time or (
+            values.dtype.kind in "fiub" and not set(words[:1]) & (names.COUNTER | names.LABEL)
+        ):
             continue
         label, found = pd.factorize(values)
         pairs = pd.DataFrame({"at": moments, "label": label})
         few = several <= len(found) <= min(2 * several, len(size))
         if few and (label >= 0).all() and not pairs.duplicated().any() and _come_again(pairs, several):
             have = [short(str(v) if isinstance(v, str) else f"m{v:g}", quote=False) for v in found[:3]]
-            wanted = [f"{one}.{axis}" for one in have[:1] for axis in "xyz"] if {"x", "y"} <= _axes(columns) else have
+            wanted = (
+                [f"{one}.{axis}" for one in have[:1] for axis in "xyz"]
+                if {"x", "y"} <= _axes(columns)
+                else have
+            )
             raise LabrigError(
                 f"{table.path}: has {several} rows at one time, which column {name!r} tells apart; make it one row of "
                 f"each time (pivot it), with columns such as {', '.join(wanted)}"

@@ -7,8 +7,8 @@ from labrig.tables._spelling import is_unit as is_unit
 from labrig.tables._spelling import ungauged, unit_of
 
 _BRACKETS = re.compile(r"[\[({<]((?:[^\[\](){}<>]|\([^()]*\)|\[[^\[\]]*\])*)[\])}>]")
-_IN_FRONT = re.compile(r"(?!min|px|pixel)([A-Za-z]{2,})[\W_]*(?:\d+|[A-F])")
-"""A unit and a number are all of a name, as in kPa_1."""
+_IN_FRONT = re.compile(r"(?!min|px|pixel|[mun]?s)([A-Za-z]{2,})(?:[\W_]*(?:\d+|[A-F]))?")
+"""A unit is all of a name, but for a number, as in kPa_1."""
 _LETTER = r"[^\W\d_]"
 _SPLIT = re.compile(
     rf"(?:[^\w°%]|_)+|(?<=[a-z])(?=[A-Z])|(?<={_LETTER})(?=\d)|(?<=\d)(?={_LETTER})|(?<=[\d])(?=[°%])"
@@ -58,7 +58,11 @@ NO_POSITION = {
     "q", "error",
 }  # fmt: skip
 """What has an x, a y and a z, too, and is no place in space."""
-_OF_CAPITAL = {"A": {"current"}, "C": {"temp", "temperature", "room", "ambient"}, "K": {"temp", "temperature"}}
+_OF_CAPITAL = {
+    "A": {"current"},
+    "C": {"temp", "temperature", "room", "ambient"},
+    "K": {"temp", "temperature"},
+}
 _ONE_SAID = COMMANDED | MEASURED
 
 
@@ -127,7 +131,11 @@ def _behind_slash(text: str) -> tuple[str, str | None]:
     name, _, unit = text.rpartition("/")
     said = unit_of(unit)
     of_time = any(word.lower() in TIME for word in _parts(name))
-    return (name.rstrip(), said) if said is not None and (of_time or said not in {"s", "min", "h"}) else (text, None)
+    return (
+        (name.rstrip(), said)
+        if said is not None and (of_time or said not in {"s", "min", "h"})
+        else (text, None)
+    )
 
 
 def _suffix(text: str, written: str) -> tuple[str, str | None]:

@@ -1,7 +1,7 @@
 """What each column of a foreign table is likely to be: a time, a label, an input, a marker, an output."""
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from labrig.tables._names import Name, take_apart
 from labrig.tables._table import DATE, NOTHING, Table, short
 from labrig.tables._time import are_dates, find_time
 from labrig.tables._units import is_length, is_screen
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _GENERIC = {("data",), ("value",), ("values",)}
 _TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
@@ -120,9 +117,9 @@ def _numbers(table: Table, column: Any) -> Floats | None:
     return np.asarray(pd.to_numeric(every, errors="coerce"), dtype=float)
 
 
-def _filled(table: Table, column: Any) -> "pd.Series":
-    """The cells of a column that hold something, as text with decimal points."""
-    text = table.frame[column].dropna().astype(str).str.strip()
+def _filled(table: Table, column: Any) -> Any:
+    """The cells of a column that hold something, as text with decimal points, a Series."""
+    text: Any = table.frame[column].dropna().astype(str).str.strip()
     if table.decimal != ".":
         text = text.str.replace(table.decimal, ".", regex=False)
     return text[~text.str.casefold().isin(NOTHING)]
@@ -135,10 +132,10 @@ def _words_among(table: Table, column: Any) -> str:
     if table.frame[column].dtype.kind == "M":
         return ""
     text = _filled(table, column)
-    words = text[np.asarray(pd.to_numeric(text, errors="coerce").isna())]
+    words = text[np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), dtype=float))]
     if len(words) > 0.5 * len(text):
         return ""
-    first = str(table.frame[column].loc[words.index[0]]).strip()
+    first = str(table.frame[column][words.index[0]]).strip()
     return (
         f"holds numbers, but in {len(words)} of {len(table.frame)} cells words, first {short(first)} "
         f"(missing: [{short(first)}] under 'format:' makes them missing),"
@@ -148,7 +145,9 @@ def _words_among(table: Table, column: Any) -> str:
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:
     """Take out x, y, z (or two of them) of one owner, where they are places."""
     rest = _with_triples(rest)
-    turned = {n.owner for n in rest if n.axis is not None} & {n.called[:-1].rstrip("_. /") for n in rest if _is_w(n)}
+    turned = {n.owner for n in rest if n.axis is not None} & {
+        n.called[:-1].rstrip("_. /") for n in rest if _is_w(n)
+    }
     found: dict[str, dict[str, Name]] = {}
     for n in rest:
         if n.axis is not None and n.owner not in turned and _may_be_place(n):
@@ -182,7 +181,9 @@ def _with_triples(rest: list[Name]) -> list[Name]:
             continue
         for owner, axes in own.items():
             if len(axes) == 3:
-                new |= {n.column: replace(n, axis=word[-1], owner=owner or "marker") for word, n in axes.items()}
+                new |= {
+                    n.column: replace(n, axis=word[-1], owner=owner or "marker") for word, n in axes.items()
+                }
     return [new.get(n.column, n) for n in rest]
 
 
@@ -208,12 +209,15 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
 
 def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:
     """What may be the input where nothing is called so: what stands still in holds, else the first column."""
+    if sum(n.axis is not None for n in rest) > 2:
+        rest = [n for n in rest if n.axis is None]
     quiet = [n for n in rest if not n.has(names.OUTPUT)]
-    held = find_held(quiet, out.values)
+    held = find_held(quiet or rest, out.values)
     if held and (len(held) < len(rest) or out.markers):
         inputs = held
-    elif len(rest) > 1 or out.markers:
-        inputs = (quiet or rest)[:1]
+    elif len(rest) > 1 or (rest and out.markers):
+        moving = [n for n in quiet if np.nanmax(out.values[n.column]) > np.nanmin(out.values[n.column])]
+        inputs = (moving or quiet or rest)[:1]
     else:
         inputs = []
     if inputs:

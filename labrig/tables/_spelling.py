@@ -20,7 +20,17 @@ _SPELT = {
 }  # fmt: skip
 _LETTER = {"°": "deg", "%": "percent", "C": "degC", "n": "N", "v": "V"}
 _SIGNS = str.maketrans(
-    {"µ": "u", "μ": "u", "\u03a9": "ohm", "\u2126": "ohm", "℃": "degC", "²": "**2", "³": "**3", "·": "*", "⋅": "*"}
+    {
+        "µ": "u",
+        "μ": "u",
+        "\u03a9": "ohm",
+        "\u2126": "ohm",
+        "℃": "degC",
+        "²": "**2",
+        "³": "**3",
+        "·": "*",
+        "⋅": "*",
+    }
 )
 _KINDS = (
     "meter", "micron", "inch", "foot", "pixel", "gram", "pound", "ounce", "second", "minute", "hour", "day", "hertz",
@@ -33,7 +43,9 @@ _KINDS = (
 _PRESSURE = r"(?P<unit>[hkm]?pa|m?bar|psi)"
 _LETTER_ON = r"(?<!^pa)(?<![^hkm]pa)[gadü]"
 _AGAINST = r"(?:gauge|abs(?:olute)?|rel(?:ative)?|diff)\b\.?"
-_GAUGE = re.compile(rf"(?:{_AGAINST}[\s_,]*)?{_PRESSURE}(?:{_LETTER_ON}|[\s_,(-]+(?:[gad]|{_AGAINST})\)?)?", re.I)
+_GAUGE = re.compile(
+    rf"(?:{_AGAINST}[\s_,]*)?{_PRESSURE}(?:{_LETTER_ON}|[\s_,(-]+(?:[gad]|{_AGAINST})\)?)?", re.I
+)
 _AT_END = re.compile(rf"(?<![^\W\d_]){_PRESSURE}(?:{_LETTER_ON}|\s*\([gad]\)|[\s_](?:g|{_AGAINST}))$", re.I)
 
 
