@@ -187,9 +187,11 @@ def test_places_called_tx_or_px(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("column", "labels", "wanted"),
-    [("id", [1, 2, 3], "m1.x, m1.y, m1.z"), ("marker", ["a", "b", "c"], "a.x, a.y, a.z")],,
+    [("id", [1, 2, 3], "m1.x, m1.y, m1.z"), ("marker", ["a", "b", "c"], "a.x, a.y, a.z")],
 )
-def test_a_long_table_is_refused(tmp_path: Path, column: str, labels: list[int] | list[str], wanted: str) -> None:
+def test_a_long_table_is_refused(
+    tmp_path: Path, column: str, labels: list[int] | list[str], wanted: str
+) -> None:
     """A table with a row for each marker and time is not merged into one marker: the line says what to do."""
     rows = {"time_s": np.repeat(T, 3), "p1_set_kPa": np.repeat(C1, 3), column: labels * N}
     places = {axis: np.repeat(P1, 3) for axis in "xyz"}
