@@ -95,8 +95,9 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
         mapping["actuation"] = [{"name": "none", "value": 0.0, "unit": "1"}]
     if not mapping.get("observables"):
         have = ", ".join(str(c) for c in list(table.frame.columns)[:8])
+        with_words = next((f"{r}; correct it, or " for r in remarks if "missing: [" in r), "")
         raise LabrigError(
-            f"{path}: nothing is left that was measured (columns: {short(have, quote=False)}); "
+            f"{path}: nothing is left that was measured (columns: {short(have, quote=False)}); {with_words}"
             "write a mapping (docs/reference/mapping.md)"
         )
     return Guess(mapping, table.frame.head(_PREVIEW), remarks)

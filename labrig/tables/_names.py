@@ -2,71 +2,76 @@
 
 import re
 from dataclasses import dataclass
-from functools import cache
 
-from labrig._errors import LabrigError
-from labrig.tables._units import check
+from labrig.tables._spelling import is_unit as is_unit
+from labrig.tables._spelling import ungauged, unit_of
 
-_BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[({<](?P<unit>[^\])}>]*)[\])}>]\s*$")
-_SPLIT = re.compile(r"[^A-Za-z0-9µμ°%]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])")
-_SPELT = {
-    "sec": "s", "secs": "s", "seconds": "s", "second": "s", "msec": "ms", "millis": "ms", "usec": "us",
-    "nsec": "ns", "nanosec": "ns", "minutes": "min", "µs": "us", "μs": "us", "µm": "um", "μm": "um",
-    "°": "deg", "degree": "deg", "degrees": "deg", "°c": "degC", "celsius": "degC", "deg_c": "degC", "c": "degC",
-    "kpa": "kPa", "mpa": "MPa", "pa": "Pa", "hpa": "hPa", "mbar": "mbar", "bar": "bar", "psi": "psi", "psig": "psi",
-    "barg": "bar", "newton": "N", "newtons": "N", "n": "N", "kn": "kN", "mn": "mN", "grams": "g", "gram": "g",
-    "volt": "V", "volts": "V", "v": "V", "mv": "mV", "amp": "A", "amps": "A", "a": "A", "ma": "mA", "nm": "N*m",
-    "degc": "degC",
-    "%": "percent", "-": "1", "hz": "Hz", "k": "K", "mmhg": "mmHg", "meters": "m", "metres": "m", "meter": "m",
-}  # fmt: skip
+_BRACKETS = re.compile(r"[\[({<]((?:[^\[\](){}<>]|\([^()]*\)|\[[^\[\]]*\])*)[\])}>]")
+_IN_FRONT = re.compile(r"(?!min|px|pixel|[mun]?s)([A-Za-z]{2,})(?:[\W_]*(?:\d+|[A-F]))?")
+"""A unit is all of a name, but for a number, as in kPa_1."""
+_LETTER = r"[^\W\d_]"
+_SPLIT = re.compile(
+    rf"(?:[^\w°%]|_)+|(?<=[a-z])(?=[A-Z])|(?<={_LETTER})(?=\d)|(?<=\d)(?={_LETTER})|(?<=[\d])(?=[°%])"
+)
 _AS_SUFFIX = {
     "s", "ms", "us", "ns", "min", "sec", "secs", "seconds", "msec", "usec", "nsec", "nanosec", "kpa", "mpa", "pa",
-    "bar", "mbar", "psi", "mm", "cm", "m", "um", "n", "kn", "mn", "deg", "rad", "degc", "v", "mv", "ma", "kg", "g",
-    "px", "pixel", "pixels", "hpa", "volts", "newton",
+    "bar", "mbar", "psi", "inhg", "mmhg", "mm", "cm", "m", "um", "n", "kn", "mn", "nm", "mnm", "nmm", "deg", "rad",
+    "degc", "v", "mv", "ma", "kg", "g", "px", "pixel", "pixels", "hpa", "volts", "newton", "pct", "percent", "hz",
+    "°c", "°", "%",
 }  # fmt: skip
+_FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
+"""What is said for each second or minute, as in flow_l_min."""
 TIME = {"t", "time", "timestamp", "stamp", "clock", "elapsed", "zeit", "tempo", "temps", "datetime", "date"}
-PRESSURE = {"p", "pressure", "press", "pres", "druck", "pressures"}
+PRESSURE = {
+    "p", "pressure", "press", "pres", "druck", "pressures", "pression", "vacuum", "vakuum",
+}  # fmt: skip
 INPUT = {"u", "input", "in", "voltage", "current", "pwm", "duty", "drive", "actuation", "valve", "q"}
 COMMANDED = {
-    "set",
-    "setpoint",
-    "cmd",
-    "command",
-    "commanded",
-    "ref",
-    "reference",
-    "desired",
-    "des",
-    "target",
-    "soll",
-}
+    "set", "setpoint", "sp", "sv", "cmd", "command", "commanded", "ref", "reference", "desired", "des", "target",
+    "goal", "req", "request", "requested", "soll", "sollwert", "consigne",
+}  # fmt: skip
 MEASURED = {
-    "meas",
-    "measured",
-    "measurement",
-    "act",
-    "actual",
-    "sensor",
-    "read",
-    "reading",
-    "fb",
-    "feedback",
-    "ist",
-}
-COUNTER = {"index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed"}
-CAPTURE = {"capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage"}
+    "meas", "measured", "measurement", "act", "actual", "present", "sens", "sensor", "read", "reading", "fb",
+    "feedback", "pv", "ist", "istwert", "mes", "mesure", "mesur\u00e9",
+}  # fmt: skip
+COUNTER = {"index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq"}
+LABEL = {"marker", "tag", "body", "object", "point", "track", "sensor", "target"}
+CAPTURE = {"capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage", "cycle"}
 SESSION = {"session", "day", "run", "experiment", "exp", "test", "specimen"}
 REPEAT = {"repeat", "repetition", "rep"}
 AMBIENT = {"temp", "temperature", "room", "ambient", "humidity", "payload", "load", "tilt"}
+SIDE = {
+    "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "cpu", "solenoid",
+    "likelihood", "confidence", "score",
+}  # fmt: skip
+SUPPLY = {"supply", "line", "tank", "source", "reservoir", "main", "regulator"}
+"""What is beside the measurement if it is a pressure, too."""
+STATE = {"valve", "relay", "state", "status", "alarm", "enable", "enabled"}
+"""What is beside the measurement if it is never but 0 or 1."""
 OUTPUT = {
     "y", "out", "output", "force", "displacement", "disp", "position", "pos", "angle", "stroke", "length", "strain",
     "stress", "torque", "deflection", "extension", "bend", "bending", "level", "theta",
 }  # fmt: skip
+NO_POSITION = {
+    "acc", "accel", "acceleration", "gyro", "mag", "magnetometer", "torque", "moment", "force", "wrench", "vel",
+    "velocity", "rot", "rotation", "quat", "quaternion", "orientation", "euler", "omega", "angular", "rate", "std",
+    "q", "error",
+}  # fmt: skip
+"""What has an x, a y and a z, too, and is no place in space."""
+_OF_CAPITAL = {
+    "A": {"current"},
+    "C": {"temp", "temperature", "room", "ambient"},
+    "K": {"temp", "temperature"},
+}
+_ONE_SAID = COMMANDED | MEASURED
 
 
 @dataclass(frozen=True)
 class Name:
-    """A column's name taken apart: its words in lower case, its unit and axis where it says them."""
+    """A column's name taken apart: its words in lower case, its unit and axis where it says them.
+
+    `called` is the name without its unit; `written` is what stands where a unit stands, and is none that is known.
+    """
 
     column: str
     words: tuple[str, ...]
@@ -74,63 +79,115 @@ class Name:
     axis: str | None
     owner: str
     called: str = ""
+    written: str = ""
 
     def has(self, kind: set[str]) -> bool:
         """Whether one of its words is of a kind."""
         return any(word in kind for word in self.words)
 
 
-@cache
-def is_unit(text: str) -> bool:
-    """Whether a text, as people write it, is a unit."""
-    return bool(text.strip()) and unit_of(text) is not None
-
-
-@cache
-def unit_of(text: str) -> str | None:
-    """The unit that pint knows for what people write, or None."""
-    plain = text.strip().strip("[](){}").strip()
-    plain = _SPELT.get(plain.lower(), plain) if plain.lower() in _SPELT and len(plain) != 1 else plain
-    if plain in {"", "1", "-"}:
-        return "1" if plain else None
-    if len(plain) == 1:
-        plain = {"°": "deg", "%": "percent", "C": "degC", "n": "N", "v": "V"}.get(plain, plain)
-    plain = plain.replace("²", "**2").replace("³", "**3").replace("·", "*")
-    if not re.fullmatch(r"[A-Za-zµμ°%*/^0-9_ ]+", plain) or plain[0].isdigit():
-        return None
-    try:
-        check(plain, "unit")
-    except LabrigError:
-        return None
-    return plain
-
-
 def take_apart(column: str | int, unit: str | None = None) -> Name:
     """A column's name in its parts; `unit` is what a row below the header says."""
-    text = str(column).strip()
-    bracket = _BRACKETS.match(text)
-    if bracket and bracket["name"].strip():
-        said = unit_of(bracket["unit"])
-        unit = unit or said
-        if said is not None:
-            text = bracket["name"]
-    elif "/" in text and (said := unit_of(text.rpartition("/")[2])) and not text.startswith("/"):
-        unit, text = unit or said, text.rpartition("/")[0]
-    parts = _parts(text)
-    words = [part.lower() for part in parts]
-    if len(words) > 1 and words[-1] in _AS_SUFFIX:
-        unit = unit or unit_of(
-            parts[-1] if parts[-1] in {"N", "V", "K"} else _SPELT.get(words[-1], words[-1])
-        )
-        text = _before(text, parts[-1])[: -len(parts[-1])].rstrip(" _-./") or text
-        parts, words = parts[:-1], words[:-1]
+    text, said, written = _bracketed(ungauged(str(column).strip()))
+    if said is None and not written:
+        text, said = _behind_slash(text)
+    if said is None:
+        text, said = _suffix(text, written)
+    parts = _parts(text[: text.rindex(written) - 1] if re.search(r"[\d=^]", written) else text)
+    words = [word for part in parts for word in _words_of(part)]
+    if said is None and (first := _IN_FRONT.fullmatch(text)) and first[1].lower() in _AS_SUFFIX:
+        said = unit_of(first[1])
     axis = words[-1] if words[-1:] and words[-1] in {"x", "y", "z"} else None
     owner = text
     if axis is not None:
-        owner = re.sub(r"[^A-Za-z0-9]*[xyzXYZ]?$", "", _before(text, parts[-1])) or "marker"
+        owner = re.sub(r"[\W_]*[xyzXYZ]?$", "", text[: text.rfind(parts[-1])] + parts[-1]) or "marker"
     elif words[:1] and words[0] in {"x", "y", "z"} and len(words) <= 2:
         axis, owner = words[0], f"marker{''.join(words[1:])}"
-    return Name(str(column), tuple(words), unit, axis, owner, text.strip() or str(column).strip())
+    called = text.strip() or str(column).strip()
+    return Name(str(column), tuple(words), unit or said, axis, owner, called, "" if unit else written)
+
+
+def _bracketed(text: str) -> tuple[str, str | None, str]:
+    """A name without the unit in its brackets, and that unit; or as it is, and what its last brackets say instead."""
+    for found in reversed(list(_BRACKETS.finditer(text))):
+        before, after = text[: found.start()].rstrip(), text[found.end() :].strip()
+        number = found[0].startswith("(") and found[1].strip().isdigit()
+        if before and not number and (said := unit_of(found[1])) is not None:
+            return f"{before} {after}".rstrip(), said, ""
+    last = re.search(_BRACKETS.pattern + r"\s*$", text)
+    inside = last[1].strip() if last and text[: last.start()].strip() else ""
+    alone = {word for part in _parts(inside) for word in _words_of(part)}
+    known = all(_counts(word) or word in _ONE_SAID | {"x", "y", "z"} for word in alone)
+    return text, None, "" if known else inside
+
+
+def _behind_slash(text: str) -> tuple[str, str | None]:
+    """A name before a slash and the unit behind it, as in F/N or t/s; or before a whole unit, as in flow l/min."""
+    if "/" not in text or text.startswith("/"):
+        return text, None
+    before, _, last = text.rpartition(" ")
+    if before and "/" in last and not last.startswith("/") and (said := unit_of(last)) is not None:
+        return before.rstrip(" ,:-"), said
+    name, _, unit = text.rpartition("/")
+    said = unit_of(unit)
+    of_time = any(word.lower() in TIME for word in _parts(name))
+    return (
+        (name.rstrip(), said)
+        if said is not None and (of_time or said not in {"s", "min", "h"})
+        else (text, None)
+    )
+
+
+def _suffix(text: str, written: str) -> tuple[str, str | None]:
+    """A name without the unit at its end, and that unit; where brackets say something else, before those."""
+    bare, behind = text, ""
+    if written:
+        at = text.rindex(written) - 1
+        bare, behind = text[:at].rstrip(), text[at:]
+    parts = _parts(bare)
+    words = tuple(part.lower() for part in parts)
+    if len(words) < 2:
+        return text, None
+    name = Name("", words[:-1], None, None, "")
+    tail, said = parts[-1], None
+    if words[-1] in {"s", "min"} and len(words) > 2 and words[-2] in _FLOWS:
+        tail = bare[bare.rindex(parts[-2], 0, bare.rindex(parts[-1])) :]
+        said = unit_of(f"{parts[-2]}/{parts[-1]}")
+    elif words[-1] in {"m", "mm"} and len(words) > 2 and parts[-2] in {"N", "mN"}:
+        tail = bare[bare.rindex(parts[-2], 0, bare.rindex(parts[-1])) :]
+        said = unit_of(f"{parts[-2]}*{parts[-1]}")
+    elif words[-1] in _AS_SUFFIX and not _contradicts(name, words[-1]):
+        said = unit_of(parts[-1] if parts[-1] in {"N", "V", "K"} else words[-1])
+    elif parts[-1] in _OF_CAPITAL and name.has(_OF_CAPITAL[parts[-1]]):
+        said = unit_of(parts[-1])
+    if said is None:
+        return text, None
+    left = bare[: bare.rindex(tail)].rstrip(" _-./,:") or bare
+    return f"{left} {behind}".rstrip(), said
+
+
+def _contradicts(name: Name, unit: str) -> bool:
+    """Whether what looks like a unit at the end of a name can't be that of what it is called: p1_m, force_min."""
+    if unit == "min":
+        return not name.has(TIME | CAPTURE)
+    if unit == "s" and name.has(OUTPUT):
+        return True
+    return len(unit) == 1 and unit != "v" and name.has(PRESSURE)
+
+
+def _counts(word: str) -> bool:
+    return word.isdigit() or (len(word) == 1 and word in "abcdef")
+
+
+def _words_of(part: str) -> tuple[str, ...]:
+    """A part of a name in lower case; Pset, Vfb and measP in two words."""
+    word = part.lower()
+    if len(word) > 2 and word not in _ONE_SAID:
+        if word[0] in "pvui" and word[1:] in _ONE_SAID:
+            return word[0], word[1:]
+        if word[-1] in "pv" and word[:-1] in _ONE_SAID:
+            return word[:-1], word[-1]
+    return (word,)
 
 
 def _parts(text: str) -> list[str]:
@@ -140,7 +197,3 @@ def _parts(text: str) -> list[str]:
     if len(parts) > 1 and last.lower() in _AS_SUFFIX and text.endswith(last):
         parts[-2:] = [last]
     return parts
-
-
-def _before(text: str, part: str) -> str:
-    return text[: text.rfind(part)] + part

@@ -7,14 +7,16 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._inputs import find_commands, find_held, find_sensors, is_side
+from labrig.tables._labels import find_labels, numbers_rows, refuse_long
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
-from labrig.tables._table import NOTHING, Table
+from labrig.tables._table import NOTHING, Table, short
 from labrig.tables._time import are_dates, find_clock, may_be_clock
+from labrig.tables._units import is_length, is_screen
 
-_PRESSURES = ("Pa", "psi", "bar", "mmHg")
 _GENERIC = {("data",), ("value",), ("values",)}
-_DRIVES = ("V", "A", "percent")
+_TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
 
 
 @dataclass
@@ -38,7 +40,8 @@ class Roles:
 def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
     """Take every column of a table for something; `units` are those that a row below the header gives.
 
-    A column that is called `data` has the name of its `part`, the topic or group.
+    A column that is called `data` has the name of its `part`, the topic or group. Raises `LabrigError` for a table with
+    several rows at one time.
     """
     out = Roles()
     parsed: list[Name] = []
@@ -48,7 +51,9 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
         if part.strip("/") and name.words in _GENERIC:
             name = replace(take_apart(part.strip("/").rpartition("/")[2]), column=str(column))
         numbers = _numbers(table, column)
-        if numbers is not None and np.isfinite(numbers).any():
+        if numbers is not None and numbers_rows(name, numbers):
+            out.remarks.append(f"column {name.column!r} counts rows and is left out")
+        elif numbers is not None and np.isfinite(numbers).any():
             out.values[name.column] = numbers
             parsed.append(name)
         elif numbers is None and may_be_clock(name) and are_dates(table, column):
@@ -61,17 +66,44 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
             elif out.repeat is None:
                 out.repeat = name
         else:
-            what = "holds no numbers" if numbers is None else "is empty"
+            what = "is empty" if numbers is not None else _words_among(table, column) or "holds no numbers"
             out.remarks.append(f"column {name.column!r} {what} and is left out")
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
+    if out.time is not None:
+        refuse_long(table, out.time.columns[0])
     rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
-    rest = _find_labels(out, rest)
-    rest = _find_markers(out, rest)
+    rest = _find_markers(out, find_labels(out, _told_apart(rest)))
     _find_inputs(out, rest)
+    _say_unknown_units(out)
     return out
 
 
+def _told_apart(parsed: list[Name]) -> list[Name]:
+    """Names of which several are called the same without their units are called as their columns are."""
+    called = [n.called for n in parsed]
+    return [n if called.count(n.called) == 1 else replace(n, called=n.column) for n in parsed]
+
+
+def _say_unknown_units(out: Roles) -> None:
+    """Give unit 1 to what has something else written where a unit stands, and say so."""
+
+    def said(n: Name) -> Name:
+        if n.unit is not None or not n.written:
+            return n
+        out.remarks.append(
+            f"the unit of {n.column!r} is written as 1: labrig does not know {n.written!r}; correct it under 'unit:'"
+        )
+        return replace(n, unit="1")
+
+    out.actuation = [said(n) for n in out.actuation]
+    own = {n.column: n for n in out.actuation}
+    out.measured = [(said(n), own[u.column]) for n, u in out.measured]
+    out.observables = [said(n) for n in out.observables]
+    out.covariates = [said(n) for n in out.covariates]
+
+
 def _numbers(table: Table, column: Any) -> Floats | None:
+    """A column as floats (n,), NaN where it has none; None where more than 2 % are something else."""
     import pandas as pd
 
     values = table.frame[column]
@@ -79,107 +111,120 @@ def _numbers(table: Table, column: Any) -> Floats | None:
         return np.asarray(values, dtype=float)
     if values.dtype.kind in "Mm":
         return None
-    text = values.dropna().astype(str).str.strip()
-    if table.decimal != ".":
-        text = text.str.replace(table.decimal, ".", regex=False)
-    text = text[~text.str.casefold().isin(NOTHING)]
-    if (
-        len(text)
-        and np.isnan(np.asarray(pd.to_numeric(text.head(1000), errors="coerce"), float)).mean() > 0.02
-    ):
+    text = _filled(table, column).head(1000)
+    if len(text) and np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), float)).mean() > 0.02:
         return None
     every = values.astype(str).str.strip().str.replace(table.decimal, ".", regex=False)
     return np.asarray(pd.to_numeric(every, errors="coerce"), dtype=float)
 
 
-def _find_labels(out: Roles, rest: list[Name]) -> list[Name]:
-    """Take out what numbers captures, sessions and repeats, and the time within a hold."""
-    kept = []
-    for n in rest:
-        values = out.values[n.column]
-        whole = bool(np.all(values[np.isfinite(values)] == np.round(values[np.isfinite(values)])))
-        blocks = int((np.diff(values) != 0).sum()) + 1
-        distinct = len(np.unique(values))
-        together = blocks == distinct and n.unit is None
-        if "hold" in n.words and n.unit in {"s", "ms", "min"} and out.hold is None:
-            out.hold = n
-        elif whole and n.has(names.SESSION) and together and out.session is None:
-            out.session = n
-        elif whole and n.has(names.CAPTURE) and n.unit is None and out.capture is None and together:
-            out.capture = n
-        elif whole and n.has(names.REPEAT) and n.unit is None and out.repeat is None:
-            out.repeat = n
-        elif whole and out.capture is None and together and blocks < len(values) and _counts(n, values):
-            out.capture = n
-        elif whole and n.words[:1] and n.words[0] in names.COUNTER:
-            out.remarks.append(f"column {n.column!r} counts rows and is left out")
-        else:
-            kept.append(n)
-    return kept
+def _filled(table: Table, column: Any) -> Any:
+    """The cells of a column that hold something, as text with decimal points, a Series."""
+    text: Any = table.frame[column].dropna().astype(str).str.strip()
+    if table.decimal != ".":
+        text = text.str.replace(table.decimal, ".", regex=False)
+    return text[~text.str.casefold().isin(NOTHING)]
 
 
-def _counts(name: Name, values: Floats) -> bool:
-    """Whether a column is called a number of something, and goes up by one at a time."""
+def _words_among(table: Table, column: Any) -> str:
+    """What a column holds that has numbers in most of its rows, and other words in some; empty for any other."""
+    import pandas as pd
+
+    if table.frame[column].dtype.kind == "M":
+        return ""
+    text = _filled(table, column)
+    words = text[np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), dtype=float))]
+    if len(words) > 0.5 * len(text):
+        return ""
+    first = str(table.frame[column][words.index[0]]).strip()
     return (
-        name.words[:1] != ()
-        and name.words[0] in names.COUNTER
-        and bool(np.isin(np.diff(values), (0, 1)).all())
+        f"holds numbers, but in {len(words)} of {len(table.frame)} cells words, first {short(first)} "
+        f"(missing: [{short(first)}] under 'format:' makes them missing),"
     )
 
 
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:
-    """Take out x, y, z (or two of them) of one owner."""
+    """Take out x, y, z (or two of them) of one owner, where they are places."""
+    rest = _with_triples(rest)
+    turned = {n.owner for n in rest if n.axis is not None} & {
+        n.called[:-1].rstrip("_. /") for n in rest if _is_w(n)
+    }
     found: dict[str, dict[str, Name]] = {}
     for n in rest:
-        if n.axis is not None and not n.has(
-            names.PRESSURE | names.COMMANDED | names.AMBIENT | {"force", "q"}
-        ):
+        if n.axis is not None and n.owner not in turned and _may_be_place(n):
             found.setdefault(n.owner, {}).setdefault(n.axis, n)
     out.markers = {owner: axes for owner, axes in found.items() if len(axes) >= 2}
     taken = {n.column for axes in out.markers.values() for n in axes.values()}
     return [n for n in rest if n.column not in taken]
 
 
+def _may_be_place(n: Name) -> bool:
+    if n.has(names.PRESSURE | names.COMMANDED | names.AMBIENT | names.NO_POSITION):
+        return False
+    return n.unit is None or is_length(n.unit) or is_screen(n.unit)
+
+
+def _is_w(n: Name) -> bool:
+    """Whether a column is the fourth number of a rotation."""
+    return n.words[-1:] == ("w",)
+
+
+def _with_triples(rest: list[Name]) -> list[Name]:
+    """Columns tx, ty, tz or px, py, pz as x, y, z, where nothing says that they are torques or anything but places."""
+    forces = any(n.words[-1:] in {("fx",), ("fy",), ("fz",)} or n.has({"force", "torque"}) for n in rest)
+    new: dict[str, Name] = {}
+    for triple in _TRIPLES:
+        own: dict[str, dict[str, Name]] = {}
+        for n in rest:
+            if n.words[-1:] and n.words[-1] in triple and _may_be_place(n):
+                own.setdefault(n.called[:-2].rstrip("_. /:"), {})[n.words[-1]] = n
+        if triple[0] == "tx" and forces:
+            continue
+        for owner, axes in own.items():
+            if len(axes) == 3:
+                new |= {
+                    n.column: replace(n, axis=word[-1], owner=owner or "marker") for word, n in axes.items()
+                }
+    return [new.get(n.column, n) for n in rest]
+
+
 def _find_inputs(out: Roles, rest: list[Name]) -> None:
-    def pressure(n: Name) -> bool:
-        return n.has(names.PRESSURE) or (n.unit is not None and n.unit.endswith(_PRESSURES))
-
-    def drive(n: Name) -> bool:
-        return n.has(names.INPUT) or (n.unit is not None and n.unit.endswith(_DRIVES))
-
-    ambient = [n for n in rest if n.has(names.AMBIENT) or n.unit in {"degC", "K"}]
-    rest = [n for n in rest if n not in ambient]
-    commanded = [n for n in rest if n.has(names.COMMANDED)]
-    inputs = (
-        commanded
-        or [n for n in rest if pressure(n) and not n.has(names.MEASURED)]
-        or [n for n in rest if pressure(n)]
-        or [n for n in rest if drive(n)]
-    )
-    if not inputs and rest:
-        quiet = [n for n in rest if not n.has(names.OUTPUT)]
-        inputs = (quiet or rest)[:1] if (len(rest) > 1 or out.markers) else []
-        if inputs:
-            out.remarks.append(
-                f"no column is called a pressure, a set-point or an input: {inputs[0].column!r} is taken for it"
-            )
+    """Tell commands, their sensors and what is beside the measurement from what was measured."""
+    beside = [n for n in rest if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}]
+    side = [n for n in rest if n not in beside and is_side(n, out.values[n.column])]
+    own = [n for n in rest if n not in beside and n not in side]
+    inputs, remarks = find_commands(own, out.values)
+    if not inputs and side:
+        inputs, remarks = find_commands([n for n in rest if n not in beside], out.values)
+    inputs = inputs or _any_input(out, own, remarks)
+    out.remarks += remarks
     out.actuation = inputs
-    left = [n for n in rest if n not in inputs]
-    for n in list(left):
-        if commanded and (pressure(n) or n.has(names.MEASURED)) and (own := _same(n, inputs, left)):
-            out.measured.append((n, own))
-            left.remove(n)
-    out.observables, out.covariates = left, ambient
-    if not left and not out.markers and ambient:
-        out.observables, out.covariates = ambient, []
+    left = [n for n in rest if n not in inputs and n not in beside]
+    out.measured = find_sensors([n for n in left if n not in side], inputs, out.values)
+    taken = [n for n, _ in out.measured]
+    out.observables = [n for n in left if n not in taken and n not in side]
+    out.covariates = [n for n in rest if n in beside or (n in side and n not in inputs)]
+    if not out.observables and not out.markers:
+        out.observables, out.covariates = out.covariates, []
 
 
-def _same(measured: Name, inputs: list[Name], left: list[Name]) -> Name | None:
-    """The input that a sensor reads: what is left of both names without their roles is alike."""
-    roles = names.COMMANDED | names.MEASURED
-    key = [w for w in measured.words if w not in roles]
-    alike = [n for n in inputs if [w for w in n.words if w not in roles] == key]
-    if alike:
-        return alike[0]
-    pressures = [n for n in left if n.has(names.PRESSURE)]
-    return inputs[0] if len(inputs) == 1 and len(pressures) == 1 and measured.has(names.PRESSURE) else None
+def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:
+    """What may be the input where nothing is called so: what stands still in holds, else the first column."""
+    if sum(n.axis is not None for n in rest) > 2:
+        rest = [n for n in rest if n.axis is None]
+    quiet = [n for n in rest if not n.has(names.OUTPUT)]
+    held = find_held(quiet or rest, out.values)
+    if held and (len(held) < len(rest) or out.markers):
+        inputs = held
+    elif len(rest) > 1 or (rest and out.markers):
+        moving = [n for n in quiet if np.nanmax(out.values[n.column]) > np.nanmin(out.values[n.column])]
+        inputs = (moving or quiet or rest)[:1]
+    else:
+        inputs = []
+    if inputs:
+        which = ", ".join(repr(n.column) for n in inputs)
+        remarks.append(
+            f"no column is called a pressure, a set-point or an input: {which} "
+            f"{'is' if len(inputs) == 1 else 'are'} taken for it"
+        )
+    return inputs

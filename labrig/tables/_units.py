@@ -1,5 +1,6 @@
 """Units of foreign tables: checked, and converted where labrig fixes its own (seconds, millimetres)."""
 
+import re
 from functools import cache
 
 from labrig._errors import LabrigError
@@ -47,6 +48,16 @@ def is_length(unit: str) -> bool:
     return like(unit, "mm")
 
 
+def is_screen(unit: str) -> bool:
+    """Whether a unit is a pixel, which is no length."""
+    return unit in _SCREEN
+
+
 def like(unit: str, other: str) -> bool:
     """Whether a checked unit is of the same kind as another; a camera's pixels are of no kind."""
     return unit not in {"1", *_SCREEN} and _registry().Unit(unit).is_compatible_with(other)
+
+
+def names_of(unit: str) -> list[str]:
+    """What pint calls the parts of a checked unit, such as kilopascal."""
+    return re.findall(r"[A-Za-z]\w*", str(_registry().Unit(unit)))

@@ -1,0 +1,208 @@
+"""Which columns of a foreign table are commands, and which are the sensors of those, by names and by numbers."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.tables import _names as names
+from labrig.tables._names import Name
+from labrig.tables._units import like
+
+_STILL = 1 / 3
+"""Share of rows that are exactly as the row before from which on a column stands still in holds."""
+_JUMP = 0.03
+"""Of a column's range: what is more is a jump, not the rounding of a slow motion."""
+_NEAR = 0.04
+"""Of a command's range: how far a sensor is from it at the ends of holds, after scale and offset."""
+_NOISY = 0.4
+_MANY = 60
+"""In tables with more columns, commands are not looked for by comparing all of them."""
+
+
+def is_pressure(n: Name) -> bool:
+    """Whether a column is a pressure by its name or its unit."""
+    return n.has(names.PRESSURE) or (n.unit is not None and like(n.unit, "Pa") and not n.has(names.OUTPUT))
+
+
+def is_drive(n: Name) -> bool:
+    """Whether a column is what drives a valve, by its name or its unit."""
+    return n.has(names.INPUT) or n.unit == "percent" or (n.unit is not None and _is_electric(n.unit))
+
+
+def is_side(n: Name, values: Floats) -> bool:
+    """Whether a column is beside the measurement: a supply, a barometer, a pump, a valve that is open or closed."""
+    if n.has(names.COMMANDED):
+        return False
+    if n.has(names.SIDE) or (n.has(names.SUPPLY) and is_pressure(n)):
+        return True
+    seen = values[np.isfinite(values)]
+    return n.has(names.STATE) and n.unit is None and bool(np.isin(seen, (0, 1)).all())
+
+
+def _is_electric(unit: str) -> bool:
+    return like(unit, "V") or like(unit, "A")
+
+
+def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[Name], list[str]]:
+    """The columns that were commanded, of columns with these `values` (n,); and remarks that say what was assumed.
+
+    Called so; else followed by a sensor; else pressures, those first that stand still in holds; else voltages and the
+    like. Columns that are called the same but for a number or a letter come along.
+    """
+    if commanded := [n for n in rest if n.has(names.COMMANDED)]:
+        return with_siblings(commanded, rest, values), []
+    if led := _led(rest, values):
+        said = [
+            f"column {b.column!r} follows {a.column!r}: taken for its sensor, and {a.column!r} for what was commanded"
+            for a, b in led
+        ]
+        commands = [a for a, _ in led]
+        if not all(_stem(a) for a in commands):
+            commands += [n for n in find_held(rest, values) if not _stem(n) and n not in commands]
+        return with_siblings(commands, rest, values), said
+    pressures = [n for n in rest if is_pressure(n)]
+    seeds = (
+        [n for n in pressures if not n.has(names.MEASURED)] or pressures or [n for n in rest if is_drive(n)]
+    )
+    if still := [n for n in seeds if is_held(values[n.column])]:
+        seeds = [n for n in seeds if n in still or not _is_noisy(values[n.column])]
+    said = []
+    if seeds and all(n.has(names.MEASURED) for n in seeds):
+        said = [f"no column is called commanded: {seeds[0].column!r}, which was measured, is taken for it"]
+    return with_siblings(seeds, rest, values), said
+
+
+def find_held(rest: list[Name], values: Mapping[str, Floats]) -> list[Name]:
+    """The columns that stand still in holds and jump between them."""
+    return [n for n in rest if is_held(values[n.column]) and np.ptp(_seen(values[n.column])) > 0]
+
+
+def with_siblings(seeds: list[Name], rest: list[Name], values: Mapping[str, Floats]) -> list[Name]:
+    """Columns, and those of `rest` that differ from one of them by a number or a letter only, in the order of `rest`.
+
+    A sibling has the same unit, and is noisy only where the column itself is.
+    """
+    kinds = {(_stem(n), n.unit, _is_noisy(values[n.column])) for n in seeds if _stem(n)}
+    return [n for n in rest if n in seeds or (_stem(n), n.unit, _is_noisy(values[n.column])) in kinds]
+
+
+def find_sensors(
+    left: list[Name], inputs: list[Name], values: Mapping[str, Floats]
+) -> list[tuple[Name, Name]]:
+    """Which columns of `left` read which of the `inputs`: pairs of both, by name, else by their numbers."""
+    found = [
+        (n, own)
+        for n in left
+        if (is_pressure(n) or n.has(names.MEASURED)) and (own := _same(n, inputs, left))
+    ]
+    taken = {n.column for pair in found for n in pair}
+    near = []
+    for u in inputs:
+        for n in left:
+            apart = np.inf if u.column in taken or n.column in taken else _apart(u, n, values)
+            if apart <= _NEAR:
+                near.append((set(_number(u)) != set(_number(n)), apart, n, u))
+    for _, _, n, u in sorted(near, key=lambda pair: pair[:2]):
+        if n.column not in taken and u.column not in taken:
+            found.append((n, u))
+            taken |= {n.column, u.column}
+    return found
+
+
+def _same(measured: Name, inputs: list[Name], left: list[Name]) -> Name | None:
+    """The input that a sensor reads: what is left of both names without their roles, or their numbers, are alike."""
+    roles = names.COMMANDED | names.MEASURED
+    key = [w for w in measured.words if w not in roles]
+    alike = [n for n in inputs if [w for w in n.words if w not in roles] == key]
+    if alike:
+        return alike[0]
+    pressures = [n for n in left if n.has(names.PRESSURE)]
+    if not measured.has(names.PRESSURE):
+        return None
+    if len(inputs) == 1 and len(pressures) == 1:
+        return inputs[0]
+    numbered = [n for n in inputs if _number(n) == _number(measured) != ()]
+    alone = [n for n in pressures if _number(n) == _number(measured)] == [measured]
+    return numbered[0] if alone and len(numbered) == 1 else None
+
+
+def _number(n: Name) -> tuple[str, ...]:
+    return tuple(w for w in n.words if w.isdigit())
+
+
+def _stem(n: Name) -> tuple[str, ...]:
+    """The words of a name without its numbers and letters; empty where a program gave the name, as in column.3."""
+    words = tuple(w for w in n.words if not w.isdigit())
+    words = tuple(w for w in words if len(w) > 1 or w not in "abcdef") or words
+    return () if words in {("column",), ("arr",), ("ans",), ("ch",), ("channel",)} else words
+
+
+def _led(rest: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Name]]:
+    """Pairs of a command and the sensor that follows it: nearly the same numbers, one of them noisy, one not."""
+    quiet = [n for n in rest if not n.has(names.MEASURED | names.OUTPUT) and not _is_noisy(values[n.column])]
+    noisy = [n for n in rest if _is_noisy(values[n.column])]
+    if len(rest) > _MANY:
+        return []
+    found = [(_apart(a, b, values), a, b) for a in quiet for b in noisy]
+    pairs: list[tuple[Name, Name]] = []
+    for apart, a, b in sorted(found, key=lambda pair: pair[0]):
+        if apart <= _NEAR and not any(a is c or b is d for c, d in pairs):
+            pairs.append((a, b))
+    return sorted(pairs, key=lambda pair: rest.index(pair[0]))
+
+
+def _apart(command: Name, sensor: Name, values: Mapping[str, Floats]) -> float:
+    """How far a sensor is from a command at the ends of holds, as a share of its range; inf for another kind."""
+    free = _scale_is_free(command, sensor)
+    if free is None:
+        return np.inf
+    u, y = values[command.column], values[sensor.column]
+    rows = np.isfinite(u) & np.isfinite(y)
+    ends = rows & np.r_[np.diff(u) != 0, True]
+    if is_held(u) and ends.sum() >= 4:
+        rows = ends
+    u, y = u[rows], y[rows]
+    if len(u) < 4 or np.ptp(u) == 0 or np.ptp(y) == 0:
+        return np.inf
+    slope, offset = np.polyfit(u, y, 1)
+    if slope <= 0 or not (free or 0.8 <= slope <= 1.25):
+        return np.inf
+    return float(np.median(np.abs(y - offset - slope * u)) / (slope * np.ptp(u)))
+
+
+def _scale_is_free(command: Name, sensor: Name) -> bool | None:
+    """Whether the numbers of a command and its sensor may differ by a factor; None if they are of two kinds."""
+    if sensor.has(names.OUTPUT - {"y", "out", "output"}) and not command.has(names.OUTPUT):
+        return None
+    if command.unit == sensor.unit:
+        return False
+    if is_pressure(sensor) and (is_drive(command) or is_pressure(command)):
+        return command.unit is not None and sensor.unit is not None
+    one = command.unit is None or sensor.unit is None
+    return False if one and (sensor.has(names.MEASURED) or is_pressure(command)) else None
+
+
+def is_held(values: Floats) -> bool:
+    """Whether numbers (n,) stand exactly still in holds, or always."""
+    seen = _seen(values)
+    if len(seen) < 3:
+        return False
+    step = np.abs(np.diff(seen))
+    moved = step[step > 0]
+    return not len(moved) or bool(
+        len(moved) <= (1 - _STILL) * len(step) and np.median(moved) > _JUMP * np.ptp(seen)
+    )
+
+
+def _is_noisy(values: Floats) -> bool:
+    """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held."""
+    seen = _seen(values)
+    if len(seen) < 8 or is_held(seen):
+        return False
+    second = np.diff(seen, n=2)
+    return bool((second[1:] * second[:-1] < 0).mean() > _NOISY)
+
+
+def _seen(values: Floats) -> Floats:
+    return values[np.isfinite(values)]

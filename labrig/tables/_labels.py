@@ -1,0 +1,158 @@
+"""Columns of a foreign table that number or name something, and are no measurement."""
+
+import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig.arrays import Floats
+from labrig.tables import _names as names
+from labrig.tables._names import Name, take_apart
+from labrig.tables._table import Table, short
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from labrig.tables._roles import Roles
+
+_NO_NAME = re.compile(r"column\.\d+|unnamed.*|#|index|no\.?|", re.I)
+_OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
+_PARTS_OF_SECOND = {
+    "milliseconds", "millisecond", "millis", "msec", "ms", "microseconds", "usec", "us", "nanoseconds", "nanosecond",
+    "nanosecs", "nanosec", "nsec", "nsecs", "ns",
+}  # fmt: skip
+_OF_A_DATE = {"year", "month", "day", "hour", "minute", "second"}
+
+
+def numbers_rows(name: Name, values: Floats) -> bool:
+    """Whether a column (n,) without a name, or called an index, is 0, 1, 2 ... or 1, 2, 3 ..."""
+    if not _NO_NAME.fullmatch(name.column.strip()) or len(values) < 2:
+        return False
+    return values[0] in (0, 1) and bool((np.diff(values) == 1).all())
+
+
+def find_labels(out: "Roles", rest: list[Name]) -> list[Name]:
+    """Take out what numbers captures, sessions and repeats, parts of a clock, and the time within a hold.
+
+    What is left out is said in `out.remarks`. Returns the names that are left.
+    """
+    rest = _without_parts_of_the_clock(out, rest)
+    kept = []
+    for n in rest:
+        values = out.values[n.column]
+        seen = values[np.isfinite(values)]
+        whole = bool(np.all(seen == np.round(seen)))
+        blocks = int((np.diff(values) != 0).sum()) + 1
+        together = blocks == len(np.unique(values)) and n.unit is None
+        if "hold" in n.words and n.unit in {"s", "ms", "min"} and out.hold is None:
+            out.hold = n
+        elif whole and n.has(names.SESSION) and together and out.session is None:
+            out.session = n
+        elif (
+            whole
+            and n.has(names.CAPTURE)
+            and together
+            and out.capture is None
+            and (blocks < len(values) or "sample" not in n.words)
+        ):
+            out.capture = n
+        elif whole and n.has(names.REPEAT) and n.unit is None and out.repeat is None:
+            out.repeat = n
+        elif whole and out.capture is None and together and blocks < len(values) and _counts(n, values):
+            out.capture = n
+        elif whole and n.unit is None and _is_number(n, rows := _rises_evenly(values)):
+            what = "counts rows" if rows else "is a number or a name, no measurement,"
+            out.remarks.append(f"column {n.column!r} {what} and is left out")
+        else:
+            kept.append(n)
+    return kept
+
+
+def _is_number(name: Name, rows: bool) -> bool:
+    """Whether a column is called a number of something, or a capture and nothing else."""
+    ends = {*name.words[:1], *(name.words[-1:] if rows else ())}
+    if ends & names.COUNTER:
+        return True
+    return name.has(names.CAPTURE) and all(word in names.CAPTURE or word.isdigit() for word in name.words)
+
+
+def _rises_evenly(values: Floats) -> bool:
+    step = np.diff(values)
+    return len(step) > 0 and bool(step[0] > 0 and (step == step[0]).all())
+
+
+def _counts(name: Name, values: Floats) -> bool:
+    """Whether a column is called a number of something, and goes up by one at a time."""
+    return (
+        name.words[:1] != ()
+        and name.words[0] in names.COUNTER
+        and bool(np.isin(np.diff(values), (0, 1)).all())
+    )
+
+
+def _without_parts_of_the_clock(out: "Roles", rest: list[Name]) -> list[Name]:
+    """Leave out milliseconds beside a clock, and years, months, days, hours, minutes and seconds."""
+    dated = {n.column for n in rest if len(n.words) == 1 and n.words[0] in _OF_A_DATE and n.unit is None}
+    if len({n.words for n in rest if n.column in dated}) < 2 and (out.time is None or dated & {"Day", "day"}):
+        dated = set()
+    kept = []
+    for n in rest:
+        if n.column in dated or (out.time is not None and _within_a_second(n, out.values[n.column])):
+            out.remarks.append(f"column {n.column!r} is a part of the clock, no measurement, and is left out")
+        else:
+            kept.append(n)
+    return kept
+
+
+def _within_a_second(name: Name, values: Floats) -> bool:
+    if name.words[-1:] and name.words[-1] in _PARTS_OF_SECOND and name.unit is None:
+        return True
+    if name.unit not in _OF_A_SECOND or not name.words[-1:] or name.words[-1] not in names.TIME:
+        return False
+    return bool(
+        (values >= 0).all() and (values < _OF_A_SECOND[name.unit]).all() and (np.diff(values) < 0).any()
+    )
+
+
+def refuse_long(table: Table, time: str) -> None:
+    """Raise `LabrigError` where each time has several rows, one for each marker or quantity that a column names."""
+    import pandas as pd
+
+    columns = {str(c): c for c in table.frame.columns}
+    moments, _ = pd.factorize(table.frame[columns[time]])
+    size = np.bincount(moments[moments >= 0])
+    if not len(size) or (several := int(np.median(size))) < 2:
+        return
+    for name, column in columns.items():
+        values = table.frame[column]
+        words = take_apart(name).words
+        if name == time or (
+            values.dtype.kind in "fiub" and not set(words[:1]) & (names.COUNTER | names.LABEL)
+        ):
+            continue
+        label, found = pd.factorize(values)
+        pairs = pd.DataFrame({"at": moments, "label": label})
+        few = several <= len(found) <= min(2 * several, len(size))
+        if few and (label >= 0).all() and not pairs.duplicated().any() and _come_again(pairs, several):
+            have = [short(str(v) if isinstance(v, str) else f"m{v:g}", quote=False) for v in found[:3]]
+            wanted = (
+                [f"{one}.{axis}" for one in have[:1] for axis in "xyz"]
+                if {"x", "y"} <= _axes(columns)
+                else have
+            )
+            raise LabrigError(
+                f"{table.path}: has {several} rows at one time, which column {name!r} tells apart; make it one row of "
+                f"each time (pivot it), with columns such as {', '.join(wanted)}"
+            )
+
+
+def _axes(columns: Iterable[str]) -> set[str | None]:
+    return {take_apart(name).axis for name in columns}
+
+
+def _come_again(pairs: "pd.DataFrame", several: int) -> bool:
+    """Whether the same labels come at nearly all times."""
+    often = pairs["label"].value_counts().head(several)
+    return bool((often >= 0.8 * pairs["at"].nunique()).all())

@@ -1,0 +1,92 @@
+"""The unit that pint knows for what people write beside a name."""
+
+import re
+from functools import cache
+
+from labrig._errors import LabrigError
+from labrig.tables._units import check, names_of
+
+_SPELT = {
+    "sec": "s", "secs": "s", "seconds": "s", "second": "s", "msec": "ms", "millis": "ms", "usec": "us",
+    "nsec": "ns", "nanosec": "ns", "minutes": "min", "°": "deg", "degree": "deg", "degrees": "deg", "°c": "degC",
+    "celsius": "degC", "deg_c": "degC", "c": "degC", "°f": "degF", "degf": "degF",
+    "kpa": "kPa", "mpa": "MPa", "pa": "Pa", "hpa": "hPa", "mbar": "mbar", "bar": "bar", "psi": "psi", "torr": "torr",
+    "inhg": "inHg", "newton": "N", "newtons": "N", "n": "N", "kn": "kN", "mn": "mN", "grams": "g", "gram": "g",
+    "volt": "V", "volts": "V", "vdc": "V", "v": "V", "mv": "mV", "amp": "A", "amps": "A", "a": "A", "ma": "mA",
+    "nm": "N*m", "mnm": "mN*m", "nmm": "N*mm", "ncm": "N*cm", "degc": "degC", "gauss": "gauss", "ue": "microstrain",
+    "%": "percent", "pct": "percent", "-": "1", "a.u.": "1", "hz": "Hz", "k": "K", "mmhg": "mmHg", "meters": "m",
+    "metres": "m", "meter": "m", "nl/min": "slpm", "ln/min": "slpm", "nlpm": "slpm", "slpm": "slpm", "slm": "slpm",
+    "lpm": "L/min", "\u03bc\u03b5": "microstrain",
+}  # fmt: skip
+_LETTER = {"°": "deg", "%": "percent", "C": "degC", "n": "N", "v": "V"}
+_SIGNS = str.maketrans(
+    {
+        "µ": "u",
+        "μ": "u",
+        "\u03a9": "ohm",
+        "\u2126": "ohm",
+        "℃": "degC",
+        "²": "**2",
+        "³": "**3",
+        "·": "*",
+        "⋅": "*",
+    }
+)
+_KINDS = (
+    "meter", "micron", "inch", "foot", "pixel", "gram", "pound", "ounce", "second", "minute", "hour", "day", "hertz",
+    "newton", "pascal", "bar", "atmosphere", "torr", "Hg", "H2O", "volt", "ampere", "ohm", "farad", "henry",
+    "siemens", "watt", "joule", "tesla", "gauss", "liter", "kelvin", "Celsius", "Fahrenheit", "degree", "radian",
+    "turn", "percent", "ppm", "count", "bit", "decibel", "strain",
+)  # fmt: skip
+"""How pint's names of units end that instruments give; it knows many more, such as the hand and the year (a)."""
+
+_PRESSURE = r"(?P<unit>[hkm]?pa|m?bar|psi)"
+_LETTER_ON = r"(?<!^pa)(?<![^hkm]pa)[gadü]"
+_AGAINST = r"(?:gauge|abs(?:olute)?|rel(?:ative)?|diff)\b\.?"
+_GAUGE = re.compile(
+    rf"(?:{_AGAINST}[\s_,]*)?{_PRESSURE}(?:{_LETTER_ON}|[\s_,(-]+(?:[gad]|{_AGAINST})\)?)?", re.I
+)
+_AT_END = re.compile(rf"(?<![^\W\d_]){_PRESSURE}(?:{_LETTER_ON}|\s*\([gad]\)|[\s_](?:g|{_AGAINST}))$", re.I)
+
+
+@cache
+def is_unit(text: str) -> bool:
+    """Whether a text, as people write it, is a unit."""
+    return bool(text.strip()) and unit_of(text) is not None
+
+
+def ungauged(name: str) -> str:
+    """A column's name without what says, behind a unit at its end, against what a pressure is measured: kPa_g."""
+    return _AT_END.sub(r"\g<unit>", name)
+
+
+@cache
+def unit_of(text: str) -> str | None:
+    """The unit that pint knows for what people write, or None; gauge and absolute pressures are in the same unit."""
+    plain = text.strip()
+    if re.fullmatch(r"[\[({<].*[\])}>]", plain):
+        plain = plain[1:-1].strip()
+    plain = plain.replace("\u00b5", "\u03bc")
+    if pressure := _GAUGE.fullmatch(plain):
+        plain = pressure["unit"]
+    if len(plain) != 1:
+        plain = _SPELT.get(plain.lower(), plain)
+    if plain in {"", "1", "-"}:
+        return "1" if plain else None
+    plain = _as_pint_writes(_LETTER.get(plain, plain))
+    if not re.fullmatch(r"(1/)?[A-Za-z°%][A-Za-z°%*/^0-9_ -]*", plain):
+        return None
+    try:
+        check(plain, "unit")
+    except LabrigError:
+        return None
+    return plain if all(name.endswith(_KINDS) for name in names_of(plain)) else None
+
+
+def _as_pint_writes(plain: str) -> str:
+    """Signs as letters, N.m and Nm as a product, m/s2 as a power, kg/cm2 as the pressure that it is."""
+    plain = plain.translate(_SIGNS)
+    plain = re.sub(r"(?<=[A-Za-z])\.(?=[A-Za-z])", "*", plain)
+    plain = re.sub(r"\b([kmc]?N)([mc]?m)\b", r"\1*\2", plain)
+    plain = re.sub(r"(?<=[A-Za-z])(-?[1234])(?![A-Za-z0-9])", r"**\1", plain)
+    return re.sub(r"^kg(?=/[cm]m(\*\*|\^)2$)", "kgf", plain)

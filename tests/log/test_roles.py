@@ -1,0 +1,238 @@
+"""What a guess takes columns for, where names say little: commands and sensors, side channels, clocks, markers."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from labrig import LabrigError
+from labrig.log import Guess, guess_mapping
+
+N = 120
+T = np.arange(N) * 0.5
+C1 = np.repeat([0.0, 30, 10, 40, 20, 0, 50, 10, 30, 40, 0, 20], 10)
+C2 = np.repeat([0.0, 10, 40, 20, 50, 30, 0, 40, 10, 20, 50, 0], 10)
+NOISE = np.random.default_rng(3).normal(0, 0.05, (N, 4))
+P1, P2 = C1 + NOISE[:, 0], C2 + NOISE[:, 1]
+F = 0.08 * P1 + 0.05 * P2 + 0.1 * NOISE[:, 2]
+
+
+def guess(folder: Path, **columns: Sequence[float] | np.ndarray) -> Guess:
+    """The guess for a table with these columns."""
+    pd.DataFrame(columns).to_csv(folder / "t.csv", index=False)
+    return guess_mapping(folder / "t.csv")
+
+
+def taken(found: Guess, kind: str) -> list[str]:
+    """The columns that a guess takes for something."""
+    return [one["column"] for one in found.mapping.get(kind, []) if "column" in one]
+
+
+@pytest.mark.parametrize(
+    ("commands", "sensors"),
+    [
+        (("SP1", "SP2"), ("PV1", "PV2")),
+        (("Pset1", "Pset2"), ("Pact1", "Pact2")),
+        (("Sollwert 1 [mbar]", "Sollwert 2 [mbar]"), ("Istwert 1 [mbar]", "Istwert 2 [mbar]")),
+        (("consigne_1", "consigne_2"), ("mesure_1", "mesure_2")),
+        (("goal_p1", "goal_p2"), ("present_p1", "present_p2")),
+        (("target_1", "target_2"), ("current_1", "current_2")),
+        (("setpoint1", "setpoint2"), ("pressure1", "pressure2")),
+        (("pd1", "pd2"), ("p1", "p2")),
+        (("p_c_1", "p_c_2"), ("p_s_1", "p_s_2")),
+        (("u1", "u2"), ("y1", "y2")),
+        (("设定1", "设定2"), ("实测1", "实测2")),
+        (("valve1_V", "valve2_V"), ("pressure1_kPa", "pressure2_kPa")),
+    ],
+)
+def test_a_command_and_its_sensor(
+    tmp_path: Path, commands: tuple[str, str], sensors: tuple[str, str]
+) -> None:
+    """Of two chambers, what stands still in holds is commanded and what follows it is its sensor, by word or number."""
+    scale = 0.05 if "V" in commands[0] and "Soll" not in commands[0] else 1.0
+    u = dict(zip(commands, (scale * C1, scale * C2), strict=True))
+    p = dict(zip(sensors, (P1, P2), strict=True))
+    for columns in (u | p, p | u):
+        found = guess(tmp_path, t_s=T, **columns, force_N=F)
+        assert sorted(taken(found, "actuation")) == sorted(commands)
+        names = {one["column"]: one["name"] for one in found.mapping["actuation"]}
+        pairs = {one["column"]: one["name"] for one in found.mapping["measured"]}
+        assert pairs == {s: names[c] for c, s in zip(commands, sensors, strict=True)}
+        assert taken(found, "observables") == ["force_N"]
+
+
+def test_what_follows_by_its_numbers_is_said(tmp_path: Path) -> None:
+    """Where numbers alone tell a command from its sensor, a remark says so."""
+    found = guess(tmp_path, t_s=T, pd1=C1, p1=P1, force_N=F)
+    assert (
+        "column 'p1' follows 'pd1': taken for its sensor, and 'pd1' for what was commanded" in found.remarks
+    )
+
+
+def test_what_is_measured_on_the_tip_is_no_sensor(tmp_path: Path) -> None:
+    """A force with the numbers of the pressure is still measured, not the sensor of the chamber."""
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=P1)
+    assert "measured" not in found.mapping
+    assert taken(found, "observables") == ["force_N"]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("pression_1", "pression_2"),
+        ("压力1", "压力2"),
+        ("kPa_1", "kPa_2"),
+        ("vacuum 1 (inHg)", "vacuum 2 (inHg)"),
+    ],
+)
+def test_what_differs_by_a_number_has_one_role(tmp_path: Path, names: tuple[str, str]) -> None:
+    """If one of several columns that differ by a number is an input, all are."""
+    found = guess(tmp_path, t_s=T, **{names[0]: C1, names[1]: C2}, force_N=F)
+    assert taken(found, "actuation") == list(names)
+    assert taken(found, "observables") == ["force_N"]
+
+
+def test_columns_without_names(tmp_path: Path) -> None:
+    """In a table without a header, columns that stand still in holds are the input, and what follows is its sensor."""
+    np.savetxt(tmp_path / "t.csv", np.c_[T, C1, C2, P1, F], delimiter=",", fmt="%.4f")
+    found = guess_mapping(tmp_path / "t.csv")
+    assert taken(found, "actuation") == [1, 2]
+    assert taken(found, "measured") == [3]
+    assert taken(found, "observables") == [4]
+
+
+def test_what_is_beside_the_measurement(tmp_path: Path) -> None:
+    """Supply, barometer, pump, battery, a valve that is open or closed and a room are covariates; a flow is not."""
+    beside = {
+        "supply_pressure_kPa": 600 + NOISE[:, 3],
+        "barometer_hPa": 1013 + NOISE[:, 2],
+        "pump_current_A": 0.5 + NOISE[:, 1],
+        "valve_state": (C1 > 20).astype(int),
+        "battery_V": 12 + NOISE[:, 0],
+        "room_temp_C": 21 + NOISE[:, 3],
+    }
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, **beside, flow_l_min=F)
+    assert taken(found, "actuation") == ["p1_set_kPa"]
+    assert taken(found, "covariates") == list(beside)
+    assert [(o["column"], o["unit"]) for o in found.mapping["observables"]] == [("flow_l_min", "l/min")]
+    units = [c["unit"] for c in found.mapping["covariates"]]
+    assert units == ["kPa", "hPa", "A", "1", "V", "degC"]
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("name", ["", "#", "Index", "No.", "Unnamed: 0"])
+def test_numbers_of_rows_are_left_out(tmp_path: Path, name: str, first: int) -> None:
+    """A column without a name, or called an index, that is 0, 1, 2 ... or 1, 2, 3 ... is no measurement."""
+    frame = pd.DataFrame({name: np.arange(N) + first, "p1_set_kPa": C1, "force_N": F})
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    found = guess_mapping(tmp_path / "t.csv")
+    assert taken(found, "observables") == ["force_N"]
+    assert "time" not in found.mapping
+    assert any("counts rows and is left out" in r for r in found.remarks)
+
+
+def test_only_what_counts_rows_is_said_to(tmp_path: Path) -> None:
+    """An id that comes again is left out, but not as one that counts rows."""
+    found = guess(tmp_path, t_s=T, id=np.tile([7, 9, 8], 40), p1_set_kPa=C1, force_N=F)
+    assert "column 'id' is a number or a name, no measurement, and is left out" in found.remarks
+
+
+def test_parts_of_the_clock_are_left_out(tmp_path: Path) -> None:
+    """Milliseconds beside a clock, and years to seconds, are no measurements, and a remark says so."""
+    found = guess(tmp_path, t_s=T, Milliseconds=np.tile([0, 500], 60), p1_set_kPa=C1, force_N=F)
+    assert taken(found, "observables") == ["force_N"]
+    parts = {"Year": [2026] * N, "Month": [11] * N, "Day": [26] * N, "Hour": [1] * N, "Minute": [2] * N}
+    found = guess(tmp_path, clock_s=T, **parts, p1_set_kPa=C1, force_N=F)
+    assert taken(found, "observables") == ["force_N"]
+    assert "column 'Hour' is a part of the clock, no measurement, and is left out" in found.remarks
+
+
+@pytest.mark.parametrize("owner", ["accel_", "gyro.", "mag_", "torque.", "tip_rot_", "vel_", "wrench/"])
+def test_what_has_axes_and_is_no_place(tmp_path: Path, owner: str) -> None:
+    """x, y and z of accelerations, torques, rotations and velocities are measured, and no markers in mm."""
+    own = {f"{owner}{axis}": NOISE[:, i] for i, axis in enumerate("xyz")}
+    place = {f"tip_{axis}_mm": 10 + NOISE[:, i] for i, axis in enumerate("xyz")}
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, **own, **place)
+    seen = found.mapping["observables"]
+    assert {o["marker"] for o in seen if "marker" in o} == {"tip"}
+    assert {o["column"]: o["unit"] for o in seen if "marker" not in o} == dict.fromkeys(own, "1")
+
+
+def test_the_unit_or_a_fourth_number_tells_that_it_is_no_place(tmp_path: Path) -> None:
+    """x, y, z in m/s2, or with a w beside them, are no markers."""
+    own = {f"imu {axis} (m/s2)": NOISE[:, i] for i, axis in enumerate("xyz")}
+    turn = {f"base_{axis}": NOISE[:, i] for i, axis in enumerate("xyzw")}
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, **own, **turn)
+    assert {(o["unit"], o.get("marker")) for o in found.mapping["observables"]} == {
+        ("m/s**2", None),
+        ("1", None),
+    }
+
+
+def test_places_called_tx_or_px(tmp_path: Path) -> None:
+    """TX, TY, TZ are places, but torques beside forces; px, py, pz are places."""
+    three = NOISE.T[:3] + 10
+    for names, forces, marker in (
+        ("TXTYTZ", {}, "marker"),
+        ("pxpypz", {}, "marker"),
+        ("TxTyTz", {"Fx": F}, None),
+    ):
+        own = {names[i : i + 2]: three[i // 2] for i in (0, 2, 4)}
+        found = guess(tmp_path, t_s=T, p1_set_kPa=C1, **forces, **own)
+        seen = {o["column"]: o.get("marker") for o in found.mapping["observables"]}
+        assert {seen[name] for name in own} == {marker}
+
+
+@pytest.mark.parametrize(
+    ("column", "labels", "wanted"),
+    [("id", [1, 2, 3], "m1.x, m1.y, m1.z"), ("marker", ["a", "b", "c"], "a.x, a.y, a.z")],
+)
+def test_a_long_table_is_refused(
+    tmp_path: Path, column: str, labels: list[int] | list[str], wanted: str
+) -> None:
+    """A table with a row for each marker and time is not merged into one marker: the line says what to do."""
+    rows = {"time_s": np.repeat(T, 3), "p1_set_kPa": np.repeat(C1, 3), column: labels * N}
+    places = {axis: np.repeat(P1, 3) for axis in "xyz"}
+    with pytest.raises(LabrigError) as error:
+        guess(tmp_path, **rows, **places)
+    assert str(error.value).endswith(
+        f"has 3 rows at one time, which column '{column}' tells apart; make it one row of each time (pivot it), with "
+        f"columns such as {wanted}"
+    )
+
+
+def test_two_rows_in_one_second_are_no_long_table(tmp_path: Path) -> None:
+    """A clock that counts whole seconds has several rows at one time, and is read."""
+    found = guess(tmp_path, time_s=np.floor(T), Milliseconds=np.tile([0, 500], 60), p1_set_kPa=C1, force_N=F)
+    assert taken(found, "observables") == ["force_N"]
+
+
+def test_words_among_numbers_are_said(tmp_path: Path) -> None:
+    """Of a column of numbers with a few words, the remark says how many, which, and what to do."""
+    force = ["OVER" if i % 20 == 3 else f"{f:.3f}" for i, f in enumerate(F)]
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=force, stretch_mm=F)
+    assert (
+        "column 'force_N' holds numbers, but in 6 of 120 cells words, first 'OVER' (missing: ['OVER'] under 'format:' "
+        "makes them missing), and is left out"
+    ) in found.remarks
+    with pytest.raises(LabrigError, match=r"nothing is left .*first 'OVER' \(missing: \['OVER'\]"):
+        guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=force)
+
+
+def test_an_unknown_unit_is_said_once(tmp_path: Path) -> None:
+    """What stands where a unit stands and is none that is known: unit 1, with one remark that says what is written."""
+    found = guess(tmp_path, t_s=T, **{"P1 set (x10 kPa)": C1, "flow (sccm)": F})
+    assert [one["unit"] for kind in ("actuation", "observables") for one in found.mapping[kind]] == ["1", "1"]
+    about = [r for r in found.remarks if "unit" in r]
+    assert about == [
+        "the unit of 'P1 set (x10 kPa)' is written as 1: labrig does not know 'x10 kPa'; correct it under 'unit:'",
+        "the unit of 'flow (sccm)' is written as 1: labrig does not know 'sccm'; correct it under 'unit:'",
+    ]
+
+
+def test_two_columns_that_differ_by_their_unit_have_two_names(tmp_path: Path) -> None:
+    """What is called the same without its unit keeps it in its name, as no two entries may be called the same."""
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=F, force_mN=1000 * P1)
+    assert [o["name"] for o in found.mapping["observables"]] == ["force_N", "force_mN"]
