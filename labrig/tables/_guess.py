@@ -14,6 +14,7 @@ from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
 from labrig.tables._sniff import layout, sniff
 from labrig.tables._table import Table, short
+from labrig.tables._units import factor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -188,7 +189,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
         {
             "column": key(n.column, p),
             "name": names[key(own_name.column, p)],
-            "unit": n.unit or own_name.unit or "1",
+            **_in_unit_of(n, own_name),
         }
         for p, own in sources
         for n, own_name in own.measured
@@ -231,6 +232,14 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
     if covariates:
         out["covariates"] = covariates
     return out
+
+
+def _in_unit_of(sensor: Name, command: Name) -> dict[str, Any]:
+    """The unit of a sensor's entry, with a scale where its command is in another unit of the same kind."""
+    own, unit = sensor.unit, command.unit
+    if own is None or unit is None or own == unit or "1" in {own, unit}:
+        return {"unit": own or unit or "1"}
+    return {"unit": unit, "scale": float(f"{factor(own, unit, 'measured'):.12g}")}
 
 
 def _called(name: Name, prefix: str) -> str:

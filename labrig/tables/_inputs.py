@@ -110,6 +110,12 @@ def find_sensors(
     return found
 
 
+def may_be_compared(sensor: Name, command: Name) -> bool:
+    """Whether a sensor's numbers can be in the unit of its command; a pressure is not in the volts of a valve."""
+    said = {sensor.unit, command.unit}
+    return len(said) == 1 or None in said or "1" in said or like(str(sensor.unit), str(command.unit))
+
+
 def _same(measured: Name, inputs: list[Name], left: list[Name]) -> Name | None:
     """The input that a sensor reads: what is left of both names without their roles, or their numbers, are alike."""
     roles = names.COMMANDED | names.MEASURED

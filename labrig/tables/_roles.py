@@ -7,7 +7,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._inputs import find_commands, find_held, find_sensors, is_side
+from labrig.tables._inputs import find_commands, find_held, find_sensors, is_side, may_be_compared
 from labrig.tables._labels import find_labels, numbers_rows, refuse_long
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
@@ -200,8 +200,16 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     out.remarks += remarks
     out.actuation = inputs
     left = [n for n in rest if n not in inputs and n not in beside]
-    out.measured = find_sensors([n for n in left if n not in side], inputs, out.values)
-    taken = [n for n, _ in out.measured]
+    pairs = find_sensors([n for n in left if n not in side], inputs, out.values)
+    out.measured = [(n, u) for n, u in pairs if may_be_compared(n, u)]
+    for n, u in pairs:
+        if not may_be_compared(n, u):
+            beside.append(n)
+            out.remarks.append(
+                f"column {n.column!r} is a sensor in {n.unit} of {u.column!r} in {u.unit}: taken for a covariate; "
+                f"give it a scale to {u.unit} and put it under 'measured:' to compare them"
+            )
+    taken = [n for n, _ in pairs]
     out.observables = [n for n in left if n not in taken and n not in side]
     out.covariates = [n for n in rest if n in beside or (n in side and n not in inputs)]
     if not out.observables and not out.markers:

@@ -44,15 +44,13 @@ def taken(found: Guess, kind: str) -> list[str]:
         (("p_c_1", "p_c_2"), ("p_s_1", "p_s_2")),
         (("u1", "u2"), ("y1", "y2")),
         (("设定1", "设定2"), ("实测1", "实测2")),
-        (("valve1_V", "valve2_V"), ("pressure1_kPa", "pressure2_kPa")),
     ],
 )
 def test_a_command_and_its_sensor(
     tmp_path: Path, commands: tuple[str, str], sensors: tuple[str, str]
 ) -> None:
     """Of two chambers, what stands still in holds is commanded and what follows it is its sensor, by word or number."""
-    scale = 0.05 if "V" in commands[0] and "Soll" not in commands[0] else 1.0
-    u = dict(zip(commands, (scale * C1, scale * C2), strict=True))
+    u = dict(zip(commands, (C1, C2), strict=True))
     p = dict(zip(sensors, (P1, P2), strict=True))
     for columns in (u | p, p | u):
         found = guess(tmp_path, t_s=T, **columns, force_N=F)
@@ -69,6 +67,22 @@ def test_what_follows_by_its_numbers_is_said(tmp_path: Path) -> None:
     assert (
         "column 'p1' follows 'pd1': taken for its sensor, and 'pd1' for what was commanded" in found.remarks
     )
+
+
+def test_a_command_in_volts(tmp_path: Path) -> None:
+    """A pressure that follows volts is no input; it can't be compared with them and is a covariate, as is said."""
+    found = guess(tmp_path, t_s=T, valve1_V=0.05 * C1, pressure1_kPa=P1, force_N=F)
+    assert taken(found, "actuation") == ["valve1_V"]
+    assert taken(found, "covariates") == ["pressure1_kPa"]
+    assert any("give it a scale to V and put it under 'measured:'" in r for r in found.remarks)
+
+
+def test_a_sensor_in_another_unit_of_pressure(tmp_path: Path) -> None:
+    """A sensor in bar of a command in kPa is converted, as both are compared in the command's unit."""
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, p1_meas_bar=0.01 * P1, force_N=F)
+    assert found.mapping["measured"] == [
+        {"column": "p1_meas_bar", "name": "p1_set", "unit": "kPa", "scale": 100.0}
+    ]
 
 
 def test_what_is_measured_on_the_tip_is_no_sensor(tmp_path: Path) -> None:
