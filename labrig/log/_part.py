@@ -157,7 +157,13 @@ class Part:
         out = np.full((self.n, len(names)), np.nan)
         for entry in self.mapping.measured:
             numbers = self.table.numbers(entry.column, f"measured {entry.name}", thousands=entry.thousands)
-            out[:, names.index(entry.name)] = entry.scaled(numbers)
+            c = names.index(entry.name)
+            unit = self.mapping.actuation[c].unit
+            where = f"{self.mapping_path}: measured {entry.name}"
+            scale = (
+                1.0 if "1" in (unit, entry.unit) or unit == entry.unit else factor(entry.unit, unit, where)
+            )
+            out[:, c] = scale * entry.scaled(numbers)
         return out
 
     def _covariates(self) -> Floats:

@@ -135,6 +135,8 @@ def refuse_long(table: Table, time: str) -> None:
         label, found = pd.factorize(values)
         pairs = pd.DataFrame({"at": moments, "label": label})
         few = several <= len(found) <= min(2 * several, len(size))
+        if int((np.diff(label) != 0).sum()) + 1 == len(found):  # sessions, one behind the other
+            continue
         if few and (label >= 0).all() and not pairs.duplicated().any() and _come_again(pairs, several):
             have = [short(str(v) if isinstance(v, str) else f"m{v:g}", quote=False) for v in found[:3]]
             wanted = (

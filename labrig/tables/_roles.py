@@ -11,7 +11,7 @@ from labrig.tables._inputs import find_commands, find_held, find_sensors, is_sid
 from labrig.tables._labels import find_labels, numbers_rows, refuse_long
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
-from labrig.tables._table import NOTHING, Table, short
+from labrig.tables._table import MINUS, Table, is_nothing, short
 from labrig.tables._time import are_dates, find_clock, may_be_clock
 from labrig.tables._units import is_length, is_screen
 
@@ -114,16 +114,17 @@ def _numbers(table: Table, column: Any) -> Floats | None:
     text = _filled(table, column).head(1000)
     if len(text) and np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), float)).mean() > 0.02:
         return None
-    every = values.astype(str).str.strip().str.replace(table.decimal, ".", regex=False)
+    every = values.astype(str).str.strip().str.replace(MINUS, "-", regex=False)
+    every = every.str.replace(table.decimal, ".", regex=False)
     return np.asarray(pd.to_numeric(every, errors="coerce"), dtype=float)
 
 
 def _filled(table: Table, column: Any) -> Any:
     """The cells of a column that hold something, as text with decimal points, a Series."""
-    text: Any = table.frame[column].dropna().astype(str).str.strip()
+    text: Any = table.frame[column].dropna().astype(str).str.strip().str.replace(MINUS, "-", regex=False)
     if table.decimal != ".":
         text = text.str.replace(table.decimal, ".", regex=False)
-    return text[~text.str.casefold().isin(NOTHING)]
+    return text[~is_nothing(text, table.missing)]
 
 
 def _words_among(table: Table, column: Any) -> str:

@@ -64,7 +64,8 @@ _OF_SHEETS = (
     "#bezug!",
 )
 _SIGNS = r"[^\w]*"
-_MINUS = "\u2212"
+MINUS = "\u2212"
+"""What some programs write before a number below zero."""
 NOTHING = frozenset((*_WORDS, *_OF_SHEETS))
 """What instruments, loggers and spreadsheets write, in any case, where they have no number."""
 
@@ -100,7 +101,7 @@ class Table:
             out[np.isin(out, [float(word) for word in self.missing if _is_number(word)])] = np.nan
             blank = np.isnan(out)
         else:
-            text = values.astype(str).str.strip().str.replace(_MINUS, "-", regex=False)
+            text = values.astype(str).str.strip().str.replace(MINUS, "-", regex=False)
             blank = np.asarray(values.isna() | is_nothing(text, self.missing))
             if thousands:
                 text = text.str.replace(thousands, "", regex=False)

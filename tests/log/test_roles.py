@@ -225,13 +225,13 @@ def test_two_rows_in_one_second_are_no_long_table(tmp_path: Path) -> None:
 
 def test_words_among_numbers_are_said(tmp_path: Path) -> None:
     """Of a column of numbers with a few words, the remark says how many, which, and what to do."""
-    force = ["OVER" if i % 20 == 3 else f"{f:.3f}" for i, f in enumerate(F)]
+    force = ["saturated" if i % 20 == 3 else f"{f:.3f}" for i, f in enumerate(F)]
     found = guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=force, stretch_mm=F)
     assert (
-        "column 'force_N' holds numbers, but in 6 of 120 cells words, first 'OVER' (missing: ['OVER'] under 'format:' "
-        "makes them missing), and is left out"
+        "column 'force_N' holds numbers, but in 6 of 120 cells words, first 'saturated' (missing: ['saturated'] under "
+        "'format:' makes them missing), and is left out"
     ) in found.remarks
-    with pytest.raises(LabrigError, match=r"nothing is left .*first 'OVER' \(missing: \['OVER'\]"):
+    with pytest.raises(LabrigError, match=r"nothing is left .*first 'saturated' \(missing: \['saturated'\]"):
         guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=force)
 
 
