@@ -1,0 +1,251 @@
+"""Tables as instruments lay them out: lines above the names, names in two lines, notes between rows, what is unseen."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import labrig
+from labrig import LabrigError
+from labrig.log import guess_mapping, import_guessed, import_table
+from labrig.tables import read_file, sniff
+
+N = 24
+T = 0.5 * np.arange(N)
+P = np.repeat([0.0, 20.0, 40.0, 10.0], 6)
+XYZ = np.stack([60 + 0.1 * P, 20 - 0.05 * P, 190 + 0.02 * P], axis=1)
+ROWS = [f"{t},{p},{p / 8:.3f}" for t, p in zip(T, P, strict=True)]
+MARKERS = [f"{i},{t},{x:.3f},{y:.3f},{z:.3f},{x + 1:.3f},{y + 1:.3f},{z + 1:.3f}"
+           for i, (t, (x, y, z)) in enumerate(zip(T, XYZ, strict=True))]  # fmt: skip
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder of the test."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write(lines: list[str], name: str = "t.csv", end: str = "\n") -> Path:
+    """A file of these lines."""
+    path = Path(name)
+    path.write_text("\n".join(lines) + end, encoding="utf-8")
+    return path
+
+
+LAYOUTS = {
+    "Motive": (
+        [
+            "Format Version,1.23,Take Name,Take 1,Capture Frame Rate,2.000000,Length Units,Millimeters",
+            "",
+            ",Type,Marker,Marker,Marker,Marker,Marker,Marker",
+            ",Name,Arm:M1,Arm:M1,Arm:M1,Arm:M2,Arm:M2,Arm:M2",
+            ',ID,"4CF0","4CF0","4CF0","4CF1","4CF1","4CF1"',
+            ",,Position,Position,Position,Position,Position,Position",
+            "Frame,Time (Seconds),X,Y,Z,X,Y,Z",
+        ],
+        "Arm:M1 X",
+    ),
+    "Nexus": (
+        ["Trajectories", "2", ",,Arm:M1,,,Arm:M2,,", "Frame,Sub Frame,X,Y,Z,X,Y,Z", ",,mm,mm,mm,mm,mm,mm"],
+        "Arm:M1 X",
+    ),
+    "by hand": (["frame,t,m1,,,m2,,", ",,x,y,z,x,y,z"], "m1 x"),
+    "a line a level": (
+        [",,tip,tip,tip,base,base,base", "frame,t,x,y,z,x,y,z", ",,mm,mm,mm,mm,mm,mm"],
+        "tip x",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", list(LAYOUTS))
+def test_names_in_several_lines(desk: Path, name: str) -> None:
+    """A line above that says whose x, y and z they are is a part of each name."""
+    above, first = LAYOUTS[name]
+    path = write([*above, *MARKERS])
+    table = read_file(path, sniff(path))
+    assert len(table.frame) == N
+    assert table.frame.columns[2] == first
+    assert len(set(table.frame.columns)) == 8
+    assert table.numbers(first, "observable") == pytest.approx(XYZ[:, 0], abs=1e-3)
+
+
+def test_bodies_and_markers_of_one_name(desk: Path) -> None:
+    """Where one line above is too few to tell columns apart, two are: turns and places of a body."""
+    above = [
+        ",Name,Base,Base,Base,Tip,Tip,Tip",
+        ",,Rotation,Position,Position,Rotation,Position,Position",
+        "Frame,Time (Seconds),X,X,Y,X,X,Y",
+    ]
+    path = write([*above, *MARKERS])
+    assert list(read_file(path, sniff(path)).frame.columns[[2, 3, 5]]) == [
+        "Base Rotation X",
+        "Base Position X",
+        "Tip Rotation X",
+    ]
+
+
+def test_two_instruments_by_a_mapping(desk: Path) -> None:
+    """Motion with names in several lines joins pressures of another file, by the names that a guess prints."""
+    write([*LAYOUTS["Motive"][0], *MARKERS], "motion.csv")
+    write(["t,p_set_kPa,F", *ROWS], "pressures.csv")
+    how = sniff(Path("motion.csv"))
+    Path("map.yaml").write_text(
+        "table: pressures.csv\ntime: {column: t}\n"
+        "join: [{name: cam, file: motion.csv, time: {column: Time (Seconds)}, "
+        f"format: {{skip_rows: {how.skip_rows}, groups: {how.groups}}}}}]\n"
+        "actuation: [{column: p_set_kPa, name: c1, unit: kPa}]\n"
+        "observables: [{column: 'cam.Arm:M1 X', name: m1.x, unit: mm, marker: m1, axis: x}]\n",
+        encoding="utf-8",
+    )
+    run = import_table(Path("map.yaml"), Path("run"))
+    assert run["observed"].to_numpy()[:, 0, 0] == pytest.approx(XYZ[:, 0], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("above", "separator"),
+    [
+        (["# t p_set_kPa F"], " "),
+        (["LabVIEW Measurement\t", "***End_of_Header***\t", "X0\t0.0\t0.0", "Delta_X\t0.5\t0.5",
+          "***End_of_Header***\t\t", "t\tp_set_kPa\tF\tComment"], "\t"),
+        (["Results", "Maximum,Mean,Least", '"1",12.3,0.1', "", "Raw Data", "t,p_set_kPa,F", "(s),(kPa),(N)"], ","),
+        (["name,t,p_set_kPa,F", "raster,host,host,host"], ",,"),
+    ],
+)  # fmt: skip
+def test_lines_above_the_rows(desk: Path, above: list[str], separator: str) -> None:
+    """Names are found behind a sign of a comment, below other lines and small tables, and over lines of words."""
+    lead = "," if separator == ",," else ""
+    path = write([*above, *[lead + row.replace(",", separator[0]) for row in ROWS]])
+    table = read_file(path, sniff(path))
+    assert len(table.frame) == N
+    assert table.numbers("p_set_kPa", "actuation").tolist() == P.tolist()
+    assert table.numbers("t", "time").tolist() == T.tolist()
+
+
+def test_lines_between_the_rows(desk: Path) -> None:
+    """Names that come again, comments, blank lines and a footer are no rows, and are said; lines are counted on."""
+    rows = [*ROWS[:8], "t,p_set_kPa,F", *ROWS[8:12], "# a hose came off", "", *ROWS[12:], "End of test"]
+    table = read_file(path := write(["t,p_set_kPa,F", *rows]), sniff(path))
+    assert table.numbers("F", "observable").tolist() == pytest.approx((P / 8).round(3).tolist())
+    assert table.said == ("3 lines hold no number and are left out (line 10, 15, 29)",)
+    assert table.at(8) == "t.csv, line 11"
+    assert guess_mapping(path).remarks[0] == table.said[0]
+
+
+def test_a_last_line_that_was_cut(desk: Path) -> None:
+    """A row whose end was never written is left out, and it is said."""
+    table = read_file(path := write(["t,p_set_kPa,F", *ROWS, "12.0,10"], end=""), sniff(path))
+    assert len(table.frame) == N
+    assert table.said == ("its last line was not written to its end and is left out",)
+
+
+def test_blanks_that_hide_a_missing_cell(desk: Path) -> None:
+    """With blanks between cells nobody can tell which one is missing: the line is named."""
+    rows = [row.replace(",", " ") for row in ROWS]
+    path = write(["t p F", *rows[:5], "2.5 20.0", *rows[6:]])
+    with pytest.raises(
+        LabrigError, match=r"t.csv, line 7: has 2 cells where others have 3: .* write NaN there"
+    ):
+        read_file(path, sniff(path))
+
+
+def test_commas_at_the_end_of_rows(desk: Path) -> None:
+    """They make no column."""
+    path = write(["t,p_set_kPa,F", *[row + "," for row in ROWS]])
+    guess = guess_mapping(path)
+    assert [o["column"] for o in guess.mapping["observables"]] == ["F"]
+    assert guess.mapping["time"]["column"] == "t"
+
+
+def test_commands_that_are_written_where_they_change(desk: Path) -> None:
+    """An empty command is as the one above; a guess sees it, and an empty first one is an error."""
+    change = np.r_[True, np.diff(P) != 0]
+    rows = [f"{t},{p if new else ''},{p / 8:.3f}" for t, p, new in zip(T, P, change, strict=True)]
+    path = write(["t,p_set_kPa,F", *rows])
+    assert guess_mapping(path).mapping["actuation"][0]["on_change"] is True
+    import_guessed([path], Path("run"))
+    assert labrig.open_run("run")["commanded"].to_numpy()[:, 0].tolist() == [0.0, 20.0, 40.0, 10.0]
+    write(["t,p_set_kPa,F", "0.0,,0.0", *rows[1:]], "late.csv")
+    Path("map.yaml").write_text(
+        "table: late.csv\ntime: {column: t}\nobservables: [{column: F, name: F, unit: N}]\n"
+        "actuation: [{column: p_set_kPa, name: c1, unit: kPa, on_change: true}]\n"
+    )
+    with pytest.raises(
+        LabrigError, match=r"late.csv, line 2: column 'p_set_kPa' .* is empty in the first row"
+    ):
+        import_table(Path("map.yaml"), Path("other"))
+
+
+def test_words_and_numbers_for_nothing(desk: Path) -> None:
+    """What `missing` lists is no number, written as a word or as a number."""
+    cells = [f"{p / 8:.3f}" for p in P]
+    cells[3], cells[9] = "9999", "saturated"
+    write(["t,p,F", *[f"{t},{p},{f}" for t, p, f in zip(T, P, cells, strict=True)]])
+    Path("map.yaml").write_text(
+        "table: t.csv\nformat: {missing: [9999, Saturated]}\ntime: {column: t}\n"
+        "actuation: [{column: p, name: c1, unit: kPa}]\nobservables: [{column: F, name: F, unit: N}, "
+        "{column: t, name: clock, unit: s}]\n"
+    )
+    run = import_table(Path("map.yaml"), Path("run"))
+    assert np.flatnonzero(np.isnan(run["observed"].to_numpy()[:, 0, 0])).tolist() == [3, 9]
+
+
+@pytest.mark.parametrize("code", ["0,0,0", "-3.697314e+28,-3.697314e+28,-3.697314e+28", "99999,99999,99999"])
+def test_markers_that_were_not_seen(desk: Path, code: str) -> None:
+    """What a tracker writes for a marker out of sight is missing, and said; where rest may be at 0, 0 is a place."""
+    rows = [f"{t},{p},{x:.3f},{y:.3f},{z:.3f}" for t, p, (x, y, z) in zip(T, P, XYZ, strict=True)]
+    for i in (4, 15):
+        rows[i] = f"{T[i]},{P[i]},{code}"
+    rows = [f"{row},{i}" for i, row in enumerate(rows)]
+    import_guessed([write(["t_s,p_set_kPa,m.x_mm,m.y_mm,m.z_mm,force_N", *rows])], Path("run"))
+    place, hold = (labrig.open_run("run")[name].to_numpy() for name in ("position_mm", "hold_s"))
+    assert np.isnan(place[np.isfinite(hold)]).all(axis=(1, 2)).nonzero()[0].tolist() == [4, 15]
+    moved = [f"{t},{p},{p / 9:.3f},{p / 7:.3f},{p / 5:.3f}" for t, p in zip(T, P, strict=True)]
+    import_guessed([write(["t_s,p_set_kPa,m.x_mm,m.y_mm,m.z_mm", *moved], "moved.csv")], Path("moved"))
+    place, hold = (labrig.open_run("moved")[name].to_numpy() for name in ("position_mm", "hold_s"))
+    assert np.isfinite(place[np.isfinite(hold)]).all()
+
+
+def test_a_sheet_with_a_title(desk: Path) -> None:
+    """Titles and empty rows above the names of a workbook are no names; units below them are read."""
+    import pandas as pd
+
+    cells = [["Soft arm, campaign 7", None, None], [None] * 3, ["t", "p_set", "F"], ["s", "kPa", "N"],
+             *[[float(v) for v in row.split(",")] for row in ROWS]]  # fmt: skip
+    pd.DataFrame(cells).to_excel("t.xlsx", header=False, index=False)
+    mapping = guess_mapping("t.xlsx").mapping
+    assert mapping["format"] == {"skip_rows": 2, "units_row": True}
+    assert mapping["actuation"] == [{"column": "p_set", "name": "p_set", "unit": "kPa"}]
+    assert mapping["observables"] == [{"column": "F", "name": "F", "unit": "N"}]
+
+
+def test_each_file_may_be_another_sheet(desk: Path) -> None:
+    """An entry of `table` names its sheet."""
+    import pandas as pd
+
+    with pd.ExcelWriter("t.xlsx") as writer:
+        for day, shift in (("monday", 0.0), ("tuesday", 1.0)):
+            pd.DataFrame({"t": T, "p": P, "F": P + shift}).to_excel(writer, sheet_name=day, index=False)
+    Path("map.yaml").write_text(
+        "table: [{file: t.xlsx, part: monday, session: a}, {file: t.xlsx, part: tuesday, session: b}]\n"
+        "time: {column: t}\nactuation: [{column: p, name: c1, unit: kPa}]\n"
+        "observables: [{column: F, name: F, unit: N}]\n"
+    )
+    run = import_table(Path("map.yaml"), Path("run"))
+    assert run["observed"].to_numpy().ravel().tolist() == [*P, *(P + 1)]
+    assert sorted(set(run["session"].to_numpy().tolist())) == ["a", "b"]
+
+
+def test_a_sensor_in_another_unit_than_its_command(desk: Path) -> None:
+    """What a chamber's sensor read is converted to the unit of its command; volts are no pressure."""
+    write(["t,p,m,F", *[f"{t},{p},{p / 100},{p / 8}" for t, p in zip(T, P, strict=True)]])
+    said = (
+        "table: t.csv\ntime: {column: t}\nactuation: [{column: p, name: c1, unit: kPa}]\n"
+        "measured: [{column: m, name: c1, unit: UNIT}]\nobservables: [{column: F, name: F, unit: N}]\n"
+    )
+    Path("map.yaml").write_text(said.replace("UNIT", "bar"))
+    run = import_table(Path("map.yaml"), Path("run"))
+    assert run["measured"].to_numpy().ravel() == pytest.approx(P)
+    Path("map.yaml").write_text(said.replace("UNIT", "V"))
+    with pytest.raises(LabrigError, match="measured c1: unit 'V' can't be converted to kPa"):
+        import_table(Path("map.yaml"), Path("other"))
