@@ -99,7 +99,7 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
         with_words = next((f"{r}; correct it, or " for r in remarks if "missing: [" in r), "")
         raise LabrigError(
             f"{path}: nothing is left that was measured (columns: {short(have, quote=False)}); {with_words}"
-            "write a mapping (docs/reference/mapping.md)"
+            "write a mapping, which may join the file of what was measured (docs/how-to/your-data.md)"
         )
     return Guess(mapping, table.frame.head(_PREVIEW), remarks)
 
