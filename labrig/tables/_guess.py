@@ -47,7 +47,7 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
     if kind == "text":
         how = sniff(path)
         return _guess(path, [(how, read_file(path, how))], folder)
-    if kind in {"c3d", "parquet"}:
+    if kind in {"c3d", "parquet", "json"}:
         return _guess(path, [(Format(), read_file(path, Format()))], folder)
     parts = {name: n for name, n in parts_of(path).items() if n > 1}
     if not parts:

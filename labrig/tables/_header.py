@@ -1,6 +1,7 @@
 """The names of a text table's columns: one line of them, or more, where one above says what some have in common."""
 
 import csv
+import re
 from itertools import combinations, islice
 from pathlib import Path
 
@@ -8,7 +9,8 @@ from labrig._errors import LabrigError
 from labrig.tables._mapping import Format
 from labrig.tables._table import short
 
-SEPARATORS = {"whitespace": r"\s+", "tab": "\t"}
+SEPARATORS = {"whitespace": r"\s+", "tab": "\t", "arrow": r"\s*(?:->|[,;\t])\s*"}
+"""By name; with `arrow` each line begins with its time and `->`, as a serial monitor writes it."""
 _COMMENT = {"#", "%", "//", ";"}
 _LABELS = {"name", "bodyparts", "scorer"}
 """What stands before the names of bodies and markers, over columns that are none of them."""
@@ -21,6 +23,8 @@ def split(line: str, separator: str) -> list[str]:
     if separator == "whitespace":
         cells = line.split()
         return cells[1:] if cells and cells[0] in _COMMENT else cells
+    if separator == "arrow":
+        return re.split(SEPARATORS[separator], line.strip())
     try:
         return next(csv.reader([line], delimiter=SEPARATORS.get(separator, separator), skipinitialspace=True))
     except (csv.Error, StopIteration):
@@ -82,7 +86,7 @@ def names_of(path: Path, how: Format, encoding: str, width: int) -> tuple[list[s
         )
     with path.open(encoding=encoding, newline=None) as file:
         lines = islice(file, first, None)
-        if how.separator == "whitespace":
+        if len(SEPARATORS.get(how.separator, how.separator)) > 1:
             rows = [split(line, how.separator) for line in islice(lines, how.skip_rows - first + 1)]
         else:
             reader = csv.reader(

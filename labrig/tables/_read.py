@@ -1,5 +1,6 @@
 """A foreign file becomes a table, by its ending and by what is in it."""
 
+import json
 import os
 import zipfile
 from collections.abc import Callable, Iterator
@@ -29,11 +30,11 @@ _BEGINS = (
     (b"#ROSBAG", "bag"),
     (b"\xd0\xcf\x11\xe0", "excel"),
 )
-READ = "CSV and other text, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP and ROS bags"
+READ = "CSV and other text, JSON, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP and ROS bags"
 
 
 def kind_of(path: Path) -> str:
-    """`text`, `excel`, `parquet`, `arrays`, `c3d` or `bag`: by what the file begins with, else by its ending.
+    """`text`, `json`, `excel`, `parquet`, `arrays`, `c3d` or `bag`: by what the file begins with, else by its ending.
 
     A file with the wrong ending is read as what it is. Raises `LabrigError` if it is not there, is empty, or can't be
     read.
@@ -61,7 +62,7 @@ def kind_of(path: Path) -> str:
     for kind, endings in _ENDINGS.items():
         if ending in endings:
             return kind
-    return "text"
+    return "json" if head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"[{")) else "text"
 
 
 def read_table(path: Path, mapping: Mapping, part: str | None = None) -> Table:
@@ -105,6 +106,7 @@ _NAMES = {
     "arrays": "a file of arrays",
     "c3d": "C3D",
     "bag": "a log",
+    "json": "JSON, one record a line or a list of records",
 }
 
 
@@ -127,9 +129,35 @@ def _reader(kind: str, mapping: Mapping | None, as_text: bool) -> Callable[[Path
         return read_bag
     if kind == "parquet":
         return _read_parquet
+    if kind == "json":
+        return _read_json
     from labrig.tables._text import read_text
 
     return lambda path, how: read_text(path, how, as_text=as_text)
+
+
+def _read_json(path: Path, how: Format) -> Table:
+    """Records of one object each, one a line or in a list; a key within a key is called ``KEY.KEY``, as is an entry of
+    a list by its number.
+    """
+    import pandas as pd
+
+    text = path.read_text(encoding=how.encoding or "utf-8-sig")
+    whole = text.lstrip().startswith("[")
+    records = json.loads(text) if whole else [json.loads(line) for line in text.splitlines() if line.strip()]
+    return Table(path, pd.DataFrame([dict(_flat(record)) for record in records]), row_is="record")
+
+
+def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """What a record holds, by the names of columns."""
+    inner = (
+        value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else None
+    )
+    if inner is None:
+        yield name, value
+        return
+    for key, one in inner:
+        yield from _flat(one, f"{name}.{key}" if name else str(key))
 
 
 def _read_parquet(path: Path, how: Format) -> Table:

@@ -17,6 +17,7 @@ _ABOVE = 12
 _FEW = 3
 _LONGEST = 1 << 16
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
+_ARROW = " -> "
 _CHOICES = {",": ",", ";": ";", "tab": "\t", "|": "|", "whitespace": None}
 
 
@@ -31,7 +32,9 @@ def sniff(path: Path) -> Format:
     if len(lines) == _LINES:
         lines = lines[:-1]
     scores = {name: _score(lines, name) for name in _CHOICES}
-    drawn = {name: score for name, score in scores.items() if _CHOICES[name] and score[0] >= 0.5}
+    if sum(_ARROW in line for line in lines) > len(lines) / 2:
+        scores = {"arrow": _score(lines, "arrow")}
+    drawn = {name: score for name, score in scores.items() if _CHOICES.get(name) and score[0] >= 0.5}
     separator = max(drawn or scores, key=lambda name: scores[name])
     cells = [split(line, separator) for line in lines]
     found = layout(cells)

@@ -89,6 +89,8 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
         "header": None,
         "index_col": False,
     }
+    if len(options["sep"]) > 1 and how.separator != "whitespace":
+        options["engine"] = "python"  # the faster one knows no patterns
     if as_text or how.decimal != ".":
         options["dtype"] = str
     above = how.skip_rows + how.header + (how.units_row and how.header)

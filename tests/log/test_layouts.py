@@ -1,5 +1,6 @@
 """Tables as instruments lay them out: lines above the names, names in two lines, notes between rows, what is unseen."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -249,3 +250,28 @@ def test_a_sensor_in_another_unit_than_its_command(desk: Path) -> None:
     Path("map.yaml").write_text(said.replace("UNIT", "V"))
     with pytest.raises(LabrigError, match="measured c1: unit 'V' can't be converted to kPa"):
         import_table(Path("map.yaml"), Path("other"))
+
+
+def test_a_log_of_a_serial_monitor(desk: Path) -> None:
+    """Times before an arrow are a column of their own."""
+    lines = [f"13:05:{t:06.3f} -> {p},{p / 8:.3f}" for t, p in zip(T, P, strict=True)]
+    table = read_file(path := write(lines, "t.log"), sniff(path))
+    assert [table.numbers(c, "it").tolist() for c in (1, 2)] == [P.tolist(), (P / 8).round(3).tolist()]
+    guess = guess_mapping(path)
+    assert guess.mapping["time"] == {"column": 0, "unit": "date"}
+
+
+@pytest.mark.parametrize("as_list", [False, True])
+def test_records_of_json(desk: Path, as_list: bool) -> None:
+    """One record a line, or a list of them; keys within keys, and lists, are columns."""
+    records = [
+        {"t_s": t, "set": {"p_kPa": p}, "tip_mm": place}
+        for t, p, place in zip(T.tolist(), P.tolist(), XYZ.tolist(), strict=True)
+    ]
+    path = write([json.dumps(records)] if as_list else [json.dumps(one) for one in records], "t.json")
+    guess = guess_mapping(path)
+    assert guess.mapping["actuation"][0]["column"] == "set.p_kPa"
+    assert [o["column"] for o in guess.mapping["observables"]] == ["tip_mm.0", "tip_mm.1", "tip_mm.2"]
+    Path("half.json").write_text('{"t": 1}\n{"t": ')
+    with pytest.raises(LabrigError, match=r"half.json: can't be read as JSON, one record a line"):
+        guess_mapping("half.json")
