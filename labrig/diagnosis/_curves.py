@@ -73,6 +73,7 @@ def in_any_order(context: Context) -> tuple[Context, Ints]:
         covariates={},
         between_sessions="vented",
         start_s=float("nan"),
+        goes_on=(),
     )
     alone = replace(moved, rows=rows, event_deflection=moved.deflection[first], _memo={})
     return alone, np.argsort(order)

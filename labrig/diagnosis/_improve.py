@@ -12,12 +12,13 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def compare(runs: "Sequence[Dataset] | Dataset", model: Model) -> Result:
+def compare(runs: "Sequence[Dataset] | Dataset", model: Model, *, only_last: bool = False) -> Result:
     """Errors of a model as it stands, without any fit of effects: how large, and where.
 
-    Raises `LabrigError` when the runs and the model do not fit together.
+    With `only_last`, those on the last of several runs, which remembers what the rig did in the others. Raises
+    `LabrigError` when the runs and the model do not fit together.
     """
-    return Opened(runs, model).compare()
+    return Opened(runs, model, only_last=only_last).compare()
 
 
 def improve(

@@ -15,7 +15,7 @@ from labrig.diagnosis._constants import LEAST_FLOORS
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
-from labrig.diagnosis._problem import prepared, rows_from
+from labrig.diagnosis._problem import last_of, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._units_off import units_off
@@ -66,12 +66,14 @@ class Trial:
 class Opened:
     """Runs of one rig beside a model: what they say of it, and of effects that are added to it.
 
-    Raises `LabrigError` when the runs and the model do not fit together.
+    With `only_last` they say it of the last of several runs; the others are what it remembers. Raises `LabrigError`
+    when the runs and the model do not fit together.
     """
 
-    def __init__(self, runs: "Sequence[Dataset] | Dataset", model: Model) -> None:
+    def __init__(self, runs: "Sequence[Dataset] | Dataset", model: Model, *, only_last: bool = False) -> None:
         self.model = model
-        self.ready = prepared(rows_from(runs), model)
+        many = list(runs) if isinstance(runs, list | tuple) else [runs]
+        self.ready = prepared(last_of(many) if only_last else rows_from(many), model)  # type: ignore[arg-type]
         self.about = about(runs, model)
         self._forms: dict[str, list[Candidate]] = {}
         self._last: dict[str, Candidate] = {}

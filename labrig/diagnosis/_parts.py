@@ -9,7 +9,7 @@ from scipy.special import ndtr
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW
 from labrig.diagnosis._evidence import beside_free, free_fit, free_variances, unexplained
-from labrig.diagnosis._posterior import REST, Explanation, Search, split
+from labrig.diagnosis._posterior import REST, Explanation, Search, is_name, split
 
 _SMALLEST = 1e-3
 """Floors that nothing is told apart by; numerical."""
@@ -19,8 +19,8 @@ def missed(search: Search, e: Explanation, least: float) -> list[tuple[float, di
     """What would be missed without each part of an explanation, all else fitted again, in floors, by owner.
 
     Parts may stand in for each other. So the one that would be missed least is let go, if by less than `least`, and the
-    others are asked again, until each that stays would be missed. Of two that would be missed by nearly as little
-    either may be the one: then there are two such lists, each with its probability (`MATERIAL_SPREAD`).
+    others are asked again, until each that stays would be missed. Of two effects that would be missed by nearly as
+    little either may be the one: then there are two such lists, each with its probability (`MATERIAL_SPREAD`).
     """
     left = _left(search, e)
     whole = frozenset(o for o, _, _ in e.raised)
@@ -42,7 +42,7 @@ def missed(search: Search, e: Explanation, least: float) -> list[tuple[float, di
 
     usual = let_go(whole, {})
     few = sorted((size, o) for o, size in lost(whole).items() if size < least)
-    if len(few) < 2:
+    if len(few) < 2 or not all(is_name(o) for _, o in few[:2]):
         return [(1.0, usual)]
     (one, _), (two, second) = few[:2]
     apart = np.log(max(two, _SMALLEST) / max(one, _SMALLEST))

@@ -108,6 +108,12 @@ def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:
     return join_rows([rows_of(run) for run in many])  # type: ignore[arg-type]
 
 
+def last_of(runs: "Sequence[Dataset]") -> Rows:
+    """The rows of the last of several campaigns of a rig, with what came before as its history."""
+    rows, own = rows_from(runs), rows_from(runs[-1:])
+    return rows.thin(rows.capture >= rows.n_captures - own.n_captures)
+
+
 def prepared(rows: Rows, model: Model) -> Prepared:
     """Predict, clean, and estimate the floor; of very long records every n-th row."""
     predictor = model.predictor(rows)

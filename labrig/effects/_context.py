@@ -158,6 +158,7 @@ class Context:
         before = np.arange(len(session)) - 1
         if self.rows.between_sessions != "held":
             first = np.flatnonzero(np.diff(session, prepend=-1))
+            first = first[~np.isin(session[first], self.rows.goes_on)]
             before[first] = first if self.begins_at_rest else -1
         return before
 

@@ -47,7 +47,8 @@ class Rows:
     `repeat` (captures,) labels; `resolution` (K,) the step in which an observable was recorded, 0 where there is none
     to be seen; `early` (K,) how far those rows of the first second that are left out lie from the rest of their holds,
     root mean square; `session_keys` (sessions,) names of the sessions that are no other run's, where the
-    run has an identity; `start_s` when the run began, by a clock that runs of one rig share, or NaN.
+    run has an identity; `start_s` when the run began, by a clock that runs of one rig share, or NaN; `goes_on` are the
+    sessions that begin with what the one before has left, vented meanwhile.
     """
 
     chambers: tuple[str, ...]
@@ -80,6 +81,7 @@ class Rows:
     session_keys: tuple[str, ...] = ()
     resolution: Floats = field(default_factory=lambda: np.zeros(0))
     early: Floats = field(default_factory=lambda: np.zeros(0))
+    goes_on: tuple[int, ...] = ()
 
     @property
     def n_captures(self) -> int:
@@ -214,10 +216,11 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     )
 
 
-def join_rows(parts: Sequence[Rows]) -> Rows:
-    """Put several runs of one rig one after the other; each keeps its own sessions, history and repeats.
+def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
+    """Put several runs of one rig one after the other; each keeps its own sessions and repeats.
 
-    Where all of them know when they began, and none began before the one before it ended, their times go on.
+    Where all of them know when they began, and none began before the one before it ended, their times go on. Of a rig
+    that is vented in between each then remembers what it did in those before, unless it is said not to.
 
     Raises `LabrigError` when the runs have other chambers or observables.
     """
@@ -228,13 +231,18 @@ def join_rows(parts: Sequence[Rows]) -> Rows:
         for name in ("chambers", "observables", "unit", "actuation_unit"):
             if getattr(part, name) != getattr(first, name):
                 raise LabrigError(f"the runs differ in their {name}: they can't be diagnosed together")
+    later = _later(parts)
+    follows = remembers and later[-1] > 0 and all(p.between_sessions == "vented" for p in parts)
+    if follows:
+        parts = [*map(_vented, parts[:-1]), parts[-1]]
     captures = np.cumsum([0, *(p.n_captures for p in parts)])
     events = np.cumsum([0, *(len(p.event_time_s) for p in parts)])
     session = np.cumsum([0, *(len(p.sessions) for p in parts)])
     joined: dict[str, Any] = {f.name: getattr(first, f.name) for f in fields(Rows)}
     for name in ("actuation", "measured", "values", "hold_s", "event_actuation"):
         joined[name] = np.concatenate([getattr(p, name) for p in parts])
-    later = _later(parts)
+    goes_on = [s + first for p, first in zip(parts, session.tolist(), strict=False) for s in p.goes_on]
+    joined["goes_on"] = tuple(sorted([*goes_on, *(session[1:-1].tolist() if follows else [])]))
     joined["time_s"] = np.concatenate([p.time_s + late for p, late in zip(parts, later, strict=True)])
     joined["event_time_s"] = np.concatenate(
         [p.event_time_s + late for p, late in zip(parts, later, strict=True)]
@@ -306,6 +314,17 @@ def _later(parts: Sequence[Rows]) -> list[float]:
     ends = [late + float(np.nanmax(p.time_s, initial=0.0)) for late, p in zip(later, parts, strict=True)]
     known = all(np.isfinite(later)) and all(start >= end for start, end in zip(later[1:], ends, strict=False))
     return later if known else [0.0] * len(parts)
+
+
+def _vented(rows: Rows) -> Rows:
+    """A run with its end as one more event: there every chamber is vented."""
+    end = np.nanmax(np.concatenate([rows.time_s, rows.event_time_s]))
+    return replace(
+        rows,
+        event_actuation=np.vstack([rows.event_actuation, np.clip(0.0, rows.low, rows.high)]),
+        event_time_s=np.append(rows.event_time_s, end),
+        event_session=np.append(rows.event_session, rows.event_session[-1]),
+    )
 
 
 def _where(dataset: "Dataset") -> str:

@@ -152,6 +152,7 @@ def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: 
         start_s=template.start_s + float(np.nanmax(template.time_s, initial=0.0)) + PAUSE_S,
         covariates={name: _as_before(cov, n) for name, cov in template.covariates.items()},
         warnings=(),
+        goes_on=(),
     )
     return Planned(rows, owner, np.array(kept["point"], dtype=np.int64))
 

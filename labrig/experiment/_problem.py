@@ -99,7 +99,7 @@ def join_contexts(run: Context, planned: Context) -> Context:
     together = replace(
         planned.rows, session=np.zeros_like(planned.rows.session), sessions=("planned",), session_keys=()
     )
-    rows = join_rows([run.rows, _as_the_run(together, run.rows)])
+    rows = join_rows([run.rows, _as_the_run(together, run.rows)], remembers=False)
     rows = replace(rows, between_sessions=_between(run.rows))
     both = {
         name: np.concatenate([getattr(run, name), getattr(planned, name)])

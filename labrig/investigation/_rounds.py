@@ -91,8 +91,8 @@ def confirmed(work: Work, found: "Result", procedure: Procedure) -> "tuple[bool,
     state, better = work.state, found.improved
     assert better is not None
     again = measured_round(work, "confirmation", procedure)
-    fresh = state.opened()[-1]
-    before, after = compare(fresh, work.model).summary["error"], compare(fresh, better).summary["error"]
+    runs = state.opened()
+    before, after = (compare(runs, model, only_last=True).summary["error"] for model in (work.model, better))
     floor = max(float(again.summary["error"]["floor"]), 1e-12)
     drop = (before["model"] - after["model"]) / max(before["model"] - floor, 1e-12)
     state.confirmation = {

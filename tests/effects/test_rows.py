@@ -136,10 +136,32 @@ def test_joined_runs_go_on_in_time_where_it_is_known(make_lab) -> None:
     rows = join_rows(began)
     assert rows.time_s[:18] == pytest.approx(alone.time_s)
     assert rows.time_s[18:] == pytest.approx(alone.time_s + 7200.0)
-    assert rows.event_time_s[6:] == pytest.approx(alone.event_time_s + 7200.0)
+    assert rows.event_time_s[7:] == pytest.approx(alone.event_time_s + 7200.0)
     overlapping = [rows_of(first.assign_attrs(start_s=1000.0)), rows_of(second.assign_attrs(start_s=1001.0))]
     for parts in (overlapping, [alone, alone]):
         assert join_rows(parts).time_s[18:] == pytest.approx(alone.time_s)
+
+
+def test_a_run_remembers_the_one_before(make_lab) -> None:
+    """Of a rig that is vented in between, what the first run has left goes on in the second; else each begins anew."""
+    lab = make_lab(captures=6, repeats=False)
+    runs = [
+        rows_of(lab.dataset(lab.predict(lab.u)).assign_attrs(between_sessions=between, start_s=start))
+        for between in ("vented", "unknown")
+        for start in (1000.0, 8200.0)
+    ]
+    rows = join_rows(runs[:2])
+    assert rows.goes_on == (1,)
+    assert rows.event_actuation[6].tolist() == [0.0] * lab.chambers
+    assert rows.event_time_s[6] == pytest.approx(float(runs[0].time_s.max()))
+    assert rows.event_actuation[rows.event] == pytest.approx(rows.actuation)
+    assert rows.event_session.tolist() == [0] * 7 + [1] * 6
+    context = lab.model().predictor(rows).context(rows)
+    assert context.started[7] == 6
+    creeping = lab.model().predictor(runs[1]).context(runs[1]).relaxed(4000.0)
+    remembered = context.relaxed(4000.0)[18:]
+    assert np.abs(remembered - creeping).max() > 0.1 * np.abs(creeping).max()
+    assert join_rows(runs[2:]).goes_on == ()
 
 
 def test_repeats_of_one_run_are_not_those_of_another(make_lab) -> None:
