@@ -125,8 +125,8 @@ def propose_experiment(
                 "add what is sure to the model (labrig improve), and diagnose again"
             )
         raise LabrigError(
-            f"the verdict is {verdict} and no other effect comes near: there is nothing to settle; check it on a "
-            "fresh programme (labrig run capture, with another seed)"
+            f"the verdict is {verdict} and no other effect comes near: there is nothing to settle; check it at "
+            "other set-points (of a rig that labrig runs: labrig run capture, with another seed)"
         )
     problem = Problem(ready, model.predictor(rows), limits, explained, rivals)
     # what was measured decides where the scattered points fall: proposed again, they fall elsewhere, for a set-point

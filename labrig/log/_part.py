@@ -60,6 +60,8 @@ class Part:
         self.keep = np.arange(self.n) % mapping.format.every == 0
         self.segment: Labels = np.full(self.n, "", dtype=object)
         self.capture = self._captures()
+        if mapping.time is None and mapping.hold is not None:
+            self.time_s = self._after_each_other()
         self._check_time()
         self._remark_on_clock()
 
@@ -196,6 +198,12 @@ class Part:
             self.table.numbers(self.mapping.hold.column, "hold", thousands=self.mapping.hold.thousands)
             * scale
         )
+
+    def _after_each_other(self) -> Floats:
+        """The time of each row (n,) where only that within its hold is known: each hold begins where one ended."""
+        longest = np.maximum.reduceat(np.nan_to_num(self.hold_s), self.starts)
+        began = np.cumsum(longest) - longest
+        return began[np.cumsum(np.r_[True, np.diff(self.capture) != 0]) - 1] + np.nan_to_num(self.hold_s)
 
     def _captures(self) -> Ints:
         """Number of the capture of each row; rows of one capture stand together."""

@@ -14,6 +14,7 @@ from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
 from labrig.tables._sniff import layout, sniff
 from labrig.tables._table import Table, short
+from labrig.tables._time import NO_CLOCK
 from labrig.tables._units import factor
 
 if TYPE_CHECKING:
@@ -84,6 +85,9 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
     if written := how.model_dump(exclude_defaults=True):
         mapping["format"] = written
     remarks = [*table.said, *roles.remarks]
+    if roles.time is None and roles.hold is not None:
+        remarks = [line for line in remarks if line != NO_CLOCK]
+        remarks.append(f"each hold is taken to begin where the one before ended, by {roles.hold.column!r}")
     joined = [one for one in read if one[1] is not table]
     joins, extra = _joins(mapping["table"], joined, roles, remarks)
     if joins:

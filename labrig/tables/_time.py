@@ -23,6 +23,7 @@ _NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
 _ALSO_TIME = names.TIME | {"millis", "micros", "ticks", "datenum"}
 _PART_OF_DAY = 1e-4
 """Numbers of days rise by less in a row; as seconds they would be rows at 10 kHz and more, which no rig logs."""
+NO_CLOCK = "no column is a time: rows are taken as 1 s apart; say so under 'time:' if not"
 
 
 def may_be_clock(name: Name) -> bool:
@@ -142,7 +143,7 @@ def find_time(
             _refuse_backward(table, n.column, values[n.column])
         if called:
             remarks.append(f"column {called[0].column!r} is called a time but goes back: left out")
-        remarks.append("no column is a time: rows are taken as 1 s apart; say so under 'time:' if not")
+        remarks.append(NO_CLOCK)
         return None
     chosen = rising[0]
     for other in rising[1:]:

@@ -176,8 +176,8 @@ def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, summary=sure)
     assert str(caught.value) == (
-        "the verdict is identified and no other effect comes near: there is nothing to settle; check it on a fresh "
-        "programme (labrig run capture, with another seed)"
+        "the verdict is identified and no other effect comes near: there is nothing to settle; check it at other "
+        "set-points (of a rig that labrig runs: labrig run capture, with another seed)"
     )
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, minutes=0)

@@ -275,3 +275,13 @@ def test_records_of_json(desk: Path, as_list: bool) -> None:
     Path("half.json").write_text('{"t": 1}\n{"t": ')
     with pytest.raises(LabrigError, match=r"half.json: can't be read as JSON, one record a line"):
         guess_mapping("half.json")
+
+
+def test_holds_without_a_clock(desk: Path) -> None:
+    """Where only the time of each hold is known, as in a programme that labrig wrote, holds follow one another."""
+    hold = np.where(np.arange(N) % 3 == 0, 20.0, 4.0)
+    path = write(["p_set_kPa,hold_s,F_N", *[f"{p},{h},{p / 8}" for p, h in zip(P, hold, strict=True)]])
+    run, guess, _ = import_guessed([path], Path("run"))
+    assert run["time_s"].to_numpy().ravel() == pytest.approx(np.cumsum(hold) - hold[0])
+    assert run["hold_s"].to_numpy().ravel() == pytest.approx(hold)
+    assert guess.remarks == ["each hold is taken to begin where the one before ended, by 'hold_s'"]
