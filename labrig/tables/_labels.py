@@ -10,6 +10,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._names import Name, take_apart
+from labrig.tables._pairs import OF_A_DATE, counts_parts
 from labrig.tables._table import Table, short
 
 if TYPE_CHECKING:
@@ -19,11 +20,6 @@ if TYPE_CHECKING:
 
 _NO_NAME = re.compile(r"column\.\d+|unnamed.*|#|index|no\.?|", re.I)
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
-_PARTS_OF_SECOND = {
-    "milliseconds", "millisecond", "millis", "msec", "ms", "microseconds", "usec", "us", "nanoseconds", "nanosecond",
-    "nanosecs", "nanosec", "nsec", "nsecs", "ns",
-}  # fmt: skip
-_OF_A_DATE = {"year", "month", "day", "hour", "minute", "second"}
 
 
 def numbers_rows(name: Name, values: Floats) -> bool:
@@ -94,7 +90,7 @@ def _counts(name: Name, values: Floats) -> bool:
 
 def _without_parts_of_the_clock(out: "Roles", rest: list[Name]) -> list[Name]:
     """Leave out milliseconds beside a clock, and years, months, days, hours, minutes and seconds."""
-    dated = {n.column for n in rest if len(n.words) == 1 and n.words[0] in _OF_A_DATE and n.unit is None}
+    dated = {n.column for n in rest if len(n.words) == 1 and n.words[0] in OF_A_DATE and n.unit is None}
     if len({n.words for n in rest if n.column in dated}) < 2 and (out.time is None or dated & {"Day", "day"}):
         dated = set()
     kept = []
@@ -107,7 +103,7 @@ def _without_parts_of_the_clock(out: "Roles", rest: list[Name]) -> list[Name]:
 
 
 def _within_a_second(name: Name, values: Floats) -> bool:
-    if name.words[-1:] and name.words[-1] in _PARTS_OF_SECOND and name.unit is None:
+    if name.unit is None and counts_parts(name):
         return True
     if name.unit not in _OF_A_SECOND or not name.words[-1:] or name.words[-1] not in names.TIME:
         return False

@@ -41,6 +41,8 @@ _SIX = (
     {"minute", "minutes", "min"},
     {"second", "seconds", "sec"},
 )
+OF_A_DATE = frozenset().union(*_SIX)
+"""What columns of a date's parts are called."""
 
 
 def finer(parsed: list[Name], values: Mapping[str, Floats], whole_s: Floats) -> tuple[Name, str] | None:
@@ -77,6 +79,11 @@ def year_to_second(parsed: list[Name]) -> Clock | None:
             return None
         found.append(own.column)
     return Clock(tuple(found), DATE)
+
+
+def counts_parts(name: Name) -> bool:
+    """Whether a column is called the parts of a second."""
+    return any(pattern.search(_plain(name.column)) for pattern, _, _ in _FINER)
 
 
 def _plain(column: str) -> str:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from labrig._json import write_json
-from labrig.diagnosis import Result, compare, diagnose
+from labrig.diagnosis import Result, compare, diagnose, rows_from
+from labrig.diagnosis._problem import last_of
 from labrig.effects._registry import shipped
 from tests.conftest import Lab
 
@@ -308,6 +309,23 @@ def test_sessions_and_missing_repeats_are_noted(make_lab) -> None:
     )
     assert "what the pressures did between sessions is unknown: taken as vented" in warnings
     assert any(" outlying values were left out (" in w and " of m1" in w for w in warnings)
+
+
+def test_the_last_run_alone_remembers_those_before(make_lab) -> None:
+    """Only its own rows count, and it begins with what the others have left."""
+    lab = make_lab(captures=8, repeats=False)
+    runs = [
+        lab.dataset(lab.predict(lab.u) + off).assign_attrs(between_sessions="vented", start_s=start)
+        for off, start in ((0.0, 1000.0), (0.5, 8200.0))
+    ]
+    rows = last_of(runs)
+    assert rows.values == pytest.approx(rows_from(runs[1]).values)
+    assert rows.goes_on == (1,)
+    assert lab.model().predictor(rows).context(rows).started[rows.event[0]] == 8
+    errors = [compare(given, lab.model(), only_last=last).summary["error"]["model"]
+              for given, last in ((runs, True), (runs[1:], False), (runs, False))]  # fmt: skip
+    assert errors[0] == pytest.approx(errors[1]) == pytest.approx(0.5)
+    assert errors[2] < 0.4
 
 
 def test_two_runs_are_diagnosed_together(make_lab) -> None:
