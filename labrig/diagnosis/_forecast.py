@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.special import logsumexp
 
 from labrig._linalg import svd
 from labrig.arrays import Bools, Floats, Ints
@@ -86,13 +87,16 @@ class Explained:
         self.search = Search(self.design).run()
 
     def forms(self, names: Sequence[str], most: int) -> list[Explanation]:
-        """The likeliest forms of exactly these effects, likeliest first; an empty list where one of them can't act."""
+        """The likeliest forms of exactly these effects, likeliest first; an empty list where one of them can't act.
+
+        A form is what is raised, whatever its sizes: the likeliest of them stand for all.
+        """
         own = frozenset(names)
-        found = self._found(own) or self._built(names)
-        return [
-            Explanation(own, raised, value, slow)
-            for value, raised, slow in sorted(found, key=lambda f: -f[0])[:most]
-        ]
+        sizes: dict[frozenset[int], list[tuple[float, Raised, float]]] = {}
+        for found in self._found(own) or self._built(names):
+            sizes.setdefault(frozenset(number for _, number, _ in found[1]), []).append(found)
+        alike = sorted((logsumexp([value for value, _, _ in f]), max(f)[1:]) for f in sizes.values())
+        return [Explanation(own, raised, float(score), slow) for score, (raised, slow) in alike[: -most - 1 : -1]]
 
     def _found(self, names: frozenset[str]) -> list[tuple[float, Raised, float]]:
         """Those that the search looked at, without free patterns."""

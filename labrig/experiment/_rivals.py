@@ -10,7 +10,8 @@ from labrig.contents import Summary
 from labrig.diagnosis import Explained, Explanation
 from labrig.effects import Effect
 
-FORMS = 3
+FORMS = 8
+"""Forms of an explanation, likeliest first: what a programme says against one form, another one may hold."""
 MOST_OTHERS = 4
 LEAST_LIKELY = 0.1
 """What an explanation that is open counts for at least: as much as is called possible."""

@@ -16,6 +16,8 @@ _JUMP = 0.03
 _NEAR = 0.04
 """Of a command's range: how far a sensor is from it at the ends of holds, after scale and offset."""
 _NOISY = 0.4
+_SUPPLY = 0.1
+"""Share of its size by which a supply's voltage or current may move."""
 _MANY = 60
 """In tables with more columns, commands are not looked for by comparing all of them."""
 
@@ -28,6 +30,13 @@ def is_pressure(n: Name) -> bool:
 def is_drive(n: Name) -> bool:
     """Whether a column is what drives a valve, by its name or its unit."""
     return n.has(names.INPUT) or n.unit == "percent" or (n.unit is not None and _is_electric(n.unit))
+
+
+def is_ambient(n: Name, values: Floats) -> bool:
+    """Whether a column is what was around the measurement, or what hung on the body: a load that stands still."""
+    if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}:
+        return True
+    return n.has(names.LOAD) and not n.has(names.MEASURED) and is_held(values)
 
 
 def is_side(n: Name, values: Floats) -> bool:
@@ -48,7 +57,8 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     """The columns that were commanded, of columns with these `values` (n,); and remarks that say what was assumed.
 
     Called so; else followed by a sensor; else pressures, those first that stand still in holds; else voltages and the
-    like. Columns that are called the same but for a number or a letter come along.
+    like, which come first where they stand still and the pressures tremble. Columns that are called the same but for a
+    number or a letter come along.
     """
     if commanded := [n for n in rest if n.has(names.COMMANDED)]:
         return with_siblings(commanded, rest, values), []
@@ -62,15 +72,62 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
             commands += [n for n in find_held(rest, values) if not _stem(n) and n not in commands]
         return with_siblings(commands, rest, values), said
     pressures = [n for n in rest if is_pressure(n)]
-    seeds = (
-        [n for n in pressures if not n.has(names.MEASURED)] or pressures or [n for n in rest if is_drive(n)]
-    )
+    drives = [n for n in rest if is_drive(n) and not is_pressure(n)]
+    drives = [n for n in drives if not n.has(names.MEASURED)] or drives
+    steps = [n for n in find_held(drives, values) if _is_driven(values[n.column])]
+    said = []
+    if pressures and steps and not find_held(pressures, values):
+        tremble = any(_is_noisy(values[n.column]) for n in pressures)
+        said = [_beside_a_drive(pressures[0], steps[0], tremble)]
+        pressures = [] if tremble else pressures
+    seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or steps or drives
     if still := [n for n in seeds if is_held(values[n.column])]:
         seeds = [n for n in seeds if n in still or not _is_noisy(values[n.column])]
-    said = []
     if seeds and all(n.has(names.MEASURED) for n in seeds):
         said = [f"no column is called commanded: {seeds[0].column!r}, which was measured, is taken for it"]
     return with_siblings(seeds, rest, values), said
+
+
+def _is_driven(values: Floats) -> bool:
+    """Whether numbers (n,) move by more than a supply does, as a share of their size."""
+    seen = _seen(values)
+    return bool(np.ptp(seen) > _SUPPLY * np.abs(seen).max())
+
+
+def _beside_a_drive(pressure: Name, drive: Name, tremble: bool) -> str:
+    """What is said where a pressure goes on moving while a drive stands still in holds."""
+    if tremble:
+        return (
+            f"{drive.column!r} stands still in holds and {pressure.column!r} trembles: the first is taken for what was "
+            "commanded"
+        )
+    return (
+        f"{pressure.column!r} is taken for what was commanded, though {drive.column!r} stands still in holds: put that "
+        "under 'actuation:' if the pressure was measured"
+    )
+
+
+def without_twice(rest: list[Name], values: Mapping[str, Floats], remarks: list[str]) -> list[Name]:
+    """Columns without those that are another one in another unit, as a duty cycle and its percents; that is said."""
+    kept: list[Name] = []
+    for n in rest:
+        alike = (u for u in kept if u.words == n.words and u.unit != n.unit)
+        same = next((u for u in alike if _is_twice(u, n, values)), None)
+        if same is None:
+            kept.append(n)
+        else:
+            remarks.append(f"column {n.column!r} is {same.column!r} in another unit and is left out")
+    return kept
+
+
+def _is_twice(one: Name, other: Name, values: Mapping[str, Floats]) -> bool:
+    u, v = values[one.column], values[other.column]
+    rows = np.isfinite(u) & np.isfinite(v)
+    u, v = u[rows], v[rows]
+    if len(u) < 4 or not np.ptp(u) or not np.ptp(v):
+        return False
+    factor = float(u @ v) / float(u @ u)
+    return bool(np.abs(v - factor * u).max() <= 0.005 * np.ptp(v))
 
 
 def find_held(rest: list[Name], values: Mapping[str, Floats]) -> list[Name]:

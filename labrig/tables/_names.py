@@ -17,45 +17,49 @@ _AS_SUFFIX = {
     "s", "ms", "us", "ns", "min", "sec", "secs", "seconds", "msec", "usec", "nsec", "nanosec", "kpa", "mpa", "pa",
     "bar", "mbar", "psi", "inhg", "mmhg", "mm", "cm", "m", "um", "n", "kn", "mn", "nm", "mnm", "nmm", "deg", "rad",
     "degc", "v", "mv", "ma", "kg", "g", "px", "pixel", "pixels", "hpa", "volts", "newton", "pct", "percent", "hz",
-    "°c", "°", "%",
+    "ohm", "ohms", "kohm", "mohm", "°c", "°", "%",
 }  # fmt: skip
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
 TIME = {"t", "time", "timestamp", "stamp", "clock", "elapsed", "zeit", "tempo", "temps", "datetime", "date"}
 PRESSURE = {
-    "p", "pressure", "press", "pres", "druck", "pressures", "pression", "vacuum", "vakuum",
+    "p", "pressure", "press", "pres", "druck", "solldruck", "istdruck", "pressures", "pression", "vacuum", "vakuum",
 }  # fmt: skip
 INPUT = {"u", "input", "in", "voltage", "current", "pwm", "duty", "drive", "actuation", "valve", "q"}
 COMMANDED = {
     "set", "setpoint", "sp", "sv", "cmd", "command", "commanded", "ref", "reference", "desired", "des", "target",
-    "goal", "req", "request", "requested", "soll", "sollwert", "consigne",
+    "goal", "req", "request", "requested", "soll", "sollwert", "solldruck", "consigne",
 }  # fmt: skip
 MEASURED = {
     "meas", "measured", "measurement", "act", "actual", "present", "sens", "sensor", "read", "reading", "fb",
-    "feedback", "pv", "ist", "istwert", "mes", "mesure", "mesur\u00e9",
+    "feedback", "pv", "ist", "istwert", "istdruck", "mes", "mesure", "mesur\u00e9",
 }  # fmt: skip
+CONVERTER = {"adc"}
+"""Who reads a sensor: no input, whatever else a column is called."""
 COUNTER = {"index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq"}
 LABEL = {"marker", "tag", "body", "object", "point", "track", "sensor", "target"}
 CAPTURE = {"capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage", "cycle"}
 SESSION = {"session", "day", "run", "experiment", "exp", "test", "specimen"}
 REPEAT = {"repeat", "repetition", "rep"}
-AMBIENT = {"temp", "temperature", "room", "ambient", "humidity", "payload", "load", "tilt"}
+AMBIENT = {"temp", "temperature", "room", "ambient", "humidity", "payload", "tilt"}
+LOAD = {"load"}
+"""What is beside the measurement where it stands still: else it was measured."""
 SIDE = {
     "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "cpu", "solenoid",
     "likelihood", "confidence", "score",
 }  # fmt: skip
 SUPPLY = {"supply", "line", "tank", "source", "reservoir", "main", "regulator"}
 """What is beside the measurement if it is a pressure, too."""
-STATE = {"valve", "relay", "state", "status", "alarm", "enable", "enabled"}
+STATE = {"valve", "relay", "state", "status", "alarm", "enable", "enabled", "ok", "valid"}
 """What is beside the measurement if it is never but 0 or 1."""
 OUTPUT = {
     "y", "out", "output", "force", "displacement", "disp", "position", "pos", "angle", "stroke", "length", "strain",
-    "stress", "torque", "deflection", "extension", "bend", "bending", "level", "theta",
+    "stress", "torque", "load", "deflection", "extension", "bend", "bending", "level", "theta",
 }  # fmt: skip
 NO_POSITION = {
     "acc", "accel", "acceleration", "gyro", "mag", "magnetometer", "torque", "moment", "force", "wrench", "vel",
-    "velocity", "rot", "rotation", "quat", "quaternion", "orientation", "euler", "omega", "angular", "rate", "std",
-    "q", "error",
+    "velocity", "rot", "rotation", "rpy", "quat", "quaternion", "orientation", "euler", "omega", "angular", "rate",
+    "std", "q", "error",
 }  # fmt: skip
 """What has an x, a y and a z, too, and is no place in space."""
 _OF_CAPITAL = {

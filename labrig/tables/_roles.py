@@ -7,7 +7,16 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._inputs import find_commands, find_held, find_sensors, is_side, may_be_compared
+from labrig.tables._inputs import (
+    find_commands,
+    find_held,
+    find_sensors,
+    is_ambient,
+    is_side,
+    may_be_compared,
+    with_siblings,
+    without_twice,
+)
 from labrig.tables._labels import find_labels, numbers_rows, refuse_long
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
@@ -16,6 +25,7 @@ from labrig.tables._time import are_dates, find_clock, may_be_clock
 from labrig.tables._units import is_length, is_screen
 
 _GENERIC = {("data",), ("value",), ("values",)}
+_NO_INPUT = names.OUTPUT | names.MEASURED | names.CONVERTER | (names.NO_POSITION - {"q"})
 _TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
 
 
@@ -191,7 +201,8 @@ def _with_triples(rest: list[Name]) -> list[Name]:
 
 def _find_inputs(out: Roles, rest: list[Name]) -> None:
     """Tell commands, their sensors and what is beside the measurement from what was measured."""
-    beside = [n for n in rest if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}]
+    rest = without_twice(rest, out.values, out.remarks)
+    beside = [n for n in rest if is_ambient(n, out.values[n.column])]
     side = [n for n in rest if n not in beside and is_side(n, out.values[n.column])]
     own = [n for n in rest if n not in beside and n not in side]
     inputs, remarks = find_commands(own, out.values)
@@ -221,13 +232,17 @@ def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:
     """What may be the input where nothing is called so: what stands still in holds, else the first column."""
     if sum(n.axis is not None for n in rest) > 2:
         rest = [n for n in rest if n.axis is None]
-    quiet = [n for n in rest if not n.has(names.OUTPUT)]
+    quiet = [n for n in rest if not n.has(_NO_INPUT)]
+    if out.markers and not quiet:
+        return []
     held = find_held(quiet or rest, out.values)
     if held and (len(held) < len(rest) or out.markers):
         inputs = held
     elif len(rest) > 1 or (rest and out.markers):
-        moving = [n for n in quiet if np.nanmax(out.values[n.column]) > np.nanmin(out.values[n.column])]
-        inputs = (moving or quiet or rest)[:1]
+        able = quiet or rest
+        first = [n for n in able if np.nanmax(out.values[n.column]) > np.nanmin(out.values[n.column])][:1]
+        family = with_siblings(first, able, out.values)
+        inputs = family if len(family) < len(rest) or out.markers else first
     else:
         inputs = []
     if inputs:

@@ -135,12 +135,26 @@ def _first_row(cells: list[list[str]], width: int) -> int | None:
     goes_on = [alike(one, other) for one, other in pairwise(marks)]
     for i in range(len(goes_on) - _FEW + 1):
         if all(goes_on[i : i + _FEW]):
-            return i
+            return _before_notes(cells, i, width)
     for i, own in enumerate(marks):
         later = [m for m in marks[i + 1 : i + 6] if m]
         if any(own) and (not later or any(alike(own, m) for m in later)):
             return i
     return None
+
+
+def _before_notes(cells: list[list[str]], first: int, width: int) -> int:
+    """The first of the rows above one that are written as it is, with notes between, but no names of columns."""
+
+    def written(row: list[str]) -> list[bool | None]:
+        return [_is_number(c) if c.strip() else None for c in row]
+
+    for i in range(first - 1, max(first - _ABOVE, 0) - 1, -1):
+        if written(cells[i]) == written(cells[first]):
+            first = i
+        elif len(cells[i]) == width and all(c.strip() for c in cells[i]):
+            break
+    return first
 
 
 def _are_units(row: list[str]) -> bool:

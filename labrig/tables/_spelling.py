@@ -12,6 +12,7 @@ _SPELT = {
     "celsius": "degC", "deg_c": "degC", "c": "degC", "°f": "degF", "degf": "degF",
     "kpa": "kPa", "mpa": "MPa", "pa": "Pa", "hpa": "hPa", "mbar": "mbar", "bar": "bar", "psi": "psi", "torr": "torr",
     "inhg": "inHg", "newton": "N", "newtons": "N", "n": "N", "kn": "kN", "mn": "mN", "grams": "g", "gram": "g",
+    "ohm": "ohm", "ohms": "ohm", "kohm": "kohm", "kohms": "kohm", "mohm": "Mohm",
     "volt": "V", "volts": "V", "vdc": "V", "v": "V", "mv": "mV", "amp": "A", "amps": "A", "a": "A", "ma": "mA",
     "nm": "N*m", "mnm": "mN*m", "nmm": "N*mm", "ncm": "N*cm", "degc": "degC", "gauss": "gauss", "ue": "microstrain",
     "%": "percent", "pct": "percent", "-": "1", "a.u.": "1", "hz": "Hz", "k": "K", "mmhg": "mmHg", "meters": "m",
@@ -40,6 +41,7 @@ _KINDS = (
 )  # fmt: skip
 """How pint's names of units end that instruments give; it knows many more, such as the hand and the year (a)."""
 
+_RATIO = re.compile(r"([munk]?m|inch|in|[kM]?Pa|k?N)/\1")
 _PRESSURE = r"(?P<unit>[hkm]?pa|m?bar|psi)"
 _LETTER_ON = r"(?<!^pa)(?<![^hkm]pa)[gadü]"
 _AGAINST = r"(?:gauge|abs(?:olute)?|rel(?:ative)?|diff)\b\.?"
@@ -71,7 +73,7 @@ def unit_of(text: str) -> str | None:
         plain = pressure["unit"]
     if len(plain) != 1:
         plain = _SPELT.get(plain.lower(), plain)
-    if plain in {"", "1", "-"}:
+    if plain in {"", "1", "-"} or _RATIO.fullmatch(plain):
         return "1" if plain else None
     plain = _as_pint_writes(_LETTER.get(plain, plain))
     if not re.fullmatch(r"(1/)?[A-Za-z°%][A-Za-z°%*/^0-9_ -]*", plain):
