@@ -10,7 +10,7 @@ from labrig.contents import Summary
 from labrig.diagnosis import Explained, Explanation
 from labrig.effects import Effect
 
-FORMS = 8
+FORMS = 6
 """Forms of an explanation, likeliest first: what a programme says against one form, another one may hold."""
 MOST_OTHERS = 4
 LEAST_LIKELY = 0.1

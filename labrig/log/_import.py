@@ -64,11 +64,9 @@ def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Gue
     """Make a run folder of foreign tables that nobody described, all alike and each a session.
 
     Returns what `open_run` gives of it, the guess, and the mapping that was written beside the run, OUTPUT.map.yaml, to
-    be read and corrected. Raises `LabrigError`, and leaves nothing behind, when nothing can be made of them, or when
-    the run or the mapping exists.
+    be read and corrected. Raises `LabrigError` when the run or the mapping exists, or when nothing can be made of them:
+    then no run is left behind, but the mapping, where one could be guessed.
     """
-    import yaml
-
     _refuse(output, replace=False)
     check_parent(output)
     beside_it = mapping_beside(output)
@@ -80,16 +78,28 @@ def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Gue
     if len(tables) > 1:
         guess.mapping["table"] = [beside(t, beside_it.parent) for t in tables]
     mapping = check_mapping(guess.mapping, beside_it)
-    run = _write(mapping, mapping.files(), beside_it, output)
+    try:
+        run = _write(mapping, mapping.files(), beside_it, output)
+    except LabrigError as error:
+        _write_guess(guess, beside_it)
+        raise LabrigError(
+            f"{error}; what was guessed is in {beside_it}: correct it, and import again with --mapping"
+        ) from error
+    _write_guess(guess, beside_it)
+    return run, guess, beside_it
+
+
+def _write_guess(guess: Guess, path: Path) -> None:
+    import yaml
+
     notes = "".join(f"# {remark}\n" for remark in guess.remarks)
     text = yaml.safe_dump(
         guess.mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110
     )
-    beside_it.write_text(
+    path.write_text(
         f"# Guessed by labrig import: read it, correct it, and import again with --mapping.\n{notes}{text}",
         encoding="utf-8",
     )
-    return run, guess, beside_it
 
 
 def mapping_beside(output: Path) -> Path:

@@ -87,7 +87,10 @@ class Part:
         names = tuple(f"{j.name}." for j in self.mapping.join)
         inputs = [a.column for a in self.mapping.actuation if str(a.column).startswith(names)]
         inputs = [c for c in inputs if c in self.table.frame.columns]
-        if not names or not inputs:
+        if not names:
+            return
+        if not inputs:
+            self.remarks += [f"{self.table.path.name}: {line}" for line in self.table.said]
             return
         whole = np.isfinite(self.table.frame[inputs].to_numpy(dtype=float)).all(axis=1)
         if whole.all():

@@ -1,5 +1,6 @@
 """A mapping for a foreign file, guessed from its names and numbers; what was assumed is said."""
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 _PREVIEW = 20
 _TOP = 200
 _MOST_PARTS = 12
+_NAMED = 3
+_NOTES = 4
 
 
 @dataclass(frozen=True)
@@ -46,8 +49,7 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
     path = Path(path)
     kind = kind_of(path)
     if kind == "text":
-        how = sniff(path)
-        return _guess(path, [(how, read_file(path, how))], folder)
+        return _guess(path, [_text(path)], folder)
     if kind in {"c3d", "parquet", "json"}:
         return _guess(path, [(Format(), read_file(path, Format()))], folder)
     parts = {name: n for name, n in parts_of(path).items() if n > 1}
@@ -66,6 +68,23 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
     if not tables:
         raise LabrigError(f"{path}: none of its {len(parts)} parts is a table of numbers")
     return _guess(path, tables, folder)
+
+
+def _text(path: Path) -> tuple[Format, Table]:
+    """A text table and how it is written; without names where what looked like them has fewer than there are cells."""
+    how = sniff(path)
+    try:
+        return how, read_file(path, how)
+    except LabrigError:
+        if not how.header or how.groups:
+            raise
+        for more in range(1, _NOTES + 1):
+            bare = how.model_copy(
+                update={"header": False, "units_row": False, "skip_rows": how.skip_rows + more}
+            )
+            with suppress(LabrigError):
+                return bare, read_file(path, bare)
+        raise
 
 
 def _sheet_format(path: Path, how: Format) -> Format:
@@ -168,7 +187,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
 
     if roles.time is not None:
         out["time"] = roles.time.entry([key(c) for c in roles.time.columns])
-    if roles.capture is not None and _held(table, roles):
+    if roles.capture is not None and _held(table, roles) and not _counts_rows(table, roles):
         out["capture"] = {"column": key(roles.capture.column)}
     elif roles.time is not None and len(table.frame) >= _PREVIEW:
         out["capture"] = {"per": "segment"}
@@ -202,11 +221,10 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
         out["measured"] = measured
     observables: list[dict[str, Any]] = []
     for prefix, own in sources:
+        lengths = _assumed_lengths(own, remarks)
         for owner, axes in own.markers.items():
             marker = f"{prefix}.{owner}" if prefix else owner
-            values = np.concatenate([own.values[n.column] for n in axes.values()])
-            said = next((n.unit for n in axes.values() if n.unit), None)
-            unit = said or _assume("length", values, owner, remarks)
+            unit = next((n.unit for n in axes.values() if n.unit), None) or lengths
             observables += [
                 {
                     "column": key(axes[a].column, prefix),
@@ -238,6 +256,16 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
     return out
 
 
+def _assumed_lengths(roles: Roles, remarks: list[str]) -> str:
+    """The unit of all markers whose unit is not said, by the size of their places together."""
+    silent = {o: axes for o, axes in roles.markers.items() if not any(n.unit for n in axes.values())}
+    if not silent:
+        return ""
+    values = np.concatenate([roles.values[n.column] for axes in silent.values() for n in axes.values()])
+    names = list(silent)
+    return _assume("length", values, ", ".join(names[:_NAMED]) + (", ..." if names[_NAMED:] else ""), remarks)
+
+
 def _in_unit_of(sensor: Name, command: Name) -> dict[str, Any]:
     """The unit of a sensor's entry, with a scale where its command is in another unit of the same kind."""
     own, unit = sensor.unit, command.unit
@@ -265,6 +293,14 @@ def _held(table: Table, roles: Roles) -> bool:
         if (spread > 0.05 * max(float(np.ptp(u)), 1e-12)).any():
             return False
     return True
+
+
+def _counts_rows(table: Table, roles: Roles) -> bool:
+    """Whether what is called a capture is another in each row of a record in which the inputs stand still."""
+    assert roles.capture is not None
+    labels = table.labels(table.frame.columns[_place(table, roles.capture.column)], "capture")
+    each = len(labels) >= _PREVIEW and len(set(labels.tolist())) == len(labels)
+    return each and roles.time is not None and all(_is_steps(roles.values[n.column]) for n in roles.actuation)
 
 
 def _place(table: Table, column: str) -> int:

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,19 +12,18 @@ from labrig.tables._mapping import Join
 from labrig.tables._read import read_file
 from labrig.tables._table import DATE, Table
 
-if TYPE_CHECKING:
-    pass
-
 
 def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, str], folder: Path) -> Table:
     """The table with the columns of every joined file, ``NAME.column``, at its times `time_s` (n,) of its own clock.
 
     `own` are the files that stand for those that a join names itself; paths start at `folder`. What the joined file has
-    no row for is NaN. Raises `LabrigError` if a file is missing, its clock goes back, or it has no row in this time.
+    no row for is NaN; what is `said` are rows that are outside its time. Raises `LabrigError` if a file is missing, its
+    clock goes back, or it has no row in this time.
     """
     import pandas as pd
 
     columns: dict[str, Floats] = {}
+    said: list[str] = []
     for join in joins:
         file = own.get(join.name, join.file)
         if file is None:
@@ -45,12 +43,23 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
                 f"{other.path}: its times {clock[0]:.6g} to {clock[-1]:.6g} s (after 'rate' and 'offset_s') are not"
                 f" those of {table.path.name}, {time_s.min():.6g} to {time_s.max():.6g} s; give 'offset_s'"
             )
+        said += _outside(table, other, clock, time_s)
         reader = _reader(clock, time_s, join)
         for column in other.frame.columns:
             if isinstance(values := _numbers(other, column), np.ndarray):
                 columns[f"{join.name}.{column}"] = reader(values)
     frame = pd.concat([table.frame, pd.DataFrame(columns)], axis=1)
-    return replace(table, frame=frame)
+    return replace(table, frame=frame, said=tuple(said))
+
+
+def _outside(table: Table, other: Table, clock: Floats, time_s: Floats) -> list[str]:
+    """A line on rows whose times are not those of the joined file; where they are most of all, what may be wrong."""
+    reach_s = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
+    outside = int(((time_s < clock[0] - reach_s) | (time_s > clock[-1] + reach_s)).sum())
+    if not outside:
+        return []
+    line = f"{outside} of {len(time_s)} rows are before or after {other.path.name}, {clock[0]:.6g} to {clock[-1]:.6g} s"
+    return [line + ("; is its unit, 'rate_hz' or 'offset_s' right?" if 2 * outside > len(time_s) else "")]
 
 
 def _numbers(table: Table, column: str | int) -> Floats | None:

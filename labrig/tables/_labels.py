@@ -1,7 +1,7 @@
 """Columns of a foreign table that number or name something, and are no measurement."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from labrig.tables._roles import Roles
 
 _NO_NAME = re.compile(r"column\.\d+|unnamed.*|#|index|no\.?|", re.I)
+_TIME = re.compile("time|stamp|clock|tick|sec", re.I)
+_TURNS = 3
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
@@ -29,10 +31,11 @@ def numbers_rows(name: Name, values: Floats) -> bool:
     return values[0] in (0, 1) and bool((np.diff(values) == 1).all())
 
 
-def find_labels(out: "Roles", rest: list[Name]) -> list[Name]:
+def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[Name]:
     """Take out what numbers captures, sessions and repeats, parts of a clock, and the time within a hold.
 
-    What is left out is said in `out.remarks`. Returns the names that are left.
+    `clock_s` (n,) are the times of the rows, where they are known. What is left out is said in `out.remarks`. Returns
+    the names that are left.
     """
     rest = _without_parts_of_the_clock(out, rest)
     kept = []
@@ -41,10 +44,17 @@ def find_labels(out: "Roles", rest: list[Name]) -> list[Name]:
         seen = values[np.isfinite(values)]
         whole = bool(np.all(seen == np.round(seen)))
         blocks = int((np.diff(values) != 0).sum()) + 1
-        together = blocks == len(np.unique(values)) and n.unit is None
-        if "hold" in n.words and n.unit in {"s", "ms", "min"} and out.hold is None:
+        together = 1 < blocks == len(np.unique(values)) and n.unit is None
+        if _is_clock_too(n, values, clock_s):
+            out.remarks.append(f"column {n.column!r} is a clock as well and is left out")
+        elif "hold" in n.words and n.unit in {"s", "ms", "min"} and out.hold is None:
             out.hold = n
-        elif whole and n.has(names.SESSION) and together and out.session is None:
+        elif (
+            whole
+            and together
+            and out.session is None
+            and (n.has(names.SESSION) or _restarts(values, clock_s))
+        ):
             out.session = n
         elif (
             whole
@@ -64,6 +74,23 @@ def find_labels(out: "Roles", rest: list[Name]) -> list[Name]:
         else:
             kept.append(n)
     return kept
+
+
+def _is_clock_too(name: Name, values: Floats, clock_s: Floats | None) -> bool:
+    """Whether a column that is called a time goes as the clock does, in a unit of its own and from another zero."""
+    if clock_s is None or not _TIME.search(name.column) or not np.isfinite(values).all():
+        return False
+    step_s = float(np.median(np.abs(np.diff(clock_s)))) if len(clock_s) > 1 else 0.0
+    off = (np.ptp((values - values[0]) / each - (clock_s - clock_s[0])) for each in (1.0, 1e3, 1e6, 1e9))
+    return bool(min(off) < step_s)
+
+
+def _restarts(values: Floats, clock_s: Floats | None) -> bool:
+    """Whether the clock goes back where a column changes, and nowhere else."""
+    if clock_s is None:
+        return False
+    back = np.diff(clock_s) < 0
+    return bool(back.any() and (back == (np.diff(values) != 0)).all())
 
 
 def _is_number(name: Name, rows: bool) -> bool:
@@ -143,6 +170,28 @@ def refuse_long(table: Table, time: str) -> None:
             raise LabrigError(
                 f"{table.path}: has {several} rows at one time, which column {name!r} tells apart; make it one row of "
                 f"each time (pivot it), with columns such as {', '.join(wanted)}"
+            )
+
+
+def refuse_turns(table: Table, parsed: list[Name], values: Mapping[str, Floats]) -> None:
+    """Raise `LabrigError` where rows take turns, one for each sensor or marker that a column numbers, while all that
+    was commanded stands still.
+    """
+    for n in parsed:
+        if not n.has(names.LABEL):
+            continue
+        turn = values[n.column]
+        several = len(np.unique(turn))
+        whole = len(turn) - len(turn) % several
+        each = turn[:whole].reshape(-1, several)
+        if several < 2 or len(each) < _TURNS or len(np.unique(each[0])) < several or (each != each[0]).any():
+            continue
+        others = (values[m.column][:whole].reshape(-1, several) for m in parsed if m is not n)
+        if any((o == o[:, :1]).all() and np.ptp(o) for o in others):
+            have = ", ".join(f"{v:g}" for v in each[0][:3]) + (", ..." if several > 3 else "")
+            raise LabrigError(
+                f"{table.path}: has {several} rows for each measurement, which column {n.column!r} tells apart; make "
+                f"it one row (pivot it), with a column for each of {have}"
             )
 
 

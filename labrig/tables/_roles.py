@@ -5,19 +5,23 @@ from typing import Any
 
 import numpy as np
 
+from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._clock import seconds
 from labrig.tables._inputs import (
     find_commands,
     find_held,
     find_sensors,
     is_ambient,
+    is_pressure,
     is_side,
     may_be_compared,
     with_siblings,
     without_twice,
 )
-from labrig.tables._labels import find_labels, numbers_rows, refuse_long
+from labrig.tables._labels import find_labels, numbers_rows, refuse_long, refuse_turns
+from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
 from labrig.tables._table import MINUS, Table, is_nothing, short
@@ -81,11 +85,25 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
     if out.time is not None:
         refuse_long(table, out.time.columns[0])
+    refuse_turns(table, parsed, out.values)
     rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
-    rest = _find_markers(out, find_labels(out, _told_apart(rest)))
+    rest = _find_markers(out, find_labels(out, _told_apart(rest), _clock_s(table, out.time)))
     _find_inputs(out, rest)
     _say_unknown_units(out)
     return out
+
+
+def _clock_s(table: Table, clock: Clock | None) -> Floats | None:
+    """The times of the rows (n,), s; None where there is no clock, or it has gaps."""
+    if clock is None:
+        return None
+    keys = {str(column): column for column in table.frame.columns}
+    try:
+        return seconds(
+            table, TimeColumn.model_validate(clock.entry([keys[c] for c in clock.columns])), "time"
+        )
+    except LabrigError:
+        return None
 
 
 def _told_apart(parsed: list[Name]) -> list[Name]:
@@ -226,6 +244,11 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     out.covariates = [n for n in rest if n in beside or (n in side and n not in inputs)]
     if not out.observables and not out.markers:
         out.observables, out.covariates = out.covariates, []
+    if (
+        not out.observables and not out.markers
+    ):  # of two columns one is the input, the other one no mere sensor of it
+        out.observables = [n for n, _ in out.measured if not (n.has(names.MEASURED) or is_pressure(n))]
+        out.measured = [(n, u) for n, u in out.measured if n not in out.observables]
 
 
 def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:

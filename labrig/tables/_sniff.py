@@ -7,6 +7,7 @@ from pathlib import Path
 
 from labrig._errors import LabrigError
 from labrig.tables._header import groups_above, split
+from labrig.tables._labelled import LABELS, is_labelled
 from labrig.tables._mapping import Format
 from labrig.tables._names import is_unit
 from labrig.tables._text import find_encoding
@@ -16,6 +17,7 @@ _ABOVE = 12
 """Lines above the first row among which its names are looked for."""
 _FEW = 3
 _LONGEST = 1 << 16
+_USUAL = {"utf-8", "utf-8-sig"}
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
 _ARROW = " -> "
 _CHOICES = {",": ",", ";": ";", "tab": "\t", "|": "|", "whitespace": None}
@@ -31,6 +33,8 @@ def sniff(path: Path) -> Format:
         raise LabrigError(f"{path}: has no rows")
     if len(lines) == _LINES:
         lines = lines[:-1]
+    if is_labelled(lines):
+        return Format(separator=LABELS, encoding=None if encoding in _USUAL else encoding)
     scores = {name: _score(lines, name) for name in _CHOICES}
     if sum(_ARROW in line for line in lines) > len(lines) / 2:
         scores = {"arrow": _score(lines, "arrow")}
@@ -49,7 +53,7 @@ def sniff(path: Path) -> Format:
         update={
             "separator": separator,
             "decimal": "," if separator != "," and _commas(body) else ".",
-            "encoding": None if encoding in {"utf-8", "utf-8-sig"} else encoding,
+            "encoding": None if encoding in _USUAL else encoding,
         }
     )
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from labrig._errors import LabrigError
 from labrig.tables._header import SEPARATORS, names_of, split
+from labrig.tables._labelled import LABELS, read_labelled
 from labrig.tables._lines import check_blanks, cut_short, without_text
 from labrig.tables._mapping import Format
 from labrig.tables._table import Table
@@ -81,6 +82,8 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
         raise LabrigError(
             f"{path}: there is no encoding {encoding!r}; use one such as utf-8, utf-16 or cp1252"
         ) from None
+    if how.separator == LABELS:
+        return read_labelled(path, encoding, how.rows)
     options: dict[str, Any] = {
         "sep": SEPARATORS.get(how.separator, how.separator),
         "encoding": encoding,

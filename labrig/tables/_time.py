@@ -136,8 +136,8 @@ def find_time(
     if not rising and parsed and first_may and _rises(values[parsed[0].column]):
         first = values[parsed[0].column]
         if len(first) > 2 and np.std(np.diff(first)) < 0.2 * np.mean(np.diff(first)):
-            rising = [parsed[0]]
-            remarks.append(f"column {parsed[0].column!r} rises evenly: taken for the time")
+            rising = [_beside_a_counter(parsed, values, remarks)]
+            remarks.append(f"column {rising[0].column!r} rises evenly: taken for the time")
     if not rising:
         for n in called:
             _refuse_backward(table, n.column, values[n.column])
@@ -154,6 +154,21 @@ def find_time(
         unit = _time_unit(values[chosen.column], chosen)
         remarks.append(f"the unit of the time {chosen.column!r} is not said: taken as {unit}")
     return Clock((chosen.column,), unit)
+
+
+def _beside_a_counter(parsed: list[Name], values: Mapping[str, Floats], remarks: list[str]) -> Name:
+    """The first column, or the one beside it that rises evenly too and is no whole number, where the first has no name
+    and counts rows.
+    """
+    first, second = parsed[0], parsed[1:2]
+    if first.column.isdigit() and second and (np.diff(values[first.column]) == 1).all():
+        step = np.diff(values[second[0].column])
+        whole = bool((values[second[0].column] == np.round(values[second[0].column])).all())
+        if not whole and (step > 0).all() and np.std(step) < 0.2 * np.mean(step):
+            remarks.append(f"column {first.column!r} counts rows and is left out")
+            parsed.remove(first)
+            return second[0]
+    return first
 
 
 def _refuse_backward(table: Table, column: str, values: Floats) -> None:
