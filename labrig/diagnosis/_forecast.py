@@ -1,14 +1,13 @@
 """What each explanation of a campaign expects of captures that were not measured yet, and how surely."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.special import logsumexp
 
-from labrig._linalg import svd
 from labrig.arrays import Bools, Floats, Ints
 from labrig.diagnosis._constants import DECLARED_FLOORS
 from labrig.diagnosis._design import DECLARED, LEAST_SHARE, Block, Design, design_of
@@ -22,13 +21,16 @@ from labrig.effects import Context, Effect
 _MOST_NUMBERS = 24
 """Combinations of a programme's numbers that are kept: those in which the explanations differ most."""
 
+_LEAST = 1e-8
+"""Of the variance of what explanations raise: directions that have less are not looked at; numerical."""
+
 
 @dataclass(frozen=True)
 class Outlook:
     """What M explanations expect of d combinations of numbers of unit noise.
 
-    `mean` (M, d), and `factor` (M, d, q): the covariance is factor factor' besides the noise. They stand for so many
-    `numbers`, of `conditions` that the `campaign` did not have.
+    `mean` (M, d), and `factor` (M, d, q): the covariance is factor factor' besides the noise; `square` is that product
+    where it is known. They stand for so many `numbers`, of `conditions` that the `campaign` did not have.
     """
 
     mean: Floats
@@ -36,6 +38,12 @@ class Outlook:
     numbers: float
     conditions: frozenset[int]
     campaign: Counted
+    square: Floats | None = field(default=None, repr=False)
+
+    @cached_property
+    def covariance(self) -> Floats:
+        """The covariance besides the noise, (M, d, d)."""
+        return self.factor @ np.swapaxes(self.factor, 1, 2) if self.square is None else self.square
 
     @property
     def worth(self) -> float:
@@ -48,19 +56,28 @@ class Outlook:
 
     def beside(self, other: "Outlook") -> "Outlook":
         """The numbers of both."""
+        across = self.factor @ np.swapaxes(other.factor, 1, 2)
+        square = np.concatenate(
+            [
+                np.concatenate([self.covariance, across], axis=2),
+                np.concatenate([np.swapaxes(across, 1, 2), other.covariance], axis=2),
+            ],
+            axis=1,
+        )
         return replace(
             self,
             mean=np.concatenate([self.mean, other.mean], axis=1),
             factor=np.concatenate([self.factor, other.factor], axis=1),
             numbers=self.numbers + other.numbers,
             conditions=self.conditions | other.conditions,
+            square=square,
         )
 
     def condensed(self) -> "Outlook":
         """The combinations in which the explanations differ most."""
         apart = (self.mean - self.mean.mean(axis=0)).T
         Q = basis(np.concatenate([apart, *self.factor], axis=1))
-        return replace(self, mean=self.mean @ Q, factor=Q.T @ self.factor)
+        return replace(self, mean=self.mean @ Q, factor=Q.T @ self.factor, square=Q.T @ self.covariance @ Q)
 
 
 def basis(Z: Floats) -> Floats:
@@ -69,7 +86,7 @@ def basis(Z: Floats) -> Floats:
         return np.eye(len(Z))
     if len(Z) <= Z.shape[1]:  # of their products, which are fewer: what holds most is well above rounding
         return np.linalg.eigh(Z @ Z.T)[1][:, : -_MOST_NUMBERS - 1 : -1]
-    return svd(Z)[0][:, :_MOST_NUMBERS]
+    return np.linalg.qr(Z @ np.linalg.eigh(Z.T @ Z)[1][:, : -_MOST_NUMBERS - 1 : -1])[0]
 
 
 class Explained:
@@ -95,8 +112,8 @@ class Explained:
         sizes: dict[frozenset[int], list[tuple[float, Raised, float]]] = {}
         for found in self._found(own) or self._built(names):
             sizes.setdefault(frozenset(number for _, number, _ in found[1]), []).append(found)
-        alike = sorted((logsumexp([value for value, _, _ in f]), max(f)[1:]) for f in sizes.values())
-        return [Explanation(own, raised, float(score), slow) for score, (raised, slow) in alike[: -most - 1 : -1]]
+        alike = sorted((float(np.logaddexp.reduce([v for v, _, _ in f])), max(f)[1:]) for f in sizes.values())
+        return [Explanation(own, raised, score, slow) for score, (raised, slow) in alike[: -most - 1 : -1]]
 
     def _found(self, names: frozenset[str]) -> list[tuple[float, Raised, float]]:
         """Those that the search looked at, without free patterns."""
@@ -147,7 +164,8 @@ class Explained:
         S, r = len(known), design.V.shape[1]
         G = np.concatenate([np.zeros((S, 0)), *(f.G for f in design.free if f.owner == DECLARED)], axis=1)
         raised = {number for form in forms for _, number, _ in form.raised}
-        again = {number: self._again(design, self.design.blocks[number], known) for number in raised}
+        bases: dict[int, Floats] = {}
+        again = {number: self._again(design, self.design.blocks[number], known, bases) for number in raised}
         posteriors = [self._posterior(design, sums, form, again) for form in forms]
         means, factors = np.stack([p.mean for p in posteriors]), np.stack([p.factor for p in posteriors])
         named, differ = _differences(posteriors)
@@ -155,27 +173,29 @@ class Explained:
         of_row = np.concatenate([np.full(len(residual) - planned, -1), programme])
         of_capture = of_row[observations.first]
         measured = np.unique(observations.condition[of_row < 0])
-        out = []
+        chosen: list[Floats] = []
+        seen: list[tuple[float, frozenset[int]]] = []
         for number in range(int(programme.max(initial=-1)) + 1):
             own = np.flatnonzero(of_capture[observations.capture] == number)
             new = np.setdiff1d(observations.condition[of_row == number], measured)
             weight = as_recorded[own]
             columns = (np.repeat(weight, r)[:, None] * design.W.some(own).whole).astype(float)
             Q = basis(columns[:, named] @ differ)  # chosen by what is raised; all else is added
-            columns = np.concatenate(
-                [Q.T @ columns, Q.T @ np.kron(weight[:, None] * G[own], np.eye(r))], axis=1
+            chosen.append(
+                np.concatenate([Q.T @ columns, Q.T @ np.kron(weight[:, None] * G[own], np.eye(r))], axis=1)
             )
             numbers = int((of_capture == number).sum()) * self.observations.counted.of_a_capture
-            out.append(
-                Outlook(
-                    means @ columns.T,
-                    columns @ factors,
-                    numbers,
-                    frozenset(new.tolist()),
-                    self.observations.counted,
-                )
-            )
-        return out
+            seen.append((numbers, frozenset(new.tolist())))
+        every = np.concatenate(chosen) if chosen else np.zeros((0, means.shape[1]))
+        mean, factor = (
+            means @ every.T,
+            np.stack([every @ f for f in factors]),
+        )  # all at once: much faster
+        ends = np.cumsum([0, *map(len, chosen)])
+        return [
+            Outlook(mean[:, a:b], factor[:, a:b], numbers, new, self.observations.counted)
+            for a, b, (numbers, new) in zip(ends[:-1], ends[1:], seen, strict=True)
+        ]
 
     def _beside(self, joint: Observations) -> "_Joint":
         """Observations of the campaign, as they are, and of what is planned, without values."""
@@ -233,9 +253,11 @@ class Explained:
                 raised.append(np.arange(block.at.start, block.at.stop))
         return np.where(square > 0, np.sqrt(square), sd), np.concatenate(raised)
 
-    def _again(self, design: Design, was: Block, known: Bools) -> tuple[Block, float] | None:
+    def _again(
+        self, design: Design, was: Block, known: Bools, bases: dict[int, Floats]
+    ) -> tuple[Block, float] | None:
         """The block of a design that holds most of one of the campaign's, among those of its owner, and how much
-        smaller its columns are on the campaign.
+        smaller its columns are on the campaign. `bases` keeps what blocks span there, by their first column.
 
         A space may be a part of the range that was measured (a limit at 85 % of the travel): beside what is planned it
         has another name.
@@ -248,8 +270,10 @@ class Explained:
         target = np.einsum("srq,rp->spq", columns, self.design.V.T @ design.V).reshape(-1, columns.shape[2])
 
         def held(block: Block) -> float:
-            W = design.W.of(block.at).reshape(len(known), -1)[known].reshape(len(target), -1)
-            return _square(np.linalg.qr(W)[0].T @ target)
+            if block.at.start not in bases:
+                W = design.W.of(block.at).reshape(len(known), -1)[known].reshape(len(target), -1)
+                bases[block.at.start] = np.linalg.qr(W)[0]
+            return _square(bases[block.at.start].T @ target)
 
         block = own[0] if len(own) == 1 else max(own, key=held)
         return block, self._ratio(design, block, was, known)
@@ -310,5 +334,6 @@ def _differences(posteriors: Sequence[_Posterior]) -> tuple[Ints, Floats]:
         means[at, m] = p.mean[p.raised]
         spread[np.ix_(at, at)] += p.factor[p.raised] @ p.factor[p.raised].T
     power, U = np.linalg.eigh(spread)
-    wide = U * np.sqrt(np.maximum(power, 0.0))
+    some = power > _LEAST * power.max(initial=0.0)
+    wide = U[:, some] * np.sqrt(power[some])
     return named, np.concatenate([means - means.mean(axis=1, keepdims=True), wide], axis=1)

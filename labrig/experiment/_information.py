@@ -68,6 +68,5 @@ def bhattacharyya(outlook: Outlook) -> Floats:
 
 def _gaussians(outlook: Outlook) -> tuple[Floats, Floats]:
     """Means (M, d) and covariances (M, d, d), in units of the noise of numbers that count for their worth."""
-    factor = outlook.factor
-    covariance = outlook.worth * factor @ np.swapaxes(factor, 1, 2) + np.eye(factor.shape[1])
+    covariance = outlook.worth * outlook.covariance + np.eye(outlook.mean.shape[1])
     return np.sqrt(outlook.worth) * outlook.mean, covariance

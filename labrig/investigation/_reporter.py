@@ -20,6 +20,9 @@ class Reporter:
     def round_started(self, number: int, programme: str, minutes: float) -> None:
         """A round begins: `programme` is capture, experiment, confirmation or given; `minutes` are those on the rig."""
 
+    def diagnosing(self, number: int, captures: int) -> None:
+        """All runs so far are about to be diagnosed, `captures` of them together."""
+
     def diagnosed(self, number: int, summary: Summary) -> None:
         """All runs so far were diagnosed; `summary` is the content of diagnosis.json."""
 
@@ -46,6 +49,10 @@ class Lines(Reporter):
         """The round, and how long it takes."""
         took = f", {minutes:.1f} min on the rig" if minutes else ""
         self.say(f"round {number}: {programme}{took}")
+
+    def diagnosing(self, number: int, captures: int) -> None:
+        """That it takes a moment."""
+        self.say(f"  diagnosing {captures} captures")
 
     def diagnosed(self, number: int, summary: Summary) -> None:
         """The verdict, and its names."""

@@ -67,8 +67,9 @@ def diagnosed(work: Work) -> "Result":
     from labrig.view import write_report
 
     state = work.state
-    result = diagnose(state.opened(), work.model)
     last = state.rounds[-1]
+    work.reporter.diagnosing(last["round"], sum(r["captures"] for r in state.rounds))
+    result = diagnose(state.opened(), work.model)
     folder = state.folder / f"diagnosis-{last['round']}"
     folder.mkdir(exist_ok=True)
     result.write(folder / "diagnosis.json")

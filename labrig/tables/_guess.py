@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
 from labrig.tables._names import Name, unit_of
 from labrig.tables._read import beside, kind_of, parts_of, read_file
@@ -71,12 +72,12 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
 
 
 def _text(path: Path) -> tuple[Format, Table]:
-    """A text table and how it is written; without names where what looked like them has fewer than there are cells."""
+    """A text table and how it is written; without names where a comment looked like them and has too few."""
     how = sniff(path)
     try:
         return how, read_file(path, how)
     except LabrigError:
-        if not how.header or how.groups:
+        if not how.header or how.groups or not begins_with_a_comment(path, how):
             raise
         for more in range(1, _NOTES + 1):
             bare = how.model_copy(

@@ -31,6 +31,16 @@ def split(line: str, separator: str) -> list[str]:
         return [line]
 
 
+def begins_with_a_comment(path: Path, how: Format) -> bool:
+    """Whether the line of the names begins with the sign of a comment."""
+    with path.open(encoding=how.encoding, errors="replace", newline=None) as file:
+        return any(
+            sign in line.split()[:1]
+            for line in islice(file, how.skip_rows, how.skip_rows + 1)
+            for sign in _COMMENT
+        )
+
+
 def groups_above(rows: list[list[str]]) -> list[int]:
     """How far above the last of some rows those are that tell columns of equal names, or without one, apart.
 

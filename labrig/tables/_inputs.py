@@ -18,6 +18,11 @@ _NEAR = 0.04
 _NOISY = 0.4
 _SUPPLY = 0.1
 """Share of its size by which a supply's voltage or current may move."""
+_TIMES = 2.0
+"""How many times as large numbers without a unit may be as those that they are compared with."""
+_ENDS = 5
+_IN_ORDER = 0.8
+"""Rank correlation of a drive and a pressure at the ends of at least so many holds, from which on it drives it."""
 _MANY = 60
 """In tables with more columns, commands are not looked for by comparing all of them."""
 
@@ -57,8 +62,8 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     """The columns that were commanded, of columns with these `values` (n,); and remarks that say what was assumed.
 
     Called so; else followed by a sensor; else pressures, those first that stand still in holds; else voltages and the
-    like, which come first where they stand still and the pressures tremble. Columns that are called the same but for a
-    number or a letter come along.
+    like, which come first where they stand still and a pressure follows, or trembles. Columns that are called the same
+    but for a number or a letter come along.
     """
     if commanded := [n for n in rest if n.has(names.COMMANDED)]:
         return with_siblings(commanded, rest, values), []
@@ -77,12 +82,12 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     steps = [n for n in find_held(drives, values) if _is_driven(values[n.column])]
     said = []
     if pressures and steps and not find_held(pressures, values):
-        tremble = any(_is_noisy(values[n.column]) for n in pressures)
-        said = [_beside_a_drive(pressures[0], steps[0], tremble)]
-        pressures = [] if tremble else pressures
+        driven = any(is_noisy(values[n.column]) or _follows(n, steps, values) for n in pressures)
+        said = [_beside_a_drive(pressures[0], steps[0], driven)]
+        pressures = [] if driven else pressures
     seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or steps or drives
     if still := [n for n in seeds if is_held(values[n.column])]:
-        seeds = [n for n in seeds if n in still or not _is_noisy(values[n.column])]
+        seeds = [n for n in seeds if n in still or not is_noisy(values[n.column])]
     if seeds and all(n.has(names.MEASURED) for n in seeds):
         said = [f"no column is called commanded: {seeds[0].column!r}, which was measured, is taken for it"]
     return with_siblings(seeds, rest, values), said
@@ -94,11 +99,24 @@ def _is_driven(values: Floats) -> bool:
     return bool(np.ptp(seen) > _SUPPLY * np.abs(seen).max())
 
 
-def _beside_a_drive(pressure: Name, drive: Name, tremble: bool) -> str:
+def _follows(pressure: Name, steps: list[Name], values: Mapping[str, Floats]) -> bool:
+    """Whether a pressure is in the order of a drive at the ends of its holds."""
+    from scipy.stats import rankdata
+
+    for drive in steps:
+        u, p = values[drive.column], values[pressure.column]
+        ends = np.isfinite(u) & np.isfinite(p) & np.r_[np.diff(u) != 0, True]
+        moves = ends.sum() >= _ENDS and np.ptp(u[ends]) and np.ptp(p[ends])
+        if moves and np.corrcoef(rankdata(u[ends]), rankdata(p[ends]))[0, 1] > _IN_ORDER:
+            return True
+    return False
+
+
+def _beside_a_drive(pressure: Name, drive: Name, driven: bool) -> str:
     """What is said where a pressure goes on moving while a drive stands still in holds."""
-    if tremble:
+    if driven:
         return (
-            f"{drive.column!r} stands still in holds and {pressure.column!r} trembles: the first is taken for what was "
+            f"{drive.column!r} stands still in holds and {pressure.column!r} moves on: the first is taken for what was "
             "commanded"
         )
     return (
@@ -140,8 +158,8 @@ def with_siblings(seeds: list[Name], rest: list[Name], values: Mapping[str, Floa
 
     A sibling has the same unit, and is noisy only where the column itself is.
     """
-    kinds = {(_stem(n), n.unit, _is_noisy(values[n.column])) for n in seeds if _stem(n)}
-    return [n for n in rest if n in seeds or (_stem(n), n.unit, _is_noisy(values[n.column])) in kinds]
+    kinds = {(_stem(n), n.unit, is_noisy(values[n.column])) for n in seeds if _stem(n)}
+    return [n for n in rest if n in seeds or (_stem(n), n.unit, is_noisy(values[n.column])) in kinds]
 
 
 def find_sensors(
@@ -157,7 +175,9 @@ def find_sensors(
     near = []
     for u in inputs:
         for n in left:
-            apart = np.inf if u.column in taken or n.column in taken else _apart(u, n, values)
+            known = u.column in taken or n.column in taken
+            alike = is_pressure(n) or n.has(names.MEASURED) or may_be_compared(n, u, values)
+            apart = np.inf if known or not alike else _apart(u, n, values)
             if apart <= _NEAR:
                 near.append((set(_number(u)) != set(_number(n)), apart, n, u))
     for _, _, n, u in sorted(near, key=lambda pair: pair[:2]):
@@ -167,10 +187,16 @@ def find_sensors(
     return found
 
 
-def may_be_compared(sensor: Name, command: Name) -> bool:
-    """Whether a sensor's numbers can be in the unit of its command; a pressure is not in the volts of a valve."""
+def may_be_compared(sensor: Name, command: Name, values: Mapping[str, Floats]) -> bool:
+    """Whether a sensor's numbers can be in the unit of its command: a pressure is not in the volts of a valve."""
     said = {sensor.unit, command.unit}
-    return len(said) == 1 or None in said or "1" in said or like(str(sensor.unit), str(command.unit))
+    if len(said - {None, "1"}) == 2:
+        return like(str(sensor.unit), str(command.unit))
+    if len(said) == 1 and None not in said:
+        return True
+    u, y = (np.abs(values[n.column][np.isfinite(values[n.column])]) for n in (command, sensor))
+    high = [float(np.percentile(v, 95)) if len(v) else 0.0 for v in (u, y)]
+    return min(high) >= max(high) / _TIMES
 
 
 def _same(measured: Name, inputs: list[Name], left: list[Name]) -> Name | None:
@@ -203,8 +229,8 @@ def _stem(n: Name) -> tuple[str, ...]:
 
 def _led(rest: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Name]]:
     """Pairs of a command and the sensor that follows it: nearly the same numbers, one of them noisy, one not."""
-    quiet = [n for n in rest if not n.has(names.MEASURED | names.OUTPUT) and not _is_noisy(values[n.column])]
-    noisy = [n for n in rest if _is_noisy(values[n.column])]
+    quiet = [n for n in rest if not n.has(names.MEASURED | names.OUTPUT) and not is_noisy(values[n.column])]
+    noisy = [n for n in rest if is_noisy(values[n.column])]
     if len(rest) > _MANY:
         return []
     found = [(_apart(a, b, values), a, b) for a in quiet for b in noisy]
@@ -258,7 +284,7 @@ def is_held(values: Floats) -> bool:
     )
 
 
-def _is_noisy(values: Floats) -> bool:
+def is_noisy(values: Floats) -> bool:
     """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held."""
     seen = _seen(values)
     if len(seen) < 8 or is_held(seen):

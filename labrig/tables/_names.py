@@ -56,6 +56,7 @@ OUTPUT = {
     "y", "out", "output", "force", "displacement", "disp", "position", "pos", "angle", "stroke", "length", "strain",
     "stress", "torque", "load", "deflection", "extension", "bend", "bending", "level", "theta",
 }  # fmt: skip
+FORCE = {"force", "load", "stress", "torque"}
 NO_POSITION = {
     "acc", "accel", "acceleration", "gyro", "mag", "magnetometer", "torque", "moment", "force", "wrench", "vel",
     "velocity", "rot", "rotation", "rpy", "quat", "quaternion", "orientation", "euler", "omega", "angular", "rate",

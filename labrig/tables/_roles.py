@@ -231,22 +231,21 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     out.actuation = inputs
     left = [n for n in rest if n not in inputs and n not in beside]
     pairs = find_sensors([n for n in left if n not in side], inputs, out.values)
-    out.measured = [(n, u) for n, u in pairs if may_be_compared(n, u)]
+    out.measured = [(n, u) for n, u in pairs if may_be_compared(n, u, out.values)]
     for n, u in pairs:
-        if not may_be_compared(n, u):
+        if (n, u) not in out.measured:
             beside.append(n)
+            units = f" ({n.unit} and {u.unit})" if n.unit and u.unit else ""
             out.remarks.append(
-                f"column {n.column!r} is a sensor in {n.unit} of {u.column!r} in {u.unit}: taken for a covariate; "
-                f"give it a scale to {u.unit} and put it under 'measured:' to compare them"
+                f"column {n.column!r} is a sensor of {u.column!r} in another unit{units}: taken for a covariate; give "
+                f"it a scale to {u.unit or 'that unit'} and put it under 'measured:' to compare them"
             )
     taken = [n for n, _ in pairs]
     out.observables = [n for n in left if n not in taken and n not in side]
     out.covariates = [n for n in rest if n in beside or (n in side and n not in inputs)]
     if not out.observables and not out.markers:
         out.observables, out.covariates = out.covariates, []
-    if (
-        not out.observables and not out.markers
-    ):  # of two columns one is the input, the other one no mere sensor of it
+    if not out.observables and not out.markers:  # what follows the only input may be what it moves
         out.observables = [n for n, _ in out.measured if not (n.has(names.MEASURED) or is_pressure(n))]
         out.measured = [(n, u) for n, u in out.measured if n not in out.observables]
 
@@ -263,7 +262,9 @@ def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:
         inputs = held
     elif len(rest) > 1 or (rest and out.markers):
         able = quiet or rest
-        first = [n for n in able if np.nanmax(out.values[n.column]) > np.nanmin(out.values[n.column])][:1]
+        moving = [n for n in able if np.nanmax(out.values[n.column]) > np.nanmin(out.values[n.column])]
+        moving.sort(key=lambda n: n.has(names.FORCE))  # a testing machine moves, and measures forces
+        first = moving[:1]
         family = with_siblings(first, able, out.values)
         inputs = family if len(family) < len(rest) or out.markers else first
     else:
