@@ -18,10 +18,10 @@ from labrig.tables import (
     Mapping,
     TableFile,
     beside,
-    check,
     check_clock,
     check_limits,
     check_mapping,
+    check_spelt,
     check_values,
     factor,
     guess_mapping,
@@ -166,7 +166,7 @@ def _check_units(mapping: Mapping, path: Path) -> None:
         ("covariates", mapping.covariates),
     ):
         for entry in entries:
-            check(entry.unit, f"{path}: {what} {entry.name!r}")
+            check_spelt(entry.unit, f"{path}: {what} {entry.name!r}")
     clocks = [(f"join {j.name!r}: time", j.time) for j in mapping.join]
     for what, entry in (("time", mapping.time), *clocks):
         if entry is not None:

@@ -18,9 +18,10 @@ from labrig.tables._opened import opened
 from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
 from labrig.tables._sniff import sniff
+from labrig.tables._spelling import check_spelt
 from labrig.tables._strokes import Segment, find_segments, held_share
 from labrig.tables._table import DATE, Table
-from labrig.tables._units import check, factor, is_length
+from labrig.tables._units import factor, is_length
 from labrig.tables._unseen import unseen
 
 __all__ = [
@@ -37,10 +38,10 @@ __all__ = [
     "Table",
     "TableFile",
     "beside",
-    "check",
     "check_clock",
     "check_limits",
     "check_mapping",
+    "check_spelt",
     "check_values",
     "factor",
     "find_segments",

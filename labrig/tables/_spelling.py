@@ -85,6 +85,16 @@ def unit_of(text: str) -> str | None:
     return plain if all(name.endswith(_KINDS) for name in names_of(plain)) else None
 
 
+def check_spelt(unit: str, where: str) -> None:
+    """Raise `LabrigError` if there is no such unit, with the way it is written where a person means one."""
+    try:
+        check(unit, where)
+    except LabrigError as error:
+        if known := unit_of(unit):
+            raise LabrigError(f"{where}: there is no unit {unit!r}; write {known}") from error
+        raise
+
+
 def _as_pint_writes(plain: str) -> str:
     """Signs as letters, N.m and Nm as a product, m/s2 as a power, kg/cm2 as the pressure that it is."""
     plain = plain.translate(_SIGNS)
