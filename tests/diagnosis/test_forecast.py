@@ -122,6 +122,7 @@ def test_forms_of_effects(asked) -> None:
     explained, *_ = asked
     forms = explained.forms(["leak"], 3)
     assert [f.score for f in forms] == sorted((f.score for f in forms), reverse=True)
+    assert len({frozenset(number for _, number, _ in f.raised) for f in forms}) == 3  # not one in three sizes
     assert {o for f in forms for o, _, size in f.raised if size not in explained.search.traces} == {"leak"}
     pair = explained.forms(["leak", "creep"], 1)[0]
     assert {o for o, _, size in pair.raised if size not in explained.search.traces} == {"leak", "creep"}

@@ -250,3 +250,16 @@ def test_the_short_form_in_a_diagnosis(doubt) -> None:
     clear = {"verdict": "identified", "next_experiment": None}
     plan_next(run, model, clear)
     assert clear["next_experiment"] is None
+
+
+def test_what_another_form_would_hold_is_not_promised(make_lab) -> None:
+    """Of one chamber a gain of its sensor is any curve of the pressure: no programme promises ten decades.
+
+    The plain forms of both names differ by hundreds of floors where nothing was measured; their families do not.
+    """
+    lab = make_lab(chambers=1, force=True, captures=26, rows_s=ROWS_S, repeats=False)
+    model, run = lab.model(), lab.dataset(lab.predict(1.08 * lab.u) + lab.noise(0.01, 0.01))
+    expected = propose_experiment(run, model, summary=open_between("regulator", "tension")).summary[
+        "expected"
+    ]
+    assert max(e["log10_bayes"] for e in expected) < 10
