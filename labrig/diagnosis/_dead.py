@@ -1,11 +1,14 @@
-"""Sensors that always say the same, and chambers that never change: nothing can be learnt from either."""
+"""Sensors that always say the same, chambers that never change, and those that only change together."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from labrig.effects import Context
+from labrig.arrays import Bools
+from labrig.effects import Context, Rows
 
+_ALIKE = 0.999
+"""Correlation of the set-points of chambers that move together."""
 _STILL = 1e-9
 """Change of a prediction, as a share of its size, that is rounding."""
 
@@ -29,6 +32,7 @@ def without_dead(context: Context) -> Context:
         for c, name in enumerate(rows.chambers)
         if np.ptp(rows.event_actuation[:, c]) == 0 and len(rows.event_actuation) > 1
     ]
+    said += _together(rows)
     if dead.all() or not dead.any():
         return replace(context, rows=replace(rows, warnings=(*rows.warnings, *said))) if said else context
     said += [
@@ -38,3 +42,19 @@ def without_dead(context: Context) -> Context:
     ]
     values = np.where(dead, np.nan, rows.values)
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, *said)))
+
+
+def _together(rows: Rows) -> list[str]:
+    """A line for each group of chambers whose set-points only change together."""
+    u = rows.event_actuation
+    moved = np.flatnonzero(np.ptp(u, axis=0) > 0) if len(u) > 1 else np.zeros(0, dtype=np.int64)
+    if len(moved) < 2:
+        return []
+    alike: Bools = np.corrcoef(u[:, moved].T) > _ALIKE
+    groups = {tuple(rows.chambers[c] for c in moved[row]) for row in alike if row.sum() > 1}
+    return [
+        f"chambers {', '.join(names[:-1])} and {names[-1]} only moved together: what is missing of one may be "
+        "another's, and where they are apart the model may be off by more than these errors say; move each alone in "
+        "some set-points"
+        for names in sorted(groups)
+    ]

@@ -45,3 +45,17 @@ def test_a_chamber_that_never_moves_is_named(make_lab) -> None:
     lab.commanded[:, 1] = 12.0
     warnings = compare(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary["warnings"]
     assert "chamber c2 is at 12 kPa all the time: nothing can be said of it" in warnings
+
+
+def test_chambers_that_only_move_together_are_named(make_lab) -> None:
+    """Chambers whose set-points only change together are said, once for each group, and no others."""
+    lab = make_lab(chambers=4)
+    lab.commanded[:, 1] = lab.commanded[:, 0] * 0.8
+    together = compare(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary["warnings"]
+    assert [w for w in together if "together" in w] == [
+        "chambers c1 and c2 only moved together: what is missing of one may be another's, and where they are apart "
+        "the model may be off by more than these errors say; move each alone in some set-points"
+    ]
+    lab.commanded[::3, 1] = 0.0
+    apart = compare(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary["warnings"]
+    assert not any("together" in w for w in apart)
