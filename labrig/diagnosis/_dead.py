@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from labrig.arrays import Bools
 from labrig.effects import Context, Rows
 
 _ALIKE = 0.999
@@ -50,7 +49,7 @@ def _together(rows: Rows) -> list[str]:
     moved = np.flatnonzero(np.ptp(u, axis=0) > 0) if len(u) > 1 else np.zeros(0, dtype=np.int64)
     if len(moved) < 2:
         return []
-    alike: Bools = np.corrcoef(u[:, moved].T) > _ALIKE
+    alike = np.asarray(np.corrcoef(u[:, moved].T) > _ALIKE, dtype=bool)
     groups = {tuple(rows.chambers[c] for c in moved[row]) for row in alike if row.sum() > 1}
     return [
         f"chambers {', '.join(names[:-1])} and {names[-1]} only moved together: what is missing of one may be "

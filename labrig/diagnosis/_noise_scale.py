@@ -14,7 +14,7 @@ from labrig.diagnosis._observations import Observations
 _FEW = 6
 """Observables of a unit below which the residuals' spectrum says nothing about their noise."""
 _SCALES = np.geomspace(0.2, 5.0, 33)
-_SIZES = np.geomspace(0.2, 20.0, 14)
+_SIZES = np.geomspace(0.2, 200.0, 21)
 
 
 def of_few(observations: Observations) -> list[NDArray[np.bool_]]:
