@@ -210,6 +210,7 @@ class Explained:
             joint.capture,
             joint.index,
             joint.left,
+            joint.whole,
             joint.still,
             self.observations,
         )

@@ -66,6 +66,8 @@ class Observations:
     index: Ints
     left: Floats
     """What is left of the noise's square in each (S,), where the base was fitted to the campaign."""
+    whole: NDArray[np.bool_]
+    """Which captures (n,) have something of all observables that were ever seen: of the others gaps were filled."""
     still: "Still"
 
     @property
@@ -249,7 +251,15 @@ def observe(context: Context, residual: Floats, floor: Floor, fitted: Floats | N
     left = np.ones(row) if fitted is None else _left(np.asarray(whiten @ fitted))
     still = Still.beside(floor.shaken / unit[:, None])
     seen = still.of(whiten @ values)
-    return Observations(context, floor, unit, seen, whiten, np.array(owner), index, left, still)
+    whole = _whole(residual, index)
+    return Observations(context, floor, unit, seen, whiten, np.array(owner), index, left, whole, still)
+
+
+def _whole(residual: Floats, index: Ints) -> NDArray[np.bool_]:
+    """Which captures (n,) have a value of each observable that has one anywhere, of rows (F, K)."""
+    count = np.zeros((int(index.max()) + 1, residual.shape[1]))
+    np.add.at(count, index, np.isfinite(residual))
+    return np.asarray((count[:, count.any(axis=0)] > 0).all(axis=1), dtype=bool)
 
 
 def _left(fitted: Floats) -> Floats:

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from labrig.arrays import Floats
-from labrig.diagnosis._constants import SURE
+from labrig.diagnosis._constants import FEWEST_OBSERVATIONS, SURE
 from labrig.diagnosis._design import Design
 from labrig.diagnosis._floor import repeats_of
 from labrig.diagnosis._noise_scale import along, everything, log_evidence
@@ -53,13 +53,17 @@ def shaken(design: Design) -> Floats:
     beside = ways - driven @ (driven.T @ ways)
     part = np.linalg.norm(beside, axis=0)
     ways, beside, part = ways[:, part > _APART], (beside / part)[:, part > _APART], part[part > _APART]
-    few = np.unique(np.linspace(0, n - 1, min(n, _MOST_CAPTURES)).astype(int))
+    asked = np.flatnonzero(observations.whole)  # what fills gaps is no motion of the frame
+    if len(asked) < FEWEST_OBSERVATIONS:
+        asked = np.arange(n)
+    few = asked[np.unique(np.linspace(0, len(asked) - 1, min(len(asked), _MOST_CAPTURES)).astype(int))]
     values = observations.values[:n] @ beside
     scale = np.ones(len(part))
     for j in np.flatnonzero(values[few].std(axis=0) > 1):
         scale[j] = _scale(design, few, beside[:, j])
     moves = scale > _CLEAR
-    repeats = repeats_of(observations.context, values[:, moves], np.unique(rows.capture))["same history"]
+    known = np.where(np.isin(np.arange(n), asked)[:, None], values[:, moves], np.nan)
+    repeats = repeats_of(observations.context, known, np.unique(rows.capture))["same history"]
     if not moves.any() or _repeat(np.array(repeats).reshape(-1, int(moves.sum())), scale[moves]):
         return out
     return unit[:, None] * ways[:, moves] * np.sqrt(scale[moves] ** 2 - 1) / part[moves]
@@ -69,6 +73,7 @@ def _repeat(differ: Floats, scale: Floats) -> bool:
     """Whether pairs that repeat each other differ by less (P, m) than noise of such a scale (m,) would, but in one
     case of twenty; never without any.
     """
+    differ = differ[np.isfinite(differ).all(axis=1)]
     if not differ.size:
         return False
     return bool(np.square(differ / scale).sum() / 2 < chi2.ppf(_CHANCE, differ.size))

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, prepared, rows_from
-from labrig.diagnosis._design import stilled
+from labrig.diagnosis._design import design_of, stilled
 from labrig.diagnosis._diagnose import laid_out
-from labrig.diagnosis._observations import Still
+from labrig.diagnosis._observations import Still, observe
+from labrig.diagnosis._shaken import shaken
 from tests.conftest import Lab
 from tests.laws import power_law
 from tests.naming import verdict_of
@@ -89,6 +90,22 @@ def test_what_follows_something_does_not_shake(lab, how) -> None:
     }[how]
     values = lab.predict(lab.u) + lab.noise() + as_one_body(lab, shift, 0 * shift)
     assert shakes_mm(lab, values) < 0.05
+
+
+def test_what_fills_gaps_does_not_shake(lab) -> None:
+    """What stands where markers were out of sight says nothing of the frame, however far off it is."""
+    model, gaps = lab.model(), np.arange(N) % 3 == 1
+    values = lab.predict(lab.u) + lab.noise()
+    values[gaps, :, :6] = np.nan
+    values[0, 0, :6] = np.nan  # of this capture the other row was seen
+    ready = prepared(rows_from(lab.dataset(values)), model)
+    seen = observe(ready.context, ready.residual, ready.floor)
+    assert (seen.whole == ~gaps).all()
+    filled = seen.values.copy()
+    filled[:N][gaps] += shaking(lab, 4)[gaps, 0] / 0.01
+    for whole, shakes in ((seen.whole, False), (np.ones(N, dtype=bool), True)):
+        design = design_of(replace(seen, values=filled, whole=whole), model.library(), None, None)
+        assert bool(shaken(design).size) == shakes
 
 
 @pytest.mark.parametrize(("shift_mm", "shakes"), [(0.03, False), (0.4, True)])
