@@ -2,6 +2,7 @@
 
 import codecs
 import itertools
+import re
 import warnings
 from collections import Counter
 from pathlib import Path
@@ -24,6 +25,8 @@ _MARKS = (
 )
 _OLD = ["cp1252", "cp1251", "cp932", "gb18030", "mac_roman"]
 _FEW = 20
+_LONGER = re.compile(r"Expected (?P<others>\d+) fields in line (?P<line>\d+), saw (?P<own>\d+)")
+"""What pandas says of a row that has more cells than the first."""
 
 
 def find_encoding(path: Path) -> str:
@@ -111,6 +114,13 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
             check_blanks(path, encoding, above, len(frame.columns))
     except pd.errors.EmptyDataError:
         raise LabrigError(f"{path}: has no rows") from None
+    except pd.errors.ParserError as error:
+        if (found := _LONGER.search(str(error))) is None:
+            raise
+        raise LabrigError(
+            f"{path}, line {found['line']}: has {found['own']} cells where those before have {found['others']}: does a "
+            "second table begin there? 'format: rows:' reads the first alone, 'skip_rows:' the other"
+        ) from None
     except pd.errors.ParserWarning:
         raise LabrigError(f"{path}: its rows have more cells than its header has names") from None
     except UnicodeError:

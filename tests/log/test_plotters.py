@@ -181,3 +181,17 @@ def test_a_unit_as_people_write_it(desk: Path) -> None:
     with pytest.raises(LabrigError) as error:
         import_table(Path("map.yaml"), Path("run"))
     assert str(error.value) == "map.yaml: observables 'R': there is no unit 'Ohm'; write ohm"
+
+
+def test_a_second_table_in_the_file(desk: Path) -> None:
+    """A table below the first with more columns is refused where it begins, with how to read either."""
+    second = ["Trajectories", "frame,t,x,y,z", *[f"{i},{i / 100},1,2,3" for i in range(9)]]
+    path = write(["Devices", "t_s,p_set_kPa,F_N", *ROWS, "", *second])
+    with pytest.raises(LabrigError) as error:
+        guess_mapping(path)
+    assert str(error.value) == (
+        f"t.csv, line {N + 5}: has 5 cells where those before have 3: does a second table begin there? 'format: rows:' "
+        "reads the first alone, 'skip_rows:' the other"
+    )
+    first = read_file(path, sniff(path).model_copy(update={"rows": N}))
+    assert first.numbers("p_set_kPa", "actuation").tolist() == P.tolist()
