@@ -19,6 +19,7 @@ _FEW = 3
 _LONGEST = 1 << 16
 _USUAL = {"utf-8", "utf-8-sig"}
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
+_THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}")
 _ARROW = " -> "
 _CHOICES = {",": ",", ";": ";", "tab": "\t", "|": "|", "whitespace": None}
 
@@ -52,7 +53,7 @@ def sniff(path: Path) -> Format:
     return how.model_copy(
         update={
             "separator": separator,
-            "decimal": "," if separator != "," and _commas(body) else ".",
+            "decimal": "," if _commas(body, separator) else ".",
             "encoding": None if encoding in _USUAL else encoding,
         }
     )
@@ -166,10 +167,13 @@ def _are_units(row: list[str]) -> bool:
     return bool(filled) and all(is_unit(c) or c in {"-", "1"} for c in filled)
 
 
-def _commas(body: list[list[str]]) -> bool:
-    with_comma = sum("," in c and _is_number(c) for row in body for c in row)
+def _commas(body: list[list[str]], separator: str) -> bool:
+    """Whether numbers are written with a decimal comma; between commas, in quotes, which may part thousands as well."""
+    with_comma = [c for row in body for c in row if "," in c and _is_number(c)]
     with_dot = sum("." in c and _is_number(c) for row in body for c in row)
-    return with_comma > with_dot
+    if separator == "," and all(_THOUSANDS.fullmatch(c.strip()) for c in with_comma):
+        return False
+    return len(with_comma) > with_dot
 
 
 def _is_number(cell: str) -> bool:
