@@ -15,10 +15,12 @@ _MOST = 0.8
 """Share of the lines that have the same names, or it is no such log."""
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan"
 _UNIT = r"[A-Za-z°%µ\u03bc][A-Za-z°%/0-9]{0,7}"
+_GAP = r"[ \t]{0,9}"
+"""Blanks within a line; few, so that a line of blanks takes no longer than another one."""
 _PAIR = re.compile(
-    rf"(?<![\w.])(?P<name>[^\W\d][\w ./()%°-]*?)\s*[:=]\s*(?P<first>{_NUMBER})(?![\w.:])"
-    rf"(?:\s?(?P<unit>{_UNIT})(?=\s*(?:[,;\t|]|$)|\s+[^\W\d]))?"
-    rf"(?P<more>(?:\s*[,;\t ]\s*(?:{_NUMBER})(?![\w.:]))*)"
+    rf"(?<![\w.])(?P<name>[^\W\d][\w ./()%°-]{{0,60}}?){_GAP}[:=]{_GAP}(?P<first>{_NUMBER})(?![\w.:])"
+    rf"(?: ?(?P<unit>{_UNIT})(?={_GAP}(?:[,;\t|\r\n]|$)| {_GAP}[^\W\d]))?"
+    rf"(?P<more>(?:{_GAP}[,; \t]{_GAP}(?:{_NUMBER})(?![\w.:]))*)"
 )
 _TO_DIGIT = re.compile(r"[^\w+-]*(?P<stamp>.*\d)")
 _Cells = tuple[tuple[str, ...], tuple[str, ...]]

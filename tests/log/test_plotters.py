@@ -9,6 +9,7 @@ import yaml
 from labrig import LabrigError
 from labrig.log import guess_mapping, import_guessed, import_table
 from labrig.tables import read_file, sniff
+from labrig.tables._labelled import is_labelled
 
 N = 24
 T = 0.5 * np.arange(N)
@@ -72,6 +73,12 @@ def test_lines_with_other_names_are_left_out(desk: Path) -> None:
     assert len(table.frame) == N
     assert table.said == ("2 lines without these names are left out (first line 1)",)
     assert table.at(8) == "log.txt, line 11"
+
+
+@pytest.mark.parametrize("line", ["word " * 13000, "a:1" + " " * 65000 + "x", "a-" * 30000])
+def test_long_lines_do_not_hang(line: str) -> None:
+    """Lines of 64 KB, whatever is in them, are looked at in a moment: else this test never ends."""
+    assert not is_labelled([line, "t,p,F"])
 
 
 def test_a_file_without_such_names(desk: Path) -> None:
