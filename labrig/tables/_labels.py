@@ -178,7 +178,7 @@ def refuse_turns(table: Table, parsed: list[Name], values: Mapping[str, Floats])
     was commanded stands still.
     """
     for n in parsed:
-        if not n.has(names.LABEL):
+        if not n.has(names.LABEL) or n.has(names.COMMANDED) or n.unit is not None:
             continue
         turn = values[n.column]
         several = len(np.unique(turn))

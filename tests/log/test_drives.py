@@ -181,3 +181,12 @@ def test_sensors_that_take_turns_are_refused(tmp_path: Path) -> None:
         f"{tmp_path / 't.csv'}: has 4 rows for each measurement, which column 'sensor_idx' tells apart; make it one "
         "row (pivot it), with a column for each of 0, 1, 2, ..."
     )
+
+
+def test_a_staircase_that_comes_again_is_no_turn(tmp_path: Path) -> None:
+    """A target that runs through the same levels in each cycle is commanded, also where the cycles are numbered."""
+    levels = np.tile([0.0, 20, 40, 60], 30)
+    found = guess(
+        tmp_path, cycle=np.repeat(np.arange(30), 4), target_p=levels, angle_deg=levels / 3 + NOISE[:, 0]
+    )
+    assert taken(found, "actuation") == ["target_p"]
