@@ -33,7 +33,7 @@ def import_(
         bool, typer.Option("--replace", help="Replace an imported run of that name; needs --mapping.")
     ] = False,
 ) -> None:
-    """Make a run of somebody's own table."""
+    """Make a run of somebody's own tables: sessions with the same columns, or what is joined by its clocks."""
     import labrig
     from labrig.log import import_guessed, import_table
 

@@ -17,7 +17,6 @@ from labrig.tables import (
     Guess,
     Mapping,
     TableFile,
-    beside,
     check_clock,
     check_limits,
     check_mapping,
@@ -25,6 +24,7 @@ from labrig.tables import (
     check_values,
     factor,
     guess_mapping,
+    guess_together,
     opened,
     read_mapping,
 )
@@ -61,7 +61,7 @@ def import_table(
 
 
 def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Guess, Path]:
-    """Make a run folder of foreign tables that nobody described, all alike and each a session.
+    """Make a run folder of foreign tables that nobody described, alike and each a session, or joined by their clocks.
 
     Returns what `open_run` gives of it, the guess, and the mapping that was written beside the run, OUTPUT.map.yaml, to
     be read and corrected. Raises `LabrigError` when the run or the mapping exists, or when nothing can be made of them:
@@ -74,9 +74,10 @@ def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Gue
         raise LabrigError(
             f"{beside_it} exists already; use it (labrig import --mapping {beside_it} -o {output}) or remove it"
         )
-    guess = guess_mapping(tables[0], beside_it.parent)
-    if len(tables) > 1:
-        guess.mapping["table"] = [beside(t, beside_it.parent) for t in tables]
+    several = len(tables) > 1
+    guess = (
+        guess_together(tables, beside_it.parent) if several else guess_mapping(tables[0], beside_it.parent)
+    )
     mapping = check_mapping(guess.mapping, beside_it)
     try:
         run = _write(mapping, mapping.files(), beside_it, output)

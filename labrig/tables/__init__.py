@@ -1,7 +1,7 @@
 """Somebody's own tables: read from many formats, what their columns mean, and a guess where nobody says it."""
 
 from labrig.tables._clock import check_clock, seconds, why_back
-from labrig.tables._guess import Guess, guess_mapping
+from labrig.tables._guess import Guess, guess_mapping, guess_together
 from labrig.tables._join import join_tables
 from labrig.tables._mapping import (
     Actuation,
@@ -46,6 +46,7 @@ __all__ = [
     "factor",
     "find_segments",
     "guess_mapping",
+    "guess_together",
     "held_share",
     "is_length",
     "join_tables",

@@ -1,5 +1,6 @@
 """A mapping for a foreign file, guessed from its names and numbers; what was assumed is said."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +15,7 @@ from labrig.tables._names import Name, unit_of
 from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
+from labrig.tables._several import as_one, is_steps, joins_of, names_of, plain
 from labrig.tables._sniff import layout, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
@@ -48,11 +50,42 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
     Raises `LabrigError` when the file can't be read, or has nothing that could be an input or an output.
     """
     path = Path(path)
+    tables = _tables(path)
+    if len(tables) < 2 or kind_of(path) != "excel" or not _alike([[one] for one in tables]):
+        return _guess(path, tables, folder)
+    guess = _guess(path, tables[:1], folder)  # sheets with the same columns are sessions
+    file = guess.mapping["table"]
+    if written := {k: v for k, v in guess.mapping.pop("format").items() if k != "part"}:
+        guess.mapping["format"] = written
+    guess.mapping["table"] = [{"file": file, "part": how.part, "session": how.part} for how, _ in tables]
+    return guess
+
+
+def guess_together(paths: Sequence[Path], folder: Path) -> Guess:
+    """The same of several files: sessions of one kind where all have the same columns, else what was recorded of the
+    same time in different files, which are joined by their clocks.
+    """
+    each = [_tables(path) for path in paths]
+    if _alike(each):
+        guess = _guess(paths[0], each[0], folder)
+        guess.mapping["table"] = [beside(path, folder) for path in paths]
+        return guess
+    return _guess(paths[0], [one for tables in each for one in tables], folder)
+
+
+def _alike(each: Sequence[Sequence[tuple[Format, Table]]]) -> bool:
+    """Whether the tables of several have the same columns."""
+    names = [[[str(c) for c in table.frame.columns] for _, table in tables] for tables in each]
+    return all(own == names[0] for own in names[1:])
+
+
+def _tables(path: Path) -> list[tuple[Format, Table]]:
+    """The tables in a file, and how each is written."""
     kind = kind_of(path)
     if kind == "text":
-        return _guess(path, [_text(path)], folder)
+        return [_text(path)]
     if kind in {"c3d", "parquet", "json"}:
-        return _guess(path, [(Format(), read_file(path, Format()))], folder)
+        return [(Format(), read_file(path, Format()))]
     parts = {name: n for name, n in parts_of(path).items() if n > 1}
     if not parts:
         raise LabrigError(f"{path}: has no rows")
@@ -68,7 +101,7 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
                 raise
     if not tables:
         raise LabrigError(f"{path}: none of its {len(parts)} parts is a table of numbers")
-    return _guess(path, tables, folder)
+    return tables
 
 
 def _text(path: Path) -> tuple[Format, Table]:
@@ -98,10 +131,16 @@ def _sheet_format(path: Path, how: Format) -> Format:
 
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
     read = [
-        (how, table, roles_of(table, _units_below(path, how, table), how.part or "")) for how, table in tables
+        (how, table, roles_of(table, _units_below(table.path, how, table), how.part or ""))
+        for how, table in tables
     ]
+    as_one([roles for *_, roles in read])
     how, table, roles = max(read, key=lambda one: (_worth(one[2]), len(one[1].frame)))
-    mapping: dict[str, Any] = {"table": beside(path, Path(folder)) if folder is not None else path.name}
+
+    def written_as(path: Path) -> str:
+        return beside(path, Path(folder)) if folder is not None else path.name
+
+    mapping: dict[str, Any] = {"table": written_as(table.path)}
     if written := how.model_dump(exclude_defaults=True):
         mapping["format"] = written
     remarks = [*table.said, *roles.remarks]
@@ -109,7 +148,7 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
         remarks = [line for line in remarks if line != NO_CLOCK]
         remarks.append(f"each hold is taken to begin where the one before ended, by {roles.hold.column!r}")
     joined = [one for one in read if one[1] is not table]
-    joins, extra = _joins(mapping["table"], joined, roles, remarks)
+    joins, extra = joins_of(joined, (table, roles), written_as, remarks)
     if joins:
         mapping["join"] = joins
     if table.path.suffix.lower() == ".c3d":
@@ -141,40 +180,9 @@ def _worth(roles: Roles) -> int:
     return bool(roles.markers or roles.observables) + bool(roles.actuation) + (roles.time is not None)
 
 
-def _joins(
-    file: str, others: list[tuple[Format, Table, Roles]], main: Roles, remarks: list[str]
-) -> tuple[list[dict[str, Any]], list[tuple[str, Roles]]]:
-    """The other parts that have a clock, and what they add."""
-    joins: list[dict[str, Any]] = []
-    extra: list[tuple[str, Roles]] = []
-    for how, _, roles in others:
-        part = how.part or ""
-        if roles.time is None or main.time is None:
-            remarks.append(f"part {part!r} has no clock to join it by and is left out")
-            continue
-        name = part.strip("/").replace("/", "_") or "other"
-        steps = all(_is_steps(roles.values[n.column]) for n in roles.actuation)
-        joins.append(
-            {
-                "name": name,
-                "file": file,
-                "time": roles.time.entry(list(roles.time.columns)),
-                "how": "previous" if roles.actuation and steps else "linear",
-                "format": how.model_dump(exclude_defaults=True),
-            }
-        )
-        extra.append((name, roles))
-        remarks.append(f"part {part!r} is joined by time; its columns are called {name}.COLUMN")
-    return joins, extra
-
-
 def _on_change(values: np.ndarray) -> bool:
     """Whether a command is written only where it changes: it is there in the first row, and missing in most."""
     return bool(np.isfinite(values[:1]).all() and np.isnan(values).mean() > 0.5)
-
-
-def _is_steps(values: np.ndarray) -> bool:
-    return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
 
 
 def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks: list[str]) -> dict[str, Any]:
@@ -198,11 +206,16 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
     if roles.hold is not None:
         out["hold"] = {"column": key(roles.hold.column), "unit": roles.hold.unit}
     sources = [("", roles), *extra]
+    own_names = names_of([own for _, own in sources])
+
+    def called(name: str, prefix: str) -> str:
+        return f"{prefix}.{name}" if prefix and own_names[name] > 1 else name
+
     actuation: list[dict[str, Any]] = []
     for prefix, own in sources:
         for n in own.actuation:
             unit = n.unit or _assume("pressure", own.values[n.column], key(n.column, prefix), remarks)
-            entry = {"column": key(n.column, prefix), "name": _called(n, prefix), "unit": unit}
+            entry = {"column": key(n.column, prefix), "name": called(plain(n), prefix), "unit": unit}
             if not prefix and _on_change(own.values[n.column]):
                 entry["on_change"] = True
                 remarks.append(f"{n.column!r} is empty in most rows: taken as written only where it changes")
@@ -224,7 +237,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
     for prefix, own in sources:
         lengths = _assumed_lengths(own, remarks)
         for owner, axes in own.markers.items():
-            marker = f"{prefix}.{owner}" if prefix else owner
+            marker = called(owner, prefix)
             unit = next((n.unit for n in axes.values() if n.unit), None) or lengths
             observables += [
                 {
@@ -240,7 +253,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
             if n.unit is None:
                 remarks.append(f"the unit of {n.column!r} is not said: written as 1")
             observables.append(
-                {"column": key(n.column, prefix), "name": _called(n, prefix), "unit": n.unit or "1"}
+                {"column": key(n.column, prefix), "name": called(plain(n), prefix), "unit": n.unit or "1"}
             )
     if observables:
         out["observables"] = observables
@@ -248,7 +261,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
     if rest := rest_of(roles, units, remarks):
         out["markers"] = rest
     covariates = [
-        {"column": key(n.column, p), "name": _called(n, p), "unit": n.unit or "1"}
+        {"column": key(n.column, p), "name": called(plain(n), p), "unit": n.unit or "1"}
         for p, own in sources
         for n in own.covariates
     ]
@@ -275,11 +288,6 @@ def _in_unit_of(sensor: Name, command: Name) -> dict[str, Any]:
     return {"unit": unit, "scale": float(f"{factor(own, unit, 'measured'):.12g}")}
 
 
-def _called(name: Name, prefix: str) -> str:
-    own = f"column {name.called}" if name.called.isdigit() else name.called
-    return f"{prefix}.{own}" if prefix else own
-
-
 def _held(table: Table, roles: Roles) -> bool:
     """Whether the inputs stand still within what is called a capture."""
     assert roles.capture is not None
@@ -301,7 +309,7 @@ def _counts_rows(table: Table, roles: Roles) -> bool:
     assert roles.capture is not None
     labels = table.labels(table.frame.columns[_place(table, roles.capture.column)], "capture")
     each = len(labels) >= _PREVIEW and len(set(labels.tolist())) == len(labels)
-    return each and roles.time is not None and all(_is_steps(roles.values[n.column]) for n in roles.actuation)
+    return each and roles.time is not None and all(is_steps(roles.values[n.column]) for n in roles.actuation)
 
 
 def _place(table: Table, column: str) -> int:

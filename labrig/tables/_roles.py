@@ -28,6 +28,7 @@ from labrig.tables._table import MINUS, Table, is_nothing, short
 from labrig.tables._time import are_dates, find_clock, may_be_clock
 from labrig.tables._units import is_length, is_screen
 
+NO_INPUT = "no column is called a pressure, a set-point or an input"
 _GENERIC = {("data",), ("value",), ("values",)}
 _NO_INPUT = names.OUTPUT | names.MEASURED | names.CONVERTER | (names.NO_POSITION - {"q"})
 _TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
@@ -35,7 +36,10 @@ _TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
 
 @dataclass
 class Roles:
-    """The columns of a table by what they are taken for; `time` with its units; `remarks` say what was assumed."""
+    """The columns of a table by what they are taken for; `time` with its units; `remarks` say what was assumed.
+
+    `surmised`: nothing is called an input, and something is taken for it all the same.
+    """
 
     time: Clock | None = None
     capture: Name | None = None
@@ -49,6 +53,7 @@ class Roles:
     covariates: list[Name] = field(default_factory=list)
     values: dict[str, Floats] = field(default_factory=dict, repr=False)
     remarks: list[str] = field(default_factory=list)
+    surmised: bool = False
 
 
 def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
@@ -87,13 +92,13 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
         refuse_long(table, out.time.columns[0])
     refuse_turns(table, parsed, out.values)
     rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
-    rest = _find_markers(out, find_labels(out, _told_apart(rest), _clock_s(table, out.time)))
+    rest = _find_markers(out, find_labels(out, _told_apart(rest), clock_s(table, out.time)))
     _find_inputs(out, rest)
     _say_unknown_units(out)
     return out
 
 
-def _clock_s(table: Table, clock: Clock | None) -> Floats | None:
+def clock_s(table: Table, clock: Clock | None) -> Floats | None:
     """The times of the rows (n,), s; None where there is no clock, or it has gaps."""
     if clock is None:
         return None
@@ -226,6 +231,7 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     inputs, remarks = find_commands(own, out.values)
     if not inputs and side:
         inputs, remarks = find_commands([n for n in rest if n not in beside], out.values)
+    out.surmised = not inputs
     inputs = inputs or _any_input(out, own, remarks)
     out.remarks += remarks
     out.actuation = inputs
@@ -271,8 +277,5 @@ def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:
         inputs = []
     if inputs:
         which = ", ".join(repr(n.column) for n in inputs)
-        remarks.append(
-            f"no column is called a pressure, a set-point or an input: {which} "
-            f"{'is' if len(inputs) == 1 else 'are'} taken for it"
-        )
+        remarks.append(f"{NO_INPUT}: {which} {'is' if len(inputs) == 1 else 'are'} taken for it")
     return inputs

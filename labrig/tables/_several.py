@@ -1,0 +1,105 @@
+"""Tables that were recorded of the same time, in one file or in several: what each adds, and how they are joined."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.tables import _names as names
+from labrig.tables._inputs import is_pressure
+from labrig.tables._mapping import Format
+from labrig.tables._names import Name
+from labrig.tables._roles import NO_INPUT, Roles, clock_s
+from labrig.tables._table import Table
+
+
+def as_one(tables: Sequence[Roles]) -> None:
+    """Where one table says what was commanded, nothing of the others is taken for it that is not called so."""
+    said = [own for own in tables if own.actuation and not own.surmised]
+    if not said or len(tables) < 2:
+        return
+    commanded = [own for own in said if all(n.has(names.COMMANDED) for n in own.actuation)]
+    for own in tables:
+        if own.surmised and own.actuation:
+            own.observables = [*own.actuation, *(n for n, _ in own.measured), *own.observables]
+            own.actuation, own.measured = [], []
+            own.remarks = [line for line in own.remarks if not line.startswith(NO_INPUT)]
+        elif commanded and own.actuation and own not in commanded:
+            own.observables += [n for n in own.actuation if not is_pressure(n)]
+            for n in (n for n in own.actuation if is_pressure(n)):
+                own.covariates.append(n)
+                own.remarks.append(
+                    f"{n.column!r} was measured, for another table says what was commanded: taken for a covariate; "
+                    "put it under 'measured:' to compare them"
+                )
+            own.actuation = []
+
+
+def joins_of(
+    others: Sequence[tuple[Format, Table, Roles]],
+    main: tuple[Table, Roles],
+    written_as: Callable[[Path], str],
+    remarks: list[str],
+) -> tuple[list[dict[str, Any]], list[tuple[str, Roles]]]:
+    """The other tables that have a clock, as `join:` of a mapping has them, and what they add.
+
+    `written_as` says how a mapping writes a path. What was assumed is added to `remarks`.
+    """
+    joins: list[dict[str, Any]] = []
+    extra: list[tuple[str, Roles]] = []
+    own_s = clock_s(main[0], main[1].time)
+    for how, table, roles in others:
+        part = f"part {how.part!r}" if table.path == main[0].path else table.path.name
+        other_s = clock_s(table, roles.time)
+        if roles.time is None or own_s is None or other_s is None:
+            remarks.append(f"{part} has no clock to join it by and is left out")
+            continue
+        name = (how.part or "").strip("/").replace("/", "_") or "other"
+        if table.path != main[0].path:
+            name = table.path.stem if len(others) == 1 or not how.part else f"{table.path.stem}_{name}"
+        steps = all(is_steps(roles.values[n.column]) for n in roles.actuation)
+        entry: dict[str, Any] = {
+            "name": name,
+            "file": written_as(table.path),
+            "time": roles.time.entry([_key(table, c) for c in roles.time.columns]),
+            "how": "previous" if roles.actuation and steps else "linear",
+            "format": how.model_dump(exclude_defaults=True),
+        }
+        if other_s[-1] < own_s.min() or other_s[0] > own_s.max():
+            entry["offset_s"] = float(own_s[0] - other_s[0])
+            remarks.append(
+                f"the clock of {part} has no time in common with the other: both are taken to begin together; correct "
+                "'offset_s' if not"
+            )
+        joins.append(entry)
+        extra.append((name, roles))
+        remarks.append(f"{part} is joined by time; its columns are called {name}.COLUMN")
+        if table.path != main[0].path:
+            remarks += [*table.said, *roles.remarks]
+    return joins, extra
+
+
+def names_of(tables: Sequence[Roles]) -> Counter[str]:
+    """How many of these tables have something of each name."""
+    return Counter(
+        name
+        for own in tables
+        for name in {plain(n) for n in (*own.actuation, *own.observables, *own.covariates)} | {*own.markers}
+    )
+
+
+def plain(name: Name) -> str:
+    """What a column is called in a run: its name, or its number where it has none."""
+    return f"column {name.called}" if name.called.isdigit() else name.called
+
+
+def is_steps(values: Floats) -> bool:
+    """Whether numbers (n,) mostly stay as they are from row to row."""
+    return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
+
+
+def _key(table: Table, column: str) -> str | int:
+    return next(c for c in table.frame.columns if str(c) == column)

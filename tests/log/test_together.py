@@ -1,0 +1,118 @@
+"""Files that nobody described and that were recorded of the same time: what each adds, and how they are joined."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from labrig import LabrigError
+from labrig.log import guess_mapping, import_guessed
+
+N = 400
+T = np.arange(N) * 0.05
+P = np.repeat([0.0, 30, 10, 40, 20, 0, 50, 10], 50)
+NOISE = np.random.default_rng(5).normal(0, 0.02, (N, 3))
+TIP = np.stack([60 + 0.4 * P, 20 - 0.2 * P, 190 + 0.1 * P], axis=1) + NOISE
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder of the test."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write(name: str, **columns: np.ndarray) -> Path:
+    """A table of these columns."""
+    pd.DataFrame(columns).to_csv(name, index=False)
+    return Path(name)
+
+
+def marker(start_s: float = 0.0) -> Path:
+    """What a camera saw of one marker, by a clock that begins then."""
+    return write("camera.csv", Time=start_s + T, **{f"tip_{a}": TIP[:, i] for i, a in enumerate("xyz")})
+
+
+def commands(start_s: float = 0.0) -> Path:
+    """What was commanded, once in each tenth of a second."""
+    return write("valves.csv", time_s=start_s + T[::2], p_set_kPa=P[::2])
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_commands_and_places_in_two_files(desk: Path, first: bool) -> None:
+    """Two files of one time become one run, whichever is named first: each row has what was commanded then."""
+    tables = [commands(), marker()] if first else [marker(), commands()]
+    run, guess, _ = import_guessed(tables, Path("run"))
+    assert guess.mapping["table"] == "camera.csv"
+    (join,) = guess.mapping["join"]
+    assert (join["name"], join["file"], join["how"]) == ("valves", "valves.csv", "previous")
+    assert guess.mapping["actuation"] == [{"column": "valves.p_set_kPa", "name": "p_set", "unit": "kPa"}]
+    assert "valves.csv is joined by time; its columns are called valves.COLUMN" in guess.remarks
+    assert run["commanded"].to_numpy().ravel().tolist() == P[::50].tolist()
+    assert run["marker"].values.tolist() == ["tip"]
+    assert np.nanmax(run["position_mm"].sel(axis="x").to_numpy()[1]) == pytest.approx(72, abs=0.1)
+
+
+def test_clocks_without_a_common_time(desk: Path) -> None:
+    """Clocks that have no time in common are taken to begin together, and that is said."""
+    run, guess, _ = import_guessed([commands(1.7e9), marker()], Path("run"))
+    (join,) = guess.mapping["join"]
+    assert join["offset_s"] == pytest.approx(-1.7e9)
+    assert (
+        "the clock of valves.csv has no time in common with the other: both are taken to begin together; correct "
+        "'offset_s' if not" in guess.remarks
+    )
+    assert run["commanded"].to_numpy().ravel().tolist() == P[::50].tolist()
+
+
+def test_what_is_no_input_beside_a_file_of_commands(desk: Path) -> None:
+    """What would be taken for the input of one file alone was measured where another one says what was commanded."""
+    sensors = write("sensors.csv", t_s=T, flex=P / 3 + NOISE[:, 0], pull=P / 7 + NOISE[:, 1])
+    assert [one["column"] for one in guess_mapping(sensors).mapping["actuation"]] == ["flex"]
+    _, guess, _ = import_guessed([commands(), sensors], Path("run"))
+    assert [one["name"] for one in guess.mapping["actuation"]] == ["p_set"]
+    assert [one["name"] for one in guess.mapping["observables"]] == ["flex", "pull"]
+    assert not any("no column is called a pressure" in line for line in guess.remarks)
+
+
+def test_pressures_that_were_measured_in_another_file(desk: Path) -> None:
+    """A pressure beside a file that says what was commanded is a covariate, with how to compare both."""
+    sensors = write("sensors.csv", t_s=T, pressure_kPa=P + NOISE[:, 0], angle_deg=P / 7 + NOISE[:, 1])
+    _, guess, _ = import_guessed([commands(), sensors], Path("run"))
+    assert [one["name"] for one in guess.mapping["actuation"]] == ["p_set"]
+    assert [one["name"] for one in guess.mapping["covariates"]] == ["pressure"]
+    assert (
+        "'pressure_kPa' was measured, for another table says what was commanded: taken for a covariate; put it under "
+        "'measured:' to compare them" in guess.remarks
+    )
+
+
+def test_names_that_both_files_have(desk: Path) -> None:
+    """Only names that more than one file has are told apart by the file."""
+    places = {f"tip_{a}": TIP[:, i] for i, a in enumerate("xyz")}
+    write("a.csv", t_s=T, p_set_kPa=P, flex=P / 3, **places)
+    write("b.csv", t_s=T, pull=P / 7 + NOISE[:, 0], **places)
+    _, guess, _ = import_guessed([Path("a.csv"), Path("b.csv")], Path("run"))
+    names = {one.get("marker", one["name"]) for one in guess.mapping["observables"]}
+    assert names == {"tip", "b.tip", "flex", "pull"}
+
+
+def test_sheets_with_the_same_columns_are_sessions(desk: Path) -> None:
+    """Two days in two sheets of one workbook are two sessions, not two instruments."""
+    day = pd.DataFrame({"t_s": T, "p_set_kPa": P, "angle_deg": P / 7 + NOISE[:, 1]})
+    with pd.ExcelWriter("days.xlsx") as book:
+        day.to_excel(book, sheet_name="Monday", index=False)
+        day.to_excel(book, sheet_name="Tuesday", index=False)
+    run, guess, _ = import_guessed([Path("days.xlsx")], Path("run"))
+    assert "join" not in guess.mapping
+    assert sorted(set(run["session"].values.tolist())) == ["Monday", "Tuesday"]
+    assert run.sizes["capture"] == 16
+
+
+def test_a_file_without_a_clock_joins_nothing(desk: Path) -> None:
+    """Where a file has no clock, nothing of it can be joined: the import ends in one line that names what is left."""
+    with pytest.raises(LabrigError) as error:
+        import_guessed([commands(), write("shape.csv", flex=P, pull=P)], Path("run"))
+    assert str(error.value).startswith("valves.csv: nothing is left that was measured")
+    assert not Path("run").exists()
