@@ -84,8 +84,10 @@ def test_each_round_is_told(found: labrig.Investigation, told: list[str]) -> Non
     rounds = [line for line in told if line.startswith("round ")]
     assert [line.split(":")[0] for line in rounds] == [f"round {n}" for n in found.rounds["round"]]
     assert rounds[0] == "round 1: given"
-    verdicts = [line.strip().split(":")[0] for line in told if line.startswith("  ")]
-    assert verdicts == list(found.rounds["verdict"])
+    after = [line.strip() for line in told if line.startswith("  ")]
+    captures = found.rounds["captures"].cumsum()
+    assert after[::2] == [f"diagnosing {n} captures" for n in captures]
+    assert [line.split(":")[0] for line in after[1::2]] == list(found.rounds["verdict"])
 
 
 def test_its_pictures_can_be_drawn(found: labrig.Investigation) -> None:
