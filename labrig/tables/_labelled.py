@@ -23,6 +23,8 @@ _PAIR = re.compile(
     rf"(?P<more>(?:{_GAP}[,; \t]{_GAP}(?:{_NUMBER})(?![\w.:]))*)"
 )
 _TO_DIGIT = re.compile(r"[^\w+-]*(?P<stamp>.*\d)")
+_CELLS = re.compile(r"(?<!:\d\d),|[;\t]")
+"""What parts cells, but no comma of a time of day: 13:05:02,123."""
 _Cells = tuple[tuple[str, ...], tuple[str, ...]]
 
 
@@ -64,7 +66,10 @@ def _cells(line: str) -> _Cells:
     pairs = list(_PAIR.finditer(line))
     if not pairs:
         return (), ()
-    before = _TO_DIGIT.match(line[: pairs[0].start()])
+    ahead = line[: pairs[0].start()]
+    if sum(any(c.isdigit() for c in cell) for cell in _CELLS.split(ahead)) > 1:
+        return (), ()  # other cells without a name: a table, one column of which has words in it
+    before = _TO_DIGIT.match(ahead)
     names, cells = (["time"], [before["stamp"]]) if before else ([], [])
     for pair in pairs:
         name = pair["name"].strip()

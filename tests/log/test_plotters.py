@@ -81,6 +81,13 @@ def test_long_lines_do_not_hang(line: str) -> None:
     assert not is_labelled([line, "t,p,F"])
 
 
+def test_a_column_of_words_with_numbers_makes_no_such_log(desk: Path) -> None:
+    """A table of which one column holds such as state:1 is a table."""
+    found = guess_mapping(write(["t_s,p_set_kPa,F_N,note", *[f"{row},state:1" for row in ROWS]]))
+    assert "format" not in found.mapping
+    assert [one["column"] for one in found.mapping["actuation"]] == ["p_set_kPa"]
+
+
 def test_a_file_without_such_names(desk: Path) -> None:
     """A mapping that wants names before numbers where there are none ends in one line."""
     write(["t,p,F", *ROWS])
