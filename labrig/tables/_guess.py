@@ -151,7 +151,7 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
     joins, extra = joins_of(joined, (table, roles), written_as, remarks)
     if joins:
         mapping["join"] = joins
-    if table.path.suffix.lower() == ".c3d":
+    if table.path.suffix.lower() == ".c3d" and not joins:
         return _of_c3d(mapping, table)
     mapping |= _fields(table, roles, extra, remarks)
     if not mapping["actuation"]:

@@ -91,3 +91,17 @@ def two_sessions(tmp_path: Path) -> Path:
 def write_log() -> Any:
     """`write_session`."""
     return write_session
+
+
+def write_c3d(path: Path, points: np.ndarray, labels: list[str], unit: str, rate: float) -> None:
+    """A C3D file of points (M, T, 3)."""
+    import ezc3d
+
+    c3d = ezc3d.c3d()
+    c3d["parameters"]["POINT"]["RATE"]["value"] = [rate]
+    c3d["parameters"]["POINT"]["LABELS"]["value"] = labels
+    c3d["parameters"]["POINT"]["UNITS"]["value"] = [unit]
+    data = np.ones((4, *points.shape[:2]))
+    data[:3] = np.moveaxis(points, 2, 0)
+    c3d["data"]["points"] = data
+    c3d.write(str(path))

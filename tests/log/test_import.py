@@ -11,6 +11,8 @@ from labrig import open_run
 from labrig.log import import_table, write_dataset
 from labrig.log._layout import Layout, layout_from_text, layout_to_text
 
+from .conftest import write_c3d
+
 MAP = {
     "table": "t.csv",
     "time": {"column": "t", "unit": "min"},
@@ -228,20 +230,6 @@ def test_several_files_are_sessions_one_after_the_other(desk: Path) -> None:
     assert run["time_s"].values.tolist() == [[0.0, 1.0], [2.0, 3.0]]
     assert run["hold_s"].values.tolist() == [[0.0, 1.0], [0.0, 1.0]]
     assert run["covariates"].values[:, 0, 0].tolist() == [0.0, 50.0]
-
-
-def write_c3d(path: Path, points: np.ndarray, labels: list[str], unit: str, rate: float) -> None:
-    """A C3D file of points (M, T, 3)."""
-    import ezc3d
-
-    c3d = ezc3d.c3d()
-    c3d["parameters"]["POINT"]["RATE"]["value"] = [rate]
-    c3d["parameters"]["POINT"]["LABELS"]["value"] = labels
-    c3d["parameters"]["POINT"]["UNITS"]["value"] = [unit]
-    data = np.ones((4, *points.shape[:2]))
-    data[:3] = np.moveaxis(points, 2, 0)
-    c3d["data"]["points"] = data
-    c3d.write(str(path))
 
 
 def test_markers_of_a_c3d_file(desk: Path) -> None:

@@ -9,6 +9,8 @@ import pytest
 from labrig import LabrigError
 from labrig.log import guess_mapping, import_guessed
 
+from .conftest import write_c3d
+
 N = 400
 T = np.arange(N) * 0.05
 P = np.repeat([0.0, 30, 10, 40, 20, 0, 50, 10], 50)
@@ -64,6 +66,17 @@ def test_clocks_without_a_common_time(desk: Path) -> None:
         "'offset_s' if not" in guess.remarks
     )
     assert run["commanded"].to_numpy().ravel().tolist() == P[::50].tolist()
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_commands_beside_a_c3d_file(desk: Path, every: int) -> None:
+    """A C3D file and a table of what was commanded become one run, whichever has more rows."""
+    write_c3d(Path("take.c3d"), np.stack([TIP, TIP + 9]), ["tip", "base"], "mm", 20.0)
+    table = write("valves.csv", time_s=T[::every], p_set_kPa=P[::every])
+    run, guess, _ = import_guessed([table, Path("take.c3d")], Path("run"))
+    assert guess.mapping["table"] == ("take.c3d" if every > 1 else "valves.csv")
+    assert run["commanded"].to_numpy().ravel().tolist() == P[::50].tolist()
+    assert run["marker"].values.tolist() == ["tip", "base"]
 
 
 def test_what_is_no_input_beside_a_file_of_commands(desk: Path) -> None:
