@@ -15,7 +15,7 @@ from labrig.tables._names import Name, unit_of
 from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
-from labrig.tables._several import as_one, is_steps, joins_of, names_of, plain
+from labrig.tables._several import as_one, count_names, is_steps, joins_of, plain
 from labrig.tables._sniff import layout, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
@@ -187,12 +187,9 @@ def _on_change(values: np.ndarray) -> bool:
 
 def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks: list[str]) -> dict[str, Any]:
     out: dict[str, Any] = {}
-    has_header = [isinstance(c, str) for c in table.frame.columns]
 
     def key(column: str, prefix: str = "") -> str | int:
-        if prefix:
-            return f"{prefix}.{column}"
-        return column if all(has_header) else int(column)
+        return f"{prefix}.{column}" if prefix else table.key(column)
 
     if roles.time is not None:
         out["time"] = roles.time.entry([key(c) for c in roles.time.columns])
@@ -206,7 +203,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
     if roles.hold is not None:
         out["hold"] = {"column": key(roles.hold.column), "unit": roles.hold.unit}
     sources = [("", roles), *extra]
-    own_names = names_of([own for _, own in sources])
+    own_names = count_names([own for _, own in sources])
 
     def called(name: str, prefix: str) -> str:
         return f"{prefix}.{name}" if prefix and own_names[name] > 1 else name
@@ -291,7 +288,7 @@ def _in_unit_of(sensor: Name, command: Name) -> dict[str, Any]:
 def _held(table: Table, roles: Roles) -> bool:
     """Whether the inputs stand still within what is called a capture."""
     assert roles.capture is not None
-    labels = table.labels(table.frame.columns[_place(table, roles.capture.column)], "capture")
+    labels = table.labels(table.key(roles.capture.column), "capture")
     blocks = np.cumsum(np.r_[0, labels[1:] != labels[:-1]])
     starts = np.flatnonzero(np.r_[True, np.diff(blocks) > 0])
     if len(starts) != len(set(labels.tolist())):
@@ -307,13 +304,9 @@ def _held(table: Table, roles: Roles) -> bool:
 def _counts_rows(table: Table, roles: Roles) -> bool:
     """Whether what is called a capture is another in each row of a record in which the inputs stand still."""
     assert roles.capture is not None
-    labels = table.labels(table.frame.columns[_place(table, roles.capture.column)], "capture")
+    labels = table.labels(table.key(roles.capture.column), "capture")
     each = len(labels) >= _PREVIEW and len(set(labels.tolist())) == len(labels)
     return each and roles.time is not None and all(is_steps(roles.values[n.column]) for n in roles.actuation)
-
-
-def _place(table: Table, column: str) -> int:
-    return [str(c) for c in table.frame.columns].index(column)
 
 
 def _assume(what: str, values: np.ndarray, name: Any, remarks: list[str]) -> str:

@@ -102,11 +102,9 @@ def clock_s(table: Table, clock: Clock | None) -> Floats | None:
     """The times of the rows (n,), s; None where there is no clock, or it has gaps."""
     if clock is None:
         return None
-    keys = {str(column): column for column in table.frame.columns}
     try:
-        return seconds(
-            table, TimeColumn.model_validate(clock.entry([keys[c] for c in clock.columns])), "time"
-        )
+        own = clock.entry([table.key(c) for c in clock.columns])
+        return seconds(table, TimeColumn.model_validate(own), "time")
     except LabrigError:
         return None
 

@@ -64,7 +64,7 @@ def joins_of(
         entry: dict[str, Any] = {
             "name": name,
             "file": written_as(table.path),
-            "time": roles.time.entry([_key(table, c) for c in roles.time.columns]),
+            "time": roles.time.entry([table.key(c) for c in roles.time.columns]),
             "how": "previous" if roles.actuation and steps else "linear",
             "format": how.model_dump(exclude_defaults=True),
         }
@@ -82,7 +82,7 @@ def joins_of(
     return joins, extra
 
 
-def names_of(tables: Sequence[Roles]) -> Counter[str]:
+def count_names(tables: Sequence[Roles]) -> Counter[str]:
     """How many of these tables have something of each name."""
     return Counter(
         name
@@ -99,7 +99,3 @@ def plain(name: Name) -> str:
 def is_steps(values: Floats) -> bool:
     """Whether numbers (n,) mostly stay as they are from row to row."""
     return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
-
-
-def _key(table: Table, column: str) -> str | int:
-    return next(c for c in table.frame.columns if str(c) == column)

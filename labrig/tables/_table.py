@@ -153,6 +153,10 @@ class Table:
         ]
         return np.array([*names, ""], dtype=object)[code]
 
+    def key(self, name: str) -> str | int:
+        """The column that is called so as text: numbers stand for those of a table without names."""
+        return next(c for c in self.frame.columns if str(c) == name)
+
     def at(self, i: int) -> str:
         """Where row i of the table is, for a complaint."""
         return f"{self.path}, {self.row_is} {i + self.first_row if self.lines is None else self.lines[i]}"

@@ -96,3 +96,13 @@ def test_each_unit_has_a_noise_of_its_own(make_lab) -> None:
     assert again.floor.mean[1] == pytest.approx(noise, rel=0.3)
     verdict = verdict_on(again, observations, design, model.library())
     assert verdict.verdict != "nothing_missing"
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_stop_is_no_noise(make_lab, seed: int) -> None:
+    """Of one force that a stop holds at a hundred floors below the model, what repeats say of the noise stands."""
+    lab = make_lab(chambers=1, force=True, captures=30, seed=seed, bent=0.0)
+    values = np.minimum(lab.predict(lab.u), 20.0) + lab.noise(0.05, 0.1)
+    model = lab.model()
+    ready, _, _ = laid_out(prepared(rows_from(lab.dataset(values)), model), model.library())
+    assert ready.floor.mean[0] == pytest.approx(np.hypot(0.1, 0.05 / np.sqrt(3)), rel=0.35)
