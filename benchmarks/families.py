@@ -21,7 +21,18 @@ from labrig.diagnosis._spectra import factor, prior_of
 from labrig.effects import Context, Effect, Space, library, motion_scale
 
 _FREE_ROWS = 240
-_PORTIONS = ("development", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+_PORTIONS = (
+    "development",
+    "third",
+    "fourth",
+    "fifth",
+    "sixth",
+    "seventh",
+    "eighth",
+    "ninth",
+    "tenth",
+    "eleventh",
+)
 """Nobody looks at the laws of the exam."""
 _A_LOT = 0.1
 Row = tuple[str, str, str, float, float]

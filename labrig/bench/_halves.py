@@ -19,6 +19,7 @@ PORTIONS = {
     "eighth": "labrig.bench.development.eighth",
     "ninth": "labrig.bench.development.ninth",
     "tenth": "labrig.bench.development.tenth",
+    "eleventh": "labrig.bench.development.eleventh",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)

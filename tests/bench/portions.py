@@ -29,6 +29,7 @@ _KINDS = {
     "eighth": ("mattress", "tripod", "mattress", "lung"),
     "ninth": ("blown_dome", "two_segment_arm", "blown_dome", "two_segment_arm"),
     "tenth": ("wheel", "fan", "cilia", "fan"),
+    "eleventh": ("truss", "honeycomb", "lantern", "lantern"),
 }
 SEVERAL, OTHER, BENT, RUBS = ({half: kinds[i] for half, kinds in _KINDS.items()} for i in range(4))
 """Rigs of each portion: one with six chambers or more, and markers; another one; one whose walls are bent; one for

@@ -234,7 +234,7 @@ def test_names_that_do_not_exist() -> None:
     with pytest.raises(
         LabrigError,
         match=r"^bench: there is no half 'twelfth' \(known: development, exam, third, fourth, fifth, sixth, "
-        r"seventh, eighth, ninth, tenth\)",
+        r"seventh, eighth, ninth, tenth, eleventh\)",
     ):
         draw("null", 0, "twelfth")
 
