@@ -2,7 +2,7 @@
 
 from labrig.diagnosis._candidates import square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
-from labrig.diagnosis._constants import POSSIBLE, SURE
+from labrig.diagnosis._constants import ODDS_POWER, POSSIBLE, SURE
 from labrig.diagnosis._diagnose import diagnose
 from labrig.diagnosis._floor import Floor, capture_means, noise_floor
 from labrig.diagnosis._forecast import Explained, Outlook
@@ -19,6 +19,7 @@ from labrig.diagnosis._result import Result, Signature, VersusResult
 from labrig.diagnosis._versus import versus
 
 __all__ = [
+    "ODDS_POWER",
     "POSSIBLE",
     "STATIC",
     "SURE",

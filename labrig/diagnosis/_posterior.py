@@ -59,6 +59,8 @@ OF_BASE = frozenset({"?" + FORM, "?" + LEVER, "?" + MOTION, "?" + MAP, CURVE})
 """The owners of the base's own error of form: it has no name, and is no mystery."""
 REST = "?rest"
 """What is more than noise and that no space follows."""
+DECLARED_FLOORS = 300.0
+"""What a base calls its own may have any size; of a static map, far more floors than any rig moves. Numerical."""
 _FAR = 10.0
 """By how many nats a form may be worse than the best one to be asked for its signs; numerical."""
 _HOPELESS = 30.0
@@ -108,7 +110,7 @@ class Search:
 
     def free_sizes(self, background: Raised) -> dict[str, float]:
         """The prior sd of each free pattern, floors, when those of a background are raised."""
-        sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: k.DECLARED_FLOORS}
+        sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: DECLARED_FLOORS}
         return sd | {owner: size for owner, _, size in background}
 
     def prior(self, raised: Raised) -> float:
@@ -321,7 +323,7 @@ class Search:
 def small_sizes(design: Design, spike: float, slow: float) -> Floats:
     """The prior sd (P,) of each column where nothing acts: that of all columns of an owner together is the `spike`."""
     several, square = Counter(b.owner for b in design.blocks), np.zeros(design.W.width)
-    fixed = {SLOW: slow, DECLARED: k.DECLARED_FLOORS}
+    fixed = {SLOW: slow, DECLARED: DECLARED_FLOORS}
     for block in design.blocks:
         own = fixed[block.owner] if block.owner in fixed else spike / np.sqrt(several[block.owner])
         square[block.at] += own**2

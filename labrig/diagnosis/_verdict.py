@@ -168,7 +168,7 @@ def in_one_chamber(search: Search) -> str:
         if block >= 0 and blocks[block].space.alone > 1:
             spaces.append(blocks[block].space)
             total += float(p)
-    if total < k.SURE:
+    if stated(total) < k.SURE:
         return ""
     (c,) = np.flatnonzero(spaces[0].features[0].values.any(axis=0))
     return search.design.observations.context.rows.chambers[c]
@@ -190,22 +190,24 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
             beside[words[owner]] = beside.get(words[owner], 0.0) + a.probability * size
     carried = max(beside, key=lambda w: beside[w], default="")
     if nothing >= max(unknown, 0.5) or not (unknown or sure or possible):
-        return Verdict("nothing_missing", (), nothing, (), considered, "", beside)
+        return Verdict("nothing_missing", (), stated(nothing), (), considered, "", beside)
     if unknown >= 0.5:
         there = {n: share(lambda a, n=n: a.counts(n) >= a.least) for n in effects}
         within = {
-            n: sum(a.probability * a.counts(n) for a in answers) for n, p in there.items() if p >= k.SURE
+            n: sum(a.probability * a.counts(n) for a in answers)
+            for n, p in there.items()
+            if stated(p) >= k.SURE
         }
-        return Verdict("unknown", (), unknown, (), considered, carried, beside, within=within)
+        return Verdict("unknown", (), stated(unknown), (), considered, carried, beside, within=within)
     more = sum(a.probability * a.some([n for n in a.sizes if n not in sure]) for a in answers)
-    if sure and more < k.SURE:
+    if sure and stated(more) < k.SURE:
         word = "identified" if len(sure) == 1 else "multiple"
         exactly = sum(a.probability * a.exactly(sure) for a in answers)
-        return Verdict(word, sure, float(exactly), (), considered, carried, beside)
+        return Verdict(word, sure, stated(exactly), (), considered, carried, beside)
     if possible:
-        some = float(sum(a.probability * a.some(possible) for a in answers if a.verdict != "unknown"))
-        return Verdict("confounded", sure, some, possible, considered, carried, beside)
-    return Verdict("unknown", (), unknown, (), considered, carried, beside)
+        some = sum(a.probability * a.some(possible) for a in answers if a.verdict != "unknown")
+        return Verdict("confounded", sure, stated(some), possible, considered, carried, beside)
+    return Verdict("unknown", (), stated(unknown), (), considered, carried, beside)
 
 
 def underpowered(
@@ -242,6 +244,17 @@ def _found_among(numbers: float) -> float:
     return float(np.sqrt(needed / numbers))
 
 
+def stated(probability: float) -> float:
+    """A probability as it is stated: its odds count to the power `ODDS_POWER`, and what the sums leave out is left.
+
+    P. Gruenwald, T. van Ommen, Bayesian Analysis 12 (2017) 1069, on posteriors of models none of which is true.
+    """
+    if probability < k.NEGLIGIBLE:
+        return 0.0
+    p = min(probability, 1 - k.NEGLIGIBLE)
+    return float(1 / (1 + ((1 - p) / p) ** k.ODDS_POWER))
+
+
 def _considered(name: str, answers: Sequence[Answer]) -> Considered:
     own = [(a.probability * a.worth(name), *a.sizes[name][:2]) for a in answers if name in a.sizes]
     if sum(p for p, _, _ in own) < k.NEGLIGIBLE:
@@ -249,4 +262,4 @@ def _considered(name: str, answers: Sequence[Answer]) -> Considered:
     p, size, sd = np.array(own).T
     mean = float((p * size).sum() / p.sum())
     spread = float((p * (sd**2 + (size - mean) ** 2)).sum() / p.sum())
-    return Considered(name, float(min(p.sum(), 1.0)), mean, float(np.sqrt(spread)))
+    return Considered(name, stated(float(p.sum())), mean, float(np.sqrt(spread)))

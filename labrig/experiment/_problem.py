@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis import SURE, Explained, Outlook, Prepared
+from labrig.diagnosis import ODDS_POWER, SURE, Explained, Outlook, Prepared
 from labrig.effects import Context, Rows, join_rows
 from labrig.experiment._information import information, log_bayes
 from labrig.experiment._plan import Limits, Planned, Point, planned_rows
@@ -79,10 +79,13 @@ class Problem:
 
     @cached_property
     def goals(self) -> Floats:
-        """The logarithm of the Bayes factor that would make the true one of each pair sure against the other."""
+        """The logarithm of the Bayes factor that would make the true one of each pair sure against the other.
+
+        Probabilities are stated with less of the odds than evidence gives: so much more of it is needed.
+        """
         p = [r.probability for r in self.rivals]
         sure = np.log(SURE / (1 - SURE))
-        return np.array([sure - np.log(p[m] / p[n]) for m, n in self.pairs])
+        return np.array([(sure - np.log(p[m] / p[n])) / ODDS_POWER for m, n in self.pairs])
 
     @cached_property
     def matters(self) -> Floats:

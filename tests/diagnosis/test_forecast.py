@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import Explained, prepared, rows_from
-from labrig.diagnosis._constants import DECLARED_FLOORS
 from labrig.diagnosis._design import DECLARED, SLOW, design_of
 from labrig.diagnosis._observations import observe
+from labrig.diagnosis._posterior import DECLARED_FLOORS
 from labrig.experiment import Limits
 from labrig.experiment._plan import Point, planned_rows
 from labrig.experiment._problem import join_contexts

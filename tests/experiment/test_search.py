@@ -87,7 +87,7 @@ def chosen(doubt: Any) -> tuple[Problem, Chosen]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_propose, "search_programme", asked)
         patch.setattr(_propose, "_named", found_it)
-        propose_experiment(run, model, summary=found, minutes=20)
+        propose_experiment(run, model, summary=found, minutes=45)
     return kept[-1]
 
 
