@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis._verdict import Answer, decide
+from labrig.diagnosis._verdict import Answer, decide, stated
 from labrig.model import Model
 from tests.naming import verdict_of
 
@@ -47,7 +47,7 @@ def test_the_probability_is_that_of_these_effects_and_nothing_else() -> None:
     assert 0.5 < leak < 0.9
     found = decide([answer], ("creep", "leak"), {})
     assert (found.verdict, found.effects) == ("identified", ("creep",))
-    assert found.probability == pytest.approx(creep * (1 - leak))
+    assert found.probability == pytest.approx(stated(creep * (1 - leak)))
 
 
 def test_a_doubt_says_how_probable_one_of_its_rivals_is() -> None:
