@@ -53,20 +53,17 @@ class Outlook:
             self.campaign.inexact,
         )
 
-    def beside(self, other: "Outlook") -> "Outlook":
-        """The numbers of both."""
-        across = self.factor @ np.swapaxes(other.factor, 1, 2)
-        square = np.concatenate(
-            [
-                np.concatenate([self.covariance, across], axis=2),
-                np.concatenate([np.swapaxes(across, 1, 2), other.covariance], axis=2),
-            ],
-            axis=1,
-        )
+    def beside(self, other: "Outlook", *, last: bool = False) -> "Outlook":
+        """The numbers of both; nothing can be put beside the `last` ones, which take less time."""
+        M, d = self.mean.shape
+        square = np.empty((M, d + other.mean.shape[1], d + other.mean.shape[1]))
+        square[:, :d, :d], square[:, d:, d:] = self.covariance, other.covariance
+        np.matmul(self.factor, np.swapaxes(other.factor, 1, 2), out=square[:, :d, d:])
+        square[:, d:, :d] = np.swapaxes(square[:, :d, d:], 1, 2)
         return replace(
             self,
             mean=np.concatenate([self.mean, other.mean], axis=1),
-            factor=np.concatenate([self.factor, other.factor], axis=1),
+            factor=np.zeros((M, 0, 0)) if last else np.concatenate([self.factor, other.factor], axis=1),
             numbers=self.numbers + other.numbers,
             conditions=self.conditions | other.conditions,
             square=square,
@@ -187,7 +184,7 @@ class Explained:
             seen.append((numbers, frozenset(new.tolist())))
         every = np.concatenate(chosen) if chosen else np.zeros((0, means.shape[1]))
         mean = means @ every.T  # of all programmes at once: much faster
-        factor = np.stack([every @ f for f in factors])
+        factor = np.matmul(every, factors)
         ends = np.cumsum([0, *map(len, chosen)])
         return [
             Outlook(mean[:, a:b], factor[:, a:b], numbers, new, self.observations.counted)

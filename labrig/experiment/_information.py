@@ -34,7 +34,7 @@ def log_bayes(outlook: Outlook, probability: Floats, explanation: Ints) -> Float
     """The median logarithm of the Bayes factor for each explanation that is true, over each other one, (R, R)."""
     mean, C = _gaussians(outlook)
     L = np.linalg.cholesky(C)
-    logdet = np.log(np.diagonal(L, axis1=1, axis2=2)).sum(axis=1)
+    logdet = _half_log_determinant(L)
     random = np.random.default_rng(len(mean))
     count = int(explanation.max()) + 1
     share = [
@@ -53,17 +53,33 @@ def log_bayes(outlook: Outlook, probability: Floats, explanation: Ints) -> Float
 
 
 def bhattacharyya(outlook: Outlook) -> Floats:
-    """The Bhattacharyya distance between each two Gaussians, (M, M)."""
+    """The Bhattacharyya distance between each two Gaussians, (M, M).
+
+    The Cholesky factor of a covariance with the difference of the means below it, and a number in the corner, has the
+    determinant of the one on its diagonal, and in the corner what that number is more than the Mahalanobis distance.
+    """
     mean, C = _gaussians(outlook)
-    half = np.linalg.slogdet(C)[1] / 2
-    out = np.zeros((len(C), len(C)))
-    for m in range(len(C) - 1):
-        L = np.linalg.cholesky((C[m] + C[m + 1 :]) / 2)
-        z = np.linalg.solve(L, (mean[m] - mean[m + 1 :])[..., None])[..., 0]
-        logdet = np.log(np.diagonal(L, axis1=1, axis2=2)).sum(axis=1)
-        out[m, m + 1 :] = (z**2).sum(axis=1) / 8 + logdet - (half[m] + half[m + 1 :]) / 2
+    half = _half_log_determinant(np.linalg.cholesky(C))
+    count, d = mean.shape
+    out = np.zeros((count, count))
+    bordered = np.empty((count, d + 1, d + 1))
+    C = C / 2
+    for m in range(count - 1):
+        others, each = slice(m + 1, None), bordered[m + 1 :]
+        apart = mean[m] - mean[others]
+        corner = 1 + (apart**2).sum(axis=1)  # noise is of unit size, so that the distance is less
+        np.add(C[m], C[others], out=each[:, :d, :d])
+        each[:, d, :d], each[:, d, d] = apart, corner  # what stands above the diagonal is not read
+        L = np.linalg.cholesky(each)
+        between = (corner - L[:, d, d] ** 2) / 8 + _half_log_determinant(L[:, :d, :d])
+        out[m, others] = between - (half[m] + half[others]) / 2
     out += out.T
     return np.maximum(out, 0.0)
+
+
+def _half_log_determinant(L: Floats) -> Floats:
+    """Half the logarithm of the determinant (M,) of L L' (M, d, d)."""
+    return np.log(np.diagonal(L, axis1=1, axis2=2)).sum(axis=1)
 
 
 def _gaussians(outlook: Outlook) -> tuple[Floats, Floats]:

@@ -80,6 +80,7 @@ def propose_experiment(
     minutes: float = MINUTES,
     tolerance: float | None = None,
     without: Sequence[str] = (),
+    changes: int = CHANGES,
 ) -> Experiment:
     """The programme that separates what a diagnosis leaves open, best per minute of laboratory time.
 
@@ -91,6 +92,7 @@ def propose_experiment(
         minutes: the longest that the programme may take.
         tolerance: the smallest effect that matters, for `underpowered`.
         without: names of effects to leave out of the library.
+        changes: how often the probes that were chosen are changed a little, and chosen from again.
 
     Raises:
         LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, or the model's
@@ -136,7 +138,7 @@ def propose_experiment(
     if slow:
         seeds = on_few_levels(seeds, limits.rest)
     if rivals:
-        choice = search_programme(problem, seeds, 60 * minutes, changes=0 if slow else CHANGES)
+        choice = search_programme(problem, seeds, 60 * minutes, changes=0 if slow else changes)
         if choice is None:
             raise _nothing_tells(found, rivals, effects, minutes)
         return _named(problem, choice, found, effects, minutes)
@@ -156,12 +158,15 @@ def _some(ready: Prepared) -> Prepared:
 
 
 def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: Summary) -> None:
-    """Put the short form of the proposed experiment into the `next_experiment` of an open diagnosis."""
+    """Put the short form of the proposed experiment into the `next_experiment` of an open diagnosis.
+
+    Its probes are the canonical ones as they stand: to change them, too, takes several times as long as the diagnosis.
+    """
     open_ = summary.get("next_experiment")
     if not open_:
         return
     try:
-        found = propose_experiment(runs, model, summary=summary).summary
+        found = propose_experiment(runs, model, summary=summary, changes=0).summary
     except LabrigError as error:
         open_["why"] = str(error)
         return

@@ -68,9 +68,10 @@ def _fill(problem: Problem, candidates: Sequence[Probe], budget_s: float) -> Cho
         return None
     outlooks = problem.outlooks([p.points for p in probes])
     seconds = np.array([p.seconds(problem.limits) for p in probes])
+    alone = np.array([problem.information(outlook) for outlook in outlooks])
     order: list[int] = []
     for _ in range(TIMES_OVER):
-        order += _settling(problem, outlooks, seconds, order, budget_s - seconds[order].sum())
+        order += _settling(problem, outlooks, alone, seconds, order, budget_s - seconds[order].sum())
     if not order:
         return None
     chosen = tuple(outlooks[i] for i in order)
@@ -80,13 +81,21 @@ def _fill(problem: Problem, candidates: Sequence[Probe], budget_s: float) -> Cho
 
 
 def _settling(
-    problem: Problem, outlooks: Sequence[Outlook], seconds: Floats, used: Sequence[int], budget_s: float
+    problem: Problem,
+    outlooks: Sequence[Outlook],
+    alone: Floats,
+    seconds: Floats,
+    used: Sequence[int],
+    budget_s: float,
 ) -> list[int]:
-    """Add the probe that says most per minute beside those before, until all is told apart or nothing says more."""
+    """Add the probe that says most per minute beside those before, until all is told apart or nothing says more.
+
+    `alone` is what each of them says by itself, nats.
+    """
     together: Outlook | None = None
     order: list[int] = []
     worth = 0.0
-    ahead = np.full(len(outlooks), np.inf)
+    ahead = alone / seconds
     ahead[list(used)] = -np.inf
     while True:
         gains = np.full(len(outlooks), -np.inf)
@@ -96,8 +105,10 @@ def _settling(
                 continue
             if ahead[i] <= gains.max():
                 break
-            with_it = outlooks[i] if together is None else together.beside(outlooks[i])
-            gains[i] = ahead[i] = (problem.information(with_it) - worth) / seconds[i]
+            if together is not None:
+                with_it = together.beside(outlooks[i], last=True)
+                ahead[i] = (problem.information(with_it) - worth) / seconds[i]
+            gains[i] = ahead[i]
         best = int(np.argmax(gains))
         if not gains[best] * seconds[best] > LEAST_GAIN:
             return order

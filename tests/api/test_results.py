@@ -95,10 +95,19 @@ def test_two_models_are_compared_on_one_run(lab: Path, tmp_path: Path) -> None:
         labrig.compare(lab / "first", ["a", "b", "c"])
 
 
-def test_a_proposal_can_be_run(lab: Path, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def doubt(lab: Path) -> labrig.Diagnosis:
+    """What six captures leave open."""
+    return labrig.diagnose(_few(lab), lab / "model.yaml")
+
+
+def _few(lab: Path) -> Any:
+    return labrig.open_run(lab / "first").isel(capture=slice(6))
+
+
+def test_a_proposal_can_be_run(lab: Path, doubt: labrig.Diagnosis, tmp_path: Path) -> None:
     """Where few captures leave a doubt, the programme is a table, a picture, and the parameters of a run."""
-    few, model = labrig.open_run(lab / "first").isel(capture=slice(6)), lab / "model.yaml"
-    doubt = labrig.diagnose(few, model)
+    few, model = _few(lab), lab / "model.yaml"
     assert doubt.verdict == "confounded"
     proposal = labrig.propose_experiment(few, model, rig=lab / "rig.yaml", diagnosis=doubt, minutes=3)
     assert 0 < proposal.minutes <= 3.5
@@ -113,13 +122,14 @@ def test_a_proposal_can_be_run(lab: Path, tmp_path: Path) -> None:
     assert labrig.open_run(folder).sizes["capture"] == len(proposal.points)
 
 
-def test_set_points_that_are_no_kpa_are_a_table_only(lab: Path, tmp_path: Path) -> None:
+def test_set_points_that_are_no_kpa_are_a_table_only(
+    lab: Path, doubt: labrig.Diagnosis, tmp_path: Path
+) -> None:
     """A rig of somebody's own that takes volts has its set-points in volts, and no procedure that calls them kPa."""
-    few, model = labrig.open_run(lab / "first").isel(capture=slice(6)), lab / "model.yaml"
-    doubt = labrig.diagnose(few, model)
+    few, model = _few(lab), lab / "model.yaml"
     for name in ("commanded", "event_commanded"):
         few[name].attrs["units"] = "V"
-    proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=3)
+    proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=2)
     with pytest.raises(
         LabrigError,
         match=r"^a rig's procedure is in kPa, and these set-points are in V: programme\.csv has them$",
