@@ -59,6 +59,11 @@ class Sums:
             r=V.shape[1],
         )
 
+    def some(self, columns: Ints) -> "Sums":
+        """The sums of some of the design's columns (N,)."""
+        A, GW = self.A[np.ix_(columns, columns)], self.GW[..., columns]
+        return replace(self, A=A, b=self.b[columns], GW=GW)
+
 
 @dataclass(frozen=True)
 class Beside:
@@ -294,14 +299,10 @@ def free_fit(sums: Sums, variance: Floats, columns: Floats) -> Floats:
     return out
 
 
-def unexplained(sums: Beside, slices: Sequence[slice], sds: Sequence[float]) -> float:
-    """The penalised square that is left when only these blocks act, in units of the noise."""
-    if not slices:
-        return sums.square
-    index = np.concatenate([np.arange(s.start, s.stop) for s in slices])
-    sd = np.concatenate([np.full(s.stop - s.start, v) for s, v in zip(slices, sds, strict=True)])
-    M = np.eye(len(index)) + sd[:, None] * (sums.A[np.ix_(index, index)] + np.diag(sums.grain[index])) * sd
-    z = solve_triangular(np.linalg.cholesky(M), sd * sums.b[index], lower=True)
+def unexplained(sums: Beside, sd: Floats) -> float:
+    """The penalised square that is left when the columns act with these prior sds (P,), in units of the noise."""
+    M = np.eye(len(sd)) + sd[:, None] * (sums.A + np.diag(sums.grain)) * sd
+    z = solve_triangular(np.linalg.cholesky(M), sd * sums.b, lower=True)
     return sums.square - float(z @ z)
 
 

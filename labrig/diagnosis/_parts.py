@@ -68,9 +68,11 @@ def _left(search: Search, e: Explanation) -> Callable[[frozenset[str]], float]:
     def left(keep: frozenset[str]) -> float:
         chosen = [q for q in e.raised if q[0] in keep]
         sd = fixed | {o: s for o, b, s in chosen if b < 0}
-        beside = beside_free(search.sums, free_variances(design, sd))
-        columns = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
-        return unexplained(beside, [at for at, _ in columns], [s for _, s in columns])
+        acting = [*always, *[(design.blocks[b].at, s) for _, b, s in chosen if b >= 0]]
+        columns = np.concatenate([np.arange(at.start, at.stop) for at, _ in acting])
+        sums = search.sums.some(columns)  # all others are asked nothing
+        sds = np.concatenate([np.full(at.stop - at.start, s) for at, s in acting])
+        return unexplained(beside_free(sums, free_variances(design, sd)), sds)
 
     return left
 

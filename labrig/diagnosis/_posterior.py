@@ -230,17 +230,19 @@ class Search:
         """Give each form what its signs gain it in its joint fit, the likeliest first, as long as any may count: of all
         sets, or of the forms of one.
         """
-        ahead, sets = [], self.found.values() if owners is None else [self.found.get(owners, [])]
-        for forms in sets if self.ways else ():
-            for i, (value, whole, slow) in enumerate(forms):
-                known = (whole, slow) in self.signed
-                signs = 0 if known else sum(b in self.ways for _, b, _ in whole)
-                ahead.append((value + signs * np.log(2.0), signs, forms, i))
-        best = -np.inf
-        for most, signs, forms, i in sorted(ahead, key=lambda one: -one[0]):
-            if most < best - _FAR:
-                return
+        sets = self.found.values() if owners is None else [self.found.get(owners, [])]
+        each = [(forms, i) for forms in sets for i in range(len(forms))] if self.ways else []
+        values, best = np.array([forms[i][0] for forms, i in each]), -np.inf
+        most_gained = np.log(2.0) * max((len(forms[i][1]) for forms, i in each), default=0)
+        for j in np.argsort(-values, kind="stable"):
+            forms, i = each[j]
             value, whole, slow = forms[i]
+            if value + most_gained < best - _FAR:
+                return
+            known = (whole, slow) in self.signed
+            signs = 0 if known else sum(block in self.ways for _, block, _ in whole)
+            if value + signs * np.log(2.0) < best - _FAR:
+                continue
             if signs:
                 value += self._sign_alone(whole, slow)
                 self.signed.add((whole, slow))

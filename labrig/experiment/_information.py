@@ -7,6 +7,7 @@ less sure of what comes than the other, few draws make most of the mean.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from labrig.arrays import Floats, Ints
@@ -77,7 +78,7 @@ def bhattacharyya(outlook: Outlook) -> Floats:
     return np.maximum(out, 0.0)
 
 
-def _half_log_determinant(L: Floats) -> Floats:
+def _half_log_determinant(L: NDArray[np.floating]) -> Floats:
     """Half the logarithm of the determinant (M,) of L L' (M, d, d)."""
     return np.log(np.diagonal(L, axis1=1, axis2=2)).sum(axis=1)
 

@@ -167,10 +167,12 @@ def test_what_is_left_unexplained(seed: int, size: float) -> None:
     """It is y' C^-1 y, where only the blocks that act are in C; without any, beside free patterns alone."""
     design = tiny(seed, free={"?history": 2})
     variance = free_variances(design, {"?history": 1.0})
-    beside, y = beside_free(Sums.of(design), variance), seen(design)
+    sums, y = Sums.of(design), seen(design)
     for numbers, sds in (([], []), ([1], [size]), ([2, 0], [size, 1.0])):
-        C = covariance(design, raise_to(design, np.zeros(7), numbers, sds), variance)
-        left = unexplained(beside, [design.blocks[i].at for i in numbers], sds)
+        sd = raise_to(design, np.zeros(7), numbers, sds)
+        C = covariance(design, sd, variance)
+        columns = np.flatnonzero(sd)
+        left = unexplained(beside_free(sums.some(columns), variance), sd[columns])
         assert left == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
 
 

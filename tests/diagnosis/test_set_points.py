@@ -20,10 +20,9 @@ def bowed(lab, force: np.ndarray, bow: float) -> np.ndarray:
     return force + 4 * bow * (force - force.min()) * (force.max() - force) / np.ptp(force) ** 2
 
 
-@pytest.mark.parametrize("rows_s", [(3.0, 4.0), (1.0, 3.0, 8.0)])
-def test_a_bowed_sensor_is_no_effect(make_lab, rows_s) -> None:
+def test_a_bowed_sensor_is_no_effect(make_lab) -> None:
     """One of two sensors that is not linear is the base's own form: no creep and no coupling is sure."""
-    lab = make_lab(chambers=3, force=True, captures=70, rows_s=rows_s, seed=2)
+    lab = make_lab(chambers=3, force=True, captures=70, rows_s=(3.0, 4.0), seed=2)
     force = lab.predict(lab.u)
     data = two_sensors(lab, force + lab.noise(), bowed(lab, force, 0.6) + lab.noise())
     found = verdict_of(data, model_of_both(lab))

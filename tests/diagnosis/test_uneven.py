@@ -23,9 +23,15 @@ def by(kind: str, markers: int) -> np.ndarray:
     return out.ravel()
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("rows_s", [(3.0, 3.5), (3.0, 3.5, 4.0)])
-@pytest.mark.parametrize("repeats", [True, False])
+@pytest.mark.parametrize(
+    ("kind", "rows_s", "repeats"),
+    [
+        (KINDS[0], (3.0, 3.5), False),
+        (KINDS[1], (3.0, 3.5), True),
+        (KINDS[2], (3.0, 3.5, 4.0), False),
+        (KINDS[0], (3.0, 3.5, 4.0), True),
+    ],
+)
 def test_uneven_noise_is_no_effect(make_lab, kind: str, rows_s, repeats: bool) -> None:
     """Four times the noise along the cameras' axis, or five times that of one marker, and nothing is missing."""
     lab = make_lab(captures=60, markers=8, rows_s=rows_s, repeats=repeats)
@@ -40,8 +46,9 @@ def test_single_rows_may_be_uneven_by_axis(make_lab) -> None:
     assert verdict_of(lab.dataset(values), lab.model()).verdict == "nothing_missing"
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("law", "effect"), [(orifice, "leak"), (power_law, "creep")])
+@pytest.mark.parametrize(
+    ("kind", "law", "effect"), [(KINDS[1], orifice, "leak"), (KINDS[2], power_law, "creep")]
+)
 def test_an_effect_beside_uneven_noise_has_its_name(make_lab, kind: str, law, effect: str) -> None:
     """A leak, or creep, is named as it is beside even noise."""
     lab = make_lab(captures=60, markers=8, rows_s=(1.0, 3.0, 8.0))
