@@ -170,8 +170,7 @@ def test_what_is_left_unexplained(seed: int, size: float) -> None:
     sums, y = Sums.of(design), seen(design)
     for numbers, sds in (([], []), ([1], [size]), ([2, 0], [size, 1.0])):
         sd = raise_to(design, np.zeros(7), numbers, sds)
-        C = covariance(design, sd, variance)
-        columns = np.flatnonzero(sd)
+        C, columns = covariance(design, sd, variance), np.flatnonzero(sd)
         left = unexplained(beside_free(sums.some(columns), variance), sd[columns])
         assert left == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
 
