@@ -16,8 +16,9 @@ MOST_OTHERS = 4
 LEAST_LIKELY = 0.1
 """What an explanation that is open counts for at least: as much as is called possible."""
 
-NEXT_TO_IT = 0.01
-"""Probability from which an effect that is not possible is told apart from the only one that is sure or possible."""
+NEXT_TO_IT = 0.04
+"""Stated probability (1 % by the evidence) from which an effect that is not possible is told apart from the only one
+that is sure or possible."""
 
 
 @dataclass(frozen=True)
