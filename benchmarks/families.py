@@ -15,24 +15,14 @@ from pathlib import Path
 import numpy as np
 
 from labrig.arrays import Floats, Ints
+from labrig.bench import PORTIONS
 from labrig.bench._learn import COUNTS_FOR, MISFIT, columns_of, drawn_change
 from labrig.bench._report import write_section
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.effects import Context, Effect, Space, library, motion_scale
 
 _FREE_ROWS = 240
-_PORTIONS = (
-    "development",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-    "ninth",
-    "tenth",
-    "eleventh",
-)
+_PORTIONS = ("development", *PORTIONS)
 """Nobody looks at the laws of the exam."""
 _A_LOT = 0.1
 Row = tuple[str, str, str, float, float]

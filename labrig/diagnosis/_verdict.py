@@ -247,7 +247,7 @@ def _found_among(numbers: float) -> float:
 def stated(probability: float) -> float:
     """A probability as it is stated: its odds count to the power `ODDS_POWER`, and what the sums leave out is left.
 
-    P. Gruenwald, T. van Ommen, Bayesian Analysis 12 (2017) 1069, on posteriors of models none of which is true.
+    P. Grünwald, T. van Ommen, Bayesian Analysis 12 (2017) 1069, on posteriors of models none of which is true.
     """
     if probability < k.NEGLIGIBLE:
         return 0.0
