@@ -91,6 +91,14 @@ def test_multiple() -> None:
     assert verdict.probability == pytest.approx(stated(0.97))
 
 
+def test_what_is_sure_by_the_evidence_alone_is_not_sure_yet() -> None:
+    """Between 90 and 95 % by the evidence: no name, no further one that makes a doubt, nothing beside the unknown."""
+    assert told(answer(0.93, "leak"), answer(0.07)).verdict == "confounded"
+    beside = told(answer(0.93, "leak", "creep"), answer(0.07, "leak"))
+    assert (beside.verdict, beside.effects) == ("identified", ("leak",))
+    assert told(answer(0.93, "leak", beside="?history"), answer(0.07, beside="?history")).within == {}
+
+
 def test_confounded() -> None:
     """Two effects, one in each of two likely answers, are rivals; so they are beside one that is sure."""
     verdict = told(answer(0.6, "leak"), answer(0.38, "creep"), answer(0.02, "drift"))

@@ -39,6 +39,16 @@ def drawn(random: np.random.Generator, count: int) -> Outlook:
     )
 
 
+def test_the_numbers_of_both_are_one_gaussian() -> None:
+    """Means and covariances are those of all numbers together, also where nothing is put beside them again."""
+    random = np.random.default_rng(3)
+    one, other = drawn(random, 4), drawn(random, 4)
+    factor = np.concatenate([one.factor, other.factor], axis=1)
+    for both in (one.beside(other), one.beside(other, last=True)):
+        assert both.mean == pytest.approx(np.concatenate([one.mean, other.mean], axis=1))
+        assert both.covariance == pytest.approx(factor @ np.swapaxes(factor, 1, 2))
+
+
 def test_distances_of_equal_covariances() -> None:
     """An eighth of the squared distance, in units of the noise."""
     assert bhattacharyya(apart(4.0)) == pytest.approx(np.array([[0.0, 2.0], [2.0, 0.0]]), abs=1e-12)

@@ -9,8 +9,9 @@ import pytest
 from labrig import LabrigError
 from labrig.diagnosis import Explained, covariates, diagnose, prepare, prepared, rows_from
 from labrig.diagnosis._unnamed import unnamed
-from labrig.experiment import Experiment, Limits, plan_next, propose_experiment
+from labrig.experiment import Experiment, Limits, _propose, plan_next, propose_experiment
 from labrig.experiment._rivals import open_rivals, open_sets
+from labrig.experiment._search import CHANGES
 from labrig.experiment._unknown import _covariates_of
 
 from .conftest import (
@@ -250,6 +251,18 @@ def test_the_short_form_in_a_diagnosis(doubt) -> None:
     clear = {"verdict": "identified", "next_experiment": None}
     plan_next(run, model, clear)
     assert clear["next_experiment"] is None
+
+
+def test_the_short_form_has_the_canonical_probes(doubt, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A diagnosis does not wait for probes that are changed and chosen from again; a proposal does."""
+    run, model, _ = doubt
+    asked: list[int] = []
+    monkeypatch.setattr(_propose, "search_programme", lambda *_, changes: asked.append(changes))
+    found = open_between("hysteresis", "creep")
+    plan_next(run, model, {**found, "next_experiment": {"separates": [], "probes": []}})
+    with pytest.raises(LabrigError, match="no programme"):
+        propose_experiment(run, model, summary=found)
+    assert asked == [0, CHANGES]
 
 
 def test_what_another_form_would_hold_is_not_promised(make_lab) -> None:
