@@ -60,6 +60,8 @@ class Considered(TypedDict):
     effect: str
     probability: float
     call: str
+    by_evidence: NotRequired[float]
+    share: NotRequired[float]
     size: NotRequired[float]
     size_sd: NotRequired[float]
     size_floors: NotRequired[float]

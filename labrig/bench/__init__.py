@@ -1,6 +1,7 @@
 """Blind benchmark: campaigns with hidden effects from a separate plant, and how well they are named."""
 
 from labrig.bench._bases import make_base, own_error
+from labrig.bench._calibrate import calibration_plan, run_calibrate, surprise, write_calibration
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_campaign, write_model
@@ -26,6 +27,7 @@ __all__ = [
     "Campaign",
     "brier",
     "calibration_error",
+    "calibration_plan",
     "compared_rows",
     "draw",
     "half_of",
@@ -39,6 +41,7 @@ __all__ = [
     "plan",
     "read_records",
     "run_blind",
+    "run_calibrate",
     "run_one",
     "run_settle",
     "run_stopping",
@@ -50,11 +53,13 @@ __all__ = [
     "stopping_plan",
     "stopping_records",
     "summarise",
+    "surprise",
     "tables",
     "time_diagnosis",
     "times_there",
     "track_records",
     "wilson",
+    "write_calibration",
     "write_campaign",
     "write_model",
     "write_report",

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from labrig.bench.records import Answer, Truth
+from labrig.diagnosis import SURE
 
 
 def is_right(truth: Truth, answer: Answer) -> bool:
@@ -48,10 +49,6 @@ def named(answer: Answer) -> set[str]:
         else:
             names |= set(rival)
     return names
-
-
-SURE, POSSIBLE = 0.9, 0.1
-"""An effect is called sure from the first probability on, possible from the second."""
 
 
 def probabilities(answer: Answer) -> dict[str, float] | None:

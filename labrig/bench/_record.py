@@ -4,10 +4,10 @@ import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from labrig.bench._judge import SURE, called
+from labrig.bench._judge import called
 from labrig.bench.records import Record
 from labrig.contents import TimesThere, TrackRecord
-from labrig.diagnosis import _spectra
+from labrig.diagnosis import SURE, _spectra
 
 NAMING = ("identified", "multiple")
 CLAIMS = (*NAMING, "nothing_missing", "unknown")

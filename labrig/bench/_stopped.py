@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig.bench._intervals import bootstrap, wilson
-from labrig.bench._judge import POSSIBLE, SURE, calibration_error, is_right, wrongly_sure
+from labrig.bench._judge import calibration_error, is_right, wrongly_sure
 from labrig.bench._report import markdown, write_section
 from labrig.bench.records import Answer, JudgedEffect, StoppingRecord, WatchedLook
+from labrig.diagnosis import POSSIBLE, SURE
 
 if TYPE_CHECKING:
     from labrig.live import Look

@@ -9,7 +9,7 @@ from labrig.bench._classes import CLASSES
 from labrig.bench._goals import alike, judged
 from labrig.bench._halves import DRAWN_FROM, HALVES
 from labrig.bench._intervals import bootstrap, newcombe, share
-from labrig.bench._judge import POSSIBLE, SURE, brier, calibration_error, called, label, probabilities
+from labrig.bench._judge import brier, calibration_error, called, label, probabilities
 from labrig.bench.records import (
     Answer,
     BaselineFigures,
@@ -26,6 +26,7 @@ from labrig.bench.records import (
     Totals,
     Truth,
 )
+from labrig.diagnosis import POSSIBLE, SURE
 
 Records = list[Record]
 _NAMED = ("identified", "multiple")

@@ -144,6 +144,32 @@ def learn(
     typer.echo(f"{out}: learnt from {sum(counts.values())} campaigns")
 
 
+@bench.command("calibrate")
+def calibrate(
+    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: calibration.json.")],
+    count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of each portion.")] = 150,
+    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+) -> None:
+    """Count how often names were there, of the laws in no spectrum, and learn how probable that makes them."""
+    from rich.progress import track
+
+    from labrig.bench import calibration_plan, run_calibrate, surprise, write_calibration
+    from labrig.cli._console import new_console
+
+    check_file(out, "--out")
+    todo, said = calibration_plan(count, seed), []
+    console = new_console(highlight=False)
+    for names in track(run_calibrate(todo, jobs), "campaigns", len(todo), console=console, transient=True):
+        said += names
+    write_calibration(said, out, f"labrig bench calibrate --n {count} --seed {seed}")
+    alone, left_out = surprise(said)
+    console.print(
+        f"{out}: {len(said)} names of {len(todo)} campaigns; minus log likelihood of what was there {alone:.0f} by "
+        f"evidence alone, {left_out:.0f} with each portion left out"
+    )
+
+
 def _portions(given: list[str]) -> dict[str, int]:
     """How many campaigns of each portion are asked for."""
     from labrig._errors import LabrigError

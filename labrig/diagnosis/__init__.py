@@ -1,9 +1,12 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
+from labrig.diagnosis._calibration import FILE as CALIBRATION
+from labrig.diagnosis._calibration import Calibration, log_odds
+from labrig.diagnosis._calibration import shipped as calibration
 from labrig.diagnosis._candidates import square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
-from labrig.diagnosis._constants import ODDS_POWER, POSSIBLE, SURE
-from labrig.diagnosis._diagnose import diagnose
+from labrig.diagnosis._constants import POSSIBLE, SURE
+from labrig.diagnosis._diagnose import considered, diagnose
 from labrig.diagnosis._floor import Floor, capture_means, noise_floor
 from labrig.diagnosis._forecast import Explained, Outlook
 from labrig.diagnosis._formula import forms_of
@@ -19,10 +22,11 @@ from labrig.diagnosis._result import Result, Signature, VersusResult
 from labrig.diagnosis._versus import versus
 
 __all__ = [
-    "ODDS_POWER",
+    "CALIBRATION",
     "POSSIBLE",
     "STATIC",
     "SURE",
+    "Calibration",
     "Counted",
     "Explained",
     "Explanation",
@@ -36,15 +40,18 @@ __all__ = [
     "Signature",
     "Trial",
     "VersusResult",
+    "calibration",
     "capture_means",
     "clean",
     "compare",
+    "considered",
     "covariates",
     "diagnose",
     "drop_of",
     "forms_of",
     "improve",
     "kernel",
+    "log_odds",
     "noise_floor",
     "observe",
     "prepare",

@@ -39,17 +39,11 @@ MATERIAL_SPREAD = 0.3
 Chosen on 119 single effects and pairs of the third and fourth portions (right 75 at 0.15, 76 at 0.3, 73 at 0.45; a
 wrong name sure in 20, 16, 16), looked at again on 192 campaigns of the fifth (129, 131, 130; 23, 20, 19).
 """
-ODDS_POWER = 0.7
-"""Power of the odds at which a probability is stated. Evidence takes for granted that each law is of one of the
-families, which no law quite is: of 40 names that it gave 90 to 96 %, 17 were there (`docs/decisions/naming.md`).
-
-Chosen among 1, 0.7, 0.5 and 0.3 on 296 campaigns of laws in no spectrum (eighth to tenth portion): right 165, 166, 157,
-143, a wrong name sure in 54, 44, 40, 28 (`benchmarks/stated_odds.py` asks the same of others).
-"""
-SURE = 0.9
-"""Probability from which on an effect is called sure, as it is stated."""
-POSSIBLE = 1 - SURE
-"""Probability from which on an effect is called possible: as far from not being there as sure is from being there."""
+SURE = 0.75
+"""Probability from which on an effect is called sure: one wrong name that is called sure weighs as much as three right
+ones, so a doubt is better below it. By reason; what other weights give is in `docs/decisions/naming-numbers.md`."""
+POSSIBLE = 0.1
+"""Probability from which on an effect is called possible; by reason."""
 INEXACT = 0.05
 """Share of what there is to explain by which a law is off its family anywhere, like noise: the median over the laws of
 the development half, each left out, is 2 to 10 %. It matters where errors are tens of floors, not at two to four."""

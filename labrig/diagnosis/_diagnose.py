@@ -30,7 +30,7 @@ from labrig.diagnosis._result import Result
 from labrig.diagnosis._shaken import shaken
 from labrig.diagnosis._track_record import times_there, track_record
 from labrig.diagnosis._units_off import mistaken, units_off
-from labrig.diagnosis._verdict import Verdict, answers_of, decide, in_one_chamber, underpowered
+from labrig.diagnosis._verdict import Considered, Verdict, answers_of, decide, in_one_chamber, underpowered
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
 from labrig.model import Model
@@ -81,6 +81,15 @@ def diagnose(
     named = about(runs, model)
     result.summary["runs"], result.summary["model"] = named["runs"], named["model"]
     return result
+
+
+def considered(
+    runs: "Sequence[Dataset] | Dataset", model: Model, without: Collection[str] = ()
+) -> tuple[Considered, ...]:
+    """What is said of every effect, surest first; without formulas, errors and pictures."""
+    effects = {n: e for n, e in model.library().items() if n not in without}
+    laid = laid_out(prepared(rows_from(runs), model), effects)
+    return verdict_on(*laid, effects).considered
 
 
 def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations, Design | None]:
@@ -202,6 +211,8 @@ def result_of(
                 "effect": c.effect,
                 "probability": c.probability,
                 "call": c.call,
+                "by_evidence": c.by_evidence,
+                "share": c.share,
                 "size": c.size_floors * unit_size,
                 "size_sd": c.size_sd_floors * unit_size,
                 "size_floors": c.size_floors,

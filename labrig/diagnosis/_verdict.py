@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._calibration import shipped
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._parts import missed, sizes
 from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, STATIC, Explanation, Search, is_name
@@ -21,6 +22,10 @@ class Considered:
     probability: float
     size_floors: float = 0.0
     size_sd_floors: float = 0.0
+    by_evidence: float = 0.0
+    """The probability by the evidence alone, which takes for granted that the law is of one of the families."""
+    share: float = 0.0
+    """How much would be missed without it, root mean square, of what there is to explain."""
 
     @property
     def call(self) -> str:
@@ -62,6 +67,8 @@ class Answer:
     """Effects that are no curve of the set-points, whatever else is."""
     shared: frozenset[str] = frozenset()
     """Those of them of which too little is seen that no such curve makes: it may be the curve as well as the effect."""
+    whole: float = 1.0
+    """What there is to explain, root mean square, in floors."""
 
     def limit(self, name: str) -> float:
         """The size, in floors, from which an effect is worth a name: beside what has none, a larger one.
@@ -143,7 +150,9 @@ def answers_of(
             if found[REST][0] >= doubt:
                 unnamed[REST] = found[REST][0]
             out.append(
-                Answer(share * float(p / total), parts, unnamed, least, frozenset(remembering), shared)
+                Answer(
+                    share * float(p / total), parts, unnamed, least, frozenset(remembering), shared, search.T
+                )
             )
     return out
 
@@ -202,12 +211,21 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
     more = sum(a.probability * a.some([n for n in a.sizes if n not in sure]) for a in answers)
     if sure and stated(more) < k.SURE:
         word = "identified" if len(sure) == 1 else "multiple"
-        exactly = sum(a.probability * a.exactly(sure) for a in answers)
-        return Verdict(word, sure, stated(exactly), (), considered, carried, beside)
-    if possible:
-        some = sum(a.probability * a.some(possible) for a in answers if a.verdict != "unknown")
-        return Verdict("confounded", sure, stated(some), possible, considered, carried, beside)
-    return Verdict("unknown", (), stated(unknown), (), considered, carried, beside)
+        return Verdict(word, sure, _exactly(sure, considered, answers), (), considered, carried, beside)
+    some = 1 - float(np.prod([1 - c.probability for c in considered if c.effect in possible]))
+    if possible and (sure or some >= 0.5):
+        return Verdict("confounded", sure, some, possible, considered, carried, beside)
+    return Verdict("unknown", (), 1 - some, (), considered, carried, beside)
+
+
+def _exactly(sure: Sequence[str], considered: Sequence[Considered], answers: Sequence[Answer]) -> float:
+    """Probability that these effects are there, and nothing else beside them."""
+    there = float(np.prod([c.probability for c in considered if c.effect in sure]))
+    together = sum(
+        a.probability * float(np.prod([a.worth(n) * (n in a.sizes) for n in sure])) for a in answers
+    )
+    alone = sum(a.probability * a.exactly(sure) for a in answers) / max(together, k.NEGLIGIBLE)
+    return there * stated(alone)
 
 
 def underpowered(
@@ -245,21 +263,20 @@ def _found_among(numbers: float) -> float:
 
 
 def stated(probability: float) -> float:
-    """A probability as it is stated: its odds count to the power `ODDS_POWER`, and what the sums leave out is left.
-
-    P. Grünwald, T. van Ommen, Bayesian Analysis 12 (2017) 1069, on posteriors of models none of which is true.
-    """
-    if probability < k.NEGLIGIBLE:
-        return 0.0
-    p = min(probability, 1 - k.NEGLIGIBLE)
-    return float(1 / (1 + ((1 - p) / p) ** k.ODDS_POWER))
+    """A probability, by evidence, of what is no name, as it is stated."""
+    return shipped().stated(probability)
 
 
 def _considered(name: str, answers: Sequence[Answer]) -> Considered:
-    own = [(a.probability * a.worth(name), *a.sizes[name][:2]) for a in answers if name in a.sizes]
-    if sum(p for p, _, _ in own) < k.NEGLIGIBLE:
+    own = [
+        (a.probability * a.worth(name), *a.sizes[name][:2], a.counts(name) / max(a.whole, k.LEAST_FLOORS))
+        for a in answers
+        if name in a.sizes
+    ]
+    if sum(p for p, *_ in own) < k.NEGLIGIBLE:
         return Considered(name, 0.0)
-    p, size, sd = np.array(own).T
-    mean = float((p * size).sum() / p.sum())
+    p, size, sd, share = np.array(own).T
+    by_evidence, mean, part = float(p.sum()), float(p @ size / p.sum()), float(p @ share / p.sum())
     spread = float((p * (sd**2 + (size - mean) ** 2)).sum() / p.sum())
-    return Considered(name, stated(float(p.sum())), mean, float(np.sqrt(spread)))
+    probability = shipped().of_name(name, by_evidence, part)
+    return Considered(name, probability, mean, float(np.sqrt(spread)), by_evidence, part)

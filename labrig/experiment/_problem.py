@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis import ODDS_POWER, SURE, Explained, Outlook, Prepared
+from labrig.diagnosis import SURE, Explained, Outlook, Prepared, calibration
 from labrig.effects import Context, Rows, join_rows
 from labrig.experiment._information import information, log_bayes
 from labrig.experiment._plan import Limits, Planned, Point, planned_rows
@@ -81,11 +81,12 @@ class Problem:
     def goals(self) -> Floats:
         """The logarithm of the Bayes factor that would make the true one of each pair sure against the other.
 
-        Probabilities are stated with less of the odds than evidence gives: so much more of it is needed.
+        Probabilities are stated with less of the odds than evidence gives: so much more of it is needed. What the odds
+        between the two are already counts as it is stated, no more.
         """
         p = [r.probability for r in self.rivals]
-        sure = np.log(SURE / (1 - SURE))
-        return np.array([(sure - np.log(p[m] / p[n])) / ODDS_POWER for m, n in self.pairs])
+        sure = np.log(SURE / (1 - SURE)) / calibration().odds
+        return np.array([sure - np.log(p[m] / p[n]) for m, n in self.pairs])
 
     @cached_property
     def matters(self) -> Floats:

@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 from labrig._errors import LabrigError
 from labrig.investigation._bench import Bench
 from labrig.investigation._programmes import (
-    CLEAR,
     SHORTEST_MIN,
     experiment,
     first_campaign,
     fresh_programme,
+    is_clear,
+    names_left,
 )
 from labrig.investigation._reporter import Reporter, names_in
 from labrig.investigation._rounds import confirmed, diagnosed, fitted, given_round, measured_round
@@ -86,20 +87,21 @@ def _loop(work: Work) -> None:
     reserve_min = work.bench.minutes(fresh)
     result = _first(work, reserve_min)
     while True:
-        verdict, left_min = result.summary["verdict"], budget_min - state.minutes
+        left_min = budget_min - state.minutes
         if len(state.rounds) >= MOST_ROUNDS:
             return state.end("open", f"Not settled after {MOST_ROUNDS} rounds: {_open(result)}.")
         programme = experiment(work, result, left_min - reserve_min)
         if programme is not None:
             result = measured_round(work, "experiment", programme)
             continue
-        if verdict not in CLEAR:
+        names = names_left(result.summary)
+        if not is_clear(result.summary):
             short = left_min - reserve_min < SHORTEST_MIN
             return state.end(
                 "out of budget" if short else "open",
                 f"{'Out of budget' if short else 'Not settled'}: {_open(result)}.",
             )
-        if not result.summary["effects"]:
+        if not names:
             return state.end("settled", "Nothing is missing: the model is as good as the measurements.")
         if left_min < reserve_min * 0.999:
             return _improved(work, result, held=None)
@@ -107,7 +109,7 @@ def _loop(work: Work) -> None:
         if better is None:
             return state.end("open", f"Not settled: {_open(result)}; it can't be fitted.")
         held, again = confirmed(work, better, fresh)
-        same = again.summary["effects"] == result.summary["effects"]
+        same = names_left(again.summary) == names
         looked = sum(r["programme"] == "confirmation" for r in state.rounds)
         over = looked >= MOST_CONFIRMATIONS or budget_min - state.minutes < reserve_min
         if same and (held or over):
@@ -127,7 +129,7 @@ def _first(work: Work, reserve_min: float) -> "Result":
 def _improved(work: Work, result: "Result", held: bool | None) -> None:
     """Write the model with what was found, fitted to all runs."""
     state = work.state
-    effects = [str(n) for n in result.summary["effects"]]
+    effects = names_left(result.summary)
     better = fitted(work, result) if effects else None
     if better is None:
         return state.end("open", f"With the fresh captures the verdict is open: {_open(result)}.")
@@ -140,6 +142,9 @@ def _improved(work: Work, result: "Result", held: bool | None) -> None:
     found = state.confirmation or {}
     if held:
         fell = f"from {found['before']:.3g} to {found['after']:.3g} {units} on captures recorded after the verdict"
+        if not result.summary["effects"]:
+            perhaps = f"{result.summary['probability']:.0%}, or an effect that labrig does not know"
+            return state.end("open", f"Perhaps {names} ({perhaps}): with it the error falls {fell}.")
         return state.end("settled", f"{names.capitalize()}: with it the error falls {fell}.")
     if held is None:
         return state.end(

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
 from labrig.campaign import Procedure
-from labrig.contents import Summary
+from labrig.contents import Round, Summary
 from labrig.investigation._work import Work
 
 if TYPE_CHECKING:
@@ -18,6 +18,20 @@ UNKNOWN_ROUNDS = 2
 CONFIRMED = 0.8
 """The share of what is above the floor that must go on fresh captures, for a name to hold."""
 CLEAR = {"nothing_missing", "identified", "multiple"}
+
+
+def names_left(said: Summary | Round) -> list[str]:
+    """What the model can be improved with: what is sure, or the only name that the evidence leaves.
+
+    Whether that one is there, or a law that labrig does not know, no experiment tells.
+    """
+    only = said["verdict"] == "confounded" and not said["effects"] and len(said["rivals"]) == 1
+    return [str(name) for name in (said["rivals"] if only else said["effects"])]
+
+
+def is_clear(said: Summary | Round) -> bool:
+    """Whether no names are left to tell apart."""
+    return said["verdict"] in CLEAR or (not said["effects"] and bool(names_left(said)))
 
 
 def first_campaign(work: Work, reserve_min: float) -> Procedure:
@@ -76,7 +90,7 @@ def experiment(work: Work, result: "Result", left_min: float) -> Procedure | Non
             minutes=min(LONGEST_MIN, left_min - 0.1),
         )
     except LabrigError as error:
-        if summary["verdict"] not in CLEAR:
+        if not is_clear(summary):
             state.warnings.append(str(error))
         return None
     found = on_rig(found, config)
@@ -93,7 +107,7 @@ def _asked(work: Work, summary: Summary) -> Summary | None:
     before = [r for r in work.state.rounds if r["programme"] == "experiment"]
     if _doubted(work, summary):  # its name does not hold: look where least is known
         summary = {**summary, "verdict": "unknown", "carried_by": None}
-    elif summary["verdict"] in CLEAR and any(r["verdict"] in CLEAR for r in before):
+    elif is_clear(summary) and any(is_clear(r) for r in before):
         return None  # one look at what is possible beside what is sure is enough
     if summary["verdict"] in {"unknown", "underpowered"} and len(before) >= UNKNOWN_ROUNDS:
         return None
@@ -105,4 +119,4 @@ def _doubted(work: Work, summary: Summary) -> bool:
     found = work.state.confirmation
     if found is None or work.state.rounds[-1]["programme"] != "confirmation":
         return False
-    return found["drop"] < CONFIRMED and found["effects"] == summary["effects"]
+    return found["drop"] < CONFIRMED and found["effects"] == names_left(summary)

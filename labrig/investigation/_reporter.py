@@ -66,5 +66,7 @@ class Lines(Reporter):
 
 def names_in(summary: Summary) -> str:
     """The effects that a diagnosis names, and those that are possible besides."""
-    names = ", ".join(summary["effects"]) or str(summary.get("carried_by") or "no effect")
-    return names + (f", or {', '.join(summary['rivals'])}" if summary["rivals"] else "")
+    sure, possible = ", ".join(summary["effects"]), ", ".join(summary["rivals"])
+    if possible:
+        return f"{sure}, or {possible}" if sure else f"perhaps {possible}"
+    return sure or str(summary.get("carried_by") or "no effect")

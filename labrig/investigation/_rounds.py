@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from labrig._errors import LabrigError
 from labrig.campaign import Procedure
 from labrig.investigation._bench import complete, procedure_of, started
-from labrig.investigation._programmes import CONFIRMED
+from labrig.investigation._programmes import CONFIRMED, names_left
 from labrig.investigation._work import Work
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def fitted(work: Work, result: "Result") -> "Result | None":
     from labrig.diagnosis import improve
 
     try:
-        return improve(work.state.opened(), work.model, result.summary["effects"], force=True)
+        return improve(work.state.opened(), work.model, names_left(result.summary), force=True)
     except LabrigError as error:
         work.state.warnings.append(str(error))
         return None

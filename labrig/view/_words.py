@@ -123,6 +123,8 @@ def _headline(summary: Summary) -> str:
         case "unknown":
             if certain := names(sure(summary)):
                 return f"Besides {listed(certain)}, an effect is missing that is none of those that labrig knows."
+            if possible(summary):
+                return "An effect is missing, more probably none of those that labrig knows."
             return "An effect is missing, and it is none of those that labrig knows."
         case _:
             return "The data are too few or too noisy for a verdict."

@@ -46,10 +46,10 @@ def test_names_that_are_sure_are_counted() -> None:
         return {"answer": {"verdict": "multiple", "effects": [], "effects_considered": rows}, "truth": truth}
 
     records = [
-        considered("leak", leak=0.95, creep=0.92, drift=0.5),
-        considered("leak creep", leak=0.9, creep=0.89),
+        considered("leak", leak=0.95, creep=0.76, drift=0.5),
+        considered("leak creep", leak=0.75, creep=0.74),
         considered("leak", also="stiffening", stiffening=0.99),
-        considered("", drift=0.89),
+        considered("", drift=0.74),
     ]
     counted = {"creep": (0, 1), "leak": (2, 2), "stiffening": (1, 1)}
     assert times_there(records) == {name: {"there": t, "of": n} for name, (t, n) in counted.items()}

@@ -61,7 +61,7 @@ def test_what_is_another_every_day(make_lab, hidden, effect, parameter) -> None:
     """A frame, a gain, a zero or a rest shape of each day is named, fitted day by day, and nothing of it is left."""
     lab = make_lab(captures=60, sessions=DAYS)
     found = diagnose(lab.dataset(hidden(lab, lab.session) + lab.noise()), lab.model())
-    assert found.summary["effects"] == [effect]
+    assert [*found.summary["effects"], *found.summary["rivals"]] == [effect]
     assert found.improved is not None
     (entry,) = found.improved.file.effects
     assert (entry.form or "").endswith("in each session")

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import ODDS_POWER, SURE, diagnose, prepared, rows_from
-from labrig.diagnosis._verdict import stated
+from labrig.diagnosis import SURE, calibration, diagnose, prepared, rows_from
 from labrig.experiment import Experiment, Limits, _propose, propose_experiment
 from labrig.experiment._plan import Point
 from labrig.experiment._problem import Problem
@@ -98,9 +97,9 @@ def test_evidence_is_asked_for_until_the_true_one_is_stated_to_be_sure(
 ) -> None:
     """What is stated has less of the odds than evidence gives, so that so much more of it is a goal."""
     problem, _ = chosen
-    stated_odds = [problem.rivals[m].probability / problem.rivals[n].probability for m, n in problem.pairs]
-    by_evidence = np.array(stated_odds) ** (1 / ODDS_POWER) * np.exp(problem.goals)
-    assert [stated(odds / (1 + odds)) for odds in by_evidence] == pytest.approx([SURE] * len(stated_odds))
+    odds = [problem.rivals[m].probability / problem.rivals[n].probability for m, n in problem.pairs]
+    by_evidence = np.array(odds) * np.exp(problem.goals)
+    assert [calibration().stated(one / (1 + one)) for one in by_evidence] == pytest.approx([SURE] * len(odds))
 
 
 def test_no_probe_is_done_twice(chosen: tuple[Problem, Chosen]) -> None:

@@ -64,7 +64,7 @@ def test_what_is_left_to_learn_may_not_be_worth_the_minutes() -> None:
     stuck = [look(4 * k, creep=0.5 + 0.01 * (k % 2), leak=0.4 + 0.01 * (k % 2)) for k in range(2, 8)]
     why = stops(SETTLED, *stuck, left=10)
     assert why is not None
-    assert why.startswith("not worth the minutes: creep and leak may take 216 captures more")
+    assert why.startswith("not worth the minutes: creep and leak may take 141 captures more")
     assert stops(SETTLED, *stuck, left=1000) is None
 
 
