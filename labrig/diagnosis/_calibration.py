@@ -33,12 +33,14 @@ class Calibration:
 
     def of_name(self, effect: str, by_evidence: float, share: float) -> float:
         """Probability that an effect is there to which evidence gives a probability, and which would be missed by a
-        share (root mean square) of what there is to explain; zero where evidence is negligible.
+        share (root mean square) of what there is to explain; zero where evidence is negligible, and never more than a
+        half where evidence says less, nor more than evidence where that says more.
         """
         if by_evidence < NEGLIGIBLE:
             return 0.0
         own = self.always + self.effects.get(effect, 0.0)
-        return float(expit(own + self.odds * log_odds(by_evidence) + self.share * share))
+        found = expit(own + self.odds * log_odds(by_evidence) + self.share * share)
+        return min(float(found), max(by_evidence, 0.5))
 
     def stated(self, probability: float) -> float:
         """A probability of anything else as it is stated: its odds count as much as those of a name do."""

@@ -35,6 +35,12 @@ def test_what_is_ruled_out_stays_out() -> None:
     assert PLAIN.stated(k.NEGLIGIBLE / 2) == 0
 
 
+@given(CHANCES, SHARES)
+def test_what_is_likely_is_never_surer_than_evidence_says(p: float, share: float) -> None:
+    """However well such names did before: of two that evidence cannot tell apart neither is sure."""
+    assert Calibration(0.0, 0.3, 1.5, {"creep": 9.0}).of_name("creep", p, share) <= max(p, 0.5)
+
+
 @given(st.floats(k.NEGLIGIBLE, 1 - k.NEGLIGIBLE))
 def test_what_is_no_name_is_stated_with_less_of_its_odds(p: float) -> None:
     """Nearer to a half than evidence says, the same for and against."""
