@@ -17,8 +17,7 @@ LEAST_LIKELY = 0.1
 """What an explanation that is open counts for at least: as much as is called possible."""
 
 NEXT_TO_IT = 0.04
-"""Stated probability (1 % by the evidence) from which an effect that is not possible is told apart from the only one
-that is sure or possible."""
+"""Probability from which an effect that is not possible is told apart from the only one that is sure or possible."""
 
 
 @dataclass(frozen=True)

@@ -143,7 +143,7 @@ def _improved(work: Work, result: "Result", held: bool | None) -> None:
     if held:
         fell = f"from {found['before']:.3g} to {found['after']:.3g} {units} on captures recorded after the verdict"
         if not result.summary["effects"]:
-            perhaps = f"{result.summary['probability']:.0%}, or an effect that labrig does not know"
+            perhaps = f"{100 * result.summary['probability']:.0f} %, or an effect that labrig does not know"
             return state.end("open", f"Perhaps {names} ({perhaps}): with it the error falls {fell}.")
         return state.end("settled", f"{names.capitalize()}: with it the error falls {fell}.")
     if held is None:

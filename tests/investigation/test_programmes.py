@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from labrig import LabrigError, experiment
-from labrig.investigation import Reporter, Settings, State
+from labrig.investigation import Reporter, Settings, State, _loop
 from labrig.investigation import _programmes as programmes
 from labrig.investigation._bench import Bench
 from labrig.investigation._work import Work
@@ -29,6 +29,13 @@ def work_in(folder: Path, rounds: list[dict[str, Any]], **settings: Any) -> Work
     return Work(State(asked, rounds=rounds), bench, SimpleNamespace(), Reporter())  # type: ignore[arg-type]
 
 
+def said_of(verdict: str) -> dict[str, Any]:
+    """What a diagnosis says: leak is sure, or one of two that are possible, or the only one that is."""
+    rivals = {"perhaps": ["leak"], "confounded": ["leak", "creep"]}.get(verdict, [])
+    word = "confounded" if verdict == "perhaps" else verdict
+    return {"verdict": word, "effects": [] if rivals else ["leak"], "rivals": rivals, "probability": 0.7}
+
+
 @pytest.mark.parametrize(
     ("verdict", "rounds", "drop", "asked"),
     [
@@ -40,6 +47,9 @@ def work_in(folder: Path, rounds: list[dict[str, Any]], **settings: Any) -> Work
         ("identified", ["capture", "confirmation"], 0.9, "identified"),
         ("unknown", ["capture", "experiment"], None, "unknown"),
         ("unknown", ["capture", "experiment", "experiment"], None, None),
+        ("perhaps", ["capture"], None, "confounded"),
+        ("perhaps", ["capture", "experiment"], None, None),
+        ("perhaps", ["capture", "confirmation"], 0.5, "unknown"),
     ],
 )
 def test_what_the_next_programme_is_asked_to_settle(
@@ -50,8 +60,11 @@ def test_what_the_next_programme_is_asked_to_settle(
     drop: float | None,
     asked: str | None,
 ) -> None:
-    """What is possible, once; where least is known, if nothing has a name or a name did not hold on fresh captures."""
+    """What is possible, once; where least is known, if nothing has a name or a name did not hold on fresh captures; and
+    what is only possible, but the only name that is left, is asked as often as what is sure.
+    """
     calls = []
+    said = said_of(verdict)
 
     def propose(*_: Any, summary: dict[str, Any], **__: Any) -> None:
         calls.append(summary["verdict"])
@@ -59,12 +72,65 @@ def test_what_the_next_programme_is_asked_to_settle(
 
     monkeypatch.setattr(experiment, "propose_experiment", propose)
     monkeypatch.setattr(State, "opened", lambda _: [])
-    work = work_in(tmp_path, [{"programme": p, "verdict": verdict} for p in rounds])
+    work = work_in(tmp_path, [{"programme": p, **said} for p in rounds])
     if drop is not None:
         work.state.confirmation = {"drop": drop, "effects": ["leak"]}
-    result: Any = SimpleNamespace(summary={"verdict": verdict, "effects": ["leak"]})
+    result: Any = SimpleNamespace(summary=said)
     assert programmes.experiment(work, result, 10.0) is None
     assert calls == ([asked] if asked else [])
+
+
+@pytest.mark.parametrize(
+    ("verdict", "held", "state", "sentence"),
+    [
+        (
+            "identified",
+            True,
+            "settled",
+            "Leak: with it the error falls from 2 to 0.5 mm on captures recorded after ",
+        ),
+        (
+            "perhaps",
+            True,
+            "open",
+            "Perhaps leak (70 %, or an effect that labrig does not know): with it the error falls from 2 to 0.5 mm on ",
+        ),
+        (
+            "identified",
+            False,
+            "open",
+            "Leak is the best name, but on fresh captures the error falls from 2 only ",
+        ),
+    ],
+)
+def test_what_is_only_possible_is_added_and_said_to_be(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verdict: str, held: bool, state: str, sentence: str
+) -> None:
+    """The model is improved with the only name that is left, and whether that one is there stays open."""
+    asked: list[list[str]] = []
+
+    def improve(runs: Any, model: Any, names: list[str], *, force: bool) -> Any:
+        asked.append(names)
+        improved = SimpleNamespace(save=lambda path: path.write_text("effects: []", encoding="utf-8"))
+        return SimpleNamespace(improved=improved, waterfall=[])
+
+    monkeypatch.setattr("labrig.diagnosis.improve", improve)
+    monkeypatch.setattr(State, "opened", lambda _: [])
+    work = work_in(tmp_path, [])
+    work.state.units = "mm"
+    work.state.confirmation = {
+        "drop": 0.9,
+        "effects": ["leak"],
+        "before": 2.0,
+        "after": 0.5,
+        "floor": 0.1,
+        "run": "",
+    }
+    _loop._improved(work, SimpleNamespace(summary=said_of(verdict)), held)  # type: ignore[arg-type]
+    assert asked == [["leak"]]
+    assert work.state.state == state
+    assert work.state.conclusion.startswith(sentence)
+    assert Path(work.state.model).is_file()
 
 
 def test_the_first_campaign_fits_the_budget(tmp_path: Path) -> None:
