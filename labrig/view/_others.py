@@ -14,7 +14,12 @@ def what_else(summary: Summary) -> str:
     perhaps = names(possible(summary))
     others = [row for row in summary.get("ranking", []) if str(row.get("effect")) not in chosen]
     said = []
-    if verdict == "confounded":
+    if verdict == "confounded" and len(perhaps) == 1 and not summary.get("effects"):
+        said.append(
+            f"{capital(listed(perhaps))} is consistent with these data, and other laws look much the same: confirm it "
+            "on a new run before you trust the name."
+        )
+    elif verdict == "confounded":
         said.append(
             "Each of the possible effects is consistent with these data. The wrong one would lower the error of this "
             "run and raise it on the next."

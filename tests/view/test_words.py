@@ -2,6 +2,7 @@
 
 import pytest
 
+from labrig.view._others import what_else
 from labrig.view._text import give_or_take, listed, number, percent
 from labrig.view._words import has_improved, note
 
@@ -15,6 +16,7 @@ BASE = {
     "ranking": [],
     "next_experiment": None,
 }
+PERHAPS = {"effect": "frame", "probability": 0.4, "call": "possible"}
 
 
 @pytest.mark.parametrize(
@@ -42,6 +44,10 @@ BASE = {
         (
             {"verdict": "unknown"},
             "An effect is missing, and it is none of those that labrig knows.",
+        ),
+        (
+            {"verdict": "unknown", "effects_considered": [PERHAPS]},
+            "An effect is missing, more probably none of those that labrig knows.",
         ),
         ({"verdict": "underpowered"}, "The data are too few or too noisy for a verdict."),
         ({"effects": ["creep"]}, "With creep the held-out error falls from 2\u00a0mm to 0.3\u00a0mm."),
@@ -191,3 +197,18 @@ def test_has_improved_needs_a_fall():
 def test_give_or_take(value, sd, text):
     """A value is given to the place of its standard deviation's first digit."""
     assert give_or_take(value, sd) == text
+
+
+def test_a_single_name_that_is_only_possible_asks_for_a_new_run():
+    """Other laws look like it, and the page says so; of several that are possible it says that one may be wrong."""
+    one, two = PERHAPS, {"effect": "drift", "probability": 0.3, "call": "possible"}
+    for rows, start in (
+        (
+            [one],
+            "Frame is consistent with these data, and other laws look much the same: confirm it on a new run",
+        ),
+        ([one, two], "Each of the possible effects is consistent with these data."),
+    ):
+        rivals = [row["effect"] for row in rows]
+        summary = {**BASE, "verdict": "confounded", "rivals": rivals, "effects_considered": rows}
+        assert what_else(summary).startswith(start)
