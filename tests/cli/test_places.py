@@ -34,6 +34,7 @@ FILES = [
     ("train", "forward", "sims", "-o"),
     ("train", "sim2real", "run", "--forward", "f.pt", "-o"),
     ("bench", "learn", "--out"),
+    ("bench", "calibrate", "--out"),
     ("bench", "blind", "--out", "new", "--results"),
 ]
 RIG = """\
