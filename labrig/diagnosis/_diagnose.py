@@ -317,9 +317,9 @@ def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: 
         for name, size in verdict.within.items()
     ]
     least = k.INEXACT * observations.to_explain
-    if verdict.effects and least >= 1:
+    if verdict.found and least >= 1:
         out.append(
-            f"beside {' and '.join(verdict.effects)}, nothing that is smaller than about {least * unit_size:.2g} "
+            f"beside {' and '.join(verdict.found)}, nothing that is smaller than about {least * unit_size:.2g} "
             f"{unit} can be seen: add it to the model, then diagnose that one on the same run"
         )
     return out
@@ -345,8 +345,8 @@ def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str
 
 
 def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]:
-    """Effects that are sure by the evidence, without a formula, or with one that helps no more than chance where it was
-    not fitted.
+    """Effects that were found by the evidence, without a formula, or with one that helps no more than chance where it
+    was not fitted.
     """
     regression = ready.regression
     least = k.LEAST_FLOORS**2 * float(np.mean(ready.floor.row[regression.counted] ** 2))
@@ -354,12 +354,12 @@ def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]
     falls = [
         Fall(name, *fall_of(chosen, i), least, units)
         for i, name in enumerate(chosen.names if chosen else ())
-        if chosen and name in verdict.effects
+        if chosen and name in verdict.found
     ]
     able = chosen.names if chosen else ()
     without = [
         f"no formula of {name} can act on these runs: it is named, and nothing is added to the model for it"
-        for name in verdict.effects
+        for name in verdict.found
         if name not in able
     ]
     return without + [

@@ -51,6 +51,11 @@ class Verdict:
     within: Mapping[str, float] = field(default_factory=dict)
     """Effects that are there beside something larger without a name, where that is the verdict: their sizes, floors."""
 
+    @property
+    def found(self) -> tuple[str, ...]:
+        """What is sure, or the only name that is left."""
+        return self.effects or (self.rivals if len(self.rivals) == 1 else ())
+
 
 @dataclass(frozen=True)
 class Answer:
