@@ -1,6 +1,5 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
-from labrig.diagnosis._calibration import FILE as CALIBRATION
 from labrig.diagnosis._calibration import Calibration, log_odds
 from labrig.diagnosis._calibration import shipped as calibration
 from labrig.diagnosis._candidates import square_of
@@ -22,7 +21,6 @@ from labrig.diagnosis._result import Result, Signature, VersusResult
 from labrig.diagnosis._versus import versus
 
 __all__ = [
-    "CALIBRATION",
     "POSSIBLE",
     "STATIC",
     "SURE",
