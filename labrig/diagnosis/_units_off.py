@@ -108,23 +108,36 @@ def _displaced(context: Context) -> list[str]:
 
 
 def _counted_from_rest(context: Context) -> list[str]:
-    """A line where each marker is off, on average, by the place at rest that one of both has, and the other lacks: of
-    markers that move farther than they lie apart, no place tells of it, but that all are off by just this does.
+    """A line where each marker is always off by the place at rest that one of both has, and the other lacks: of markers
+    that move farther than they lie apart, no place tells of it, but that all are off by just this does. What differs
+    from row to row by nearly as much is another error.
     """
     rows = context.rows
     own = np.flatnonzero((rows.marker >= 0) & np.isfinite(rows.values).any(axis=0))
     axis = rows.axis[own]
 
     def from_middle(place: Floats) -> Floats:
-        return (
-            place - np.array([place[axis == a].mean() if (axis == a).any() else 0.0 for a in range(3)])[axis]
+        """Of each row (..., K) where the markers are from their middle."""
+        middle = np.stack(
+            [
+                place[..., axis == a].mean(axis=-1) if (axis == a).any() else 0 * place[..., 0]
+                for a in range(3)
+            ]
         )
+        return place - np.moveaxis(middle, 0, -1)[..., axis]
 
-    rest = from_middle(context.base_vented[own])
-    off = from_middle(np.nanmean(rows.values[:, own] - context.base[:, own], axis=0))
-    moves = from_middle(np.std(context.base[:, own], axis=0))
-    rest_size, off_size, moved = (float(np.linalg.norm(v)) for v in (rest, off, moves))
-    if off_size < _FAR * moved or min(rest_size, float(np.linalg.norm(off + rest))) > _NEAR * off_size:
+    rest = context.base_vented[own]
+    error = np.where(np.isfinite(rows.values), rows.values - context.base, np.nan)[:, own]
+    mean, spread = np.nanmean(error, axis=0), np.nanstd(error, axis=0)
+    away = from_middle(context.base[:, own] - rest)
+    off = from_middle(mean)
+    rest_size, off_size, ends = (
+        float(np.linalg.norm(v)) for v in (from_middle(rest), off, off + from_middle(rest))
+    )
+    moved = float(np.sqrt((away**2).sum(axis=1).mean()))
+    if off_size < max(_FAR * moved, _TIMES * float(np.linalg.norm(spread))):
+        return []
+    if min(rest_size, ends) > _NEAR * off_size:
         return []
     small, large = _OF_BOTH if rest_size < _NEAR * off_size else _OF_BOTH[::-1]
     return [
