@@ -34,7 +34,7 @@ class Diagnosis(ModelAnswer):
 
     @property
     def sure(self) -> list[str]:
-        """The names of the effects that are missing, at 90 % or more."""
+        """The names of the effects that are sure."""
         return list(self.summary["effects"])
 
     @property
@@ -47,7 +47,7 @@ class Diagnosis(ModelAnswer):
 
     @property
     def improved(self) -> "Model | None":
-        """The model with the effects that are sure; None where none is."""
+        """The model with what is sure and the likeliest of what is only possible; None where nothing has a name."""
         return self._result.improved
 
     def _html_more(self) -> str:

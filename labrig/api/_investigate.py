@@ -67,7 +67,7 @@ class Investigation:
 
     @property
     def sure(self) -> list[str]:
-        """The names of the effects that are missing, at 90 % or more."""
+        """The names of the effects that are sure."""
         return list(self._diagnosis.get("effects", []))
 
     @property

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from labrig.arrays import Floats
-from labrig.diagnosis._constants import FEWEST_OBSERVATIONS, SURE
+from labrig.diagnosis._constants import FEWEST_OBSERVATIONS, POSSIBLE
 from labrig.diagnosis._design import Design
 from labrig.diagnosis._floor import repeats_of
 from labrig.diagnosis._noise_scale import along, everything, log_evidence
@@ -94,4 +94,4 @@ def _scale(design: Design, captures: np.ndarray, way: Floats) -> float:
     log[1:] -= np.log(len(log) - 1)
     p = np.exp(log - log.max())
     p /= p.sum()
-    return 1.0 if p[0] > 1 - SURE else float(np.exp((p[1:] * np.log(_SCALES[1:])).sum() / p[1:].sum()))
+    return 1.0 if p[0] > POSSIBLE else float(np.exp((p[1:] * np.log(_SCALES[1:])).sum() / p[1:].sum()))

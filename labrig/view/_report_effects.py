@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 FEW_ROWS, FIRST_ROWS = 12, 6
 _ABOUT = (
-    "The probability of each effect, given all others (sure from 90 %, possible from 10 %), and its size if it is "
-    "there: root mean square over the run, in units and in noise floors."
+    "The probability of each effect, given all others (sure from 75 %, possible from 10 %: how often such a name was "
+    "there), and its size if it is there: root mean square over the run, in units and in noise floors."
 )
 
 
