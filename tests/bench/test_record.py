@@ -66,7 +66,7 @@ def test_what_is_shipped_was_counted_on_the_half_that_nothing_is_learnt_from() -
         assert counted is not None
         assert 0 <= counted["right"] <= counted.get("there", counted["of"]) <= counted["of"]
     assert track_record("confounded") is None
-    for effect in ("creep", "contact", "frame"):
+    for effect in ("creep", "leak", "hysteresis"):
         found = shipped_times_there(effect)
         assert found is not None
         assert 0 <= found["there"] <= found["of"]
