@@ -230,7 +230,7 @@ def _exactly(sure: Sequence[str], considered: Sequence[Considered], answers: Seq
         a.probability * float(np.prod([a.worth(n) * (n in a.sizes) for n in sure])) for a in answers
     )
     alone = sum(a.probability * a.exactly(sure) for a in answers) / max(together, k.NEGLIGIBLE)
-    return there * stated(alone)
+    return there * min(alone, 1.0)
 
 
 def underpowered(
