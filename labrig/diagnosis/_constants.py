@@ -41,7 +41,7 @@ wrong name sure in 20, 16, 16), looked at again on 192 campaigns of the fifth (1
 """
 SURE = 0.75
 """Probability from which on an effect is called sure: one wrong name that is called sure weighs as much as three right
-ones, so a doubt is better below it. By reason; what other weights give is in `docs/decisions/naming-numbers.md`."""
+ones, so a doubt is better below it. Set after a look at what others give on portions left out (`docs/decisions`)."""
 POSSIBLE = 0.1
 """Probability from which on an effect is called possible; by reason."""
 INEXACT = 0.05

@@ -127,7 +127,7 @@ def _counted_from_rest(context: Context) -> list[str]:
         return place - np.moveaxis(middle, 0, -1)[..., axis]
 
     rest = context.base_vented[own]
-    error = np.where(np.isfinite(rows.values), rows.values - context.base, np.nan)[:, own]
+    error = rows.values[:, own] - context.base[:, own]
     mean, spread = np.nanmean(error, axis=0), np.nanstd(error, axis=0)
     away = from_middle(context.base[:, own] - rest)
     off = from_middle(mean)

@@ -214,7 +214,7 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
         }
         return Verdict("unknown", (), stated(unknown), (), considered, carried, beside, within=within)
     more = sum(a.probability * a.some([n for n in a.sizes if n not in sure]) for a in answers)
-    if sure and stated(more) < k.SURE:
+    if sure and (stated(more) < k.SURE or not possible):
         word = "identified" if len(sure) == 1 else "multiple"
         return Verdict(word, sure, _exactly(sure, considered, answers), (), considered, carried, beside)
     some = 1 - float(np.prod([1 - c.probability for c in considered if c.effect in possible]))
@@ -226,9 +226,7 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
 def _exactly(sure: Sequence[str], considered: Sequence[Considered], answers: Sequence[Answer]) -> float:
     """Probability that these effects are there, and nothing else beside them."""
     there = float(np.prod([c.probability for c in considered if c.effect in sure]))
-    together = sum(
-        a.probability * float(np.prod([a.worth(n) * (n in a.sizes) for n in sure])) for a in answers
-    )
+    together = sum(a.probability * float(np.prod([a.worth(n) for n in sure])) for a in answers)
     alone = sum(a.probability * a.exactly(sure) for a in answers) / max(together, k.NEGLIGIBLE)
     return there * min(alone, 1.0)
 

@@ -107,6 +107,13 @@ def test_what_is_sure_by_the_evidence_alone_is_not_sure_yet(as_evidence_says: Ca
         assert found.probability == pytest.approx(1 - p if verdict == "unknown" else p, abs=2e-3)
 
 
+def test_what_is_sure_stays_where_nothing_else_is_possible(as_evidence_says: Callable[..., None]) -> None:
+    """Though one of several others is there by the evidence, none may be worth a doubt: what is sure is named."""
+    as_evidence_says(creep=-9.0, drift=-9.0)
+    verdict = told(answer(0.5, "leak", "creep"), answer(0.5, "leak", "drift"))
+    assert (verdict.verdict, verdict.effects, verdict.rivals) == ("identified", ("leak",), ())
+
+
 def test_confounded() -> None:
     """Two effects, one in each of two likely answers, are rivals; so they are beside one that is sure."""
     verdict = told(answer(0.6, "leak"), answer(0.38, "creep"), answer(0.02, "drift"))

@@ -1,0 +1,35 @@
+"""labrig bench calibrate, as a person types it."""
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from labrig.bench._calibrate import UNLEARNT, Said
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_it_writes_what_was_learnt_and_says_how_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, labrig: Run
+) -> None:
+    """The file says by which command; the line how much less of a surprise calibrated names are, portions left out."""
+    monkeypatch.chdir(tmp_path)
+
+    def drawn(todo: list[tuple[str, int, str]], jobs: int) -> Iterator[list[Said]]:
+        assert jobs == 1
+        assert len(todo) == 20 * len(UNLEARNT)
+        for _, seed, half in todo:
+            yield [
+                Said(half, "creep", 0.999, 0.9, seed % 4 > 0),
+                Said(half, "frame", 0.999, 0.9, seed % 4 == 0),
+            ]
+
+    monkeypatch.setattr("labrig.bench.run_calibrate", drawn)
+    code, out, err = labrig("bench", "calibrate", "-o", "c.json", "--n", 20, "--seed", 7, "--jobs", 1)
+    assert (code, err) == (0, "")
+    assert "160 names of 80 campaigns; minus log likelihood of what was there 553 by" in " ".join(out.split())
+    written = json.loads(Path("c.json").read_text(encoding="utf-8"))
+    assert written["how"] == "labrig bench calibrate --n 20 --seed 7"
+    assert written["effects"]["creep"] > 0 > written["effects"]["frame"]
