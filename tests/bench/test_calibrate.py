@@ -9,6 +9,7 @@ from scipy.special import expit, logit
 
 from labrig.bench import _calibrate, calibration_plan, run_calibrate, surprise, write_calibration
 from labrig.bench._calibrate import MIX, UNLEARNT, Said, fitted
+from labrig.diagnosis._verdict import Considered
 
 TRUE = {"creep": 1.5, "drift": 0.0, "frame": -1.5}
 """What each effect adds to the log odds, in the drawn names."""
@@ -71,3 +72,16 @@ def test_a_campaign_says_what_evidence_says(tmp_path: Path) -> None:
     written = json.loads((tmp_path / "calibration.json").read_text())
     assert (written["how"], written["names"]) == ("how", 60 + len(said))
     assert set(written) == {"how", "names", "always", "odds", "share", "effects"}
+
+
+def test_names_that_the_base_may_go_by_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the base has a wrong law of its own, its names say nothing; nor does what is ruled out."""
+    task = ("structural", 92_003_003, "ninth")  # the base's chambers have another law
+    also = _calibrate.draw(*task).truth["also"]
+    assert also
+    rows = [
+        Considered(also[0], 0.9, by_evidence=0.9, share=0.5),
+        Considered("leak", 0.2, by_evidence=0.1, share=0.3),
+    ]
+    monkeypatch.setattr(_calibrate, "considered", lambda *_: (*rows, Considered("delay", 0.0)))
+    assert _calibrate.said_of(task) == [Said("ninth", "leak", 0.1, 0.3, False)]

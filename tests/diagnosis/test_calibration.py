@@ -22,6 +22,11 @@ def test_more_evidence_and_a_larger_share_make_a_name_more_probable(
     assert 0 < PLAIN.of_name("creep", p, share) < 1
 
 
+def test_a_small_share_is_worth_less() -> None:
+    """Of the same evidence: what would hardly be missed is often the misfit of something else."""
+    assert PLAIN.of_name("frame", 0.99, 0.9) > PLAIN.of_name("frame", 0.99, 0.3) + 0.1
+
+
 def test_names_are_worth_what_they_were_worth() -> None:
     """The same evidence says more of one name than of another; of one that was not counted, what it says on average."""
     creep, own, frame = (PLAIN.of_name(name, 0.99, 0.9) for name in ("creep", "my_own", "frame"))

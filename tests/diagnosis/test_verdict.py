@@ -104,6 +104,7 @@ def test_what_is_sure_by_the_evidence_alone_is_not_sure_yet(as_evidence_says: Ca
         p = found.considered[0].probability
         assert (found.verdict, found.effects, found.rivals) == (verdict, names, rivals)
         assert found.considered[0].by_evidence == pytest.approx(0.9995)
+        assert found.found == names + rivals
         assert found.probability == pytest.approx(1 - p if verdict == "unknown" else p, abs=2e-3)
 
 
@@ -119,6 +120,7 @@ def test_confounded() -> None:
     verdict = told(answer(0.6, "leak"), answer(0.38, "creep"), answer(0.02, "drift"))
     assert (verdict.verdict, verdict.effects, verdict.rivals) == ("confounded", (), ("leak", "creep"))
     assert verdict.probability == pytest.approx(1 - 0.4 * 0.62)
+    assert verdict.found == ()
     verdict = told(
         answer(0.5, "hysteresis", "leak"), answer(0.47, "hysteresis", "creep"), answer(0.03, "leak")
     )

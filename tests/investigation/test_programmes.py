@@ -40,6 +40,7 @@ def said_of(verdict: str) -> dict[str, Any]:
     ("verdict", "rounds", "drop", "asked"),
     [
         ("confounded", ["capture"], None, "confounded"),
+        ("confounded", ["capture", "experiment"], None, "confounded"),
         ("identified", ["capture"], None, "identified"),
         ("identified", ["capture", "experiment"], None, None),
         ("identified", ["capture", "experiment", "confirmation"], 0.5, "unknown"),
