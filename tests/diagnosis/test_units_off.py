@@ -146,6 +146,6 @@ def test_a_constant_error_of_displacements_is_no_place_at_rest(tmp_path: Path, m
     elif moves == "hardly":
         lab.commanded *= 0.02
     wrong = np.random.default_rng(3).normal(size=lab.rest.shape)
-    floors = (20 if moves == "far" else 2.5) * lab.noise().std() / wrong.std()
+    floors = (8 if moves == "far" else 2.5) * lab.noise().std() / wrong.std()
     found = diagnose(lab.dataset(lab.predict(lab.u) + floors * wrong + lab.noise()), lab.model()).summary
     assert found["verdict"] != "nothing_missing"
