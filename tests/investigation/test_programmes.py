@@ -155,3 +155,20 @@ def test_a_budget_that_is_too_small_names_one_that_does(tmp_path: Path) -> None:
     programmes.first_campaign(work_in(tmp_path, [], budget_min=least), 0.5)
     with pytest.raises(LabrigError):
         programmes.first_campaign(work_in(tmp_path, [], budget_min=least - 1), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("effects", "rivals", "carried_by", "words"),
+    [
+        (["leak"], [], None, "leak"),
+        (["leak"], ["creep", "drift"], None, "leak, or creep, drift"),
+        ([], ["creep"], None, "perhaps creep"),
+        ([], [], "history", "history"),
+        ([], [], None, "no effect"),
+    ],
+)
+def test_a_round_says_its_names(
+    effects: list[str], rivals: list[str], carried_by: str | None, words: str
+) -> None:
+    """What is sure, what may be beside it or instead, and what carries an error without a name."""
+    assert _reporter.names_in({"effects": effects, "rivals": rivals, "carried_by": carried_by}) == words
