@@ -10,6 +10,7 @@ from labrig import LabrigError, experiment
 from labrig.investigation import Reporter, Settings, State, _loop
 from labrig.investigation import _programmes as programmes
 from labrig.investigation._bench import Bench
+from labrig.investigation._reporter import names_in
 from labrig.investigation._work import Work
 from labrig.rig import parse_rig
 
@@ -171,4 +172,4 @@ def test_a_round_says_its_names(
     effects: list[str], rivals: list[str], carried_by: str | None, words: str
 ) -> None:
     """What is sure, what may be beside it or instead, and what carries an error without a name."""
-    assert _reporter.names_in({"effects": effects, "rivals": rivals, "carried_by": carried_by}) == words
+    assert names_in({"effects": effects, "rivals": rivals, "carried_by": carried_by}) == words
