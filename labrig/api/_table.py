@@ -19,8 +19,8 @@ def import_table(mapping: Place, output: Place, tables: Any = (), *, replace: bo
         mapping: the file that says what the columns mean; or a table, whose mapping is then guessed and written beside
             the run, OUTPUT.map.yaml.
         output: the run folder to make.
-        tables: one file or several (CSV, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP, ROS bags) in place of those that
-            the mapping names; beside a table, more of its kind, each a session.
+        tables: one file or several (CSV, Excel, Parquet, MAT, HDF5, NPZ, TDMS, C3D, MCAP, ROS bags) in place of those
+            that the mapping names; beside a table, more of its kind, each a session.
         replace: put it in the place of an imported run of that name; needs a mapping.
 
     Raises:

@@ -18,7 +18,7 @@ def import_(
         list[Path] | None,
         typer.Argument(
             metavar="TABLE...",
-            help="CSV, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP or a ROS bag; else the mapping's.",
+            help="CSV, Excel, Parquet, MAT, HDF5, NPZ, TDMS, C3D, MCAP or a ROS bag; else the mapping's.",
         ),
     ] = None,
     mapping: Annotated[

@@ -14,7 +14,9 @@ from labrig.arrays import Floats, Ints
 from labrig.tables import (
     DATE,
     Actuation,
+    Covariate,
     Mapping,
+    Measured,
     Observable,
     Table,
     TableFile,
@@ -133,9 +135,7 @@ class Part:
         """What a column of commands says in each row (n,), also where it is written only on a change."""
         what = f"actuation {entry.name}"
         assert entry.column is not None
-        numbers = self.table.numbers(
-            entry.column, what, required=not entry.on_change, thousands=entry.thousands
-        )
+        numbers = self._numbers(entry, what, required=not entry.on_change)
         known = np.flatnonzero(np.isfinite(numbers))
         if len(known) == 0 or known[0] > 0:
             raise LabrigError(
@@ -148,8 +148,7 @@ class Part:
         columns = []
         for o in self.observables:
             scale = factor(o.unit, "mm", f"observable {o.name}") if o.marker and is_length(o.unit) else 1.0
-            numbers = self.table.numbers(o.column, f"observable {o.name}", thousands=o.thousands)
-            columns.append(o.scaled(numbers) * scale)
+            columns.append(o.scaled(self._numbers(o, f"observable {o.name}")) * scale)
         names, owners = [o.name for o in self.observables], [o.marker for o in self.observables]
         markers = list(dict.fromkeys(owner for owner in owners if owner))
         own = np.array([markers.index(owner) if owner else -1 for owner in owners])
@@ -161,7 +160,7 @@ class Part:
         names = [a.name for a in self.mapping.actuation]
         out = np.full((self.n, len(names)), np.nan)
         for entry in self.mapping.measured:
-            numbers = self.table.numbers(entry.column, f"measured {entry.name}", thousands=entry.thousands)
+            numbers = self._numbers(entry, f"measured {entry.name}")
             c = names.index(entry.name)
             unit = self.mapping.actuation[c].unit
             where = f"{self.mapping_path}: measured {entry.name}"
@@ -177,11 +176,16 @@ class Part:
             if entry.column is None:
                 columns.append(np.full(self.n, self.file.covariates.get(entry.name, np.nan)))
             else:
-                what = f"covariate {entry.name}"
-                columns.append(
-                    entry.scaled(self.table.numbers(entry.column, what, thousands=entry.thousands))
-                )
+                columns.append(entry.scaled(self._numbers(entry, f"covariate {entry.name}")))
         return np.stack(columns, axis=1) if columns else np.zeros((self.n, 0))
+
+    def _numbers(
+        self, entry: Actuation | Observable | Measured | Covariate, what: str, *, required: bool = False
+    ) -> Floats:
+        """What the column of an entry holds in each row (n,), before its scale; in its unit, where it has none."""
+        assert entry.column is not None
+        unit = entry.unit if entry.scale == 1 and entry.offset == 0 else None
+        return self.table.numbers(entry.column, what, required=required, thousands=entry.thousands, unit=unit)
 
     def _labels(self, entry: Any, what: str) -> Labels:
         if entry is None:

@@ -1,4 +1,4 @@
-"""Files of named arrays: MAT (v5 and v7.3), HDF5, NPZ and NPY.
+"""Files of named arrays: MAT (v5 and v7.3), HDF5, NPZ and NPY, and LabVIEW's TDMS.
 
 Arrays of one length stand side by side as the columns of a table; what has another length is another part.
 """
@@ -99,6 +99,10 @@ def _arrays(path: Path) -> Arrays:
                 except ValueError:  # pickled objects: nothing that may be run
                     continue
             return {name: a for name, a in out.items() if a.dtype.kind in "fiubUM"}
+    if head.startswith(b"TDSm"):
+        from labrig.tables._tdms import arrays_of_tdms
+
+        return arrays_of_tdms(path)
     if head.startswith(b"CDF"):
         raise LabrigError(f"{path}: is NetCDF of version 3; save it as NetCDF-4 or CSV")
     return _mat(path)

@@ -12,6 +12,7 @@ from labrig._errors import LabrigError
 from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
 from labrig.tables._names import Name, unit_of
+from labrig.tables._rate import rate_above
 from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
@@ -131,7 +132,7 @@ def _sheet_format(path: Path, how: Format) -> Format:
 
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
     read = [
-        (how, table, roles_of(table, _units_below(table.path, how, table), how.part or ""))
+        (how, table, roles_of(table, _units_below(table.path, how, table), how.part or "", _rate(table, how)))
         for how, table in tables
     ]
     as_one([roles for *_, roles in read])
@@ -174,6 +175,10 @@ def _units_below(path: Path, how: Format, table: Table) -> dict[str, str]:
     names = [str(c) for c in table.frame.columns]
     found = {n: unit_of(str(v)) for n, v in zip(names, raw.tolist(), strict=True)}
     return {n: u for n, u in found.items() if u is not None}
+
+
+def _rate(table: Table, how: Format) -> tuple[float, int] | None:
+    return rate_above(table.path, how) if how.skip_rows and kind_of(table.path) == "text" else None
 
 
 def _worth(roles: Roles) -> int:

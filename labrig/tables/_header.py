@@ -7,6 +7,7 @@ from pathlib import Path
 
 from labrig._errors import LabrigError
 from labrig.tables._mapping import Format
+from labrig.tables._packed import open_text
 from labrig.tables._table import short
 
 SEPARATORS = {"whitespace": r"\s+", "tab": "\t", "arrow": r"\s*(?:->|[,;\t])\s*"}
@@ -33,7 +34,7 @@ def split(line: str, separator: str) -> list[str]:
 
 def begins_with_a_comment(path: Path, how: Format) -> bool:
     """Whether the line of the names begins with the sign of a comment."""
-    with path.open(encoding=how.encoding, errors="replace", newline=None) as file:
+    with open_text(path, how.encoding, "replace") as file:
         return any(
             sign in line.split()[:1]
             for line in islice(file, how.skip_rows, how.skip_rows + 1)
@@ -94,7 +95,7 @@ def names_of(path: Path, how: Format, encoding: str, width: int) -> tuple[list[s
         raise LabrigError(
             f"{path}: there is no line {max(how.groups)} above its names: see 'format: groups:'"
         )
-    with path.open(encoding=encoding, newline=None) as file:
+    with open_text(path, encoding) as file:
         lines = islice(file, first, None)
         if len(SEPARATORS.get(how.separator, how.separator)) > 1:
             rows = [split(line, how.separator) for line in islice(lines, how.skip_rows - first + 1)]

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.tables._packed import open_text
 from labrig.tables._table import Table
 
 LABELS = "labels"
@@ -43,7 +44,7 @@ def read_labelled(path: Path, encoding: str, rows: int | None) -> Table:
     """
     import pandas as pd
 
-    with path.open(encoding=encoding, newline=None) as file:
+    with open_text(path, encoding) as file:
         found = [(number, *_cells(line)) for number, line in enumerate(file, start=1) if line.strip()]
     count = Counter(names for _, names, _ in found)
     del count[()]

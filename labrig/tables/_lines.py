@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.tables._packed import open_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,7 +75,7 @@ def _numbers(values: Any, decimal: str) -> Any:
 
 def check_blanks(path: Path, encoding: str, skip: int, width: int) -> None:
     """Raise `LabrigError` where a row of a table with blanks between its cells has too few: which one is not known."""
-    with path.open(encoding=encoding, newline=None) as file:
+    with open_text(path, encoding) as file:
         for i, line in enumerate(file, start=1):
             cells = line.split()
             if i > skip and 0 < len(cells) < width and any(c.isdigit() for c in line):

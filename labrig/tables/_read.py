@@ -10,18 +10,23 @@ from pathlib import Path
 from typing import Any
 
 from labrig._errors import LabrigError
+from labrig.tables._amounts import amounts
 from labrig.tables._mapping import Format, Mapping
+from labrig.tables._packed import DAMAGED, is_packed, open_bytes, open_text
 from labrig.tables._table import Table, short
 
 _ENDINGS = {
     "excel": {".xlsx", ".xlsm", ".xls", ".xlsb", ".ods"},
-    "parquet": {".parquet", ".pq"},
-    "arrays": {".mat", ".h5", ".hdf5", ".hdf", ".npz", ".npy", ".nc"},
+    "parquet": {".parquet", ".pq", ".feather", ".arrow"},
+    "arrays": {".tdms", ".mat", ".h5", ".hdf5", ".hdf", ".npz", ".npy", ".nc"},
     "c3d": {".c3d"},
     "bag": {".mcap", ".bag", ".db3"},
 }
 _BEGINS = (
     (b"PAR1", "parquet"),
+    (b"ARROW1", "parquet"),
+    (b"FEA1", "parquet"),
+    (b"TDSm", "arrays"),
     (b"\x89HDF", "arrays"),
     (b"MATLAB 5.0", "arrays"),
     (b"MATLAB 7.3", "arrays"),
@@ -30,7 +35,10 @@ _BEGINS = (
     (b"#ROSBAG", "bag"),
     (b"\xd0\xcf\x11\xe0", "excel"),
 )
-READ = "CSV and other text, JSON, Excel, Parquet, MAT, HDF5, NPZ, C3D, MCAP and ROS bags"
+READ = (
+    "CSV and other text, JSON, Excel, Parquet, Feather, MAT, HDF5, NPZ, TDMS, C3D, MCAP and ROS bags, "
+    "and text packed as .gz or .zip"
+)
 
 
 def kind_of(path: Path) -> str:
@@ -46,19 +54,24 @@ def kind_of(path: Path) -> str:
     if not path.is_file():
         raise LabrigError(f"{path}: there is no such table")
     try:
-        with path.open("rb") as file:
+        with open_bytes(path) as file:
             head = file.read(512)
+        packed = is_packed(path)
+    except DAMAGED:
+        raise _cut_off(path) from None
     except OSError as error:
         raise LabrigError(f"{path}: can't be read ({error.strerror or error})") from None
     if not head:
         raise LabrigError(f"{path}: is empty")
-    for begin, kind in _BEGINS:
-        if head.startswith(begin):
-            return kind
+    known = next((kind for begin, kind in _BEGINS if head.startswith(begin)), None)
+    if packed and known is not None:
+        raise LabrigError(f"{path}: is packed; only text is read so, unpack it")
+    if known is not None:
+        return known
     if head.startswith(b"PK") and zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             return "arrays" if any(n.endswith(".npy") for n in archive.namelist()) else "excel"
-    ending = path.suffix.lower()
+    ending = "" if packed else path.suffix.lower()
     for kind, endings in _ENDINGS.items():
         if ending in endings:
             return kind
@@ -76,21 +89,27 @@ def read_table(path: Path, mapping: Mapping, part: str | None = None) -> Table:
 def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_text: bool = False) -> Table:
     """Read one file as `how` says; a C3D file takes the names of its markers from the `mapping`."""
     kind = kind_of(path)
-    with _readable(path, kind):
+    with readable(path, kind):
         table = _reader(kind, mapping, as_text)(path, how)
     frame = table.frame.iloc[: how.rows].reset_index(drop=True)
     if frame.empty:
         raise LabrigError(f"{path}: has no rows")
-    return replace(table, frame=frame, missing=frozenset(how.missing))
+    table = replace(table, frame=frame, missing=frozenset(how.missing))
+    if as_text:
+        return table
+    frame, units = amounts(table)
+    return replace(table, frame=frame, units=units)
 
 
 @contextmanager
-def _readable(path: Path, kind: str) -> Iterator[None]:
+def readable(path: Path, kind: str) -> Iterator[None]:
     """Whatever a reader stumbles over is said in one line, with the file."""
     try:
         yield
     except LabrigError:
         raise
+    except DAMAGED:
+        raise _cut_off(path) from None
     except MemoryError:
         raise LabrigError(f"{path}: is too large for this computer's memory; take less of it") from None
     except Exception as error:
@@ -99,10 +118,14 @@ def _readable(path: Path, kind: str) -> Iterator[None]:
         raise LabrigError(f"{path}: can't be read as {_NAMES[kind]} ({reason})") from error
 
 
+def _cut_off(path: Path) -> LabrigError:
+    return LabrigError(f"{path}: is packed, and can't be unpacked: it was cut off, or is damaged")
+
+
 _NAMES = {
     "text": "a table",
     "excel": "a workbook",
-    "parquet": "Parquet",
+    "parquet": "Parquet or Feather",
     "arrays": "a file of arrays",
     "c3d": "C3D",
     "bag": "a log",
@@ -142,7 +165,8 @@ def _read_json(path: Path, how: Format) -> Table:
     """
     import pandas as pd
 
-    text = path.read_text(encoding=how.encoding or "utf-8-sig")
+    with open_text(path, how.encoding or "utf-8-sig") as file:
+        text = file.read()
     whole = text.lstrip().startswith("[")
     records = json.loads(text) if whole else [json.loads(line) for line in text.splitlines() if line.strip()]
     return Table(path, pd.DataFrame([dict(_flat(record)) for record in records]), row_is="record")
@@ -161,10 +185,12 @@ def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _read_parquet(path: Path, how: Format) -> Table:
-    """Read Parquet; an index with a name, or one that counts no rows, is a column: `time` where it has no name."""
+    """Read Parquet or Feather; an index with a name, or that counts no rows, is a column: `time` if it has no name."""
     import pandas as pd
 
-    frame = pd.read_parquet(path)
+    with path.open("rb") as file:
+        whole = file.read(4) == b"PAR1"
+    frame = pd.read_parquet(path) if whole else pd.read_feather(path)
     index = frame.index
     if index.name is None and _is_clock(index):
         index.name = "time"
@@ -183,7 +209,7 @@ def _is_clock(index: Any) -> bool:
 def parts_of(path: Path) -> dict[str, int]:
     """What a file has several of, with the rows of each: sheets, groups of arrays with a length, topics."""
     kind = kind_of(path)
-    with _readable(path, kind):
+    with readable(path, kind):
         if kind == "excel":
             from labrig.tables._workbook import sheets
 

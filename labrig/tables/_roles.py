@@ -24,8 +24,8 @@ from labrig.tables._labels import find_labels, numbers_rows, refuse_long, refuse
 from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
-from labrig.tables._table import MINUS, Table, is_nothing, short
-from labrig.tables._time import are_dates, find_clock, may_be_clock
+from labrig.tables._table import MINUS, Table, short
+from labrig.tables._time import NO_CLOCK, are_dates, find_clock, may_be_clock
 from labrig.tables._units import is_length, is_screen
 
 NO_INPUT = "no column is called a pressure, a set-point or an input"
@@ -56,17 +56,20 @@ class Roles:
     surmised: bool = False
 
 
-def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
+def roles_of(
+    table: Table, units: dict[str, str], part: str = "", rate: tuple[float, int] | None = None
+) -> Roles:
     """Take every column of a table for something; `units` are those that a row below the header gives.
 
-    A column that is called `data` has the name of its `part`, the topic or group. Raises `LabrigError` for a table with
-    several rows at one time.
+    `rate` is what a line above the header says of the rows a second (Hz), and its number; it counts where no column is
+    a clock. A column that is called `data` has the name of its `part`, the topic or group. Raises `LabrigError` for a
+    table with several rows at one time.
     """
     out = Roles()
     parsed: list[Name] = []
     dated: list[Any] = []
     for column in table.frame.columns:
-        name = take_apart(column, units.get(str(column)))
+        name = take_apart(column, units.get(str(column), table.units.get(str(column))))
         if part.strip("/") and name.words in _GENERIC:
             name = replace(take_apart(part.strip("/").rpartition("/")[2]), column=str(column))
         numbers = _numbers(table, column)
@@ -88,7 +91,14 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
             what = "is empty" if numbers is not None else _words_among(table, column) or "holds no numbers"
             out.remarks.append(f"column {name.column!r} {what} and is left out")
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
-    if out.time is not None:
+    if rate is not None and (out.time is None or _is_counter(out.time)):
+        columns = out.time.columns if out.time else ()
+        out.time = Clock(columns, "s", rate_hz=rate[0])
+        about = f"{columns[0]!r}" if columns else NO_CLOCK
+        out.remarks = [line for line in out.remarks if about not in line]
+        counted = f"{columns[0]!r} counts" if columns else "no column is a time:"
+        out.remarks.append(f"{counted} {rate[0]:g} rows a second, as line {rate[1]} says")
+    elif out.time is not None:
         refuse_long(table, out.time.columns[0])
     refuse_turns(table, parsed, out.values)
     rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
@@ -96,6 +106,12 @@ def roles_of(table: Table, units: dict[str, str], part: str = "") -> Roles:
     _find_inputs(out, rest)
     _say_unknown_units(out)
     return out
+
+
+def _is_counter(clock: Clock) -> bool:
+    """Whether a clock is a column of frames that were counted, whose unit nobody says."""
+    name = take_apart(clock.columns[0])
+    return len(clock.columns) == 1 and name.unit is None and name.has(names.COUNTER)
 
 
 def clock_s(table: Table, clock: Clock | None) -> Floats | None:
@@ -142,20 +158,12 @@ def _numbers(table: Table, column: Any) -> Floats | None:
         return np.asarray(values, dtype=float)
     if values.dtype.kind in "Mm":
         return None
-    text = _filled(table, column).head(1000)
+    text = table.filled(column).head(1000)
     if len(text) and np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), float)).mean() > 0.02:
         return None
     every = values.astype(str).str.strip().str.replace(MINUS, "-", regex=False)
     every = every.str.replace(table.decimal, ".", regex=False)
     return np.asarray(pd.to_numeric(every, errors="coerce"), dtype=float)
-
-
-def _filled(table: Table, column: Any) -> Any:
-    """The cells of a column that hold something, as text with decimal points, a Series."""
-    text: Any = table.frame[column].dropna().astype(str).str.strip().str.replace(MINUS, "-", regex=False)
-    if table.decimal != ".":
-        text = text.str.replace(table.decimal, ".", regex=False)
-    return text[~is_nothing(text, table.missing)]
 
 
 def _words_among(table: Table, column: Any) -> str:
@@ -164,7 +172,7 @@ def _words_among(table: Table, column: Any) -> str:
 
     if table.frame[column].dtype.kind == "M":
         return ""
-    text = _filled(table, column)
+    text = table.filled(column)
     words = text[np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), dtype=float))]
     if len(words) > 0.5 * len(text):
         return ""

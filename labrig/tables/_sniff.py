@@ -10,6 +10,8 @@ from labrig.tables._header import groups_above, split
 from labrig.tables._labelled import LABELS, is_labelled
 from labrig.tables._mapping import Format
 from labrig.tables._names import is_unit
+from labrig.tables._packed import open_text
+from labrig.tables._read import readable
 from labrig.tables._text import find_encoding
 
 _LINES = 200
@@ -26,8 +28,7 @@ _CHOICES = {",": ",", ";": ";", "tab": "\t", "|": "|", "whitespace": None}
 
 def sniff(path: Path) -> Format:
     """The format of a text table; raises `LabrigError` for a file without rows, or that is no text."""
-    encoding = find_encoding(path)
-    with path.open(encoding=encoding, errors="replace", newline=None) as file:
+    with readable(path, "text"), open_text(path, encoding := find_encoding(path), "replace") as file:
         lines = [line for _ in range(_LINES) if (line := file.readline(_LONGEST))]
     lines = [line.rstrip("\r\n") for line in lines]
     if not any(line.strip() for line in lines):

@@ -1,6 +1,6 @@
 """One foreign table in memory: its columns as numbers or labels; every complaint names the file, row and column."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -88,14 +88,29 @@ class Table:
     missing: frozenset[str] = field(default_factory=frozenset)
     lines: Ints | None = field(default=None, repr=False)
     said: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    """The units that stood in the cells of columns."""
 
     def numbers(
-        self, column: str | int, what: str, *, required: bool = False, thousands: str | None = None
+        self,
+        column: str | int,
+        what: str,
+        *,
+        required: bool = False,
+        thousands: str | None = None,
+        unit: str | None = None,
     ) -> Floats:
-        """A column as floats; raises `LabrigError` for a missing column, text, or (if required) a gap."""
+        """A column as floats; raises `LabrigError` for a missing column, text, (if required) a gap, or cells that say
+        another `unit`.
+        """
         import pandas as pd
 
         values = self._column(column, what)
+        own = self.units.get(str(column))
+        if own is not None and unit not in {None, "1", own}:
+            raise LabrigError(
+                f"{self.path}: column {column!r} ({what}) says {own} in its cells, the mapping {unit}; write {own}"
+            )
         if values.dtype.kind in "fiub" and not thousands:
             out = np.array(values, dtype=float)
             out[np.isin(out, [float(word) for word in self.missing if _is_number(word)])] = np.nan
@@ -152,6 +167,13 @@ class Table:
             for v in unique.tolist()
         ]
         return np.array([*names, ""], dtype=object)[code]
+
+    def filled(self, column: str | int) -> "pd.Series":
+        """The cells of a column that hold something, as text with decimal points."""
+        text: Any = self.frame[column].dropna().astype(str).str.strip().str.replace(MINUS, "-", regex=False)
+        if self.decimal != ".":
+            text = text.str.replace(self.decimal, ".", regex=False)
+        return text[~is_nothing(text, self.missing)]
 
     def key(self, name: str) -> str | int:
         """The column that is called so as text: numbers stand for those of a table without names."""

@@ -13,6 +13,7 @@ from labrig.tables._header import SEPARATORS, names_of, split
 from labrig.tables._labelled import LABELS, read_labelled
 from labrig.tables._lines import check_blanks, cut_short, without_text
 from labrig.tables._mapping import Format
+from labrig.tables._packed import open_bytes, open_text
 from labrig.tables._table import Table
 
 _BLOCK = 1 << 22
@@ -34,7 +35,7 @@ def find_encoding(path: Path) -> str:
 
     Raises `LabrigError` for a file that is no text.
     """
-    with path.open("rb") as file:
+    with open_bytes(path) as file:
         head = file.read(1 << 16)
         for mark, name in _MARKS:
             if head.startswith(mark):
@@ -109,7 +110,8 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pd.errors.DtypeWarning)
             warnings.simplefilter("error", pd.errors.ParserWarning)
-            frame = pd.read_csv(path, skiprows=above, names=names, **options)
+            with open_bytes(path) as file:
+                frame = pd.read_csv(file, skiprows=above, names=names, **options)
         if how.separator == "whitespace":
             check_blanks(path, encoding, above, len(frame.columns))
     except pd.errors.EmptyDataError:
@@ -138,7 +140,7 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
 
 def _width(path: Path, how: Format, encoding: str, above: int) -> int:
     """The commonest number of cells of the first lines below the names."""
-    with path.open(encoding=encoding, newline=None) as file:
+    with open_text(path, encoding) as file:
         lines = list(itertools.islice(file, above, above + _FEW))
     widths = Counter(len(split(line.rstrip("\n"), how.separator)) for line in lines if line.strip())
     return widths.most_common(1)[0][0] if widths else 0

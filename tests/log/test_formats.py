@@ -1,6 +1,8 @@
 """What other laboratories save: the same measurements in many formats become the same run, with a guessed mapping."""
 
+import gzip
 import json
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -70,6 +72,27 @@ def as_mcap(path: str) -> None:
         writer.finish()
 
 
+def as_tdms(path: str) -> None:
+    """Write what LabVIEW writes: a group of waveforms, ten samples a second, their units among the properties."""
+    from nptdms import ChannelObject, TdmsWriter
+
+    clock = {"wf_increment": 0.1, "wf_start_offset": 0.0}
+    with TdmsWriter(path) as file:
+        file.write_segment(
+            [
+                ChannelObject("rig", "p1", P, clock | {"unit_string": "kPa"}),
+                ChannelObject("rig", "force", F, clock | {"NI_UnitDescription": "N"}),
+            ]
+        )
+
+
+def as_zip(path: str) -> None:
+    """Write a zip with one table in it, and what a Mac puts beside it."""
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("data/t.csv", FRAME.to_csv(index=False))
+        archive.writestr("__MACOSX/data/._t.csv", "x")
+
+
 FORMATS: dict[str, Callable[[str], object]] = {
     "t.csv": lambda p: FRAME.to_csv(p, index=False),
     "semicolons.txt": lambda p: FRAME.to_csv(p, index=False, sep=";", decimal=","),
@@ -77,6 +100,12 @@ FORMATS: dict[str, Callable[[str], object]] = {
     "utf16.csv": lambda p: FRAME.to_csv(p, index=False, encoding="utf-16"),
     "t.xlsx": lambda p: FRAME.to_excel(p, index=False),
     "t.parquet": lambda p: FRAME.to_parquet(p),
+    "t.feather": lambda p: FRAME.to_feather(p),
+    "t.tdms": as_tdms,
+    "t.csv.gz": lambda p: FRAME.to_csv(p, index=False),
+    "semicolons.txt.gz": lambda p: FRAME.to_csv(p, index=False, sep=";", decimal=","),
+    "t.jsonl.gz": lambda p: FRAME.to_json(p, orient="records", lines=True),
+    "t.zip": as_zip,
     "t.npz": lambda p: np.savez(p, allow_pickle=False, **{n: FRAME[n].to_numpy() for n in FRAME}),
     "t.h5": as_hdf5,
     "old.mat": as_mat5,
@@ -273,3 +302,87 @@ def test_frames_that_are_counted_are_a_clock(desk: Path) -> None:
     Path("m.yaml").write_text(yaml.safe_dump(content))
     with pytest.raises(LabrigError, match="a clock has a unit, or is frames at a rate_hz, not both"):
         import_table(Path("m.yaml"), Path("run2"))
+
+
+_CUT = "is packed, and can't be unpacked: it was cut off, or is damaged"
+
+
+@pytest.mark.parametrize(
+    ("cut", "what"),
+    [
+        (lambda p: p.write_bytes(p.read_bytes()[:80]), _CUT),
+        (lambda p: p.write_bytes(p.read_bytes()[:-20]), _CUT),
+        (lambda p: p.write_bytes(gzip.compress(b"PAR1" * 20)), "is packed; only text is read so, unpack it"),
+    ],
+)
+def test_what_is_packed_and_can_not_be_read(desk: Path, cut: Callable[[Path], object], what: str) -> None:
+    """A gzip that was cut off, or that holds something else than text, is refused in one line, and no run is made."""
+    FRAME.to_csv("t.csv.gz", index=False)
+    cut(Path("t.csv.gz"))
+    with pytest.raises(LabrigError, match=rf"t\.csv\.gz: {what}"):
+        import_guessed([Path("t.csv.gz")], Path("run"))
+    assert not Path("run").exists()
+
+
+def test_a_zip_of_several_tables(desk: Path) -> None:
+    """Which of them is meant is not guessed: it says to unpack them."""
+    with zipfile.ZipFile("t.zip", "w") as archive:
+        archive.writestr("a.csv", FRAME.to_csv(index=False))
+        archive.writestr("b.csv", FRAME.to_csv(index=False))
+    with pytest.raises(LabrigError, match=r"t\.zip: has 2 files in it; unpack it, and name the tables"):
+        import_guessed([Path("t.zip")], Path("run"))
+
+
+def with_units(frame: pd.DataFrame) -> pd.DataFrame:
+    """The table with the unit in each cell."""
+    return pd.DataFrame(
+        {
+            "time_s": frame["time_s"],
+            "set": [f"{p / 100:.2f} bar" for p in frame["p1_kpa"]],
+            "scale": [f"{f:.4f}N" for f in frame["force_n"]],
+            "room": [f"{21 + t / 10:.1f}°C" for t in frame["time_s"]],
+        }
+    )
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.xlsx"])
+def test_units_in_the_cells(desk: Path, name: str) -> None:
+    """`0.30 bar` in each cell: the column is numbers, and its unit is that of the cells; a gap stays one."""
+    frame = with_units(FRAME)
+    frame.loc[13, "scale"] = None
+    frame.loc[17, "scale"] = "n/a"
+    frame.to_csv(name, index=False) if name.endswith("csv") else frame.to_excel(name, index=False)
+    run, guess, _ = import_guessed([Path(name)], Path("run"))
+    assert guess.mapping["actuation"] == [{"column": "set", "name": "set", "unit": "bar"}]
+    assert guess.mapping["observables"] == [{"column": "scale", "name": "scale", "unit": "N"}]
+    assert guess.mapping["covariates"] == [{"column": "room", "name": "room", "unit": "degC"}]
+    assert run["commanded"].to_numpy()[:, 0] == pytest.approx(P[::10] / 100)
+    seen = run["observed"].to_numpy()[:, :, 0].ravel()
+    assert seen[np.isfinite(seen)] == pytest.approx(np.delete(F, [13, 17]), abs=1e-4)
+
+
+def test_a_unit_that_the_cells_contradict(desk: Path) -> None:
+    """A mapping that calls kPa what the cells call bar is refused, not believed; one with a scale says what it does."""
+    with_units(FRAME).to_csv("t.csv", index=False)
+    mapping = guess_mapping("t.csv").mapping
+    mapping["actuation"][0]["unit"] = "kPa"
+    Path("m.yaml").write_text(yaml.safe_dump(mapping))
+    with pytest.raises(
+        LabrigError, match=r"'set' \(actuation set\) says bar in its cells, the mapping kPa; write bar"
+    ):
+        import_table(Path("m.yaml"), Path("run"))
+    mapping["actuation"][0]["scale"] = 100
+    Path("m.yaml").write_text(yaml.safe_dump(mapping))
+    import_table(Path("m.yaml"), Path("run"))
+    assert labrig.open_run("run")["commanded"].to_numpy()[:, 0] == pytest.approx(P[::10])
+
+
+def test_cells_of_two_units_are_no_column_of_numbers(desk: Path) -> None:
+    """mbar in some rows and bar in others: labrig converts nothing silently, and says that it leaves the column out."""
+    frame = with_units(FRAME)
+    frame.loc[30:, "scale"] = [f"{1000 * f:.1f} mN" for f in F[30:]]
+    frame["other"] = F
+    frame.to_csv("t.csv", index=False)
+    guess = guess_mapping("t.csv")
+    assert [o["column"] for o in guess.mapping["observables"]] == ["other"]
+    assert any("'scale' holds no numbers" in r for r in guess.remarks)

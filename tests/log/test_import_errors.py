@@ -233,7 +233,7 @@ def test_a_table_that_is_no_parquet(desk: Path, labrig: Run) -> None:
     swap("map.yaml", "table: t.csv", "table: t.parquet")
     code, out, err = labrig("import", "--mapping", "map.yaml", "-o", "run")
     assert (code, out) == (2, "")
-    assert err.startswith("labrig: t.parquet: can't be read as Parquet (")
+    assert err.startswith("labrig: t.parquet: can't be read as Parquet or Feather (")
     assert err.count("\n") == 1
     assert not Path("run").exists()
 
