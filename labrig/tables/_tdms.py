@@ -1,5 +1,6 @@
 """LabVIEW's TDMS files: groups of channels, which may be waveforms with a clock of their own."""
 
+import logging
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ def arrays_of_tdms(path: Path) -> dict[str, np.ndarray]:
     """The channels of a file by ``GROUP/NAME [UNIT]``; a group of waveforms has their clock as ``GROUP/time [s]``."""
     from nptdms import TdmsFile
 
+    logging.getLogger("nptdms").setLevel(logging.ERROR)  # a file that was cut off is read as far as it goes
     out: dict[str, np.ndarray] = {}
     with TdmsFile.open(path) as file:
         for group in file.groups():

@@ -386,3 +386,25 @@ def test_cells_of_two_units_are_no_column_of_numbers(desk: Path) -> None:
     guess = guess_mapping("t.csv")
     assert [o["column"] for o in guess.mapping["observables"]] == ["other"]
     assert any("'scale' holds no numbers" in r for r in guess.remarks)
+
+
+def test_channels_of_labview_at_two_rates(desk: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Groups with clocks of their own are joined; a file that was cut off is read as far as it goes, without a word
+    from the library that reads it.
+    """
+    from nptdms import ChannelObject, TdmsWriter
+
+    with TdmsWriter("t.tdms") as file:
+        for _ in range(2):
+            p0 = ChannelObject("AO", "p0", P, {"wf_increment": 0.1, "unit_string": "kPa"})
+            f = ChannelObject("AI", "f", np.repeat(2 * P, 10), {"wf_increment": 0.01, "unit_string": "N"})
+            file.write_segment([p0, f])
+    whole = Path("t.tdms").read_bytes()
+    Path("cut.tdms").write_bytes(whole[:-400])
+    for name, holds in (("t.tdms", 12), ("cut.tdms", 11)):
+        run, guess, _ = import_guessed([Path(name)], Path(name).with_suffix(".run"))
+        assert guess.mapping["join"][0]["how"] == "previous"
+        assert run.sizes["capture"] >= holds
+        seen, set_to = run["observed"].to_numpy()[:, 0, 0], run["commanded"].to_numpy()[:, 0]
+        assert seen == pytest.approx(2 * set_to)
+    assert capfd.readouterr() == ("", "")
