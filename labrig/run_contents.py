@@ -14,6 +14,7 @@ class LookContent(TypedDict):
     verdict: str
     effects: list[str]
     probability: dict[str, float]
+    by_evidence: NotRequired[dict[str, float]]
     base: float | None
     error: float | None
     floor: float | None

@@ -13,9 +13,9 @@ from labrig.run_contents import LookContent
 class Look:
     """What the diagnosis said of the first `captures` captures, `minutes` after the campaign began.
 
-    `probability` is that of each effect which was considered; `error` the held-out root mean square error with what
-    was found, `base` that without, `floor` the noise, `ceiling` what a smooth function of everything that was logged
-    could reach, all four in `units`.
+    `probability` is that of each effect which was considered, `by_evidence` what the evidence alone says of it; `error`
+    the held-out root mean square error with what was found, `base` that without, `floor` the noise, `ceiling` what a
+    smooth function of everything that was logged could reach, all four in `units`.
     """
 
     captures: int
@@ -28,6 +28,7 @@ class Look:
     floor: float = math.nan
     ceiling: float = math.nan
     units: str = ""
+    by_evidence: dict[str, float] = field(default_factory=dict)
 
     @property
     def left(self) -> float:
@@ -42,6 +43,7 @@ class Look:
             "verdict": self.verdict,
             "effects": list(self.effects),
             "probability": dict(self.probability),
+            "by_evidence": dict(self.by_evidence),
             "base": _known(self.base),
             "error": _known(self.error),
             "floor": _known(self.floor),
@@ -61,7 +63,8 @@ class Look:
             minutes=float(plain["minutes"]),
             verdict=str(plain["verdict"]),
             effects=tuple(plain.get("effects") or ()),
-            probability={str(name): float(p) for name, p in (plain.get("probability") or {}).items()},
+            probability=_of_each(plain.get("probability")),
+            by_evidence=_of_each(plain.get("by_evidence")),
             units=str(plain.get("units") or ""),
             **numbers,
         )
@@ -76,9 +79,12 @@ class Look:
                 "minutes": minutes,
                 "verdict": summary["verdict"],
                 "effects": summary["effects"],
-                "probability": {
-                    entry["effect"]: round(float(entry["probability"]), 4)
-                    for entry in summary.get("effects_considered") or ()
+                **{
+                    key: {
+                        entry["effect"]: round(float(entry.get(key, 0.0)), 4)
+                        for entry in summary.get("effects_considered") or ()
+                    }
+                    for key in ("probability", "by_evidence")
                 },
                 "base": error.get("base"),
                 "error": error.get("model"),
@@ -87,6 +93,10 @@ class Look:
                 "units": summary.get("units"),
             }
         )
+
+
+def _of_each(plain: Mapping[str, Any] | None) -> dict[str, float]:
+    return {str(name): float(p) for name, p in (plain or {}).items()}
 
 
 def _known(value: float) -> float | None:

@@ -37,7 +37,8 @@ _AMOUNT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-zµμ]*
 class Rule:
     """What ends a campaign before its plan does.
 
-    `settled`: every effect is sure or out, or what the plan has left would not make it so. `error`: the held-out error
+    `settled`: every effect is sure or out, or one is all that the evidence leaves, or what the plan has left would not
+    make it so. `error`: the held-out error
     reached, in `units`. `budget_s`: time of the rig, s.
     """
 
@@ -106,20 +107,32 @@ class Rule:
         return None
 
     def is_settled(self, look: Look) -> bool:
-        """Whether every effect is sure or out."""
-        known = look.verdict not in ("underpowered", "confounded") and bool(look.probability)
-        return known and not self._open(look)
+        """Whether every effect is sure or out, or only one name is left that no further evidence would make surer."""
+        if not look.probability or look.verdict == "underpowered":
+            return False
+        left = self._open(look)
+        return left == self._only(look) if left else look.verdict != "confounded"
+
+    def _only(self, look: Look) -> list[str]:
+        """The only name that is left, where the evidence is sure of it; else none."""
+        named = [name for name, p in look.probability.items() if p >= self.possible]
+        return named if len(named) == 1 and look.by_evidence.get(named[0], 0.0) > 1 - self.possible else []
 
     def _open(self, look: Look) -> list[str]:
         return [name for name, p in look.probability.items() if self.possible <= p < self.sure]
 
     def _said(self, look: Look) -> tuple[object, ...]:
-        return look.verdict, frozenset(name for name, p in look.probability.items() if p >= self.sure)
+        return look.verdict, frozenset(name for name, p in look.probability.items() if p >= self.possible)
 
     def _settled_words(self, look: Look) -> str:
         sure = [f"{word(name)} {p:.2f}" for name, p in look.probability.items() if p >= self.sure]
         if sure:
             return f"sure of {', '.join(sure)}; all other effects are out ({_STILL})"
+        for name in self._only(look):
+            perhaps = (
+                f"perhaps {word(name)} ({look.probability[name]:.2f}, or an effect that labrig does not know)"
+            )
+            return f"{perhaps}; all other effects are out ({_STILL})"
         if look.verdict == "unknown":
             return f"something is missing, and all effects with a name are out ({_STILL})"
         return f"all effects are out ({_STILL})"
@@ -140,7 +153,7 @@ class Rule:
 
     def _needs(self, looks: Sequence[Look]) -> float | None:
         """Captures until the slowest open effect is sure or out, at its fastest pace lately; None: not known yet."""
-        if len(looks) < _TREND or looks[-1].verdict == "underpowered":
+        if len(looks) < _TREND or looks[-1].verdict == "underpowered" or self.is_settled(looks[-1]):
             return None
         needs = []
         for name in self._open(looks[-1]):
