@@ -38,6 +38,7 @@ class Kind:
     confounded: bool = False
     outside: bool = False
     deleted: bool = False
+    in_one: bool = False  # of several chambers
     usual: int = 100  # campaigns of a full benchmark
 
 
@@ -47,6 +48,7 @@ CLASSES: dict[str, Kind] = {
     "null-static": Kind(0, static=True, usual=50),
     "single-1": Kind(1, (1.0, 1.0)),
     "single": Kind(1, (2.0, 4.0), usual=200),
+    "one-chamber": Kind(1, (2.0, 4.0), in_one=True),
     "static": Kind(1, (2.0, 4.0), static=True),
     "pair": Kind(2, (1.0, 2.0)),
     "structural": Kind(1, (2.0, 4.0), structural=(1.0, 2.0)),

@@ -13,6 +13,7 @@ from labrig.bench._classes import CLASSES, CONFOUNDED, FAMILIES, Kind, family_of
 from labrig.bench._dataset import to_dataset
 from labrig.bench._halves import half_of, make_rig
 from labrig.bench._hide import FEW, Hidden, has, hide, pick_effects, pick_laws, pick_rig
+from labrig.bench._in_one import FEWEST
 from labrig.bench._nature import Path, Rig, simulate
 from labrig.bench._noise import Spoil, spoil
 from labrig.bench._path import PAUSE_S, make_path
@@ -116,7 +117,7 @@ def draw(
         "half": half,
         "seed": seed,
         "effects": effects,
-        "laws": [type(h.law).__name__ for h in what.hidden],
+        "laws": [h.name for h in what.hidden],
         "rig": what.recipe["rig"],
         "base_kind": "static" if kind.static else base["kind"],
         "verdict": _right_verdict(kind, effects, deleted),
@@ -160,12 +161,15 @@ def _attempt(
     kind: Kind, half: str, effects: list[str], design: str, captures: int | None, random: np.random.Generator
 ) -> Drawn | None:
     """Laws, a rig, a programme and parameters for effects; None where they do not go together."""
-    laws = pick_laws(effects, half_of(half), random)
+    laws = pick_laws(kind, effects, half_of(half), random)
     needs = frozenset().union(*(law.needs for law in laws))
     recipe = pick_rig(half, needs, kind.static, design == "one_hold", random)
     if recipe is None:
         return None
     rig = make_rig(recipe)
+    chambers = len(rig.chambers)
+    if kind.in_one and chambers < FEWEST:
+        return None
     if design == "one_hold" and "drift" in effects and len(rig.observables) > FEW:
         return None  # many markers show that it is not the chambers that drift
     tilted = "tilt" in needs or bool(random.random() < (0.5 if "gravity" in effects else _TILTED))
@@ -199,7 +203,8 @@ def _attempt(
     if kind.slow:
         how = Spoil(**{**how.as_dict(), "common": kind.slow * floor})
     wanted = [float(random.uniform(*kind.floors)) for _ in laws]
-    hidden = hide(laws, wanted, rig, path, floor, kind.static, random)
+    chamber = int(random.integers(chambers)) if kind.in_one else None
+    hidden = hide(laws, wanted, rig, path, floor, kind.static, random, chamber)
     if hidden is None:
         return None
     return Drawn(recipe, rig, design, plan, path, hidden, how, floor, tilted, loaded)

@@ -8,6 +8,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.bench._classes import CONFOUNDED, DELETED, FAMILIES, STATIC_SAFE, Kind
 from labrig.bench._halves import half_of, make_rig
+from labrig.bench._in_one import InOneChamber, acts_in_chambers
 from labrig.bench._nature import (
     EFFECTS,
     Half,
@@ -61,6 +62,8 @@ def _bend(rig: Rig) -> float:
 def pick_effects(kind: Kind, half: Half, design: str, random: np.random.Generator) -> list[str]:
     """The names of what is to be hidden: every effect of the library is as likely as the others."""
     able = [e for e in EFFECTS if half.laws.get(e)]
+    if kind.in_one:
+        able = [e for e in able if any(acts_in_chambers(law) for law in half.laws[e])]
     if kind.outside or not kind.effects:
         return [""] * kind.effects
     if kind.confounded:
@@ -76,9 +79,12 @@ def pick_effects(kind: Kind, half: Half, design: str, random: np.random.Generato
     return [first, str(random.choice([e for e in able if e not in own]))]
 
 
-def pick_laws(effects: Sequence[str], half: Half, random: np.random.Generator) -> list[type[Law]]:
+def pick_laws(kind: Kind, effects: Sequence[str], half: Half, random: np.random.Generator) -> list[type[Law]]:
     """A law for each name, uniformly among the effect's laws; of those outside the library where the name is empty."""
-    return [_one(half.laws[name] if name else half.outside, random) for name in effects]
+    each = [half.laws[name] if name else half.outside for name in effects]
+    if kind.in_one:
+        each = [[law for law in laws if acts_in_chambers(law)] for laws in each]
+    return [_one(laws, random) for laws in each]
 
 
 def _one(laws: Sequence[type[Law]], random: np.random.Generator) -> type[Law]:
@@ -110,9 +116,10 @@ def pick_rig(
 
 @dataclass(frozen=True)
 class Hidden:
-    """A law at work: its effect, itself, how strong it is, and its size in floors."""
+    """A law at work: its effect, its name, itself, how strong it is, and its size in floors."""
 
     effect: str
+    name: str
     law: Law
     strength: float
     floors: float
@@ -126,10 +133,11 @@ def hide(
     floor: float,
     static: bool,
     random: np.random.Generator,
+    chamber: int | None = None,
 ) -> list[Hidden] | None:
     """Laws with parameters by chance, each alone as large as wanted (in floors) on this very path, if they can be.
 
-    With `static` the size is that of what a map of degree 1 leaves.
+    With `static` the size is that of what a map of degree 1 leaves; with a `chamber` they hold in that one only.
     """
     clean = simulate(rig, [], path)
     left = _beside_a_map(path) if static else None
@@ -137,6 +145,7 @@ def hide(
     for of_law, floors in zip(laws, wanted, strict=True):
         for _ in range(3):
             law = of_law(Setting(rig, path, np.random.default_rng(random.integers(2**63))))
+            law = law if chamber is None else InOneChamber(law, chamber)
 
             def size(strength: float, law: Law = law) -> float:
                 change = simulate(rig, [(law, strength)], path) - clean
@@ -144,7 +153,8 @@ def hide(
 
             strength = strength_for(size, floors * floor, STRONGEST)
             if strength is not None:
-                out.append(Hidden(of_law.effect, law, strength, size(strength) / floor))
+                floors = size(strength) / floor
+                out.append(Hidden(of_law.effect, of_law.__name__, law, strength, floors))
                 break
         else:
             return None
