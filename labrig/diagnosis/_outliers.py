@@ -51,8 +51,9 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
         rows = residual.copy()
         rows[:, seen], dropped = _clean(residual[:, seen], at.of(seen))
         return rows, dropped
-    far = _passing(_far(residual, at.owner), at.index)
-    borne = borne_out(residual, far, at)
+    far, unusual = _far(residual, at.owner)
+    far = _passing(far, at.index)
+    borne = borne_out(residual, far, at, unusual)
     rows = _without(residual, far & ~borne, at)
     means, _ = capture_means(rows, at.index)
     far = _far_in_hold(rows, at.index)
@@ -61,8 +62,9 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
     if captures >= 6:
         means, _ = capture_means(np.where(borne | again, np.nan, rows), at.index)
         held = at.of_captures()
-        far = _passing(_far(means, held.owner), held.index)
-        kept = _without(means, far & ~borne_out(means, far, held), held)
+        far, unusual = _far(means, held.owner)
+        far = _passing(far, held.index)
+        kept = _without(means, far & ~borne_out(means, far, held, unusual), held)
         rows = np.where((np.isfinite(means) & np.isnan(kept))[at.index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
 
@@ -87,24 +89,31 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
     return far & ~stays[index]
 
 
-def _far(values: Floats, owner: Ints) -> NDArray[np.bool_]:
-    """Which entries are far from what the others say, (n, K); `owner` (K,) numbers the markers.
+def _far(values: Floats, owner: Ints) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which entries are far from what the others say, (n, K); `owner` (K,) numbers the markers. And all that are.
 
-    Where many observables are far at once, or several markers, it is the body that is elsewhere. Few observables follow
-    a mistaken one, so there those are asked, too, that were measured before and after.
+    Where many observables are far at once, or several markers, it is the body that is elsewhere: only the latter has
+    them. Few observables follow a mistaken one, so there those are asked, too, that were measured before and after.
     """
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
-        return _far_from_neighbours(values, spread)
+        far = _far_from_neighbours(values, spread)
+        return far, far
     off = np.abs(values - _smooth(values))
     bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), FORM * spread)
     # a mistake pulls the fit of its neighbours along a little
     bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
     same = owner == np.unique(owner)[:, None]
-    together = (bad @ same.T).sum(axis=1)  # markers that are far in any axis
-    structure = (bad.mean(axis=1) > _MOST_FAR) | (together > max(_MOST_FAR * len(same), _AT_ONCE))
-    far = bad & ~structure[:, None]
-    return far if values.shape[1] >= 3 * _SMOOTH_RANK else far | _far_from_neighbours(values, spread)
+    most = max(_MOST_FAR * len(same), _AT_ONCE)
+
+    def is_body(far: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        return (far @ same.T).sum(axis=1) > most  # markers that are far in any axis
+
+    far = bad & ~(is_body(bad) | (bad.mean(axis=1) > _MOST_FAR))[:, None]
+    if values.shape[1] >= 3 * _SMOOTH_RANK:
+        return far, bad
+    beside = _far_from_neighbours(values, spread)
+    return far | beside & ~is_body(beside)[:, None], bad | beside
 
 
 def _far_in_hold(values: Floats, index: Ints) -> NDArray[np.bool_]:

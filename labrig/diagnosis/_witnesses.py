@@ -1,7 +1,8 @@
 """What bears out an entry that looks mistaken: then it is no mistake, but something that the model lacks.
 
 A mistake of a camera or a sensor is of one observable, at any time. What a rig does comes again where it is at the same
-pressures, moves other observables as its chambers move them, or comes at certain pressures, steps or times only.
+pressures, moves other observables as its chambers move them, or comes at certain pressures, steps, times or places
+only.
 """
 
 from dataclasses import dataclass
@@ -33,14 +34,15 @@ class Moments:
     """What is known of n rows, or captures, beside what was measured, of C chambers and K observables.
 
     `pressure` and `step` (n, C): what was commanded, and by how much more than before, as shares of the range; `late`
-    (n,): the time in the hold, in decades; `slopes` (n, K, C) of the base; `owner` (K,) numbers the markers, or what
-    else an observable belongs to; `index` (n,) numbers the captures.
+    (n,): the time in the hold, in decades; `slopes` (n, K, C) of the base, and what it predicts, `place` (n, K);
+    `owner` (K,) numbers the markers, or what else an observable belongs to; `index` (n,) numbers the captures.
     """
 
     pressure: Floats
     step: Floats
     late: Floats
     slopes: Floats
+    place: Floats
     owner: Ints
     index: Ints
 
@@ -51,6 +53,7 @@ class Moments:
             self.step,
             self.late,
             self.slopes[:, observables],
+            self.place[:, observables],
             self.owner[observables],
             self.index,
         )
@@ -60,7 +63,10 @@ class Moments:
         first = np.unique(self.index, return_index=True)[1]
         late = np.bincount(self.index, self.late) / np.bincount(self.index)
         own = np.arange(len(first))
-        return Moments(self.pressure[first], self.step[first], late, self.slopes[first], self.owner, own)
+        pressure, step, slopes, place = (
+            x[first] for x in (self.pressure, self.step, self.slopes, self.place)
+        )
+        return Moments(pressure, step, late, slopes, place, self.owner, own)
 
 
 def moments_of(context: Context) -> Moments:
@@ -71,19 +77,22 @@ def moments_of(context: Context) -> Moments:
     late = np.log1p(context.elapsed_s) / _DECADE
     alone = rows.marker < 0
     owner = np.where(alone, rows.marker.max(initial=-1) + 1 + np.cumsum(alone), rows.marker)
-    return Moments(
-        pressure, step, late, context.jacobian, owner, np.unique(rows.capture, return_inverse=True)[1]
-    )
+    index = np.unique(rows.capture, return_inverse=True)[1]
+    return Moments(pressure, step, late, context.jacobian, context.base, owner, index)
 
 
-def borne_out(values: Floats, far: Mask, at: Moments) -> Mask:
-    """Which of the entries that are `far` (n, K) from what is usual are no mistakes."""
+def borne_out(values: Floats, far: Mask, at: Moments, unusual: Mask | None = None) -> Mask:
+    """Which of the entries that are `far` (n, K) from what is usual are no mistakes.
+
+    `unusual` (n, K) are all that are far, also where the whole body is: they say, too, where that is so.
+    """
     if not far.any():
         return far
     if at.index.max() < _FEWEST:
         return _said_again(values, far, at)
     said, asked = _said_by_others(values, far, at)
-    return said | _said_again(values, far & ~asked, at) | _at_one_place(far, at)
+    placed = far & _at_one_place(far if unusual is None else far | unusual, at)
+    return said | _said_again(values, far & ~asked, at) | placed
 
 
 def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
@@ -146,22 +155,28 @@ def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
 
 
 def _at_one_place(far: Mask, at: Moments) -> Mask:
-    """Which stand at one end of the pressures, the steps or the times, where mistakes, which come anywhere, would not.
+    """Which stand at one end of the pressures, the steps, the times or their marker's own places, where mistakes, which
+    come anywhere, would not.
 
-    Each observable by itself, and all of them together for the time in a hold, where what is far at other times of the
+    A wall is met where a marker is farthest out, by whichever chambers. Each observable by itself, and all of them
+    together for the time in a hold, where what is far at other times of the
     same hold, too, is a mistake that lasts. How unlikely it is is bounded as by Chernoff (1952), over all ends,
     coordinates and observables.
     """
     out = np.zeros_like(far)
     commanded = np.column_stack([at.pressure, at.step, np.abs(at.step).max(axis=1, initial=0.0)])
-    tests = 2 * far.shape[1] * (commanded.shape[1] + 1) / _BY_CHANCE
+    most = np.bincount(np.unique(at.owner, return_inverse=True)[1]).max()
+    tests = 2 * far.shape[1] * (commanded.shape[1] + 1 + most) / _BY_CHANCE
     each = 1.0 / np.bincount(at.index)[at.index]
-    place = _shares(np.column_stack([commanded, -commanded]), each)
+    ends = _shares(np.column_stack([commanded, -commanded]), each)
+    place = _shares(np.column_stack([at.place, -at.place]), each)
     time = _shares(np.column_stack([at.late, -at.late]), each)
     early = np.zeros_like(far)
     for k in np.flatnonzero(far.any(axis=0)):
         rows = np.flatnonzero(far[:, k])
-        out[rows, k] = _at_an_end(place[rows], _runs(at.index[rows]), tests)
+        own = np.flatnonzero(np.tile(at.owner == at.owner[k], 2))
+        where = np.column_stack([ends[rows], place[rows][:, own]])
+        out[rows, k] = _at_an_end(where, _runs(at.index[rows]), tests)
         early[rows, k] = _at_an_end(time[rows], at.index[rows], tests)
     rows = np.flatnonzero(far.any(axis=1))
     early[rows] |= far[rows] & _at_an_end(time[rows], at.index[rows], tests)[:, None]

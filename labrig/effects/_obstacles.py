@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
-from labrig.effects._context import Context
+from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, one_way
+from labrig.effects._rows import Rows
 
 _LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
 _BEST = 3
@@ -135,6 +136,19 @@ class Places:
             features = acting(self._plane(NORMALS[i], facing, level))
             key, places = f"plane {i} {level}", len(NORMALS) * len(_LEVELS)
             yield Space(key, "contact plane", features, scanned=places, along=features[0])
+            if felt := self._felt(facing.past(level)):
+                own = (*features[:3], *felt)
+                yield Space(f"{key}, felt", "contact plane, felt", own, scanned=places, along=features[0])
+
+    def _felt(self, past: Floats) -> tuple[Feature, ...]:
+        """What few sensors beside the markers have of them going behind a plane by `past` (F, M), each in its measure:
+        the force at a tip that presses on a wall.
+        """
+        depth, scale = past.sum(axis=1), motion_scale(self.context)
+        return tuple(
+            field(f"felt by {n}", depth[:, None] / max(float(depth.max()), 1e-12) * own * scale)
+            for n, own in enumerate(beside_markers(self.context.rows))
+        )
 
     def _plane(self, normal: Floats, facing: _Facing, level: float) -> list[Feature]:
         context = self.context
@@ -210,6 +224,13 @@ class Places:
                     out.append(field(f"neighbour {n} {level}", to_rows(self.context, alone)))
             key = f"post before {self.context.rows.markers[m]}"
             yield one_way(Space(key, "contact post", acting(out), scanned=len(top)))
+
+
+def beside_markers(rows: Rows) -> Floats:
+    """Each of few sensors that were seen and are no marker's, (n, K), 1 or 0; none where there are no markers."""
+    alone = np.flatnonzero((rows.marker < 0) & np.isfinite(rows.values).any(axis=0))
+    few = (rows.marker >= 0).any() and len(alone) <= FEW_OBSERVABLES
+    return np.eye(len(rows.marker))[alone if few else alone[:0]]
 
 
 def by_marker(context: Context, values: Floats) -> Floats:

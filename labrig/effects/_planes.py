@@ -7,8 +7,9 @@ import numpy as np
 
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
+from labrig.effects._effect import Term
 from labrig.effects._fields import centre_of
-from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
+from labrig.effects._obstacles import NORMALS, Places, beside_markers, by_marker, to_rows
 
 NORMAL = ("normal_x", "normal_y", "normal_z")
 """The parameters of a plane's direction, a vector of length 1."""
@@ -47,6 +48,18 @@ def planes(context: Context) -> Iterator[tuple[Plane, Floats]]:
     for plane in found:
         back = -_behind(context, plane)[..., None] * plane.normal
         yield plane, to_rows(context, back)
+
+
+def felt_beside(context: Context, plane: Plane, back: Floats) -> Term | None:
+    """What few sensors beside the markers have of them going behind a plane, each in its own measure; `back` (F, K) as
+    from `planes`. None where there are no such sensors.
+    """
+    which = beside_markers(context.rows)
+    if not len(which):
+        return None
+    depth_mm = -(by_marker(context, back) @ plane.normal).sum(axis=1)
+    names = tuple(context.rows.observables[k] for k in which.argmax(axis=1))
+    return Term.field("felt", depth_mm[:, None, None] * which.T, names)
 
 
 def _behind(context: Context, plane: Plane, rows: Ints | slice = slice(None)) -> Floats:

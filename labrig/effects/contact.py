@@ -10,7 +10,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, one_way, pressure
 from labrig.effects._inside import FORM, inside
 from labrig.effects._obstacles import obstacles
-from labrig.effects._planes import NORMAL, planes
+from labrig.effects._planes import NORMAL, felt_beside, planes
 from labrig.effects._pushes import pushes
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 
@@ -46,6 +46,11 @@ class Contact(Effect):
             "distance",
             "observable",
             meaning="how far from the vented place the limit lies; of a plane, from the middle of the markers at rest",
+        ),
+        Parameter(
+            "felt",
+            "observable/mm",
+            meaning="what a sensor has of it, for each mm that the markers together would go behind the plane",
         ),
         *(
             Parameter(name, "1", -1.0, 1.0, meaning=f"{name[-1]} of the plane's direction", given=True)
@@ -96,7 +101,10 @@ class Contact(Effect):
         yield from self._positions(context)
         for plane, back in planes(context):
             if context.shows((back != 0).any(axis=1).mean() >= 0.02):
-                yield Variant("plane", (Term.field("stopped", back),), plane.shape, centred=True)
+                stopped = Term.field("stopped", back)
+                yield Variant("plane", (stopped,), plane.shape, centred=True)
+                if felt := felt_beside(context, plane, back):
+                    yield Variant("plane, felt", (stopped, felt), plane.shape, centred=True)
 
     def _positions(self, context: Context) -> Iterator[Variant]:
         """The limit as a distance travelled, and as a wall across each axis."""
@@ -151,7 +159,7 @@ class Contact(Effect):
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         rest = context.rows.rest_mm
         unknown = rest is None or not np.isfinite(rest).all()
-        return "the places of the markers at rest" if form == "plane" and unknown else ""
+        return "the places of the markers at rest" if form.startswith("plane") and unknown else ""
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))
@@ -160,7 +168,7 @@ class Contact(Effect):
         if part.form.startswith("wall at "):
             letter = part.form[-1]
             return by_marker(context, part, "xyz".index(letter), 1.0 if part.form[-2] == "+" else -1.0)
-        if part.form in ("travel", "plane", FORM):
+        if part.form in ("travel", "plane", "plane, felt", FORM):
             return by_marker(context, part)
         return by_chamber(context, part, named=True)
 

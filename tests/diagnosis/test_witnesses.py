@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis._outliers import clean
+from labrig.diagnosis._outliers import _clean, clean
 from labrig.diagnosis._witnesses import Moments, _at_one_place
 from labrig.effects import rows_of
 from tests.naming import verdict_of
@@ -73,7 +73,9 @@ def test_mistakes_seldom_seem_to_have_a_place() -> None:
         kpa = random.random((200, 4))
         step = np.diff(kpa, axis=0, prepend=0.0)
         late = np.tile(np.log1p(ROWS_S), 200)
-        at = Moments(kpa[capture], step[capture], late, np.zeros((800, 30, 4)), np.arange(30) // 3, capture)
+        place = (kpa @ random.random((4, 30)))[capture]
+        slopes, owner = np.zeros((800, 30, 4)), np.arange(30) // 3
+        at = Moments(kpa[capture], step[capture], late, slopes, place, owner, capture)
         wrong = (random.random((800, 10)) < 0.005) | (random.random((200, 10)) < 0.005)[capture]
         believed += bool(_at_one_place(np.repeat(wrong, 3, axis=1), at).any())
     assert believed <= 4
@@ -112,3 +114,28 @@ def test_a_valve_that_only_large_steps_show_is_a_delay(make_lab, chambers: int) 
     dataset = lab.dataset(lab.predict(u) + lab.noise(row=0.05, capture=0.05))
     found = verdict_of(dataset, lab.model())
     assert (found.verdict, found.effects) == ("identified", ("delay",))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_wall_that_two_chambers_meet_together_stays(seed: int) -> None:
+    """What stops a tip where it is farthest out, and a force beside it has, comes at no one pressure: no mistakes."""
+    random = np.random.default_rng(seed)
+    kpa = random.random((90, 2))
+    bend, aside = 1.0 * kpa[:, 0], 0.8 * kpa[:, 1]
+    turn = np.hypot(bend, aside) + 1e-9
+    place = np.zeros((90, 10))
+    for m, s in enumerate((0.4, 0.7, 1.0)):
+        away = 100.0 * (1 - np.cos(s * turn)) / turn**2
+        place[:, 3 * m : 3 * m + 3] = np.stack([away * bend, away * aside, np.sin(s * turn) / turn], axis=1)
+    place[:, 9] = 2.7 * kpa[:, 0] + 1.1 * kpa[:, 1]
+    beyond = np.maximum(place[:, 6] - np.quantile(place[:, 6], 0.8), 0.0)
+    residual = random.normal(size=(90, 10)) * np.r_[np.full(9, 0.15), 0.01]
+    residual[:, [0, 3, 6]] -= np.outer(beyond, [0.12, 0.5, 0.85])
+    residual[:, 9] += 0.15 * beyond
+    step = np.diff(kpa, axis=0, prepend=0.0)
+    owner, index = np.append(np.arange(9) // 3, 3), np.arange(90)
+    at = Moments(kpa, step, np.zeros(90), np.zeros((90, 10, 2)), place, owner, index)
+    cleaned, _ = _clean(residual, at)
+    gone = np.isnan(cleaned).any(axis=1)
+    assert gone[beyond > 0].sum() <= 2
+    assert gone[beyond == 0].sum() <= 2
