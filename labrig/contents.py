@@ -60,6 +60,7 @@ class Considered(TypedDict):
     effect: str
     probability: float
     call: str
+    seen: NotRequired[bool]
     by_evidence: NotRequired[float]
     share: NotRequired[float]
     size: NotRequired[float]

@@ -38,6 +38,11 @@ class Diagnosis(ModelAnswer):
         return list(self.summary["effects"])
 
     @property
+    def possible(self) -> list[str]:
+        """The names of those that may be there, or not, the most probable first."""
+        return [row["effect"] for row in self.summary["effects_considered"] if row["call"] == "possible"]
+
+    @property
     def effects(self) -> "DataFrame":
         """Every effect, the most probable first: `effect`, `call` (sure, possible, not it), `probability`, `size` and
 

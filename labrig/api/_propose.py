@@ -8,6 +8,7 @@ from labrig._errors import LabrigError
 from labrig.api._diagnose import Diagnosis
 from labrig.api._inputs import Place, model_of, rig_of, runs_of
 from labrig.contents import Proposed
+from labrig.tables import factor
 
 PROGRAMME = "programme.csv"
 
@@ -62,13 +63,23 @@ class Proposal:
     def procedure(self) -> dict[str, Any]:
         """The parameters of the procedure `programme`: `labrig.run("programme", rig, **proposal.procedure())`.
 
-        Raises `LabrigError` where the set-points are no pressures in kPa, as a rig's are.
+        Its pressures are in kPa, as a rig's are, whatever the runs' unit is. Raises `LabrigError` where the set-points
+        are no pressures.
         """
-        if (unit := self.summary["actuation_units"]) != "kPa":
+        unit, points = self.summary["actuation_units"], self._experiment.programme()
+        if unit == "kPa":
+            return {"points": points}
+        try:
+            kpa = factor(unit or "1", "kPa", "set-points")
+        except LabrigError:
             raise LabrigError(
-                f"a rig's procedure is in kPa, and these set-points are in {unit or 'no unit'}: programme.csv has them"
-            )
-        return {"points": self._experiment.programme()}
+                f"a rig's procedure is in kPa, and these set-points are in {unit or 'no unit'}: {PROGRAMME} has them"
+            ) from None
+        for point in points:
+            point["pressure_kpa"] = {
+                c: float(f"{kpa * p:.9g}") for c, p in point.get("pressure_kpa", {}).items()
+            }
+        return {"points": points}
 
     def plot(self) -> "Figure":
         """Each chamber's set-point over the time of the programme, as a plotly Figure."""
@@ -83,23 +94,28 @@ class Proposal:
         does; returns the report's path.
 
         `procedure` is a file (.yaml) to write the programme to, for `labrig run`. Raises `LabrigError` for another
-        ending, and where the set-points are no pressures in kPa, as a rig's are.
+        ending, and, once all else is written, where the set-points are no pressures.
         """
         from labrig._json import write_json
         from labrig.experiment import write_procedure
         from labrig.view import write_experiment
 
-        folder, summary = Path(folder), self.summary.copy()
+        folder, summary, refused = Path(folder), self.summary.copy(), None
         if procedure is not None:
             check_procedure_file(Path(procedure))
-            self.procedure()
-            write_procedure(self._experiment, Path(procedure))
-            summary["procedure"] = str(procedure)
+            try:
+                write_procedure(self._experiment, self.procedure()["points"], Path(procedure))
+                summary["procedure"] = str(procedure)
+            except LabrigError as error:
+                refused = error
         folder.mkdir(parents=True, exist_ok=True)
         write_json(dict(summary), folder / "next.json")
         in_unit = {name: f"{name} [{summary['actuation_units'] or 1}]" for name in self._experiment.chambers}
         self.points.rename(columns=in_unit).to_csv(folder / PROGRAMME, index=False)
-        return write_experiment(summary, self._experiment.programme(), folder)
+        report = write_experiment(summary, self._experiment.programme(), folder)
+        if refused is not None:
+            raise refused
+        return report
 
     def __repr__(self) -> str:
         apart = " from ".join(self.separates) or "what is open"

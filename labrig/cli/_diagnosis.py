@@ -31,13 +31,15 @@ def compare(runs: Runs, model: ModelsOption, out: OutOption = Path("compare")) -
         raise labrig.LabrigError(f"--model was given {len(model)} times; compare takes one model or two")
     if len(model) == 1:
         found = labrig.compare(runs, model[0])
+        report = _saved(found, out)
         _table(found.summary, "compare")
     else:
         from labrig.cli._tables import print_versus
 
         found = labrig.compare(runs, model)
+        report = _saved(found, out)
         print_versus(found.summary)
-    _finish(found, out)
+    _say(report)
 
 
 @app.command()
@@ -56,17 +58,20 @@ def diagnose(
         raise labrig.LabrigError(f"--tolerance {tolerance:g}: must be larger than 0")
     check_folder(out)
     found = labrig.diagnose(runs, model, tolerance=tolerance)
+    report = _saved(found, out)
     _table(found.summary, "diagnosis")
     _values(found)
-    _finish(found, out)
-    from labrig.view import has_improved
+    _say(report)
+    from labrig.view import has_improved, only_perhaps
 
-    if found.improved is not None and found.sure and has_improved(found.summary):
+    names = found.possible if only_perhaps(found.summary) else found.sure
+    if found.improved is not None and names and has_improved(found.summary):
         _say(
             f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} "
-            + " ".join(f"--add {name}" for name in found.sure)
+            + " ".join(f"--add {name}" for name in names)
             + " -o improved.yaml"
         )
+        _say("to confirm it, on a run with other set-points: labrig compare NEW_RUN --model improved.yaml")
 
 
 @app.command()
@@ -103,11 +108,12 @@ def improve(
     check_folder(out)
     better = labrig.improve(runs, model, add, force=force, prior=prior or None, spread=spread)
     better.model.save(output)
+    report = _saved(better, out)
     _table(better.summary, "improve")
     _values(better)
     if told := better.summary.get("prior"):
         _say(f"prior: {', '.join(told['sources'])}; the runs are {told['z']:.1f} standard deviations from it")
-    _finish(better, out)
+    _say(report)
     _say(f"new model: {output}")
 
 
@@ -158,9 +164,10 @@ def new_effect(
     _say(f"{write_template(name, Path.cwd())}: edit its formula; labrig effects list shows it")
 
 
-def _finish(found: "Answer[Any]", out: Path) -> None:
+def _saved(found: "Answer[Any]", out: Path) -> str:
+    """Save the results before anything is printed, which may end early (`| head`), and the line that says where."""
     said = replaced(out / "report.html")
-    _say(f"report: {found.save(out)}{said}")
+    return f"report: {found.save(out)}{said}"
 
 
 def _table(summary: "Summary", title: str) -> None:

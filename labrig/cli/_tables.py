@@ -14,6 +14,7 @@ _VERDICTS = {
     "unknown": "an effect is missing that is none of those that labrig knows",
     "underpowered": "too few data, or an effect as small as the tolerance could not be seen",
 }
+_PERHAPS = "an effect is missing; one that labrig knows fits"
 _ASTRAY = "some captures are mistaken, and left out; beside them nothing is missing"
 _WHERE_ROWS = 6
 _RANKING_ROWS = 5
@@ -21,13 +22,13 @@ _RANKING_ROWS = 5
 
 def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
-    from labrig.view import astray
+    from labrig.view import astray, note, only_perhaps
 
     console = new_console()
     units = summary["units"]
     error = summary["error"]
     if verdict := summary.get("verdict"):
-        meaning = _ASTRAY if astray(summary) else _VERDICTS[verdict]
+        meaning = _ASTRAY if astray(summary) else _PERHAPS if only_perhaps(summary) else _VERDICTS[verdict]
         console.print(f"verdict: {verdict} ({meaning})", highlight=False)
         _print_effects(console, summary)
     errors = Table(title=f"error, {units} rms")
@@ -52,7 +53,9 @@ def print_summary(summary: Summary, title: str) -> None:
             table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p.get('share', 0.0):.0%}")
         console.print(table)
     planned = summary.get("next_experiment") or {}
-    if programme := planned.get("programme"):
+    if str(summary.get("carried_by")).startswith("a sudden change"):
+        console.print(f"next: {note(summary).next_}", highlight=False)
+    elif programme := planned.get("programme"):
         names = "; ".join(dict.fromkeys(p["probe"] for p in programme))
         console.print(
             f"next: {names} ({planned.get('minutes', 0.0):.1f} min); labrig next writes it", highlight=False
@@ -91,17 +94,15 @@ def print_versus(summary: Versus) -> None:
 
 def _print_effects(console: Console, summary: Summary) -> None:
     """What is sure and what is possible: some lines, and a table with sizes."""
-    from labrig.view import effect_rows, summary_words
+    from labrig.view import effect_rows, summary_words, unseen_words
 
     words = summary_words(summary)
     for line in (words.named, words.whole, words.unnamed):
         if line:
             console.print(line, highlight=False, soft_wrap=True)
     rows = effect_rows(summary)
-    shown, others = (
-        [row for row in rows if row[1] != "not it"],
-        [row[0] for row in rows if row[1] == "not it"],
-    )
+    shown = [row for row in rows if row[1] in ("sure", "possible")]
+    others = [row[0] for row in rows if row[1] == "not it"]
     if shown:
         table = Table(
             "effect", "", "probability", f"size, {summary['units']}", "in floors", title="what is missing"
@@ -113,6 +114,8 @@ def _print_effects(console: Console, summary: Summary) -> None:
         console.print(table)
     if others:
         console.print(f"not it: {', '.join(others)}", highlight=False, soft_wrap=True)
+    if unseen := unseen_words(summary):
+        console.print(unseen, highlight=False, soft_wrap=True)
 
 
 def print_experiment(report: Proposed) -> None:

@@ -26,11 +26,19 @@ from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
-from labrig.diagnosis._result import Result
+from labrig.diagnosis._result import Result, told
 from labrig.diagnosis._shaken import shaken
-from labrig.diagnosis._track_record import times_there, track_record
+from labrig.diagnosis._track_record import track_record
 from labrig.diagnosis._units_off import mistaken, units_off
-from labrig.diagnosis._verdict import Considered, Verdict, answers_of, decide, in_one_chamber, underpowered
+from labrig.diagnosis._verdict import (
+    Considered,
+    Verdict,
+    answers_of,
+    decide,
+    in_one_chamber,
+    underpowered,
+    with_unseen,
+)
 from labrig.diagnosis._where import where
 from labrig.effects import Effect
 from labrig.model import Model
@@ -144,6 +152,7 @@ def verdict_on(
         ) from None
     remembering = {name for name, effect in effects.items() if effect.remembers}
     verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design))
+    verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     if verdict.verdict == "nothing_missing" and ready.astray:
         return replace(verdict, verdict="unknown", carried_by=ready.astray)
     if verdict.verdict == "nothing_missing":
@@ -206,21 +215,7 @@ def result_of(
         "probability": verdict.probability,
         "track_record": track_record(verdict.verdict),
         "rivals": list(verdict.rivals),
-        "effects_considered": [
-            {
-                "effect": c.effect,
-                "probability": c.probability,
-                "call": c.call,
-                "by_evidence": c.by_evidence,
-                "share": c.share,
-                "size": c.size_floors * unit_size,
-                "size_sd": c.size_sd_floors * unit_size,
-                "size_floors": c.size_floors,
-                "size_sd_floors": c.size_sd_floors,
-                "track_record": times_there(c.effect) if c.call == "sure" else None,
-            }
-            for c in verdict.considered
-        ],
+        "effects_considered": [told(c, unit_size) for c in verdict.considered],
         "units": rows.unit[int(regression.counted[0])],
         "error": errors.as_dict(),
         "where": places,

@@ -9,7 +9,10 @@ from numpy.typing import NDArray
 
 from labrig._json import write_json
 from labrig.arrays import Floats
+from labrig.contents import Considered as Told
 from labrig.contents import Place, PlaceGap, Summary, Versus
+from labrig.diagnosis._track_record import times_there
+from labrig.diagnosis._verdict import Considered
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -70,3 +73,20 @@ class Result(_Findings[Summary, Place]):
 
 class VersusResult(_Findings[Versus, PlaceGap]):
     """Two models on the same measurements; as comparison.json has it."""
+
+
+def told(c: Considered, unit_size: float) -> Told:
+    """What diagnosis.json says of one effect."""
+    return {
+        "effect": c.effect,
+        "probability": c.probability,
+        "call": c.call,
+        **({} if c.seen else {"seen": False}),
+        "by_evidence": c.by_evidence,
+        "share": c.share,
+        "size": c.size_floors * unit_size,
+        "size_sd": c.size_sd_floors * unit_size,
+        "size_floors": c.size_floors,
+        "size_sd_floors": c.size_sd_floors,
+        "track_record": times_there(c.effect) if c.call == "sure" else None,
+    }

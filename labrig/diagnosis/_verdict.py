@@ -26,6 +26,8 @@ class Considered:
     """The probability by the evidence alone, which takes for granted that the law is of one of the families."""
     share: float = 0.0
     """How much would be missed without it, root mean square, of what there is to explain."""
+    seen: bool = True
+    """Whether these runs could show it: else nobody knows whether it is there."""
 
     @property
     def call(self) -> str:
@@ -97,15 +99,6 @@ class Answer:
         """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
         own = float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit(name)) / k.MATERIAL_SPREAD))
         return own / 2 if name in self.shared else own
-
-    def exactly(self, names: Collection[str]) -> float:
-        """Probability that these are effects of their own, and nothing else is."""
-        own = [self.worth(o) if o in names else 1 - self.worth(o) for o in self.sizes]
-        return float(np.prod(own)) * all(o in self.sizes for o in names)
-
-    def some(self, names: Collection[str]) -> float:
-        """Probability that one of these at least is an effect of its own."""
-        return 1 - float(np.prod([1 - self.worth(o) for o in names if o in self.sizes]))
 
     @property
     def verdict(self) -> str:
@@ -213,22 +206,24 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
             if stated(p) >= k.SURE
         }
         return Verdict("unknown", (), stated(unknown), (), considered, carried, beside, within=within)
-    more = sum(a.probability * a.some([n for n in a.sizes if n not in sure]) for a in answers)
-    if sure and (stated(more) < k.SURE or not possible):
-        word = "identified" if len(sure) == 1 else "multiple"
-        return Verdict(word, sure, _exactly(sure, considered, answers), (), considered, carried, beside)
     some = 1 - float(np.prod([1 - c.probability for c in considered if c.effect in possible]))
-    if possible and (sure or some >= 0.5):
+    if sure and some < 0.5:
+        word = "identified" if len(sure) == 1 else "multiple"
+        return Verdict(word, sure, _exactly(sure, considered), (), considered, carried, beside)
+    if some >= 0.5:
         return Verdict("confounded", sure, some, possible, considered, carried, beside)
     return Verdict("unknown", (), 1 - some, (), considered, carried, beside)
 
 
-def _exactly(sure: Sequence[str], considered: Sequence[Considered], answers: Sequence[Answer]) -> float:
-    """Probability that these effects are there, and nothing else beside them."""
-    there = float(np.prod([c.probability for c in considered if c.effect in sure]))
-    together = sum(a.probability * float(np.prod([a.worth(n) for n in sure])) for a in answers)
-    alone = sum(a.probability * a.exactly(sure) for a in answers) / max(together, k.NEGLIGIBLE)
-    return there * min(alone, 1.0)
+def with_unseen(verdict: Verdict, owners: Collection[str]) -> Verdict:
+    """The same, where only these `owners` have anything that they could be seen by."""
+    return replace(verdict, considered=tuple(replace(c, seen=c.effect in owners) for c in verdict.considered))
+
+
+def _exactly(sure: Sequence[str], considered: Sequence[Considered]) -> float:
+    """Probability that these effects are there, and no other beside them."""
+    each = [c.probability if c.effect in sure else 1 - c.probability for c in considered]
+    return float(np.prod(each))
 
 
 def underpowered(

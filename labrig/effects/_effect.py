@@ -123,6 +123,8 @@ class Effect(ABC):
     reference: ClassVar[str]
     signature: ClassVar[str]
     experiment: ClassVar[str]
+    needs: ClassVar[str] = ""
+    """What a run must have for this effect to show, if not every run has it: `four markers or more`."""
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
     remembers: ClassVar[bool] = False

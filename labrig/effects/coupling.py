@@ -63,6 +63,7 @@ class Coupling(Effect):
         "error that goes with the neighbours' pressures: by the product with its own, or whatever that is"
     )
     experiment = "chambers one at a time, then in pairs, at the same pressures"
+    needs = "two chambers or more"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         C = len(context.rows.chambers)

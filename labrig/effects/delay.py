@@ -32,6 +32,7 @@ class Delay(Effect):
     reference = "K. Ogata, Modern Control Engineering, 5th ed. 2010, ch. 5 (first-order systems)"
     signature = "error proportional to the last change of pressure, fading fast within the hold"
     experiment = "one large step up and one down, recorded from the moment of the command"
+    needs = "the times of the rows"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.has_time or not context.shows(context.moves):

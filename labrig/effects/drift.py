@@ -48,6 +48,7 @@ class Drift(Effect):
     reference = "JCGM 200:2012 (VIM), 4.21 instrumental drift"
     signature = "error that follows the time in session (or the temperature), not the pressure or the hold"
     experiment = "the same probe early and late in the session, with nothing else changed"
+    needs = "the times of the rows, or a temperature"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         for form, clock, per, shape in self._clocks(context):

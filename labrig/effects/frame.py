@@ -61,6 +61,7 @@ class Frame(Effect):
     reference = "K. S. Arun, T. S. Huang, S. D. Blostein, IEEE Trans. PAMI 9 (1987) 698-700"
     signature = "the same rigid motion of all markers in every capture, at every pressure and time"
     experiment = "the vented surface, registered again by three fixed markers"
+    needs = "three coordinates of markers"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if (context.rows.axis >= 0).sum() >= 3:

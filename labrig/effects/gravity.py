@@ -52,6 +52,7 @@ class Gravity(Effect):
         "error along one direction of space that follows payload or orientation, larger where compliant"
     )
     experiment = "the same set-points with the base turned, or with a payload, and then as before again"
+    needs = "markers, or a tilt or a payload that was logged"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         loads, tilts = [], []

@@ -37,6 +37,7 @@ class MarkerSlip(Effect):
     )
     signature = "one marker's error steps at one capture and stays; its neighbours see nothing"
     experiment = "look at the marker; repeat one early capture"
+    needs = "four markers or more"
     scans = True
 
     def variants(self, context: Context) -> Iterator[Variant]:

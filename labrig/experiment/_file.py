@@ -1,5 +1,6 @@
 """An experiment as a procedure file that `labrig run` takes."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import yaml
@@ -8,8 +9,8 @@ from labrig.contents import ProgrammePoint
 from labrig.experiment._propose import Experiment
 
 
-def write_procedure(experiment: Experiment, path: Path) -> None:
-    """Write the programme as a procedure file (YAML), in one piece or not at all."""
+def write_procedure(experiment: Experiment, points: Sequence[ProgrammePoint], path: Path) -> None:
+    """Write the `points` of a programme, in kPa, as a procedure file (YAML), in one piece or not at all."""
     summary = experiment.summary
     separates = ", ".join(summary["separates"]) or "what is open"
     rig = f" for rig {summary['rig']}" if "rig" in summary else ""
@@ -20,7 +21,7 @@ def write_procedure(experiment: Experiment, path: Path) -> None:
         "procedure: programme",
         "points:",
     ]
-    lines += [f"- {_flow(point)}" for point in experiment.programme()]
+    lines += [f"- {_flow(point)}" for point in points]
     partial = path.with_name(path.name + ".part")
     partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
     partial.replace(path)

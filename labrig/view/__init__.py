@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
-    from labrig.view._naming import astray, effect_rows, names_in_short
+    from labrig.view._naming import UNSEEN, astray, effect_rows, names_in_short, only_perhaps, unseen_words
     from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
     from labrig.view._pictures import pictures_of
@@ -56,7 +56,10 @@ _LAZY = {
     "surface_explorer": "_explorer",
     "proud": "_surface_figure",
     "surface_figure": "_surface_figure",
+    "UNSEEN": "_naming",
     "astray": "_naming",
+    "only_perhaps": "_naming",
+    "unseen_words": "_naming",
     "effect_rows": "_naming",
     "names_in_short": "_naming",
     "fitted": "_values",
@@ -103,6 +106,7 @@ __all__ = [
     "CHAMBER_COLOURS",
     "ERROR_SCALE",
     "STEPS",
+    "UNSEEN",
     "Figure",
     "Lines",
     "LiveView",
@@ -130,6 +134,7 @@ __all__ = [
     "live_predict",
     "names_in_short",
     "note",
+    "only_perhaps",
     "pictures_of",
     "place_tables",
     "programme_figure",
@@ -144,6 +149,7 @@ __all__ = [
     "summary_words",
     "surface_explorer",
     "surface_figure",
+    "unseen_words",
     "value_lines",
     "values_words",
     "versus_headline",

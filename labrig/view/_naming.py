@@ -6,7 +6,12 @@ from math import inf, sqrt
 from labrig.contents import Summary, TrackRecord
 from labrig.view._text import capital, give_or_take, listed, percent, with_unit, word
 
+UNSEEN = "can't be seen"
+"""What is said of an effect that the runs could not show."""
 WORTH_SAYING = 0.1  # of the floor: what is smaller, and has no name, is not spoken of
+
+_ENOUGH = 10
+"""How often a name must have been sure for it to be said how often it was there."""
 
 _CARRIES = {
     "form": "is a structural error of the base model: chambers move the rig in other patterns than it predicts",
@@ -45,7 +50,10 @@ def astray(summary: Summary) -> bool:
 
 @dataclass(frozen=True)
 class Called:
-    """One effect: what is said of it, how probable it is, and how large it would be, in units and in floors."""
+    """One effect: what is said of it, how probable it is, and how large it would be, in units and in floors.
+
+    `call` is sure, possible, not it, or `UNSEEN` where the runs have nothing that it could be seen by.
+    """
 
     effect: str
     call: str
@@ -68,7 +76,9 @@ def called(summary: Summary) -> list[Called]:
         sizes = ("size", "size_sd", "size_floors", "size_sd_floors")
         there = row.get("size") or 0.0
         known = {key: row.get(key) for key in sizes} if there > 0 else {}
-        out.append(Called(str(row["effect"]), str(row["call"]), row.get("probability"), **known))
+        seen = row.get("seen", True)
+        call, probability = (str(row["call"]), row.get("probability")) if seen else (UNSEEN, None)
+        out.append(Called(str(row["effect"]), call, probability, **known))
     seen = {one.effect for one in out}
     for key, call in (("effects", "sure"), ("rivals", "possible")):
         names = dict.fromkeys(str(name) for name in summary.get(key) or [])
@@ -90,6 +100,22 @@ def possible(summary: Summary) -> list[Called]:
 def names(found: list[Called]) -> list[str]:
     """The names alone."""
     return [one.effect for one in found]
+
+
+def only_perhaps(summary: Summary) -> bool:
+    """Whether one name is all that is left, and not sure."""
+    return summary.get("verdict") == "confounded" and not sure(summary) and len(possible(summary)) == 1
+
+
+def unseen_words(summary: Summary) -> str:
+    """The effects that these runs could not show, and what they need, as a sentence; empty where there are none."""
+    from labrig.effects import library
+
+    known = library()
+    unseen = [one.effect for one in called(summary) if one.call == UNSEEN]
+    needs = {name: known[name].needs if name in known else "" for name in unseen}
+    each = [f"{word(name)} (needs {needs[name]})" if needs[name] else word(name) for name in unseen]
+    return f"can't be seen in these runs: {', '.join(each)}" if each else ""
 
 
 def added(summary: Summary) -> list[str]:
@@ -122,14 +148,17 @@ def naming(summary: Summary) -> str:
     if certain:
         parts.append(" and ".join(_with_figures(one, units) for one in certain))
     elif verdict == "confounded":
-        parts.append("nothing is sure")
+        parts += [] if only_perhaps(summary) else ["nothing is sure"]
     if perhaps:
         beside = "" if not certain else " beside it" if len(certain) == 1 else " beside them"
         shown = ", ".join(
             f"{one.name} ({percent(one.probability)})" if one.probability is not None else one.name
             for one in perhaps
         )
-        parts.append(f"possible{beside}: {shown}; these data do not determine it")
+        if only_perhaps(summary):
+            parts.append(f"perhaps {shown}, or an effect that labrig does not know")
+        else:
+            parts.append(f"possible{beside}: {shown}; these data do not determine it")
     return "; ".join(parts)
 
 
@@ -192,7 +221,9 @@ def _of_names(summary: Summary) -> list[str]:
     rows = [row for row in summary.get("effects_considered") or () if row["call"] == "sure"]
     known = [(row["effect"], found) for row in rows if (found := row.get("track_record"))]
     return [
-        f"{word(name)}, where it was sure, {found['there']} times of {found['of']}" for name, found in known
+        f"{word(name)} was sure {found['of']} times, and there {found['there']} times"
+        for name, found in known
+        if found["of"] >= _ENOUGH
     ]
 
 

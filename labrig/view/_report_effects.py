@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from labrig.contents import Ranked, Summary
 from labrig.view._fields import most_moved_by
-from labrig.view._naming import added, effect_rows
+from labrig.view._naming import added, effect_rows, unseen_words
 from labrig.view._page import Page, bar, table
 from labrig.view._places import place_tables
 from labrig.view._text import capital, counted, number, word
@@ -28,7 +28,7 @@ def considered(page: Page, result: "Result") -> None:
     if not rows:
         return
     page.section("Effect by effect", _ABOUT)
-    named = [row for row in rows if row[1] != "not it"]
+    named = [row for row in rows if row[1] in ("sure", "possible")]
     others = [row for row in rows if row[1] == "not it"]
     header = ["effect", "", "probability", f"size, {escape(str(summary.get('units', '')))}", "in floors"]
     classes = ["", "", "number", "number", "number"]
@@ -41,6 +41,8 @@ def considered(page: Page, result: "Result") -> None:
         what = f"Not it: {count}" + (f", {less} than 10 % probable" if named else "")
         body = table(header, [_cells(row) for row in others], classes)
         page.add(f"<details{'' if named else ' open'}><summary>{what}</summary>{body}</details>")
+    if unseen := unseen_words(summary):
+        page.add(f"<p>{escape(capital(unseen))}.</p>")
 
 
 def values(page: Page, result: "Result") -> None:

@@ -10,6 +10,7 @@ from labrig.view._naming import (
     names,
     naming,
     naming_sentences,
+    only_perhaps,
     possible,
     share_of_all,
     sure,
@@ -239,9 +240,16 @@ def _programme(planned: Next) -> str:
 
 def next_experiment(summary: Summary) -> str:
     """What to measure next, in a sentence; what follows from the verdict where no experiment was designed."""
+    if str(summary.get("carried_by")).startswith("a sudden change"):
+        return (
+            "Look at what happened to the rig at that moment: hoses, seams, markers, what lies on it. Then measure the "
+            "same set-points again; if the change stays, diagnose the captures after it by themselves."
+        )
     planned = summary.get("next_experiment") or {}
     if planned.get("programme"):
         return _programme(planned)
+    if only_perhaps(summary):
+        return _confirm(names(possible(summary)))
     probes = list(dict.fromkeys(str(probe).rstrip(".") for probe in planned.get("probes", [])))
     if probes:
         known = summary.get("effects", []) if summary.get("verdict") == "confounded" else []
@@ -254,23 +262,21 @@ def next_experiment(summary: Summary) -> str:
         case "nothing_missing":
             return "None needed. More repeats of the same set-points would reveal smaller effects."
         case "identified" | "multiple":
-            probes = [_known(str(name), "experiment") for name in summary.get("effects", [])]
-            isolate = "; ".join(probe for probe in probes if probe)
-            return (f"Experiment that isolates it: {isolate}. " if isolate else "") + (
-                "To confirm it, measure a new run with other set-points, another order and other holds: a wrong effect "
-                "may fit this run, but it does not predict another."
-            )
+            return _confirm([str(name) for name in summary.get("effects", [])])
         case "unknown" if astray(summary):
             return "Put right what the warnings say of single captures, and measure these again."
-        case "unknown" if str(summary.get("carried_by")).startswith("a sudden change"):
-            return (
-                "Look at what happened to the rig at that moment: hoses, seams, markers, what lies on it. Then measure "
-                "the same set-points again; if the change stays, diagnose the captures after it by themselves."
-            )
         case "confounded" | "unknown":
             return "Run `labrig next` for the pressure programme that best separates the explanations."
         case _:
             return "Repeat the same set-points more often, with the same history before each."
+
+
+def _confirm(effects: list[str]) -> str:
+    isolate = "; ".join(probe for name in effects if (probe := _known(name, "experiment")))
+    return (f"Experiment that isolates it: {isolate}. " if isolate else "") + (
+        "To confirm it, add it to the model, and measure a new run with other set-points, another order and other "
+        "holds: a wrong effect may fit this run, but it does not predict another."
+    )
 
 
 def _compared(summary: Summary) -> str:

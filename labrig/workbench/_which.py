@@ -51,7 +51,7 @@ def _effect(desk: Desk, request: Request) -> Any:
 def cards(key: Key, found: Summary) -> str:
     """Every effect that was considered, the surest first, with what the library says of it; in the worker."""
     from labrig.model import Model
-    from labrig.view import note
+    from labrig.view import UNSEEN, note
 
     words = note(found)
     library = Model.load(key[1]).library()
@@ -63,6 +63,8 @@ def cards(key: Key, found: Summary) -> str:
         effects.append(
             {
                 **each,
+                "call": each["call"] if each.get("seen", True) else UNSEEN,
+                "needs": effect.needs if effect else "",
                 "alone": alone[each["effect"]]["heldout_error"] if each["effect"] in alone else None,
                 "meaning": effect.meaning if effect else "",
                 "signature": effect.signature if effect else "",

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 import labrig
 from labrig import LabrigError
@@ -125,7 +126,9 @@ def test_a_proposal_can_be_run(lab: Path, doubt: labrig.Diagnosis, tmp_path: Pat
 def test_set_points_that_are_no_kpa_are_a_table_only(
     lab: Path, doubt: labrig.Diagnosis, tmp_path: Path
 ) -> None:
-    """A rig of somebody's own that takes volts has its set-points in volts, and no procedure that calls them kPa."""
+    """A rig of somebody's own that takes volts has its set-points in volts, and no procedure that calls them kPa; the
+    table is there all the same.
+    """
     few, model = _few(lab), lab / "model.yaml"
     for name in ("commanded", "event_commanded"):
         few[name].attrs["units"] = "V"
@@ -137,9 +140,24 @@ def test_set_points_that_are_no_kpa_are_a_table_only(
         proposal.save(tmp_path / "next", tmp_path / "next.yaml")
     with pytest.raises(LabrigError, match="in V"):
         proposal.procedure()
-    assert not list(tmp_path.iterdir())
-    proposal.save(tmp_path / "next")
+    assert not (tmp_path / "next.yaml").exists()
     assert "c1 [V]" in pd.read_csv(tmp_path / "next" / "programme.csv").columns
+
+
+def test_pressures_of_another_unit_are_a_procedure_in_kpa(
+    lab: Path, doubt: labrig.Diagnosis, tmp_path: Path
+) -> None:
+    """A rig that was logged in bar gets its set-points in bar, and a procedure in the unit of procedures."""
+    few, model = _few(lab), lab / "model.yaml"
+    for name in ("commanded", "event_commanded"):
+        few[name].attrs["units"] = "bar"
+    proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=2)
+    proposal.save(tmp_path / "next", tmp_path / "next.yaml")
+    table = pd.read_csv(tmp_path / "next" / "programme.csv")
+    points = yaml.safe_load((tmp_path / "next.yaml").read_text())["points"]
+    kpa = [point.get("pressure_kpa", {}).get("c1", 0.0) for point in points]
+    assert kpa == pytest.approx((100 * table["c1 [bar]"]).tolist())
+    assert max(kpa) > 0
 
 
 def test_what_needs_a_person_is_no_set_point_of_the_table(lab: Path) -> None:

@@ -76,7 +76,7 @@ def test_identified() -> None:
     """One effect in nearly all answers is it, as sure as that nothing else is; what may stand beside it is possible."""
     verdict = told(answer(0.83, "leak"), answer(0.14, "leak", "drift"), answer(0.03, "creep"))
     assert (verdict.verdict, verdict.effects, verdict.rivals) == ("identified", ("leak",), ())
-    assert verdict.probability == pytest.approx(0.83, abs=1e-3)
+    assert verdict.probability == pytest.approx(0.97 * (1 - 0.14) * (1 - 0.03))
     said = {"leak": 0.97, "drift": 0.14, "creep": 0.03}
     assert chances(verdict) == pytest.approx(said, abs=1e-6)
     assert [c.call for c in verdict.considered] == ["sure", "possible", "not it", "not it"]

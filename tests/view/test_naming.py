@@ -3,7 +3,7 @@
 import pytest
 
 from labrig.diagnosis._problem import ASTRAY
-from labrig.view import astray, effect_rows, names_in_short, summary_words
+from labrig.view import UNSEEN, astray, effect_rows, names_in_short, summary_words, unseen_words
 from labrig.view._naming import carries
 from labrig.view._words import note
 
@@ -131,9 +131,48 @@ def test_how_often_a_name_was_right(make_summary):
         row["track_record"] = {"there": there, "of": 14}
     whole = (
         "Probability of creep and rest shape and nothing else: 70 %. On laws and rigs that nothing was learnt from, "
-        "creep, where it was sure, 14 times of 14; rest shape, where it was sure, 9 times of 14."
+        "creep was sure 14 times, and there 14 times; rest shape was sure 14 times, and there 9 times."
     )
     assert summary_words(summary).whole == whole
+    summary["effects_considered"][1]["track_record"] = {"there": 0, "of": 3}  # three times say nothing
+    assert summary_words(summary).whole == whole.replace(
+        "; rest shape was sure 14 times, and there 9 times", ""
+    )
+
+
+def test_one_name_that_is_left_is_a_perhaps(make_summary):
+    """Where one name is all that fits, nothing is left to determine: it is added, and confirmed on another run."""
+    summary = make_summary("confounded", 0.68, contact=0.68, creep=0.02)
+    said = note(summary)
+    assert summary_words(summary).named == "perhaps contact (68 %), or an effect that labrig does not know"
+    assert said.headline == "An effect is missing: perhaps contact, or one that labrig does not know."
+    assert said.next_.startswith(
+        "Experiment that isolates it: small steps of one chamber around the limit. To confirm"
+    )
+    two = make_summary("confounded", 0.68, contact=0.68, creep=0.2)
+    assert "these data do not determine it" in summary_words(two).named
+
+
+def test_a_sudden_change_is_looked_at_not_probed(make_summary):
+    """What changed at one moment, set-points do not tell: the person looks, also where a programme was proposed."""
+    planned = {"programme": [{"probe": "p1: one large step"}], "minutes": 3.0, "captures": 4, "separates": []}
+    more = {"carried_by": "a sudden change before capture 52", "next_experiment": planned}
+    assert note(make_summary("unknown", 0.9, more)).next_.startswith(
+        "Look at what happened to the rig at that moment"
+    )
+
+
+def test_what_could_not_be_seen_is_not_said_to_be_absent(make_summary):
+    """An effect that the runs have nothing to be seen by stands apart, with what it needs, and has no probability."""
+    summary = make_summary("identified", 0.9, creep=0.95, marker_slip=0.0, contact=0.0)
+    assert unseen_words(summary) == ""
+    summary["effects_considered"][1]["seen"] = False
+    assert unseen_words(summary) == "can't be seen in these runs: marker slip (needs four markers or more)"
+    assert [row[:3] for row in effect_rows(summary)] == [
+        ("creep", "sure", "95 %"),
+        ("marker slip", UNSEEN, "–"),
+        ("contact", "not it", "under 1 %"),
+    ]
 
 
 def test_what_has_no_name(make_summary):

@@ -5,6 +5,10 @@ import { command, empty, fill, h, number, percent } from "./dom.js";
 import { draw } from "./plot.js";
 import { get } from "./server.js";
 
+const UNSEEN = "can't be seen";
+const small = (call) => call === "not it" || call === UNSEEN;
+const kind = (call) => (small(call) ? "not-it" : call);
+
 export async function show(root, context) {
   const data = await get("/api/which", asked(context), context.signal);
   if (!data.diagnosed) return notYet(root, context, data);
@@ -22,9 +26,9 @@ export async function show(root, context) {
       h(
         "div",
         { class: "cards" },
-        [["sure", "Sure"], ["possible", "Possible"], ["not it", "Not it"]].map(([call, title]) =>
+        [["sure", "Sure"], ["possible", "Possible"], ["not it", "Not it"], [UNSEEN, "Can't be seen in this run"]].map(([call, title]) =>
           at(call).length
-            ? h("section", {}, h("h2", {}, title), h("div", { class: call === "not it" ? "chips" : "" }, at(call).map((each) => card(each, data, context, open))))
+            ? h("section", {}, h("h2", {}, title), h("div", { class: small(call) ? "chips" : "" }, at(call).map((each) => card(each, data, context, open))))
             : null,
         ),
       ),
@@ -55,10 +59,10 @@ function card(each, data, context, open) {
   const size = each.size > 0 ? `${number(each.size, 2)} ± ${number(each.size_sd, 1)} ${data.units}` : "";
   return h(
     "button",
-    { type: "button", class: `effect ${each.call.replace(" ", "-")}`, "aria-current": String(each.effect === open), data: { effect: each.effect }, onclick: () => context.set({ effect: each.effect }) },
+    { type: "button", class: `effect ${kind(each.call)}`, "aria-current": String(each.effect === open), data: { effect: each.effect }, onclick: () => context.set({ effect: each.effect }) },
     h("b", {}, each.effect.replaceAll("_", " ")),
-    h("span", { class: "probability" }, percent(each.probability)),
-    each.call === "not it" ? null : [h("span", { class: "size" }, size), h("i", { class: "meter" }, h("u", { style: `width:${100 * each.probability}%` })), h("span", { class: "meaning" }, each.meaning.replaceAll("\n", " "))],
+    h("span", { class: "probability" }, each.call === UNSEEN ? "" : percent(each.probability)),
+    small(each.call) ? null : [h("span", { class: "size" }, size), h("i", { class: "meter" }, h("u", { style: `width:${100 * each.probability}%` })), h("span", { class: "meaning" }, each.meaning.replaceAll("\n", " "))],
   );
 }
 
@@ -70,7 +74,7 @@ async function closer(place, each, data, context) {
   const settles = each.call === "sure" && !seldom ? null : h("div", {}, h("h3", {}, title), h("p", {}, each.experiment.replaceAll("\n", " ")), command(`labrig next ${context.run} --model ${context.info.model} --minutes 10 -o next.yaml`));
   fill(
     place,
-    h("div", { class: "bar" }, h("h2", {}, each.effect.replaceAll("_", " ")), h("span", { class: `call ${each.call.replace(" ", "-")}` }, `${each.call}, ${percent(each.probability)}`)),
+    h("div", { class: "bar" }, h("h2", {}, each.effect.replaceAll("_", " ")), h("span", { class: `call ${kind(each.call)}` }, each.call === UNSEEN ? `can't be seen here${each.needs ? `: it needs ${each.needs}` : ""}` : `${each.call}, ${percent(each.probability)}`)),
     h("p", {}, each.meaning.replaceAll("\n", " ")),
     h("h3", {}, "What betrays it"),
     h("p", { class: "muted" }, each.signature.replaceAll("\n", " ")),
