@@ -160,7 +160,8 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
         mapping["actuation"] = [{"name": "none", "value": 0.0, "unit": "1"}]
     if not mapping.get("observables"):
         have = ", ".join(str(c) for c in list(table.frame.columns)[:8])
-        with_words = next((f"{r}; correct it, or " for r in remarks if "missing: [" in r), "")
+        said = (r for *_, own in read for r in own.remarks if "missing: [" in r or "rate_hz: " in r)
+        with_words = next((f"{line}; correct it, or " for line in said), "")
         raise LabrigError(
             f"{path}: nothing is left that was measured (columns: {short(have, quote=False)}); {with_words}"
             "write a mapping, which may join the file of what was measured (docs/how-to/your-data.md)"

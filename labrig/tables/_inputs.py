@@ -228,12 +228,19 @@ def _stem(n: Name) -> tuple[str, ...]:
 
 
 def _led(rest: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Name]]:
-    """Pairs of a command and the sensor that follows it: nearly the same numbers, one of them noisy, one not."""
+    """Pairs of a command and the sensor that follows it: nearly the same numbers, one of them noisy, one not. Columns
+    that differ by a number only have one role, as trials of one measurement do.
+    """
     quiet = [n for n in rest if not n.has(names.MEASURED | names.OUTPUT) and not _is_noisy(values[n.column])]
     noisy = [n for n in rest if _is_noisy(values[n.column])]
     if len(rest) > _MANY:
         return []
-    found = [(_apart(a, b, values), a, b) for a in quiet for b in noisy]
+    found = [
+        (_apart(a, b, values), a, b)
+        for a in quiet
+        for b in noisy
+        if not _stem(a) or (_stem(a), a.unit) != (_stem(b), b.unit)
+    ]
     pairs: list[tuple[Name, Name]] = []
     for apart, a, b in sorted(found, key=lambda pair: pair[0]):
         if apart <= _NEAR and not any(a is c or b is d for c, d in pairs):

@@ -1,7 +1,7 @@
 """Columns of a foreign table that number or name something, and are no measurement."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _NO_NAME = re.compile(r"column\.\d+|unnamed.*|#|index|no\.?|", re.I)
 _TIME = re.compile("time|stamp|clock|tick|sec", re.I)
 _TURNS = 3
+_SPREAD = {"sd", "std", "stdev", "stddev", "sem", "deviation", "sigma"}
+_MEAN = {"mean", "avg", "average", "median"}
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
@@ -68,6 +70,13 @@ def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[
             out.repeat = n
         elif whole and out.capture is None and together and blocks < len(values) and _counts(n, values):
             out.capture = n
+        elif whole and together and values[0] in (0, 1) and _counts_set_points(n, rest, out.values):
+            if out.capture is None and blocks < len(values):
+                out.capture = n
+            else:
+                out.remarks.append(f"column {n.column!r} counts set-points and is left out")
+        elif (of := _spread_of(n, rest)) is not None:
+            out.remarks.append(f"column {n.column!r} is the spread of {of.column!r} and is left out")
         elif whole and n.unit is None and _is_number(n, rows := _rises_evenly(values)):
             what = "counts rows" if rows else "is a number or a name, no measurement,"
             out.remarks.append(f"column {n.column!r} {what} and is left out")
@@ -96,7 +105,7 @@ def _restarts(values: Floats, clock_s: Floats | None) -> bool:
 def _is_number(name: Name, rows: bool) -> bool:
     """Whether a column is called a number of something, or a capture and nothing else."""
     ends = {*name.words[:1], *(name.words[-1:] if rows else ())}
-    if ends & names.COUNTER:
+    if ends & names.COUNTER or name.words == ("n",):
         return True
     return name.has(names.CAPTURE) and all(word in names.CAPTURE or word.isdigit() for word in name.words)
 
@@ -112,6 +121,33 @@ def _counts(name: Name, values: Floats) -> bool:
         name.words[:1] != ()
         and name.words[0] in names.COUNTER
         and bool(np.isin(np.diff(values), (0, 1)).all())
+    )
+
+
+def _counts_set_points(name: Name, all_of_them: Sequence[Name], values: Mapping[str, Floats]) -> bool:
+    """Whether a column that is called a set-point goes up by one where the pressures beside it change, and only there:
+    it is the number of the set-point.
+    """
+    step = np.diff(values[name.column])
+    if not name.has(names.COMMANDED) or name.unit is not None or not np.isin(step, (0, 1)).all():
+        return False
+    pressures = [values[n.column] for n in all_of_them if n is not name and n.has(names.PRESSURE)]
+    moves = np.any([np.diff(p) != 0 for p in pressures], axis=0) if pressures else np.zeros(len(step), bool)
+    return bool(moves.any() and (moves <= (step == 1)).all())
+
+
+def _spread_of(name: Name, all_of_them: Sequence[Name]) -> Name | None:
+    """What a column is the spread of: another one of the same name and unit, but for the word for it."""
+    bare = tuple(word for word in name.words if word not in _SPREAD)
+    if not bare or bare == name.words:
+        return None
+    return next(
+        (
+            n
+            for n in all_of_them
+            if n is not name and n.unit == name.unit and tuple(w for w in n.words if w not in _MEAN) == bare
+        ),
+        None,
     )
 
 

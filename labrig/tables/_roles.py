@@ -25,7 +25,7 @@ from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
 from labrig.tables._table import MINUS, Table, short
-from labrig.tables._time import NO_CLOCK, are_dates, find_clock, may_be_clock
+from labrig.tables._time import NO_CLOCK, are_dates, counts_frames, find_clock, may_be_clock
 from labrig.tables._units import is_length, is_screen
 
 NO_INPUT = "no column is called a pressure, a set-point or an input"
@@ -90,15 +90,14 @@ def roles_of(
         else:
             what = "is empty" if numbers is not None else _words_among(table, column) or "holds no numbers"
             out.remarks.append(f"column {name.column!r} {what} and is left out")
+    frames = next((n for n in parsed if counts_frames(n, out.values[n.column])), None)
+    parsed = [n for n in parsed if n is not frames]
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
-    if rate is not None and (out.time is None or _is_counter(out.time)):
-        columns = out.time.columns if out.time else ()
-        out.time = Clock(columns, "s", rate_hz=rate[0])
-        about = f"{columns[0]!r}" if columns else NO_CLOCK
-        out.remarks = [line for line in out.remarks if about not in line]
-        counted = f"{columns[0]!r} counts" if columns else "no column is a time:"
-        out.remarks.append(f"{counted} {rate[0]:g} rows a second, as line {rate[1]} says")
-    elif out.time is not None:
+    if out.time is None:
+        out.time = _by_frames(frames, rate, out.remarks)
+    elif frames is not None:
+        out.remarks.append(f"column {frames.column!r} counts frames and is left out")
+    if out.time is not None and out.time.rate_hz is None:
         refuse_long(table, out.time.columns[0])
     refuse_turns(table, parsed, out.values)
     rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
@@ -108,10 +107,21 @@ def roles_of(
     return out
 
 
-def _is_counter(clock: Clock) -> bool:
-    """Whether a clock is a column of frames that were counted, whose unit nobody says."""
-    name = take_apart(clock.columns[0])
-    return len(clock.columns) == 1 and name.unit is None and name.has(names.COUNTER)
+def _by_frames(frames: Name | None, rate: tuple[float, int] | None, remarks: list[str]) -> Clock | None:
+    """The clock of a table that has none but its `frames`, or its rows, and perhaps a `rate` (Hz, number of its line)
+    above them. What was assumed is said.
+    """
+    if rate is not None:
+        counted = f"{frames.column!r} counts" if frames else "no column is a time:"
+        remarks.remove(NO_CLOCK)
+        remarks.append(f"{counted} {rate[0]:g} rows a second, as line {rate[1]} says")
+        return Clock((frames.column,) if frames else (), "s", rate_hz=rate[0])
+    if frames is not None:
+        remarks.append(
+            f"column {frames.column!r} counts frames, and nothing says how many a second: "
+            f"'time: {{column: {frames.column}, rate_hz: 100}}' does"
+        )
+    return None
 
 
 def clock_s(table: Table, clock: Clock | None) -> Floats | None:

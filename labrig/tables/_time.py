@@ -31,6 +31,12 @@ def may_be_clock(name: Name) -> bool:
     return name.has(names.TIME) or not name.has(names.SESSION - {"day"})
 
 
+def counts_frames(name: Name, values: Floats) -> bool:
+    """Whether a column (n,) counts the frames of a camera, from which row to row there may be more than one."""
+    whole = bool(np.all(values == np.round(values)))
+    return name.unit is None and {"frame", "frames"} >= {*name.words} != set() and whole and _rises(values)
+
+
 def are_dates(table: Table, column: Any) -> bool:
     """Whether a column holds dates, times of day, or amounts of time with their unit (0.5 sec)."""
     values = table.frame[column]

@@ -9,6 +9,7 @@ import pytest
 
 from labrig import LabrigError
 from labrig.log import Guess, guess_mapping
+from labrig.tables import guess_together
 
 N = 120
 T = np.arange(N) * 0.5
@@ -250,3 +251,67 @@ def test_two_columns_that_differ_by_their_unit_have_two_names(tmp_path: Path) ->
     """What is called the same without its unit keeps it in its name, as no two entries may be called the same."""
     found = guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=F, force_mN=1000 * P1)
     assert [o["name"] for o in found.mapping["observables"]] == ["force_N", "force_mN"]
+
+
+HOLDS = np.repeat([0.0, 20.0, 40.0, 10.0, 30.0, 5.0], 6)
+
+
+def test_the_number_of_the_set_point_is_no_command(tmp_path: Path) -> None:
+    """A column `setpoint` that counts 1, 2, 3 where the pressures change numbers the captures; the pressures are it."""
+    rng = np.random.default_rng(0)
+    frame = pd.DataFrame(
+        {
+            "t_s": np.arange(36.0),
+            "setpoint": 1 + np.arange(36) // 6,
+            "p1 [kPa]": HOLDS,
+            "force_N": 0.3 * HOLDS + 0.01 * rng.normal(size=36),
+        }
+    )
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    mapping = guess_mapping(tmp_path / "t.csv").mapping
+    assert mapping["capture"] == {"column": "setpoint"}
+    assert [a["column"] for a in mapping["actuation"]] == ["p1 [kPa]"]
+    frame["p1 [kPa]"] += 0.05 * rng.normal(size=36)  # measured: now only the number says what was commanded
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    assert [a["column"] for a in guess_mapping(tmp_path / "t.csv").mapping["actuation"]] == ["setpoint"]
+
+
+def test_trials_of_one_measurement_have_one_role(tmp_path: Path) -> None:
+    """Three columns of angles that differ by a number, one quieter than the others: none is what was commanded."""
+    p = np.arange(0.0, 65.0, 5.0)
+    bend = 75 * (p / 60) ** 1.4
+    frame = pd.DataFrame({"Pressure (kPa)": p, "Trial 1 (deg)": bend})
+    frame["Trial 2 (deg)"] = bend + np.tile([0.4, -0.4], 7)[:13]
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    mapping = guess_mapping(tmp_path / "t.csv").mapping
+    assert [a["column"] for a in mapping["actuation"]] == ["Pressure (kPa)"]
+    assert [o["column"] for o in mapping["observables"]] == ["Trial 1 (deg)", "Trial 2 (deg)"]
+
+
+def test_means_with_their_spread_and_number(tmp_path: Path) -> None:
+    """Of a table of means, the standard deviation and the number of measurements are no observables."""
+    p = np.arange(0.0, 65.0, 5.0)
+    names = ("Pressure (kPa)", "Angle mean (deg)", "Angle SD (deg)", "Force std (N)", "n")
+    columns = (
+        p,
+        75 * (p / 60) ** 1.4,
+        0.1 + 0 * p + 0.01 * np.arange(13),
+        0.3 + 0.01 * np.arange(13) ** 0.5,
+        5,
+    )
+    pd.DataFrame(dict(zip(names, columns, strict=True))).to_csv(tmp_path / "t.csv", index=False)
+    guess = guess_mapping(tmp_path / "t.csv")
+    assert [o["column"] for o in guess.mapping["observables"]] == ["Angle mean (deg)", "Force std (N)"]
+    assert "column 'Angle SD (deg)' is the spread of 'Angle mean (deg)' and is left out" in guess.remarks
+
+
+def test_frames_at_no_known_rate_are_no_clock(tmp_path: Path) -> None:
+    """A camera's file whose frames nobody knows the rate of is not joined as if they were milliseconds."""
+    frames = pd.DataFrame({"Frame": 215 + 300 * np.arange(36), "tip x": HOLDS / 10, "tip y": HOLDS / 50})
+    frames.to_csv(tmp_path / "cam.csv", index=False)
+    rig = pd.DataFrame({"t_s": 3.0 * np.arange(36), "p_set_kPa": HOLDS})
+    rig.to_csv(tmp_path / "rig.csv", index=False)
+    with pytest.raises(
+        LabrigError, match=r"column 'Frame' counts frames, and nothing says how many a second: 'time: "
+    ):
+        guess_together([tmp_path / "rig.csv", tmp_path / "cam.csv"], tmp_path)
