@@ -15,6 +15,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
+from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
@@ -369,7 +370,7 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     rows = ready.context.rows
     out = [*rows.warnings, *units_off(ready.context), *verdict.warnings]
     if ready.floor.repeats.get("same history") is None:
-        out.append("no repeats with the same history: the noise floor is an estimate, repeat some set-points")
+        out.append(UNREPEATED)
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
         out.append("what the pressures did between sessions is unknown: taken as vented")
     counted = ready.regression.counted

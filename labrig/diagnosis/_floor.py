@@ -17,6 +17,10 @@ _BULK = "the bulk of the residuals' spectrum"
 _NEIGHBOURS = "differences between neighbouring captures"
 
 
+UNREPEATED = "no repeats with the same history: the noise floor is an estimate, repeat some set-points"
+"""What is said where nothing else says the noise."""
+
+
 @dataclass(frozen=True)
 class Floor:
     """Noise of each observable, (K,), of two kinds: of a capture's mean, and within its hold.

@@ -1,5 +1,6 @@
 """How large the noise is of what few observables of a unit say: repeats alone say it badly, so all spaces are asked."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -7,9 +8,11 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis import _constants as k
-from labrig.diagnosis._design import Design
+from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._floor import Floor
-from labrig.diagnosis._observations import Observations
+from labrig.diagnosis._observations import Observations, observe
+from labrig.diagnosis._problem import Prepared
+from labrig.effects import Effect
 
 _FEW = 6
 """Observables of a unit below which the residuals' spectrum says nothing about their noise."""
@@ -35,6 +38,15 @@ def noise_of_few(design: Design) -> Floor:
     for own in of_few(observations):
         mean[own] = unit[own] * noise_scale(design, own)
     return replace(floor, mean=mean)
+
+
+def with_noise_of_few(ready: Prepared, effects: Mapping[str, Effect]) -> Prepared:
+    """Measurements that are prepared, with the noise that a diagnosis takes where few observables leave it open."""
+    observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
+    if observations.n_captures < k.FEWEST_OBSERVATIONS or not of_few(observations):
+        return ready
+    design = design_of(observations, dict(effects), ready.nuisance, ready.calibrated)
+    return replace(ready, floor=noise_of_few(design))
 
 
 def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:

@@ -12,7 +12,9 @@ from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._constants import LEAST_FLOORS
+from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._formula import fall_of, fit_named, forms_of
+from labrig.diagnosis._noise_scale import with_noise_of_few
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import last_of, prepared, rows_from
@@ -73,7 +75,8 @@ class Opened:
     def __init__(self, runs: "Sequence[Dataset] | Dataset", model: Model, *, only_last: bool = False) -> None:
         self.model = model
         many = list(runs) if isinstance(runs, list | tuple) else [runs]
-        self.ready = prepared(last_of(many) if only_last else rows_from(many), model)  # type: ignore[arg-type]
+        ready = prepared(last_of(many) if only_last else rows_from(many), model)  # type: ignore[arg-type]
+        self.ready = with_noise_of_few(ready, model.library())
         self.about = about(runs, model)
         self._forms: dict[str, list[Candidate]] = {}
         self._last: dict[str, Candidate] = {}
@@ -191,7 +194,14 @@ class Opened:
 
     def _warnings(self) -> list[str]:
         context = self.ready.context
-        return [*context.rows.warnings, *units_off(context), *self.ready.left_out, *self.ready.not_quoted]
+        unsure = [UNREPEATED] if self.ready.floor.repeats.get("same history") is None else []
+        return [
+            *context.rows.warnings,
+            *units_off(context),
+            *unsure,
+            *self.ready.left_out,
+            *self.ready.not_quoted,
+        ]
 
 
 def _rms(square: float) -> float:

@@ -13,6 +13,7 @@ from labrig.arrays import Floats
 from labrig.contents import PlaceGap, Versus
 from labrig.diagnosis._about import about
 from labrig.diagnosis._floor import capture_means
+from labrig.diagnosis._noise_scale import with_noise_of_few
 from labrig.diagnosis._paired import LEVEL, Difference, Sums, by_block, difference
 from labrig.diagnosis._present import fields_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
@@ -37,7 +38,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     """
     names = names_of_models(first, second)
     rows = rows_from(runs)
-    both = _same_captures([prepared(rows, first), prepared(rows, second)])
+    both = _same_captures([with_noise_of_few(prepared(rows, m), m.library()) for m in (first, second)])
     regression = both[0].regression
     residual = _same_cells(both)
     lost = int((np.isfinite(both[0].context.residual) & ~np.isfinite(residual[0])).sum())
