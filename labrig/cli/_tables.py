@@ -105,7 +105,12 @@ def _print_effects(console: Console, summary: Summary) -> None:
     others = [row[0] for row in rows if row[1] == "not it"]
     if shown:
         table = Table(
-            "effect", "", "probability", f"size, {summary['units']}", "in floors", title="what is missing"
+            "effect",
+            "",
+            "probability",
+            f"size, {summary['units']}",
+            "× noise of a capture",
+            title="what is missing",
         )
         for column in table.columns[2:]:
             column.justify = "right"

@@ -1,11 +1,13 @@
 """Where the model fails: its error by marker, region, chamber, pressure, direction, time and pair."""
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from labrig import contents
 from labrig.arrays import Floats, Ints
@@ -13,7 +15,8 @@ from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
 from labrig.effects.coupling import overlap
 
-_CLEAR = 1.3
+_CLEAR, _BY_CHANCE = 1.3, 0.05
+_PRESSURES = {"kPa", "Pa", "MPa", "hPa", "bar", "mbar", "psi", "torr", "mmHg", "inHg", "atm"}
 _KEPT = {"marker": 12, "session": 12, "observable": 12, "capture": 5, "pair of chambers": 8}
 
 
@@ -62,7 +65,8 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
         for low, high in pairwise(np.quantile(load, [0, 0.25, 0.5, 0.75, 1.0])):
             mask = (load >= low) & (load <= high)
             label = f"{mean_pressure[mask].min():.3g}-{mean_pressure[mask].max():.3g} {rows.actuation_unit}"
-            yield from by_rows("pressure band", label, mask)
+            kind = "pressure band" if rows.actuation_unit in _PRESSURES else "input band"
+            yield from by_rows(kind, label, mask)
     turn = np.sign(context.direction[rows.event].sum(axis=1))
     yield from by_rows("direction", "mostly up", turn > 0)
     yield from by_rows("direction", "mostly down", turn < 0)
@@ -88,17 +92,22 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[c
     """Errors (root mean square, in units) of parts of the campaign, and each part's share of the whole.
 
     `left` (F, K) is measured minus model; `share` is the part of the square beyond the floor that falls in
-    the group; `clear` says that its error stands above the floor by more than 30 %.
+    the group; `clear` says that its error stands above the floor by more than 30 %, and by more than chance would have
+    it in the worst of a group in one campaign of twenty (a chi-square of captures times observables, after Bonferroni).
     """
     square = np.where(np.isfinite(left), left, np.nan)[:, counted] ** 2
     floor_square = float(np.mean(floor.row[counted] ** 2))
     excess = float(np.nansum(np.maximum(square - floor_square, -np.inf)))
     out: list[contents.Place] = []
-    for place in places(context, counted):
+    every = list(places(context, counted))
+    in_group = Counter(place.group for place in every)
+    for place in every:
         part = place.of(square)
         if not np.isfinite(part).any():
             continue
         mean = float(np.nanmean(part))
+        numbers = len(np.unique(context.rows.capture[place.rows])) * part.shape[1]
+        chance = float(chi2.isf(_BY_CHANCE / in_group[place.group], numbers)) / numbers
         share = float(np.nansum(part - floor_square)) / excess if excess > 0 else 0.0
         out.append(
             {
@@ -106,7 +115,7 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[c
                 "name": place.name,
                 "error": float(np.sqrt(mean)),
                 "share": float(np.clip(share, 0.0, 1.0)),
-                "clear": bool(mean > _CLEAR**2 * floor_square),
+                "clear": bool(mean > max(_CLEAR**2, chance) * floor_square),
             }
         )
     return _worst_first(out)

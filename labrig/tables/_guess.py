@@ -68,10 +68,18 @@ def guess_together(paths: Sequence[Path], folder: Path) -> Guess:
     """
     each = [_tables(path) for path in paths]
     if _alike(each):
-        guess = _guess(paths[0], each[0], folder)
+        guesses = (_guess(path, tables, folder) for path, tables in zip(paths, each, strict=True))
+        first = next(guesses)
+        # where the markers are at rest, any of them may say
+        guess = first if _knows_rest(first) else next(filter(_knows_rest, guesses), first)
         guess.mapping["table"] = [beside(path, folder) for path in paths]
         return guess
     return _guess(paths[0], [one for tables in each for one in tables], folder)
+
+
+def _knows_rest(guess: Guess) -> bool:
+    places = any("marker" in entry for entry in guess.mapping.get("observables", ()))
+    return not places or "markers" in guess.mapping
 
 
 def _alike(each: Sequence[Sequence[tuple[Format, Table]]]) -> bool:

@@ -36,11 +36,12 @@ GROUPS = {
     "chamber": "chamber",
     "pair of chambers": "pair of chambers",
     "pressure band": "mean pressure",
+    "input band": "mean input",
     "direction": "direction of approach",
     "time in hold": "time in the hold",
     "time in session": "time in the session",
 }
-_ORDERED = ("pressure band", "time in hold", "time in session")
+_ORDERED = ("pressure band", "input band", "time in hold", "time in session")
 
 
 def write_report(result: "Result", folder: str | Path) -> Path:

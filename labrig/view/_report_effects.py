@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 FEW_ROWS, FIRST_ROWS = 12, 6
 _ABOUT = (
     "The probability of each effect, given all others (sure from 75 %, possible from 10 %: how often such a name was "
-    "there), and its size if it is there: root mean square over the run, in units and in noise floors."
+    "there), and its size if it is there: root mean square over the run, also as so many times the noise of one "
+    "capture's mean (the floor above is that of a single row)."
 )
 
 
@@ -30,7 +31,13 @@ def considered(page: Page, result: "Result") -> None:
     page.section("Effect by effect", _ABOUT)
     named = [row for row in rows if row[1] in ("sure", "possible")]
     others = [row for row in rows if row[1] == "not it"]
-    header = ["effect", "", "probability", f"size, {escape(str(summary.get('units', '')))}", "in floors"]
+    header = [
+        "effect",
+        "",
+        "probability",
+        f"size, {escape(str(summary.get('units', '')))}",
+        "× noise of a capture",
+    ]
     classes = ["", "", "number", "number", "number"]
     if named:
         sure = sum(row[1] == "sure" for row in named)

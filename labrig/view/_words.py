@@ -209,6 +209,7 @@ def _where(summary: Summary, start: str = "It fails") -> str:
         ("time in hold", "{name} into the hold"),
         ("time in session", "{name} into the session"),
         ("pressure band", "at mean pressures of {name}"),
+        ("input band", "at mean inputs of {name}"),
         ("direction", "on strokes that go {name}"),
         ("chamber", "with {name}"),
         ("pair of chambers", "with {name}"),

@@ -8,6 +8,7 @@ import pytest
 
 from labrig import LabrigError
 from labrig.log import guess_mapping, import_guessed
+from labrig.tables import guess_together
 
 from .conftest import write_c3d
 
@@ -129,3 +130,18 @@ def test_a_file_without_a_clock_joins_nothing(desk: Path) -> None:
         import_guessed([commands(), write("shape.csv", flex=P, pull=P)], Path("run"))
     assert str(error.value).startswith("valves.csv: nothing is left that was measured")
     assert not Path("run").exists()
+
+
+def test_any_of_the_trials_says_where_the_markers_are_at_rest(tmp_path: Path) -> None:
+    """Of trials of which only the second has every input at zero, that one says it, in whichever order they come."""
+    for name, low in (("trial_1", 0.0), ("trial_2", 5.0)):
+        p = np.repeat([low, 20.0, 40.0, 10.0, low, 30.0], 6)
+        frame = pd.DataFrame({"t_s": np.arange(36.0), "p_set_kPa": p})
+        for m in (1, 2):
+            for a, axis in enumerate("xyz"):
+                frame[f"m{m}_{axis}_mm"] = 10.0 * m + a + 0.1 * p * (axis == "z")
+        frame.to_csv(tmp_path / f"{name}.csv", index=False)
+    for order in (("trial_1", "trial_2"), ("trial_2", "trial_1")):
+        guess = guess_together([tmp_path / f"{name}.csv" for name in order], tmp_path)
+        assert guess.mapping["markers"]["m1"]["rest"] == [10.0, 11.0, 12.0]
+        assert guess.mapping["table"] == [f"{name}.csv" for name in order]

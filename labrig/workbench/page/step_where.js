@@ -7,7 +7,7 @@ import { fixed } from "./scale.js";
 import { get } from "./server.js";
 import { Surfaces } from "./surface.js";
 
-const PANEL_OF = { "pressure band": "pressure", "time in hold": "time in hold", "time in session": "time in session", direction: "direction" };
+const PANEL_OF = { "pressure band": "pressure", "input band": "pressure", "time in hold": "time in hold", "time in session": "time in session", direction: "direction" };
 
 export async function show(root, context) {
   const data = await comparison(context);
