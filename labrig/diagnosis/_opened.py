@@ -23,7 +23,7 @@ from labrig.diagnosis._result import Result
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._where import where
 from labrig.effects import Effect, get
-from labrig.model import Model
+from labrig.model import EffectEntry, Model
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -168,7 +168,7 @@ class Opened:
             "drop": drop_of(base, now, floor),
             "added": [entry.model_dump(exclude_none=True) for entry in entries],
             "where": self.places,
-            "warnings": self._warnings(),
+            "warnings": [*self._warnings(), *_undated(entries)],
             **self.about,
         }
         result = Result(
@@ -202,6 +202,21 @@ class Opened:
             *self.ready.left_out,
             *self.ready.not_quoted,
         ]
+
+
+def _undated(entries: Sequence[EffectEntry]) -> list[str]:
+    """A line for each effect that begins at a moment of a run of which nobody knows when it was measured."""
+    out = []
+    for entry in entries:
+        since = entry.parameters.get("since_s")
+        if since is not None and (entry.fitted_on is None or entry.fitted_on.start_s is None):
+            minutes = float(np.ravel(since.value)[0]) / 60  # type: ignore[arg-type]
+            out.append(
+                f"{entry.name} begins {minutes:.3g} min after the start of this run, and nothing says when that was: "
+                "on another run without dates it would begin as late. Import runs with their dates, or use the model "
+                "without it once what moved was put right"
+            )
+    return out
 
 
 def _rms(square: float) -> float:

@@ -94,7 +94,7 @@ def _values(entry: Mapping[str, Any], unit: str) -> str:
     if len(per) != len(values):
         return with_unit(f"{number(min(values))} to {number(max(values))}", unit) + f" ({len(values)} values)"
     if any(name.startswith(ROTATION) for name in per):  # the six motions of a frame
-        units = ["rad" if name.startswith(ROTATION) else unit for name in per]
+        units = ["rad" if name.startswith(ROTATION) else unit.removesuffix(", rad") for name in per]
         shown = zip(per, values, sds or [None] * len(values), units, strict=True)
         return ", ".join(f"{name} {with_unit(give_or_take(v, sd, 2), u)}" for name, v, sd, u in shown)
     order = list(range(len(values)))

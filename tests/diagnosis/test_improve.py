@@ -232,3 +232,20 @@ def test_a_chamber_that_loses_a_vacuum_too(make_lab):
     assert signature.y_unit == "%"
     assert np.isfinite(signature.measured).all()
     assert -100 < signature.fitted.min() < -20
+
+
+def test_what_begins_at_a_moment_of_a_run_without_a_date_is_said(make_lab) -> None:
+    """Cameras that were moved in the middle: the model has that at one moment, and of which run nobody may know."""
+    lab = make_lab(captures=40)
+    values = lab.predict(lab.u) + lab.noise()
+    values[24:] += np.tile([3.0, -2.0, 4.0], lab.markers)
+    run = lab.dataset(values)
+
+    def said(run) -> list[str]:
+        return [line for line in improve(run, lab.model(), ["frame"]).summary["warnings"] if "begins" in line]
+
+    (line,) = said(run)
+    assert re.match(
+        r"frame begins [\d.]+ min after the start of this run, and nothing says when that was: ", line
+    )
+    assert said(run.assign_attrs(start_s=1.7e9)) == []
