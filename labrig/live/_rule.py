@@ -142,10 +142,11 @@ class Rule:
         needs = [self._needs(looks[: len(looks) - back]) for back in range(IN_A_ROW)]
         if any(need is None or need < captures_left for need in needs):
             return None
-        names = " and ".join(word(name) for name in self._open(looks[-1])) or "the rest"
+        *most, last = [word(name) for name in self._open(looks[-1])] or ["the rest"]
+        names = f"{', '.join(most)} and {last}" if most else last
         need = needs[0]
         known = need is not None and math.isfinite(need)
-        more = f"may take {need:.0f} captures more" if known else "no longer moves"
+        more = f"may take {need:.0f} captures more" if known else "no longer move" + "s" * (not most)
         return (
             f"not worth the minutes: {names} {more}, the plan has {captures_left}; "
             "labrig next proposes other set-points"
