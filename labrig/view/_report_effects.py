@@ -9,7 +9,7 @@ from labrig.view._naming import added, effect_rows, unseen_words
 from labrig.view._page import Page, bar, table
 from labrig.view._places import place_tables
 from labrig.view._text import capital, counted, number, word
-from labrig.view._values import Fitted, fitted, plain_words, values_words
+from labrig.view._values import Fitted, fitted, values_words
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -81,8 +81,7 @@ def _cells(row: tuple[str, ...]) -> list[str]:
 
 def _values(one: Fitted) -> str:
     form = f" ({one.form})" if one.form else ""
-    plain = plain_words(one.effect, one.parameters, one.longest_s)
-    said = f"{escape(plain)} " if plain else ""
+    said = f"{escape(one.plain)} " if one.plain else ""
     values = f'<span class="parameters">{escape(capital(values_words(one.parameters)))}</span>'
     return f'<p class="values"><b>{escape(capital(word(one.effect)))}</b>{escape(form)}: {said}{values}</p>'
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from labrig.view._naming import added
@@ -11,6 +11,8 @@ from labrig.view._text import give_or_take, listed, number, percent, with_unit, 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
 
+_BY_PRESSURE = {"pressure", "per chamber", "one chamber"}
+"""Forms of contact whose limit is a share of a chamber's range."""
 _SHOWN = 6  # parameters of one effect
 _NAMED = 3  # chambers, markers ... of one parameter, where it has more than _FEW
 _FEW = 4
@@ -26,13 +28,23 @@ _LOST = 0.005  # of the full pressure: less is not spoken of
 class Fitted:
     """An effect as the improved model has it: its form, and its parameters (value, sd, unit, per).
 
-    `longest_s` is how long the longest hold was that it was fitted to: nothing is said of longer ones.
+    `longest_s` is how long the longest hold was that it was fitted to: nothing is said of longer ones. `ranges` of the
+    chambers are those that fractions are of, in `unit`.
     """
 
     effect: str
     form: str
     parameters: dict[str, Any]
     longest_s: float
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    unit: str = ""
+
+    @property
+    def plain(self) -> str:
+        """What the values come to, in a sentence; empty where they speak for themselves."""
+        if self.effect == "contact" and self.form in _BY_PRESSURE and self.ranges:
+            return _limit_words(self.parameters, self.ranges, self.unit)
+        return plain_words(self.effect, self.parameters, self.longest_s)
 
 
 def fitted(result: "Result") -> list[Fitted]:
@@ -46,6 +58,10 @@ def fitted(result: "Result") -> list[Fitted]:
             entry.form or "",
             {key: value.model_dump(exclude_none=True) for key, value in entry.parameters.items()},
             float(result.fields.attrs.get("longest_hold_s") or _MINUTE_S),
+            dict(zip(on.chambers, zip(on.low, on.high, strict=True), strict=True))
+            if (on := entry.fitted_on)
+            else {},
+            str(result.fields["commanded"].attrs.get("units", "")) if "commanded" in result.fields else "",
         )
         for entry in result.improved.file.effects
         if entry.name in new
@@ -57,8 +73,7 @@ def value_lines(result: "Result") -> list[str]:
     out = []
     for one in fitted(result):
         form = f" ({one.form})" if one.form else ""
-        plain = plain_words(one.effect, one.parameters, one.longest_s)
-        said = " ".join(filter(None, [plain, values_words(one.parameters)]))
+        said = " ".join(filter(None, [one.plain, values_words(one.parameters)]))
         out.append(f"{word(one.effect)}{form}: {said}")
     return out
 
@@ -121,6 +136,20 @@ def plain_words(effect: str, parameters: Mapping[str, Any], longest_s: float = _
         )
         return f"{lost} {follows}".strip()
     return leak_words(parameters) if effect == "leak" else ""
+
+
+def _limit_words(parameters: Mapping[str, Any], ranges: Mapping[str, tuple[float, float]], unit: str) -> str:
+    """From which pressure on something is met, of each chamber that is stopped."""
+    (limit,) = flat(parameters["limit"].get("value"))
+    at = {name: low + limit * (high - low) for name, (low, high) in ranges.items()}
+    if only := flat(parameters.get("chamber", {}).get("value")):
+        name = list(at)[int(only[0])]
+        return f"{name} is stopped from {with_unit(number(at[name]), unit)} on."
+    alike = len({number(value) for value in at.values()}) == 1
+    each = [
+        f"{with_unit(number(value), unit)}" + ("" if alike else f" ({name})") for name, value in at.items()
+    ]
+    return f"Something is met from {each[0] if alike else listed(each)} on."
 
 
 def _lost_words(weights: Mapping[str, Any], hold_s: float) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labrig.view._values import leak_words, plain_words, values_words
+from labrig.view._values import Fitted, leak_words, plain_words, values_words
 
 CHAMBERS = [f"c{i}" for i in range(1, 6)]
 
@@ -94,3 +94,29 @@ def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
     assert plain_words("creep", {"weights": weights}).startswith("No formula follows it")
     nothing = weights | {"value": [0.0] * 6}
     assert plain_words("leak", {"weights": nothing}).startswith("No single chamber leaks clearly.")
+
+
+@pytest.mark.parametrize(
+    ("form", "parameters", "ranges", "said"),
+    [
+        ("pressure", {}, {"c1": (0.0, 300.0)}, "Something is met from 180 mbar on."),
+        ("per chamber", {}, {"c1": (0, 300), "c2": (0, 300)}, "Something is met from 180 mbar on."),
+        (
+            "per chamber",
+            {},
+            {"c1": (0, 300), "c2": (-50, 50)},
+            "Something is met from 180 mbar (c1) and 10.0 mbar (c2) on.",
+        ),
+        (
+            "one chamber",
+            {"chamber": {"value": 1.0}},
+            {"c1": (0, 300), "c2": (0, 200)},
+            "c2 is stopped from 120 mbar on.",
+        ),
+        ("deflection", {}, {"c1": (0.0, 300.0)}, ""),
+    ],
+)
+def test_a_limit_is_a_pressure(form: str, parameters: dict, ranges: dict, said: str) -> None:
+    """Where something is met is said in the unit of the rig, not as a share of a range that nobody has in mind."""
+    one = Fitted("contact", form, {"limit": {"value": 0.6}, **parameters}, 60.0, ranges, "mbar")
+    assert one.plain.replace("\u00a0", " ") == said
