@@ -105,7 +105,7 @@ def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
             "per chamber",
             {},
             {"c1": (0, 300), "c2": (-50, 50)},
-            "Something is met from 180 mbar (c1) and 10.0 mbar (c2) on.",
+            "Something is met from 180 mbar (c1) and 10 mbar (c2) on.",
         ),
         (
             "one chamber",
