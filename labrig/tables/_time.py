@@ -23,6 +23,7 @@ _NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
 _ALSO_TIME = names.TIME | {"millis", "micros", "ticks", "datenum"}
 _PART_OF_DAY = 1e-4
 """Numbers of days rise by less in a row; as seconds they would be rows at 10 kHz and more, which no rig logs."""
+_FRAMES = {"frame", "frames"}
 NO_CLOCK = "no column is a time: rows are taken as 1 s apart; say so under 'time:' if not"
 
 
@@ -33,8 +34,9 @@ def may_be_clock(name: Name) -> bool:
 
 def counts_frames(name: Name, values: Floats) -> bool:
     """Whether a column (n,) counts the frames of a camera, from which row to row there may be more than one."""
+    called = name.has(_FRAMES) and all(word in _FRAMES | names.COUNTER for word in name.words)
     whole = bool(np.all(values == np.round(values)))
-    return name.unit is None and {"frame", "frames"} >= {*name.words} != set() and whole and _rises(values)
+    return name.unit is None and called and whole and _rises(values)
 
 
 def are_dates(table: Table, column: Any) -> bool:

@@ -305,13 +305,14 @@ def test_means_with_their_spread_and_number(tmp_path: Path) -> None:
     assert "column 'Angle SD (deg)' is the spread of 'Angle mean (deg)' and is left out" in guess.remarks
 
 
-def test_frames_at_no_known_rate_are_no_clock(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["Frame", "Frame Number", "frames"])
+def test_frames_at_no_known_rate_are_no_clock(tmp_path: Path, name: str) -> None:
     """A camera's file whose frames nobody knows the rate of is not joined as if they were milliseconds."""
-    frames = pd.DataFrame({"Frame": 215 + 300 * np.arange(36), "tip x": HOLDS / 10, "tip y": HOLDS / 50})
+    frames = pd.DataFrame({name: 215 + 300 * np.arange(36), "tip x": HOLDS / 10, "tip y": HOLDS / 50})
     frames.to_csv(tmp_path / "cam.csv", index=False)
     rig = pd.DataFrame({"t_s": 3.0 * np.arange(36), "p_set_kPa": HOLDS})
     rig.to_csv(tmp_path / "rig.csv", index=False)
     with pytest.raises(
-        LabrigError, match=r"column 'Frame' counts frames, and nothing says how many a second: 'time: "
+        LabrigError, match=rf"column '{name}' counts frames, and nothing says how many a second: 'time: "
     ):
         guess_together([tmp_path / "rig.csv", tmp_path / "cam.csv"], tmp_path)
