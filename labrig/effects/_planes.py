@@ -100,6 +100,6 @@ def _near(plane: Plane, turn_rad: float, step_mm: float) -> Iterator[Plane]:
     angles = np.arange(8) * np.pi / 4
     ways = [np.zeros(3), *(np.cos(a) * one + np.sin(a) * two for a in angles)]
     for way in ways:
-        normal = plane.normal + np.tan(turn_rad) * way
+        normal = plane.normal + np.tan(turn_rad) * np.where(np.abs(way) < 1e-9, 0.0, way)
         for step in (-step_mm, 0.0, step_mm):
             yield Plane(normal / np.linalg.norm(normal), plane.distance_mm + step)
