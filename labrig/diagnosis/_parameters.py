@@ -75,10 +75,14 @@ def _either(units: Iterable[str]) -> str:
 def _unit(context: Context, unit: str) -> str:
     """The unit of a parameter with those of the run in it."""
     rows = context.rows
+    place = [u for u, marker in zip(rows.unit, rows.marker, strict=True) if marker >= 0]
+    sensed = [u for u, marker in zip(rows.unit, rows.marker, strict=True) if marker < 0]
     moving = [rows.covariates[name].unit for name in context.motion] if "motion" in unit else []
     own = {
         "actuation": rows.actuation_unit or "1",
         "observable": _either(rows.unit),
+        "place": _either(place or rows.unit),
+        "sensor": _either(sensed or rows.unit),
         "motion": _either(moving) or "1",
     }
     return re.sub("|".join(own), lambda found: own[found[0]], unit)

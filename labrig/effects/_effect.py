@@ -24,7 +24,8 @@ class Parameter:
     One for each session is saved by the session's name, and is nothing in sessions that it was not fitted to.
     `given`: it is read off the run and saved, not fitted. `turns`: where a displacement is commanded and a force
     measured, its bounds change their signs (what yields under a load relaxes under a stretch). A unit may have
-    "actuation", "observable" or "motion" (of a logged position) in it, which stand for the run's.
+    "actuation", "observable", "place" (of a marker), "sensor" (of what is no marker's) or "motion" (of a logged
+    position) in it, which stand for the run's.
     """
 
     name: str

@@ -44,12 +44,12 @@ class Contact(Effect):
         ),
         Parameter(
             "distance",
-            "observable",
+            "place",
             meaning="how far from the vented place the limit lies; of a plane, from the middle of the markers at rest",
         ),
         Parameter(
             "felt",
-            "observable/mm",
+            "sensor/mm",
             meaning="what a sensor has of it, for each mm that the markers together would go behind the plane",
         ),
         *(
