@@ -76,7 +76,7 @@ function drawn(place, found, asked, context, facts) {
     legend(found.limits.map(([chamber], c) => [chamber, COLOURS[c % COLOURS.length]])),
     h("details", {}, h("summary", {}, "steps"), h("table", {}, h("thead", {}, h("tr", {}, ["step", "at", "", ""].map((text) => h("th", {}, text)))), steps)),
     command(found.command),
-    h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, model ? h("label", { title: "in a process of its own; its probabilities appear while the run goes on" }, diagnose, ` diagnose ${model} meanwhile`) : null, model ? h("label", { title: "every effect sure or out, or not worth the minutes" }, settled, " end when settled") : null, start, mayMoveRig() ? null : h("span", { class: "muted" }, "only the page that `labrig workbench --rig` opened moves the rig")),
+    h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, model ? h("label", { title: "in a process of its own; its probabilities appear while the run goes on" }, diagnose, ` diagnose ${model} meanwhile`) : null, model ? h("label", { title: "every effect sure or out, or one name left, or not worth the minutes" }, settled, " end when settled") : null, start, mayMoveRig() ? null : h("span", { class: "muted" }, "only the page that `labrig workbench --rig` opened moves the rig")),
   );
   const acts = found.steps.filter((step) => step.kind === "actuate" || step.kind === "vent");
   const series = found.limits.map(([chamber], c) => ({
