@@ -161,10 +161,11 @@ def write_stopping(records: Sequence[StoppingRecord], path: Path, how: str) -> N
     about = (
         f"{len(records)} campaigns of some 60 captures (single effects, pairs, nothing, something outside the library, "
         "a base that is wrong in form), looked at from 12 captures on, each time after 1.3 times as many, and at their "
-        f"end. Settled: every effect sure or out, or one name all that the evidence leaves, the same while the campaign "
-        f"grew by {STEADY:g}. Called out: below {POSSIBLE:g}; some of these effects had not acted yet ({ACTED_FLOORS:g} floors), and nobody could have seen "
-        f"them. The calibration error is of the probabilities as they are stated: at a stop none is below {MISSED:g}. "
-        "In brackets: 95 % intervals, the last by drawing campaigns again."
+        "end. Settled: every effect sure or out, or one name all that the evidence leaves, the same while the "
+        f"campaign grew by {STEADY:g}. Called out: below {POSSIBLE:g}; some of these effects had not acted yet "
+        f"({ACTED_FLOORS:g} floors), and nobody could have seen them. The calibration error is of the probabilities as "
+        f"they are stated: at a stop none is below {MISSED:g}. In brackets: 95 % intervals, the last by drawing "
+        "campaigns again."
     )
     more, low, high = surer_by(records)
     verdict = (
