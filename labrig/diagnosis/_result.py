@@ -77,11 +77,10 @@ class VersusResult(_Findings[Versus, PlaceGap]):
 
 def told(c: Considered, unit_size: float) -> Told:
     """What diagnosis.json says of one effect."""
-    return {
+    said: Told = {
         "effect": c.effect,
         "probability": c.probability,
         "call": c.call,
-        **({} if c.seen else {"seen": False}),
         "by_evidence": c.by_evidence,
         "share": c.share,
         "size": c.size_floors * unit_size,
@@ -90,3 +89,6 @@ def told(c: Considered, unit_size: float) -> Told:
         "size_sd_floors": c.size_sd_floors,
         "track_record": times_there(c.effect) if c.call == "sure" else None,
     }
+    if not c.seen:
+        said["seen"] = False
+    return said

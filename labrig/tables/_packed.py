@@ -5,7 +5,7 @@ import io
 import zipfile
 import zlib
 from pathlib import Path
-from typing import IO, TextIO
+from typing import IO, TextIO, cast
 
 from labrig._errors import LabrigError
 
@@ -19,7 +19,7 @@ def open_bytes(path: Path) -> IO[bytes]:
     with path.open("rb") as file:
         head = file.read(4)
     if head.startswith(_GZIP):
-        return gzip.open(path, "rb")
+        return cast(IO[bytes], gzip.open(path, "rb"))
     if head == _ZIP and (name := _only_one(path)):
         return zipfile.ZipFile(path).open(name)
     return path.open("rb")
