@@ -4,7 +4,7 @@ from labrig.diagnosis import diagnose
 
 
 def test_what_a_force_at_one_moment_of_each_hold_cannot_show(make_lab) -> None:
-    """One chamber, a force, one row a set-point: no pairs, no places, no change along a hold; all else was looked at."""
+    """One chamber, a force, one row a set-point: no pairs, no places, no change along a hold."""
     lab = make_lab(captures=60, force=True, chambers=1, rows_s=(6.0,))
     said = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary["effects_considered"]
     unseen = {row["effect"] for row in said if not row.get("seen", True)}
