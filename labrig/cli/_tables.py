@@ -22,7 +22,7 @@ _RANKING_ROWS = 5
 
 def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
-    from labrig.view import astray, note, only_perhaps
+    from labrig.view import astray, at_one_moment, note, only_perhaps
 
     console = new_console()
     units = summary["units"]
@@ -53,7 +53,7 @@ def print_summary(summary: Summary, title: str) -> None:
             table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p.get('share', 0.0):.0%}")
         console.print(table)
     planned = summary.get("next_experiment") or {}
-    if str(summary.get("carried_by")).startswith("a sudden change"):
+    if at_one_moment(summary):
         console.print(f"next: {note(summary).next_}", highlight=False)
     elif programme := planned.get("programme"):
         names = "; ".join(dict.fromkeys(p["probe"] for p in programme))

@@ -17,7 +17,15 @@ if TYPE_CHECKING:
     from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
-    from labrig.view._naming import UNSEEN, astray, effect_rows, names_in_short, only_perhaps, unseen_words
+    from labrig.view._naming import (
+        UNSEEN,
+        astray,
+        at_one_moment,
+        effect_rows,
+        names_in_short,
+        only_perhaps,
+        unseen_words,
+    )
     from labrig.view._outlines import chamber_outlines
     from labrig.view._picture import write_picture
     from labrig.view._pictures import pictures_of
@@ -58,6 +66,7 @@ _LAZY = {
     "surface_figure": "_surface_figure",
     "UNSEEN": "_naming",
     "astray": "_naming",
+    "at_one_moment": "_naming",
     "only_perhaps": "_naming",
     "unseen_words": "_naming",
     "effect_rows": "_naming",
@@ -115,6 +124,7 @@ __all__ = [
     "Table",
     "Viewer",
     "astray",
+    "at_one_moment",
     "capture_words",
     "chamber_outlines",
     "cloud",

@@ -102,6 +102,11 @@ def names(found: list[Called]) -> list[str]:
     return [one.effect for one in found]
 
 
+def at_one_moment(summary: Summary) -> bool:
+    """Whether what is missing, and has no name, began at one moment: nobody learns more of it from set-points."""
+    return str(summary.get("carried_by")).startswith("a sudden change")
+
+
 def only_perhaps(summary: Summary) -> bool:
     """Whether one name is all that is left, and not sure."""
     return summary.get("verdict") == "confounded" and not sure(summary) and len(possible(summary)) == 1

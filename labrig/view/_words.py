@@ -6,6 +6,7 @@ from labrig.contents import Next, Summary
 from labrig.view._naming import (
     added,
     astray,
+    at_one_moment,
     carries,
     names,
     naming,
@@ -241,7 +242,7 @@ def _programme(planned: Next) -> str:
 
 def next_experiment(summary: Summary) -> str:
     """What to measure next, in a sentence; what follows from the verdict where no experiment was designed."""
-    if str(summary.get("carried_by")).startswith("a sudden change"):
+    if at_one_moment(summary):
         return (
             "Look at what happened to the rig at that moment: hoses, seams, markers, what lies on it. Then measure the "
             "same set-points again; if the change stays, diagnose the captures after it by themselves."

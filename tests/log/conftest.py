@@ -5,11 +5,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from labrig.log import Layout, LogWriter, Topic
 from labrig_drivers import MarkerFrame, MarkerStatus, PressureSample
 from labrig_schema.step_pb2 import Step
+
+N = 60
+T = np.arange(N) * 0.1
+P = np.repeat([10.0, 30.0, 20.0, 40.0, 0.0, 25.0], 10)
+F = 0.5 * P + np.sin(T)
+FRAME = pd.DataFrame({"time_s": T, "p1_kpa": P, "force_n": F})
 
 CAPTURES = 6
 START_S = 1_767_225_600.0
@@ -105,3 +112,10 @@ def write_c3d(path: Path, points: np.ndarray, labels: list[str], unit: str, rate
     data[:3] = np.moveaxis(points, 2, 0)
     c3d["data"]["points"] = data
     c3d.write(str(path))
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder of the test."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

@@ -11,17 +11,7 @@ import labrig
 from labrig import LabrigError
 from labrig.log import guess_mapping, import_guessed, import_table
 
-T = np.arange(60) * 0.1
-P = np.repeat([10.0, 30.0, 20.0, 40.0, 0.0, 25.0], 10)
-F = 0.5 * P + np.sin(T)
-FRAME = pd.DataFrame({"time_s": T, "p1_kpa": P, "force_n": F})
-
-
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+from .conftest import FRAME, F, P
 
 
 def with_units(frame: pd.DataFrame) -> pd.DataFrame:

@@ -66,13 +66,6 @@ def table() -> pd.DataFrame:
     return frame
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def imported(mapping: dict, name: str = "run"):
     """The run that a mapping makes."""
     Path("map.yaml").write_text(yaml.safe_dump(mapping, sort_keys=False))

@@ -10,13 +10,6 @@ from labrig.log import import_table
 from tests.log.test_import import MAP, imported, table
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def test_an_imported_run_is_replaced_when_asked(desk: Path, labrig) -> None:
     """Once a mapping is corrected, --replace puts the new run in the place of the old one; nothing else is replaced."""
     table().to_csv("t.csv", index=False)

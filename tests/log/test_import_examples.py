@@ -17,13 +17,6 @@ EXAMPLES = ROOT / "examples"
 pytestmark = pytest.mark.skipif(not (DATA / "README.md").is_file(), reason="the real sets are not here")
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def lay_out(example: str, data: str) -> None:
     """Copy an example's files and the measurements that it is about to the current folder."""
     shutil.copytree(EXAMPLES / example, ".", dirs_exist_ok=True)

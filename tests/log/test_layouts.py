@@ -20,13 +20,6 @@ MARKERS = [f"{i},{t},{x:.3f},{y:.3f},{z:.3f},{x + 1:.3f},{y + 1:.3f},{z + 1:.3f}
            for i, (t, (x, y, z)) in enumerate(zip(T, XYZ, strict=True))]  # fmt: skip
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def write(lines: list[str], name: str = "t.csv", end: str = "\n") -> Path:
     """A file of these lines."""
     path = Path(name)

@@ -14,13 +14,6 @@ from labrig import LabrigError
 from labrig.log import guess_mapping, import_guessed
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def imported(pressures: list[float], actuation: dict[str, Any], observable: dict[str, Any] | None = None):
     """A run of a few set-points."""
     Path("t.csv").write_text("p,F\n" + "".join(f"{p},{i}\n" for i, p in enumerate(pressures)))

@@ -17,13 +17,6 @@ P = np.repeat([0.0, 20.0, 40.0, 10.0], 6)
 ROWS = [f"{t},{p},{p / 8:.3f}" for t, p in zip(T, P, strict=True)]
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def write(lines: list[str], name: str = "t.csv") -> Path:
     """A file of these lines."""
     path = Path(name)

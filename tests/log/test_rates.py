@@ -11,13 +11,6 @@ P = np.repeat([10.0, 30.0, 20.0, 40.0, 0.0, 25.0], 10)
 NO_CLOCK = "no column is a time: rows are taken as 1 s apart; say so under 'time:' if not"
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def write(path: str, above: list[str], names: str, separator: str = ",", frame: bool = False) -> None:
     """Write a table of 60 rows below some lines: perhaps a counter, a pressure, a length, a force."""
     rows = [

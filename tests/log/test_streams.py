@@ -25,13 +25,6 @@ WALK = np.cumsum(RNG.normal(size=N))
 NOISE = RNG.normal(size=N)
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def imported(u: np.ndarray, name: str = "run", **more: object):
     """A run of a stream, with a force that is twice the pressure."""
     frame = pd.DataFrame({"t": T[: len(u)], "p": u, "F": 2 * u, "part": more.pop("part", 0)})

@@ -19,13 +19,6 @@ NOISE = np.random.default_rng(5).normal(0, 0.02, (N, 3))
 TIP = np.stack([60 + 0.4 * P, 20 - 0.2 * P, 190 + 0.1 * P], axis=1) + NOISE
 
 
-@pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder of the test."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def write(name: str, **columns: np.ndarray) -> Path:
     """A table of these columns."""
     pd.DataFrame(columns).to_csv(name, index=False)
