@@ -1,5 +1,6 @@
 """compare, diagnose, improve, import, effects: from measurements to what the model lacks."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +12,7 @@ from labrig.cli._places import check_file, check_folder, replaced
 
 if TYPE_CHECKING:
     from labrig.api._answer import Answer
+    from labrig.api._diagnose import Diagnosis
     from labrig.contents import Summary
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders or .mcap files.")]
@@ -62,16 +64,22 @@ def diagnose(
     _table(found.summary, "diagnosis")
     _values(found)
     _say(report)
+    for line in _to_add(found, runs, model):
+        _say(line)
+
+
+def _to_add(found: "Diagnosis", runs: Sequence[Path], model: Path) -> list[str]:
+    """The commands that add what is sure, or the only name that is left, and confirm it; none where that helps not."""
     from labrig.view import has_improved, only_perhaps
 
     names = found.possible if only_perhaps(found.summary) else found.sure
-    if found.improved is not None and names and has_improved(found.summary):
-        _say(
-            f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} "
-            + " ".join(f"--add {name}" for name in names)
-            + " -o improved.yaml"
-        )
-        _say("to confirm it, on a run with other set-points: labrig compare NEW_RUN --model improved.yaml")
+    if found.improved is None or not names or not has_improved(found.summary):
+        return []
+    added = " ".join(f"--add {name}" for name in names)
+    return [
+        f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} {added} -o improved.yaml",
+        "to confirm it, on a run with other set-points: labrig compare NEW_RUN --model improved.yaml",
+    ]
 
 
 @app.command()

@@ -1,7 +1,12 @@
 """What `labrig diagnose` prints of a verdict, from a hand-made summary."""
 
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
+from labrig.cli._diagnosis import _to_add
 from labrig.cli._tables import print_summary
 
 ROW = {"size": 2.0, "size_sd": 0.1, "size_floors": 20.0, "size_sd_floors": 1.0}
@@ -51,3 +56,28 @@ def test_too_few_data(capsys: pytest.CaptureFixture[str]) -> None:
     printed = capsys.readouterr().out
     assert "the data are too few or too noisy" in printed
     assert "not it" not in printed
+
+
+@pytest.mark.parametrize(
+    ("verdict", "sure", "possible", "added"),
+    [
+        ("identified", ["creep"], ["leak"], "--add creep"),
+        ("confounded", [], ["contact"], "--add contact"),
+        ("confounded", [], ["contact", "creep"], None),
+        ("unknown", [], ["regulator"], None),
+    ],
+)
+def test_what_is_found_is_one_command_away(
+    verdict: str, sure: list[str], possible: list[str], added: str | None
+) -> None:
+    """What is sure, or the only name that is left, comes with the commands that add and confirm it; no doubt does."""
+    rows = [{"effect": name, "call": "sure"} for name in sure]
+    rows += [{"effect": name, "call": "possible"} for name in possible]
+    summary = {"verdict": verdict, "effects_considered": rows, "error": {"base": 2.0, "model": 0.3}}
+    found: Any = SimpleNamespace(summary=summary, sure=sure, possible=possible, improved=object())
+    lines = _to_add(found, [Path("run")], Path("model.yaml"))
+    if added is None:
+        assert lines == []
+        return
+    assert lines[0] == f"to add it: labrig improve run --model model.yaml {added} -o improved.yaml"
+    assert lines[1].endswith("labrig compare NEW_RUN --model improved.yaml")

@@ -120,3 +120,14 @@ def test_a_limit_is_a_pressure(form: str, parameters: dict, ranges: dict, said: 
     """Where something is met is said in the unit of the rig, not as a share of a range that nobody has in mind."""
     one = Fitted("contact", form, {"limit": {"value": 0.6}, **parameters}, 60.0, ranges, "mbar")
     assert one.plain.replace("\u00a0", " ") == said
+
+
+def test_each_value_of_a_frame_has_its_own_unit() -> None:
+    """A motion is three lengths and three turns: no length is said in millimetres and radians."""
+    per = ["x", "y", "about x"]
+    values = {
+        "shift": {"value": [1.5, -0.5, 0.016], "sd": [0.02, 0.04, 0.001], "unit": "mm, rad", "per": per}
+    }
+    said = values_words(values).replace("\u00a0", " ")
+    assert "mm, rad" not in said
+    assert "x 1.500 ± 0.020 mm, y -0.500 ± 0.040 mm, about x 0.0160 ± 0.0010 rad" in said
