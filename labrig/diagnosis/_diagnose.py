@@ -140,7 +140,7 @@ def verdict_on(
     """
     floor = float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
     least = (tolerance or 0.0) / floor if floor > 0 else 0.0
-    few = underpowered(observations, tuple(effects), least, ready.context.rows.unit[0], floor)
+    few = underpowered(observations, tuple(effects), least, ready.regression.units, floor)
     if few is not None and design is None:
         return few
     assert design is not None  # there are enough observations
@@ -217,7 +217,7 @@ def result_of(
         "track_record": track_record(verdict.verdict),
         "rivals": list(verdict.rivals),
         "effects_considered": [told(c, unit_size) for c in verdict.considered],
-        "units": rows.unit[int(regression.counted[0])],
+        "units": regression.units,
         "error": errors.as_dict(),
         "where": places,
         "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
@@ -228,7 +228,7 @@ def result_of(
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
         "warnings": [
             *_warnings(ready, verdict),
-            *_said(observations, verdict, unit_size, rows.unit[0]),
+            *_said(observations, verdict, unit_size, regression.units),
             *_unrepeated(ready, verdict, unit_size),
             *_doubted(ready, chosen, verdict),
             *(one_speed(context) if verdict.effects or verdict.rivals else ()),
@@ -333,7 +333,7 @@ def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str
         or differ < max(_ALIKE * left, _MORE * noise)
     ):
         return []
-    unit = ready.context.rows.unit[0]
+    unit = ready.regression.units
     return [
         f"captures of one set-point with the same history differ by {differ:.2g} {unit}, too: what follows nothing "
         "that was recorded does not repeat, so look at what trembles (frame, supply, mount) before the physics"
@@ -346,7 +346,7 @@ def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]
     """
     regression = ready.regression
     least = k.LEAST_FLOORS**2 * float(np.mean(ready.floor.row[regression.counted] ** 2))
-    units = ready.context.rows.unit[int(regression.counted[0])]
+    units = regression.units
     falls = [
         Fall(name, *fall_of(chosen, i), least, units)
         for i, name in enumerate(chosen.names if chosen else ())

@@ -85,7 +85,7 @@ class Opened:
     @property
     def units(self) -> str:
         """Those that errors are quoted in."""
-        return self.ready.context.rows.unit[int(self.ready.regression.counted[0])]
+        return self.ready.regression.units
 
     @cached_property
     def places(self) -> list[Place]:

@@ -85,15 +85,14 @@ class Prepared:
     @property
     def not_quoted(self) -> list[str]:
         """A line on units that are in no figure, since errors are quoted in one; none where there is one only."""
-        units = self.context.rows.unit
-        own = units[int(self.regression.counted[0])]
+        units, own = self.context.rows.unit, self.regression.units
         seen = np.flatnonzero(np.isfinite(self.residual).any(axis=0))
         others = dict.fromkeys(units[k] for k in seen if units[k] != own)
         if not others:
             return []
         return [
-            f"errors are those of what is in {own}; what is in {' and '.join(others)} counts for the verdict all the "
-            "same"
+            f"errors are those of what is in {own}; what is in {' and '.join(others)} counts by its noise, for the "
+            "verdict and in the sizes of effects"
         ]
 
     @cached_property

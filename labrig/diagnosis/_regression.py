@@ -169,6 +169,11 @@ class Regression:
             commonest = most if each[most] > _FAR_MORE**2 * each[commonest] else commonest
         return np.array([k for k, u in enumerate(units) if u == commonest])
 
+    @property
+    def units(self) -> str:
+        """Those of `counted`, that errors are quoted in."""
+        return self.context.rows.unit[int(self.counted[0])]
+
     @cached_property
     def blocks(self) -> list[Ints]:
         """The rows of each left-out block."""

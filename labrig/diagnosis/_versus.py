@@ -49,7 +49,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     floor = both[int(np.argmin(floors))].floor
     errors = [one.rms() for one in sums]
     summary: Versus = {
-        "units": both[0].context.rows.unit[int(counted[0])],
+        "units": regression.units,
         "models": [
             {"name": name, "file": None if model.path is None else model.path.as_posix(), "error": error}
             for name, model, error in zip(names, (first, second), errors, strict=True)

@@ -46,9 +46,20 @@ def test_what_is_in_no_figure_is_said(make_lab) -> None:
     lab = make_lab(force=True)
     force = lab.predict(lab.u) + lab.noise()
     said = compare(two_sensors(lab, force, force), model_of_both(lab)).summary["warnings"]
-    assert "errors are those of what is in N; what is in V counts for the verdict all the same" in said
+    line = "errors are those of what is in N; what is in V counts by its noise, for the verdict and in the sizes of effects"
+    assert line in said
     alone = compare(lab.dataset(force), lab.model()).summary["warnings"]
     assert not [line for line in alone if line.startswith("errors are those")]
+
+
+def test_the_second_unit_is_the_one_that_is_said_where_errors_are_quoted_in_it(make_lab) -> None:
+    """What can't be seen is said in the unit of the errors, not in that of the first sensor."""
+    lab = make_lab(force=True)
+    force = lab.predict(lab.u) + lab.noise()
+    found = diagnose(two_sensors(lab, force, force + lab.noise() + 8.0), model_of_both(lab)).summary
+    assert found["units"] == "V"
+    (line,) = [w for w in found["warnings"] if "nothing that is smaller" in w]
+    assert " V can be seen" in line
 
 
 @pytest.mark.parametrize("name", ["creep", "leak", "delay", "hysteresis", "friction"])
