@@ -195,7 +195,7 @@ def result_of(
     ready: Prepared, observations: Observations, verdict: Verdict, model: Model, effects: dict[str, Effect]
 ) -> Result:
     """The verdict with everything that its report shows: formulas, errors, where, the improved model."""
-    regression, context, rows = ready.regression, ready.context, ready.context.rows
+    regression, context = ready.regression, ready.context
     found = alone(regression, context, verdict, effects)
     chosen = _chosen(ready, verdict, effects, found)
     errors = _errors(ready, chosen)
