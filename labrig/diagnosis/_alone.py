@@ -79,7 +79,7 @@ def _own(context: Context) -> Floats:
     """What an effect in each chamber alone may go by, (F, C, 7)."""
     rows = context.rows
     x = rows.fraction
-    before = ((context.previous - rows.low) / context.span)[rows.event]
+    before = rows.share(context.previous)[rows.event]
     held = np.log1p(context.elapsed_s)[:, None]
     late = context.session_time_s / max(float(context.session_time_s.max(initial=0.0)), 1e-300)
     way = context.direction[rows.event]

@@ -111,7 +111,7 @@ def covariates(context: Context) -> dict[str, Floats]:
     if context.has_holds:
         hold.append(np.log1p(context.elapsed_s)[:, None])
     if context.moves:
-        history.append(((context.previous - rows.low) / context.span)[rows.event])
+        history.append(rows.share(context.previous)[rows.event])
         history.append(context.direction[rows.event])
         if context.has_time:
             history += [(context.relaxed(tau) - rows.actuation) / context.span for tau in (3.0, 30.0, 300.0)]

@@ -142,7 +142,7 @@ def repeats_of(context: Context, means: Floats, captures: Ints) -> dict[str, lis
     rows = context.rows
     first = np.searchsorted(rows.capture, captures)
     came_from = context.previous[rows.event[first]]
-    tolerance = 0.02 * context.span
+    tolerance = 0.02 * np.abs(context.span)
     kinds: dict[str, list[Floats]] = {"same history": [], "opposite history": [], "early against late": []}
     labels: dict[str, list[int]] = {}
     for i, label in enumerate(_labels(context, captures)):

@@ -23,7 +23,7 @@ def one_speed(context: Context) -> list[str]:
     x = rows.event_actuation / context.span
     speeds = [_usual(x[:, c], rows.event_time_s, rows.event_session) for c in range(x.shape[1])]
     moving = [
-        (speed * span, one) for (speed, one), span in zip(speeds, context.span, strict=True) if speed > 0
+        (speed * abs(span), one) for (speed, one), span in zip(speeds, context.span, strict=True) if speed > 0
     ]
     if not moving or not all(one for _, one in moving):
         return []

@@ -149,7 +149,7 @@ def _cross(x: Floats) -> Iterator[Space]:
 def _use(context: Context) -> Iterator[Space]:
     """How much each chamber has been moved so far, and how often any: wear, fatigue, running in."""
     rows = context.rows
-    x, moved = rows.fraction, np.abs(rows.event_actuation - context.previous) / context.span
+    x, moved = rows.fraction, np.abs((rows.event_actuation - context.previous) / context.span)
     travel = np.cumsum(moved, axis=0)
     if len(travel) < _FEWEST_EVENTS or travel.max() <= 0:
         return
@@ -196,7 +196,7 @@ def _history(context: Context) -> Iterator[Space]:
     rows = context.rows
     x, ev = rows.fraction, rows.event
     before = context.previous / context.span
-    change = np.abs(rows.event_actuation - context.previous) / context.span
+    change = np.abs((rows.event_actuation - context.previous) / context.span)
     who = change.argmax(axis=1)
     last, peak, ever = np.zeros_like(change), np.zeros_like(change), np.zeros_like(change)
     for e, b in enumerate(context.started):

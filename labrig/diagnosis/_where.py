@@ -48,7 +48,7 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
             yield Place("marker", name, every_row, own)
     if rows.markers:
         # markers that one chamber moves most are that chamber's region
-        owner = (np.abs(context.jacobian).mean(axis=0) * context.span).argmax(axis=1)
+        owner = (np.abs(context.jacobian).mean(axis=0) * np.abs(context.span)).argmax(axis=1)
         for c, chamber in enumerate(rows.chambers):
             own = (owner == c)[counted]
             if own.any() and not own.all():

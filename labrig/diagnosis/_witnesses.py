@@ -73,7 +73,7 @@ def moments_of(context: Context) -> Moments:
     """Those of a campaign's rows."""
     rows = context.rows
     pressure = rows.fraction
-    step = pressure - ((context.previous - rows.low) / context.span)[rows.event]
+    step = pressure - rows.share(context.previous)[rows.event]
     late = np.log1p(context.elapsed_s) / _DECADE
     alone = rows.marker < 0
     owner = np.where(alone, rows.marker.max(initial=-1) + 1 + np.cumsum(alone), rows.marker)

@@ -9,7 +9,7 @@ from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import USER_FOLDER, get, library
-from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, join_rows, rows_of
+from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, join_rows, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part
 from labrig.effects._slips import errors_by_capture
@@ -45,6 +45,7 @@ __all__ = [
     "by_marker",
     "centre_of",
     "contribution",
+    "ends",
     "errors_by_capture",
     "field",
     "fill",

@@ -122,8 +122,8 @@ class Context:
 
     @property
     def span(self) -> Floats:
-        """Range of each chamber's actuation, shape (C,)."""
-        return self.rows.high - self.rows.low
+        """Range of each chamber's actuation, shape (C,); negative where it is filled by vacuum."""
+        return self.rows.span
 
     @cached_property
     def residual(self) -> Floats:
@@ -214,7 +214,7 @@ class Context:
     @cached_property
     def moves(self) -> bool:
         """Whether the actuation changes at all during the campaign."""
-        return bool((np.ptp(self.rows.event_actuation, axis=0) > 1e-9 * self.span).any())
+        return bool((np.ptp(self.rows.event_actuation, axis=0) > 1e-9 * np.abs(self.span)).any())
 
     @cached_property
     def stretched(self) -> bool:
@@ -242,7 +242,7 @@ class Context:
         """
         key = ("play", width)
         if key not in self._memo:
-            self._memo[key] = self.played(width * self.span, self.rows.event_actuation, self.vented)
+            self._memo[key] = self.played(width * np.abs(self.span), self.rows.event_actuation, self.vented)
         return self._memo[key]
 
     def played(self, half: float | Floats, drive: Floats, rest: float | Floats = 0.0) -> Floats:

@@ -22,8 +22,7 @@ def turns(context: Context) -> tuple[Floats, Floats, Floats]:
 
     A chamber that has not turned yet came from where it was vented.
     """
-    low = context.rows.low
-    at, vented = (context.rows.event_actuation - low) / context.span, (context.vented - low) / context.span
+    at, vented = context.rows.share(context.rows.event_actuation), context.rows.share(context.vented)
     last, before, way, far = (np.zeros_like(at) for _ in range(4))
     for e, b in enumerate(context.started):
         if b == e:  # it began at rest where it is

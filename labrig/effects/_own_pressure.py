@@ -21,7 +21,7 @@ def curves(context: Context) -> tuple[Feature, ...]:
     parts of the range.
     """
     x = context.rows.fraction
-    on = (np.abs(context.rows.actuation - context.vented) > 1e-9 * context.span).astype(float)
+    on = (np.abs(context.rows.actuation - context.vented) > 1e-9 * np.abs(context.span)).astype(float)
     out = [
         pressure("gain", x),
         pressure("offset", on, 0.3),

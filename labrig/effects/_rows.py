@@ -89,9 +89,24 @@ class Rows:
         return len(self.repeat)
 
     @property
+    def origin(self) -> Floats:
+        """Where each chamber's range begins; see `ends`."""
+        return ends(self.low, self.high)[0]
+
+    @property
+    def span(self) -> Floats:
+        """From there to the other limit, (C,); negative where a chamber is filled by vacuum."""
+        return ends(self.low, self.high)[1]
+
+    @property
     def fraction(self) -> Floats:
         """Actuation as a fraction of each chamber's range, shape (F, C)."""
-        return (self.actuation - self.low) / (self.high - self.low)
+        return self.share(self.actuation)
+
+    def share(self, actuation: Floats) -> Floats:
+        """Any actuation (..., C) as a fraction of each chamber's range."""
+        origin, span = ends(self.low, self.high)
+        return (actuation - origin) / span
 
     def thin(self, keep: NDArray[Any]) -> "Rows":
         """Keep some rows (a mask or indices); events and captures stay, so that history stays whole."""
@@ -101,6 +116,16 @@ class Rows:
             name: replace(cov, values=cov.values[keep]) for name, cov in self.covariates.items()
         }
         return replace(self, **changed)
+
+
+def ends(low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Where ranges from `low` to `high` begin, and how far they go from there with its sign, (C,) each.
+
+    A range begins at the limit that is nearer to a vented chamber: a rig that is driven by vacuum, -60 to 0 kPa, is the
+    same rig as one whose vacuum is counted from 0 to 60.
+    """
+    origin = np.where(np.abs(high) < np.abs(low), high, low)
+    return origin, low + high - 2 * origin
 
 
 def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
@@ -341,7 +366,7 @@ def _limits(dataset: "Dataset", commanded: Floats) -> tuple[Floats, Floats]:
     low = np.asarray(dataset["chamber_min"].values, float).copy()
     high = np.asarray(dataset["chamber_max"].values, float).copy()
     low = np.where(np.isfinite(low), low, np.minimum(0.0, commanded.min(axis=0)))
-    high = np.where(np.isfinite(high), high, commanded.max(axis=0))
+    high = np.where(np.isfinite(high), high, np.maximum(0.0, commanded.max(axis=0)))
     return low, np.where(high > low, high, low + np.maximum(1.0, np.abs(low)))
 
 

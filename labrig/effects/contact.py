@@ -77,7 +77,7 @@ class Contact(Effect):
         x, chambers = context.rows.fraction, context.rows.chambers
         for limit in context.grid("limit", (0.4, 0.5, 0.6, 0.7, 0.8, 0.9)):
             beyond = -np.maximum(x - limit, 0.0) * context.span
-            if not context.shows((beyond < 0).mean() >= 0.02):
+            if not context.shows((beyond != 0).mean() >= 0.02):
                 continue
             yield Variant("pressure", (Term.common("stopped", beyond),), {"limit": limit})
             if len(chambers) > 1:
@@ -86,12 +86,12 @@ class Contact(Effect):
                 )
                 for c in context.grid("chamber", range(len(chambers))):
                     alone = np.where(np.arange(len(chambers)) == c, beyond, 0.0)
-                    if context.shows((alone < 0).any()):
+                    if context.shows((alone != 0).any()):
                         shape = {"limit": limit, "chamber": float(c)}
                         yield Variant("one chamber", (Term.common("stopped", alone),), shape)
         for limit in context.grid("limit", (0.3, 0.45, 0.6, 0.75)):
             beyond = -np.maximum(context.deflection - limit, 0.0) * context.span
-            if context.shows((beyond < 0).mean() >= 0.02) and len(chambers) > 1:
+            if context.shows((beyond != 0).mean() >= 0.02) and len(chambers) > 1:
                 yield Variant("deflection", (Term.common("stopped", beyond),), {"limit": limit})
                 yield Variant(
                     "deflection per chamber",

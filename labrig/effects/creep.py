@@ -107,7 +107,7 @@ class Creep(Effect):
         taus = tuple(t for t in every if context.shows(t <= 1.5 * duration))
         out = lags(context, taus, 3.0)
         out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.02)]
-        square = ((context.rows.event_actuation - context.rows.low) / context.span) ** 2
+        square = context.rows.share(context.rows.event_actuation) ** 2
         for tau in (5.0, 50.0, 500.0):
             if tau in taus:
                 out.append(pressure(f"square {tau}", context.lagged(tau, square, 0.0) - x * x, 0.3))

@@ -50,7 +50,7 @@ class Friction(Effect):
         if not context.shows(context.moves and not context.motion):
             return
         against = -context.direction[context.rows.event]
-        u, chambers = context.rows.actuation, context.rows.chambers
+        u, chambers = np.abs(context.rows.actuation), context.rows.chambers
         yield Variant("Coulomb", (Term.common("coulomb", against),))
         yield Variant("growing with load", (Term.common("loaded", against * u),))
         yield Variant(
@@ -78,7 +78,7 @@ class Friction(Effect):
         if not context.moves:
             return
         x, u, span = context.rows.fraction, context.rows.actuation, context.span
-        turn = -context.direction[context.rows.event]
+        turn = -context.direction[context.rows.event] * np.sign(span)
         out = [
             pressure("direction", turn),
             pressure("direction load", turn * x),

@@ -174,7 +174,7 @@ class Gravity(Effect):
             own = context.rows.marker == m
             compliance[:, own] = compliance[:, own].mean(axis=1, keepdims=True)
         for a, letter in enumerate("xyz"):
-            along = np.where(context.rows.axis == a, compliance, 0.0) * context.span.mean()
+            along = np.where(context.rows.axis == a, compliance, 0.0) * np.abs(context.span).mean()
             yield letter, along
 
 

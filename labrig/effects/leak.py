@@ -90,7 +90,7 @@ class Leak(Effect):
         if found is None or part.form == "exponential" or C == 1:
             moved = np.einsum("fkc,fc->fk", context.jacobian, rows.actuation)
             return of_field(context, part, moved, "share of the pressure", time, "time in hold", "s")
-        held = np.where(np.abs(rows.actuation) > _HELD * context.span, rows.actuation, np.nan)
+        held = np.where(np.abs(rows.actuation) > _HELD * np.abs(context.span), rows.actuation, np.nan)
         measured, fitted, weight = found
         worst = int(np.argmax(np.sqrt((fitted**2).mean(axis=0))))
         some = np.isfinite(held[:, worst])

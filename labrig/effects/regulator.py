@@ -51,7 +51,7 @@ class Regulator(Effect):
         if len(chambers) > 1:
             yield Variant("gain per chamber", (Term.per_chamber("gain", u, chambers),))
         # a chamber that is vented is open to the room, whatever its regulator or sensor would hold
-        open_at_zero = (np.abs(u - context.vented) > 1e-9 * context.span).astype(float)
+        open_at_zero = (np.abs(u - context.vented) > 1e-9 * np.abs(context.span)).astype(float)
         for form, one in (("", np.ones_like(u)), (", open when vented", open_at_zero)):
             if form and not context.shows(not one.all()):
                 continue
@@ -71,7 +71,8 @@ class Regulator(Effect):
             yield Variant(f"offset{IN_EACH}", (offset,))
             yield Variant(f"gain and offset{IN_EACH}", (gain, offset))
         for band in context.grid("band", (0.03, 0.08)):
-            lost = -np.clip(u, -band * context.span, band * context.span)
+            width = band * np.abs(context.span)
+            lost = -np.clip(u, -width, width)
             yield Variant("dead band", (Term.common("dead_band", lost),), {"band": band})
         settled = context.measured_error
         if settled is not None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects import TRANSIENT_S, Covariate, Rows
+from labrig.effects import TRANSIENT_S, Covariate, Rows, ends
 
 SLEW_PER_S = 100.0
 SETTLE_S = 1.0
@@ -38,12 +38,13 @@ class Limits:
     @property
     def rest(self) -> tuple[float, ...]:
         """A vented rig, as shares of each chamber's range."""
-        return tuple(((np.clip(0.0, self.low, self.high) - self.low) / (self.high - self.low)).tolist())
+        origin, span = ends(self.low, self.high)
+        return tuple(((np.clip(0.0, self.low, self.high) - origin) / span).tolist())
 
     def actuation(self, share: Sequence[float]) -> Floats:
         """Shares of the range (C,) as set-points, rounded to what a person would type."""
-        exact = self.low + np.asarray(share) * (self.high - self.low)
-        return np.clip(np.round(exact, 2), self.low, self.high)
+        origin, span = ends(self.low, self.high)
+        return np.clip(np.round(origin + np.asarray(share) * span, 2), self.low, self.high)
 
     def way_s(self, before: Sequence[float], after: Sequence[float]) -> float:
         """How long it takes to go from one set-point to another, s."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.effects import MOST_SESSIONS, Rows
+from labrig.effects import MOST_SESSIONS, Rows, ends
 from labrig.model._deflection import GRID, Deflection
 from labrig.model._file import (
     FmuBase,
@@ -243,17 +243,19 @@ def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
     if isinstance(base, MemoryModel):
         return base.deflection(low, high)
     if isinstance(base, SimulatorModel):
-        return Deflection(low, high - low, *solved_curves(base, low, high))
-    vented = np.clip(0.0, low, high)
+        return Deflection(*ends(low, high), *solved_curves(base, low, high))
+    vented, (origin, span) = np.clip(0.0, low, high), ends(low, high)
     curves = np.zeros((GRID, len(low)))
     reach = []
     for c in range(len(low)):
-        grid = np.linspace(low[c], high[c], GRID)
+        grid = np.linspace(origin[c], origin[c] + span[c], GRID)
         alone = np.tile(vented, (GRID + 1, 1))
         alone[:-1, c] = grid
         predicted = base.predict(alone)
-        moved = np.sqrt(((predicted[:-1] - predicted[-1]) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
+        moved = np.sqrt(((predicted[:-1] - predicted[-1]) ** 2).mean(axis=1)) * np.sign(
+            (grid - vented[c]) / span[c]
+        )
         full = np.abs(moved).max()
         curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
         reach.append(np.abs(np.diff(predicted[:-1], axis=0)).sum(axis=0) / (high[c] - low[c]))
-    return Deflection(low, high - low, curves, np.stack(reach, axis=1))
+    return Deflection(origin, span, curves, np.stack(reach, axis=1))

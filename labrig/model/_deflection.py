@@ -17,7 +17,7 @@ class Deflection:
     `reach` (K, C): the mean size of each observable's slope on the way, per unit of actuation.
     """
 
-    low: Floats
+    origin: Floats
     span: Floats
     curves: Floats
     reach: Floats
@@ -32,6 +32,6 @@ class Deflection:
         return np.maximum(self._interpolate(actuation, slopes), _FLATTEST)
 
     def _interpolate(self, actuation: Floats, curves: Floats) -> Floats:
-        x = (actuation - self.low) / self.span
+        x = (actuation - self.origin) / self.span
         grid = np.linspace(0, 1, GRID)
         return np.stack([np.interp(x[:, c], grid, curves[:, c]) for c in range(x.shape[1])], axis=1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
-from labrig.effects import Rows
+from labrig.effects import Rows, ends
 from labrig.model._deflection import GRID, Deflection
 
 _STEP = 1e-3
@@ -114,23 +114,23 @@ class MemoryModel(ABC):
 
     def deflection(self, low: Floats, high: Floats) -> Deflection:
         """Take each chamber alone slowly over its range and see how far the observables go."""
-        vented = np.clip(0.0, low, high)
+        vented, (origin, span) = np.clip(0.0, low, high), ends(low, high)
         n = min(self._settling(), _HOLD)
         rest = self.predict(vented[None])[0]
         curves = np.zeros((GRID, len(low)))
         reach = []
         for c in range(len(low)):
-            grid = np.linspace(low[c], high[c], GRID)
+            grid = np.linspace(origin[c], origin[c] + span[c], GRID)
             first = max(self._settling() // n, 1) * n
             u = np.tile(vented, (first + GRID * n, 1))
             u[:first, c] = grid[0]
             u[first:, c] = np.repeat(grid, n)
             slow = self.simulate(u, self._clock(len(u)))[first + n - 1 :: n]
-            moved = np.sqrt(((slow - rest) ** 2).mean(axis=1)) * np.sign(grid - vented[c])
+            moved = np.sqrt(((slow - rest) ** 2).mean(axis=1)) * np.sign((grid - vented[c]) / span[c])
             full = np.abs(moved).max()
             curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
             reach.append(np.abs(np.diff(slow, axis=0)).sum(axis=0) / (high[c] - low[c]))
-        return Deflection(low, high - low, curves, np.stack(reach, axis=1))
+        return Deflection(origin, span, curves, np.stack(reach, axis=1))
 
     def declared(self, actuation: Floats) -> Floats | None:
         """None: it has no parameters that labrig fits."""
@@ -145,7 +145,7 @@ class MemoryModel(ABC):
         if known is not None:
             return known
         n = int(np.clip(self._longest_s / self._dt, 20, _LONGEST))
-        u = np.tile(self._rows.high, (n, 1))
+        u = np.tile(self._rows.origin + self._rows.span, (n, 1))
         out = self.simulate(u, self._clock(n))
         far = np.abs(out - out[-1]).max(axis=1)
         late = np.flatnonzero(far > _SETTLED * max(float(far.max()), 1e-300))

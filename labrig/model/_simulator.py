@@ -7,7 +7,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.effects import Rows
+from labrig.effects import Rows, ends
 from labrig.model._deflection import GRID
 from labrig.model._file import SimulatorBase
 from labrig.model._robust import robust_fit
@@ -127,21 +127,22 @@ def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> tuple[Floa
 
     mean size of their slopes on the way, (K, C). From few shapes, which take long, and their slopes.
     """
-    vented = np.clip(0.0, low, high)
+    vented, (origin, span) = np.clip(0.0, low, high), ends(low, high)
+    empty = (vented - origin) / span
     curves = np.zeros((GRID, len(low)))
     reach = []
     for c in range(len(low)):
-        few = np.unique([low[c], *(vented[c] + _SOLVED * (high[c] - vented[c]))])
+        few = np.unique([0.0, *(empty[c] + _SOLVED * (1 - empty[c]))])
         alone = np.tile(vented, (len(few) + 1, 1))
-        alone[:-1, c] = few
-        predicted, slope = base.simulate(alone), base.slope(alone[:-1])[..., c]
+        alone[:-1, c] = origin[c] + few * span[c]
+        predicted, slope = base.simulate(alone), base.slope(alone[:-1])[..., c] * span[c]
         change = predicted[:-1] - predicted[-1]
         size = np.sqrt((change**2).mean(axis=1))
         still = size <= 1e-9 * max(size.max(), 1e-300)
         along = (change * slope).mean(axis=1) / np.where(still, 1.0, size)
-        sign = np.sign(few - vented[c])
+        sign = np.sign(few - empty[c])
         steep = np.where(still, np.sqrt((slope**2).mean(axis=1)), along * sign)
-        moved = CubicHermiteSpline(few, size * sign, steep)(np.linspace(low[c], high[c], GRID))
+        moved = CubicHermiteSpline(few, size * sign, steep)(np.linspace(0, 1, GRID))
         full = np.abs(moved).max()
         curves[:, c] = moved / full if full > 0 else np.linspace(0, 1, GRID)
         reach.append(np.abs(np.diff(predicted[:-1], axis=0)).sum(axis=0) / (high[c] - low[c]))

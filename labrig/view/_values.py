@@ -141,7 +141,9 @@ def plain_words(effect: str, parameters: Mapping[str, Any], longest_s: float = _
 def _limit_words(parameters: Mapping[str, Any], ranges: Mapping[str, tuple[float, float]], unit: str) -> str:
     """From which pressure on something is met, of each chamber that is stopped."""
     (limit,) = flat(parameters["limit"].get("value"))
-    at = {name: low + limit * (high - low) for name, (low, high) in ranges.items()}
+    # from the limit that is nearer to a vented chamber, as `labrig.effects.ends` has it
+    ordered = {n: (high, low) if abs(high) < abs(low) else (low, high) for n, (low, high) in ranges.items()}
+    at = {name: begin + limit * (end - begin) for name, (begin, end) in ordered.items()}
     if only := flat(parameters.get("chamber", {}).get("value")):
         name = list(at)[int(only[0])]
         return f"{name} is stopped from {with_unit(number(at[name]), unit)} on."

@@ -108,7 +108,7 @@ def series(key: Key, kind: str, name: str, effects: tuple[str, ...]) -> str:
 def _pattern(own: "Opened", kind: str, name: str) -> tuple[Floats, Floats, float, int]:
     """A place as weights of the observables, (K,), signed and not, its floor, and the chamber that moves it most."""
     context, rows, floor = own.ready.context, own.ready.context.rows, own.ready.floor.row
-    reach = np.abs(context.jacobian).mean(axis=0) * context.span
+    reach = np.abs(context.jacobian).mean(axis=0) * np.abs(context.span)
     counted = own.ready.regression.counted
     chosen = np.zeros(len(rows.observables))
     weight = np.ones(len(rows.observables))
