@@ -1,6 +1,6 @@
 """Which columns of a foreign table are commands, and which are the sensors of those, by names and by numbers."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -25,6 +25,8 @@ _IN_ORDER = 0.8
 """Rank correlation of a drive and a pressure at the ends of at least so many holds, from which on it drives it."""
 _MANY = 60
 """In tables with more columns, commands are not looked for by comparing all of them."""
+_SOME, _MOVED = 20, 0.5
+"""Rows from which a tilt is compared with the inputs, and the share of its variance that these may leave."""
 
 
 def is_pressure(n: Name) -> bool:
@@ -42,6 +44,20 @@ def is_ambient(n: Name, values: Floats) -> bool:
     if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}:
         return True
     return n.has(names.LOAD) and not n.has(names.MEASURED) and is_held(values)
+
+
+def is_moved(n: Name, inputs: Sequence[Name], values: Mapping[str, Floats]) -> bool:
+    """Whether a tilt follows the inputs, so that it is what they move, and not how the rig was put up."""
+    if not n.has({"tilt"}) or not inputs:
+        return False
+    own = values[n.column]
+    x = np.column_stack([np.ones(len(own)), *(values[i.column] for i in inputs)])
+    known = np.isfinite(x).all(axis=1) & np.isfinite(own)
+    if known.sum() < _SOME or np.ptp(own[known]) == 0:
+        return False
+    x, own = x[known], own[known] - own[known].mean()
+    left = own - x @ np.linalg.lstsq(x, own, rcond=None)[0]
+    return bool((left**2).sum() < _MOVED * (own**2).sum())
 
 
 def is_side(n: Name, values: Floats) -> bool:

@@ -23,6 +23,7 @@ _TIME = re.compile("time|stamp|clock|tick|sec", re.I)
 _TURNS = 3
 _SPREAD = {"sd", "std", "stdev", "stddev", "sem", "deviation", "sigma"}
 _MEAN = {"mean", "avg", "average", "median"}
+_A_FEW = 4  # set-points after the first
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
@@ -125,13 +126,18 @@ def _counts(name: Name, values: Floats) -> bool:
 
 
 def _counts_set_points(name: Name, all_of_them: Sequence[Name], values: Mapping[str, Floats]) -> bool:
-    """Whether a column that is called a set-point goes up by one where the pressures beside it change, and only there:
-    it is the number of the set-point.
+    """Whether a column goes up by one where the pressures beside it change: it is the number of the set-point.
+
+    One that is called a pressure is none; one that is not called a set-point either must have gone up a few times.
     """
     step = np.diff(values[name.column])
-    if not name.has(names.COMMANDED) or name.unit is not None or not np.isin(step, (0, 1)).all():
+    commanded = name.has(names.COMMANDED)
+    if name.unit is not None or not np.isin(step, (0, 1)).all() or name.has(names.PRESSURE):
         return False
-    pressures = [values[n.column] for n in all_of_them if n is not name and n.has(names.PRESSURE)]
+    if not commanded and (step.sum() < _A_FEW or step.all()):
+        return False
+    said = names.PRESSURE if commanded else names.PRESSURE | names.COMMANDED
+    pressures = [values[n.column] for n in all_of_them if n is not name and n.has(said)]
     moves = np.any([np.diff(p) != 0 for p in pressures], axis=0) if pressures else np.zeros(len(step), bool)
     return bool(moves.any() and (moves <= (step == 1)).all())
 

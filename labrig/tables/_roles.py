@@ -14,6 +14,7 @@ from labrig.tables._inputs import (
     find_held,
     find_sensors,
     is_ambient,
+    is_moved,
     is_pressure,
     is_side,
     may_be_compared,
@@ -251,6 +252,9 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     inputs = inputs or _any_input(out, own, remarks)
     out.remarks += remarks
     out.actuation = inputs
+    for n in [n for n in beside if is_moved(n, inputs, out.values)]:
+        beside.remove(n)
+        out.remarks.append(f"column {n.column!r} follows the inputs: taken for what was measured")
     left = [n for n in rest if n not in inputs and n not in beside]
     pairs = find_sensors([n for n in left if n not in side], inputs, out.values)
     out.measured = [(n, u) for n, u in pairs if may_be_compared(n, u, out.values)]

@@ -136,6 +136,24 @@ def test_what_is_beside_the_measurement(tmp_path: Path) -> None:
     assert units == ["kPa", "hPa", "A", "1", "V", "degC"]
 
 
+def test_a_tilt_that_follows_the_inputs_was_measured(tmp_path: Path) -> None:
+    """The angle of a bending body is no covariate; how a table is tilted is."""
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, length_mm=80 + F, tilt_deg=0.4 * C1 + NOISE[:, 0])
+    assert taken(found, "observables") == ["length_mm", "tilt_deg"]
+    assert "column 'tilt_deg' follows the inputs: taken for what was measured" in found.remarks
+    found = guess(tmp_path, t_s=T, p1_set_kPa=C1, length_mm=80 + F, tilt_deg=np.repeat([0.0, 15.0], N // 2))
+    assert taken(found, "covariates") == ["tilt_deg"]
+
+
+@pytest.mark.parametrize("name", ["cap", "k", "pose"])
+def test_what_goes_up_with_every_set_point_is_its_number(tmp_path: Path, name: str) -> None:
+    """A column that is 0, 1, 2 ... from set-point to set-point numbers the captures, whatever it is called."""
+    number = np.concatenate([[0], np.cumsum(np.diff(C1) != 0)])
+    found = guess(tmp_path, t_s=T, **{name: number}, p1_set_kPa=C1, force_N=F)
+    assert found.mapping["capture"] == {"column": name}
+    assert taken(found, "observables") == ["force_N"]
+
+
 @pytest.mark.parametrize("first", [0, 1])
 @pytest.mark.parametrize("name", ["", "#", "Index", "No.", "Unnamed: 0"])
 def test_numbers_of_rows_are_left_out(tmp_path: Path, name: str, first: int) -> None:
