@@ -6,12 +6,13 @@ from labrig.diagnosis._candidates import square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
 from labrig.diagnosis._constants import POSSIBLE, SURE
 from labrig.diagnosis._diagnose import considered, diagnose
+from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import Floor, capture_means, noise_floor
 from labrig.diagnosis._forecast import Explained, Outlook
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._observations import Counted, Observations, observe
-from labrig.diagnosis._opened import Fall, Opened, Trial
+from labrig.diagnosis._opened import Opened, Trial
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._posterior import Explanation
 from labrig.diagnosis._present import whole_change

@@ -15,13 +15,13 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
+from labrig.diagnosis._falls import fall_of
 from labrig.diagnosis._floor import UNREPEATED
-from labrig.diagnosis._formula import fall_of, fit_named, forms_of
+from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import one_moment, one_speed
-from labrig.diagnosis._opened import Fall
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -230,7 +230,7 @@ def result_of(
             *_warnings(ready, verdict),
             *_said(observations, verdict, unit_size, regression.units),
             *_unrepeated(ready, verdict, unit_size),
-            *_doubted(ready, chosen, verdict),
+            *_doubted(chosen, verdict),
             *(one_speed(context) if verdict.effects or verdict.rivals else ()),
             *(one_moment(context) if _AT_ONE_MOMENT & {*verdict.effects, *verdict.rivals} else ()),
         ],
@@ -340,15 +340,12 @@ def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str
     ]
 
 
-def _doubted(ready: Prepared, chosen: Fit | None, verdict: Verdict) -> list[str]:
+def _doubted(chosen: Fit | None, verdict: Verdict) -> list[str]:
     """Effects that were found by the evidence, without a formula, or with one that helps no more than chance where it
     was not fitted.
     """
-    regression = ready.regression
-    least = k.LEAST_FLOORS**2 * float(np.mean(ready.floor.row[regression.counted] ** 2))
-    units = regression.units
     falls = [
-        Fall(name, *fall_of(chosen, i), least, units)
+        fall_of(chosen, i)
         for i, name in enumerate(chosen.names if chosen else ())
         if chosen and name in verdict.found
     ]

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.stats import chi2
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._uneven import groups_of, profile_of_means
@@ -13,6 +14,8 @@ from labrig.effects import Context, bulk_noise
 _MOST_TO_MATCH = 2000
 _FEWEST_PAIRS = 3
 _REPEATS = "repeats with the same history"
+_ANY_HISTORY = ("same history", "opposite history")
+_EFFICIENCY = 0.37
 _BULK = "the bulk of the residuals' spectrum"
 _NEIGHBOURS = "differences between neighbouring captures"
 
@@ -38,6 +41,9 @@ class Floor:
     shaken: Floats
     """How all markers shake together from capture to capture, (K, m): the covariance of the means' noise is that of
     `mean` and this times its transpose."""
+    upper: Floats
+    """What the noise of captures' means is no larger than, (K,): the upper 97.5 % limit by all repeats of a set-point,
+    whatever came before them; infinite where there are none."""
 
     @property
     def row(self) -> Floats:
@@ -86,6 +92,7 @@ def noise_floor(
     stream = single and not any(rows.repeat)
     repeats: dict[str, float | None] = {}
     hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
+    upper = np.full(len(rows.unit), np.inf)
     for number, own in enumerate(units.values()):
         groups = groups_of(rows, own)
         each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
@@ -95,10 +102,11 @@ def noise_floor(
         inside = float(np.sqrt(np.mean((each / even) ** 2)))
         pairs, same = len(alike), _spread(list(alike / even))
         bulk = bulk_noise(means[:, own] / even, lost) if len(captures) >= 12 else float("nan")
+        none = _tiny(residual[:, own])  # repeats that are alike to the last digit
         found = {_REPEATS: same, _BULK: bulk}
         if single and not np.isfinite(bulk) and (stream or same is None):
             found[_NEIGHBOURS] = _neighbours((means if at_full_rate is None else at_full_rate)[:, own])
-        usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > 0}
+        usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > none}
         if len(usable) > 1 and (stream or pairs < _FEWEST_PAIRS):
             usable.pop(_REPEATS, None)
         if not usable:
@@ -106,7 +114,7 @@ def noise_floor(
         how = min(usable, key=lambda name: usable[name])
         size = usable[how]
         if not np.isfinite(size) or size <= 0:
-            size, how = (inside if inside > 0 else _tiny(residual[:, own])), "the noise within a capture"
+            size, how = max(inside, none), "the noise within a capture"
         step = float(np.sqrt(np.mean(rows.resolution[own] ** 2) / 12)) if len(rows.resolution) else 0.0
         if step > size:
             size, how = step, "the steps in which it was recorded"
@@ -114,11 +122,14 @@ def noise_floor(
         within[own] = each
         hows.append(how if same is not None else f"{how} (no same-history repeats)")
         freedom[own] = pairs * int(own.sum()) if how == _REPEATS else 0
+        if not stream:
+            upper[own] = _limit([d / even for kind in _ANY_HISTORY for d in again[kind]]) * even
         if number == 0:
             rows_differ = float(np.sqrt(np.mean(each**2)))
             repeats = {"within a capture": rows_differ if rows_differ > 0 else None}
             repeats |= {kind: _spread(differences) for kind, differences in again.items()}
-    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom, np.zeros((len(mean), 0)))
+    none_shaken = np.zeros((len(mean), 0))
+    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom, none_shaken, upper)
 
 
 def _tiny(residual: Floats) -> float:
@@ -182,3 +193,14 @@ def _spread(differences: list[Floats]) -> float | None:
         return None
     k = np.isfinite(d).sum(axis=1)
     return float(np.sqrt(np.median(np.nanmean(d**2, axis=1) / (1 - 2 / (9 * k)) ** 3) / 2))
+
+
+def _limit(differences: list[Floats]) -> float:
+    """The largest standard deviation that such differences (K,) leave room for, by the chi-square distribution; of
+    their squares the median is worth `_EFFICIENCY` (F. R. Hampel, J. Am. Stat. Assoc. 69 (1974) 383).
+    """
+    size = _spread(differences)
+    if not size:
+        return np.inf
+    n = _EFFICIENCY * sum(int(np.isfinite(d).sum()) for d in differences)
+    return float(size * np.sqrt(n / chi2.ppf(0.025, n)))

@@ -129,18 +129,3 @@ def _quoted(chosen: Candidate | Fit) -> float:
     regression = chosen.columns.regression
     whole = chosen if isinstance(chosen, Fit) else chosen.alone
     return float(np.sqrt(square_of(regression, regression.residual - whole.heldout)))
-
-
-def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> tuple[float, float]:
-    """By how much the i-th effect lowers the held-out mean square beside the others, and its standard error."""
-    regression = chosen.columns.regression
-    rest = [p for j, p in enumerate(chosen.parts) if j != i]
-    before = fit(rest) if rest else None
-    left = regression.residual - (before.heldout if before else regression.nothing)
-    now = regression.residual - chosen.heldout
-    each = regression.square(left) - regression.square(now)
-    gains = np.bincount(regression.group, weights=each)
-    fall = square_of(regression, left) - square_of(regression, now)
-    n = len(gains)
-    relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else np.inf
-    return fall, abs(fall) * relative

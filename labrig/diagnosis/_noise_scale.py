@@ -55,8 +55,9 @@ def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
 
     Every space, named or not, acts at one common size; noise is what none of them can follow. The logarithm of the
     scale has a prior around what the floor says: repeats may differ by what they remember, too, so that the noise may
-    well be smaller (`FLOOR_SPREAD`); larger it is only as far as the repeats were few. Of the captures' means only,
-    since noise within holds is well known.
+    well be smaller (`FLOOR_SPREAD`); larger it is only as far as the repeats were few, and no larger than what repeats
+    of a set-point differ by, whatever came before them: what is the same at a set-point each time is an error of the
+    model. Of the captures' means only, since noise within holds is well known.
     """
     observations = design.observations
     n, floor = observations.n_captures, observations.floor
@@ -67,6 +68,9 @@ def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:
     few = min(1.0 / np.sqrt(max(int(floor.freedom[own].max()), 1)), 2 * k.FLOOR_SPREAD)
     off = np.log(_SCALES * float((observations.unit[own] / floor.mean[own]).mean()))
     log = -0.5 * (off / np.where(off > 0, few, k.FLOOR_SPREAD)) ** 2
+    larger = _SCALES * float((observations.unit[own] / floor.upper[own]).mean()) > 1
+    larger[0] = False
+    log[larger] = -np.inf
     log += log_evidence(_SCALES, power, square, rest, values.size)
     p = np.exp(log - log.max())
     return float(np.exp((p * np.log(_SCALES)).sum() / p.sum()))

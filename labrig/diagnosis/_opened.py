@@ -11,9 +11,9 @@ from labrig._errors import LabrigError
 from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
-from labrig.diagnosis._constants import LEAST_FLOORS
+from labrig.diagnosis._falls import Fall, fall_of
 from labrig.diagnosis._floor import UNREPEATED
-from labrig.diagnosis._formula import fall_of, fit_named, forms_of
+from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._noise_scale import with_noise_of_few
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -30,30 +30,6 @@ if TYPE_CHECKING:
 
 
 _MOST_FITS = 100
-
-
-@dataclass(frozen=True)
-class Fall:
-    """By how much an effect lowers the held-out error beside the others that were added with it.
-
-    `fall`, its standard error `se` and the `least` that matters are mean squares, in squared `units`.
-    """
-
-    effect: str
-    fall: float
-    se: float
-    least: float
-    units: str
-
-    @property
-    def helps(self) -> bool:
-        """Whether it is more than its standard error, and than what matters."""
-        return self.fall > self.se and self.fall >= self.least
-
-    @property
-    def words(self) -> str:
-        """By how much, and how much is needed, as root mean squares."""
-        return f"by {_rms(self.fall):.2g} {self.units}, needed {_rms(self.least):.2g} {self.units}"
 
 
 @dataclass(frozen=True)
@@ -147,11 +123,7 @@ class Opened:
         base = float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
         now = float(np.sqrt(square_of(regression, regression.residual - chosen.heldout)))
         floor = float(np.sqrt(self.floor_square))
-        least = (LEAST_FLOORS**2) * self.floor_square
-        falls = tuple(
-            Fall(effect.name, *fall_of(chosen, i, self._fit), least, self.units)
-            for i, effect in enumerate(effects)
-        )
+        falls = tuple(fall_of(chosen, i, self._fit) for i in range(len(effects)))
         entries = [entry_of(regression, context, chosen, i, refine=False) for i in range(len(effects))]
         improved = self.model
         for entry in entries:
@@ -217,8 +189,3 @@ def _undated(entries: Sequence[EffectEntry]) -> list[str]:
                 "without it once what moved was put right"
             )
     return out
-
-
-def _rms(square: float) -> float:
-    """A mean square as a root mean square, of either sign."""
-    return float(np.sign(square) * np.sqrt(abs(square)))

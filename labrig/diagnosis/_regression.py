@@ -26,7 +26,7 @@ _ROWS_THAT_COUNT = 12
 _CAPTURES_PER_TERM = 7
 _CAPTURES_PER_LINE = 3
 _STATIC_RIDGE = 0.01
-_FAR_MORE = 2.0
+_FAR_MORE = 1.4
 """How many times more of their noise another unit's observables are off by, for errors to be quoted in it."""
 _CALIBRATION_RIDGE = 1e-6
 

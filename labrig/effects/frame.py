@@ -28,7 +28,7 @@ class Frame(Effect):
     )
     acts_on = "observation"
     parameters = (
-        Parameter("shift", "mm", meaning="translation along x, y, z"),
+        Parameter("shift", "place", meaning="translation along x, y, z"),
         Parameter(
             "turn",
             "rad",
@@ -44,13 +44,13 @@ class Frame(Effect):
         ),
         Parameter(
             "shift_in_session",
-            "mm, rad",
+            "place, rad",
             per="session",
             meaning="translation along x, y, z and rotation about them, another in each session",
         ),
         Parameter(
             "shift_since",
-            "mm, rad",
+            "place, rad",
             meaning="translation along x, y, z and rotation about them, from one moment on",
         ),
         Parameter("since_s", "s", meaning="when it was moved, since the run began", given=True),

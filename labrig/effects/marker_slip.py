@@ -27,7 +27,7 @@ class MarkerSlip(Effect):
     acts_on = "observation"
     remembers = True
     parameters = (
-        Parameter("slip", "mm", per="marker", meaning="where the marker went, along x, y, z"),
+        Parameter("slip", "place", per="marker", meaning="where the marker went, along x, y, z"),
         Parameter("marker", "1", 0.0, meaning="which marker, counted from 0", given=True),
         Parameter("since_s", "s", meaning="when it slipped, since the run began", given=True),
         Parameter("since", "1", 0.0, meaning="first capture after it, where times are unknown", given=True),

@@ -67,6 +67,7 @@ def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
     assert columns.shape[0] > np.linalg.matrix_rank(columns)  # some noise lies beside all columns
     values = (design.observations.values @ design.V)[:n].reshape(-1)
     few = min(1.0 / np.sqrt(max(design.observations.floor.freedom[0], 1)), 2 * FLOOR_SPREAD)
+    upper = design.observations.floor.upper[0] / design.observations.unit[0]
     log = []
     for scale in _SCALES:
         each = [
@@ -74,6 +75,7 @@ def test_the_scale_is_that_of_the_dense_covariance(make_lab) -> None:
             for size in _SIZES
         ]
         log.append(logsumexp(each) - 0.5 * (np.log(scale) / (few if scale > 1 else FLOOR_SPREAD)) ** 2)
+        log[-1] -= np.inf if scale > upper else 0.0
     p = np.exp(np.array(log) - max(log))
     found = noise_scale(design, np.ones(1, dtype=bool))
     assert found == pytest.approx(np.exp((p * np.log(_SCALES)).sum() / p.sum()), rel=1e-6)
@@ -96,6 +98,28 @@ def test_each_unit_has_a_noise_of_its_own(make_lab) -> None:
     assert again.floor.mean[1] == pytest.approx(noise, rel=0.3)
     verdict = verdict_on(again, observations, design, model.library())
     assert verdict.verdict != "nothing_missing"
+
+
+def test_noise_is_no_larger_than_what_repeats_differ_by(make_lab) -> None:
+    """An error that no effect follows is no noise where set-points that came again, from elsewhere, read the same."""
+    lab = make_lab(force=True, chambers=1, captures=80, repeats=False)
+    lab.commanded[40:] = np.random.default_rng(4).permutation(lab.commanded[:40])
+    error = np.sin(lab.predict(lab.u) * 2 * np.pi / 7.0)  # a wheel that runs out of true
+    values, model = lab.predict(lab.u) + error + lab.noise(), lab.model()
+    ready, _, _ = laid_out(prepared(rows_from(lab.dataset(values)), model), model.library())
+    assert ready.floor.mean[0] < 3 * np.hypot(0.1, 0.05 / np.sqrt(3))
+    assert diagnose(lab.dataset(values), model).summary["verdict"] != "nothing_missing"
+
+
+def test_repeats_that_are_alike_to_the_last_digit_are_no_noise(make_lab) -> None:
+    """One pair of a coarse encoder that reads the same says nothing of the noise: that within holds does."""
+    lab = make_lab(force=True, chambers=1, captures=30, repeats=False)
+    lab.commanded[7:9] = lab.commanded[3:5]
+    values = lab.predict(lab.u) + lab.noise()
+    values[8] = values[4] + 1e-14
+    found = diagnose(lab.dataset(values), lab.model()).summary
+    assert 0.02 < found["error"]["floor"] < 0.5
+    assert all(e["size_floors"] < 100 for e in found["effects_considered"])
 
 
 @pytest.mark.parametrize("seed", [0, 2])

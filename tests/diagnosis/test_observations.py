@@ -31,6 +31,7 @@ def observed(lab: Any, values: np.ndarray, **known: float) -> Observations:
             {},
             np.zeros(len(each["mean"]), dtype=int),
             np.zeros((len(each["mean"]), 0)),
+            np.full(len(each["mean"]), np.inf),
         )
     return observe(ready.context, ready.residual, floor)
 

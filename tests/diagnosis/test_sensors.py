@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis import compare, diagnose
+from labrig.diagnosis import Opened, compare, diagnose, improve
 from labrig.effects import rows_of
 from labrig.effects._skin import by_sensor
 from tests.sensors import model_of_both, two_sensors
@@ -60,6 +60,18 @@ def test_the_second_unit_is_the_one_that_is_said_where_errors_are_quoted_in_it(m
     assert found["units"] == "V"
     (line,) = [w for w in found["warnings"] if "nothing that is smaller" in w]
     assert " V can be seen" in line
+
+
+def test_what_helps_in_another_unit_helps(make_lab) -> None:
+    """Creep that the voltage alone sees is added, though errors are quoted in newtons, which are off by far more."""
+    lab = make_lab(force=True, chambers=2, captures=60, long_s=(3.0, 8.0, 20.0, 40.0))
+    now = lab.predict(lab.u)
+    crept = (retarded(lab) @ lab.reach.T) / 60.0
+    bowed = 12 * np.sin(now / 8)
+    run = two_sensors(lab, now + bowed + lab.noise(), now + 0.05 * crept + lab.noise())
+    (fall,) = Opened(run, model := model_of_both(lab)).add(["creep"]).falls
+    assert (fall.helps, fall.units) == (True, "V")
+    assert improve(run, model, ["creep"]).summary["units"] == "N"
 
 
 @pytest.mark.parametrize("name", ["creep", "leak", "delay", "hysteresis", "friction"])

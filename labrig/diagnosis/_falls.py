@@ -1,0 +1,61 @@
+"""By how much an effect that was added lowers the held-out error, in the unit in which it lowers it most."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square
+from labrig.diagnosis._constants import LEAST_FLOORS
+
+
+@dataclass(frozen=True)
+class Fall:
+    """By how much an effect lowers the held-out error beside the others that were added with it.
+
+    `fall`, its standard error `se` and the `least` that matters are mean squares, in squared `units`; of sensors of
+    several units, those of the unit in which the effect acts most.
+    """
+
+    effect: str
+    fall: float
+    se: float
+    least: float
+    units: str
+
+    @property
+    def helps(self) -> bool:
+        """Whether it is more than its standard error, and than what matters."""
+        return self.fall > self.se and self.fall >= self.least
+
+    @property
+    def words(self) -> str:
+        """By how much, and how much is needed, as root mean squares."""
+        return f"by {_rms(self.fall):.2g} {self.units}, needed {_rms(self.least):.2g} {self.units}"
+
+
+def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> Fall:
+    """What the i-th effect lowers the held-out mean square by, beside the others."""
+    regression = chosen.columns.regression
+    rest = [p for j, p in enumerate(chosen.parts) if j != i]
+    before = fit(rest) if rest else None
+    left = regression.residual - (before.heldout if before else regression.nothing)
+    now = regression.residual - chosen.heldout
+    each = regression.square(left) - regression.square(now)
+    gains = np.bincount(regression.group, weights=each)
+    n = len(gains)
+    relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else np.inf
+    fallen = mean_square(regression, left) - mean_square(regression, now)
+    unit, noise = regression.context.rows.unit, regression.floor.row**2
+    falls = []
+    for name in dict.fromkeys([regression.units, *unit]):
+        own = np.array([each == name for each in unit]) & np.isfinite(fallen)
+        if own.any():
+            fall, least = float(fallen[own].mean()), LEAST_FLOORS**2 * float(noise[own].mean())
+            falls.append(Fall(chosen.parts[i].effect.name, fall, abs(fall) * relative, least, name))
+    return max(falls, key=lambda f: f.fall / f.least)
+
+
+def _rms(square: float) -> float:
+    """A mean square as a root mean square, of either sign."""
+    return float(np.sign(square) * np.sqrt(abs(square)))
