@@ -52,13 +52,17 @@ def _order(context: Context) -> Iterator[str]:
 
 
 def _axes(context: Context) -> Iterator[str]:
-    """Markers whose x, y and z are a mirror image of the model's; those that were turned are a frame's, however far."""
+    """Markers whose axes, three of them or two, are a mirror image of the model's; those that were turned are a
+    frame's, however far.
+    """
     rows = context.rows
-    own = [np.flatnonzero((rows.axis == a) & (rows.marker >= 0)) for a in range(3)]
-    if len({tuple(rows.marker[each]) for each in own}) > 1 or len(own[0]) < 2:
+    seen_along = [np.flatnonzero((rows.axis == a) & (rows.marker >= 0)) for a in range(3)]
+    letters = [a for a, each in zip("xyz", seen_along, strict=True) if len(each)]
+    own = [each for each in seen_along if len(each)]
+    if len(own) < 2 or len({tuple(rows.marker[each]) for each in own}) > 1 or len(own[0]) < 2:
         return
-    place = np.stack(own, axis=1)
-    measured, base = rows.values[:, place].reshape(-1, 3), context.base[:, place].reshape(-1, 3)
+    place, d = np.stack(own, axis=1), len(own)
+    measured, base = rows.values[:, place].reshape(-1, d), context.base[:, place].reshape(-1, d)
     seen = np.isfinite(measured).all(axis=1)
     if not seen.any():
         return
@@ -66,18 +70,19 @@ def _axes(context: Context) -> Iterator[str]:
     x, b = (v[seen] - v[seen].mean(axis=0) for v in (measured, base))
     both = b.T @ x
     follows: dict[bool, list[tuple[float, tuple[int, ...], tuple[int, ...]]]] = {True: [], False: []}
-    for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
-        mirrors = bool(np.linalg.det(np.eye(3)[list(order)]) * np.prod(signs) < 0)
+    for order, signs in product(permutations(range(d)), product((1, -1), repeat=d)):
+        mirrors = bool(np.linalg.det(np.eye(d)[list(order)]) * np.prod(signs) < 0)
         value = float(sum(s * both[j, i] for i, (j, s) in enumerate(zip(order, signs, strict=True))))
         follows[mirrors].append((value, order, signs))
     square = float((x**2).sum() + (b**2).sum())
     value, order, signs = max(follows[True])
     left, turned = (max(square - 2 * v, 0.0) for v in (value, max(follows[False])[0]))
     if turned > 0 and turned >= _CLOSER**2 * left:
-        words = [("" if s > 0 else "-") + "xyz"[j] for j, s in zip(order, signs, strict=True)]
+        words = [("" if s > 0 else "-") + letters[j] for j, s in zip(order, signs, strict=True)]
+        named, other = (f"{', '.join(each[:-1])} and {each[-1]}" for each in (letters, words))
         yield (
-            f"what is measured as x, y and z is {', '.join(words[:2])} and {words[2]} of the model, a mirror image: "
-            "the axes of one of both are named otherwise, rename them in the mapping"
+            f"what is measured as {named} is {other} of the model, a mirror image: the axes of one of both are named "
+            "otherwise, rename them in the mapping"
         )
 
 

@@ -1,6 +1,7 @@
 """Axes, chambers and set-points that are mistaken for each other: one line says so, and nothing is named."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,6 +39,34 @@ def test_axes_of_another_name(make_lab, order: list[int], signs, words: str) -> 
         f"what is measured as x, y and z is {words} of the model, a mirror image: the axes of one of both are named "
         "otherwise, rename them in the mapping"
     ]
+
+
+@pytest.mark.parametrize(
+    ("order", "signs", "words"),
+    [([0, 1], (1, -1), "x and -z"), ([1, 0], (1, 1), "z and x"), ([0, 1], (1, 1), "")],
+)
+def test_axes_of_one_camera(make_lab, order: list[int], signs, words: str) -> None:
+    """Of markers that one camera sees, x and z, an image that is upside down, or exchanged axes, are said."""
+    lab = make_lab(markers=12)
+    context = prepared(rows_from(lab.dataset(lab.predict(power_law(lab)) + lab.noise())), lab.model()).context
+    own, rows = context.rows.axis != 1, context.rows
+    seen = rows.values[:, own].reshape(len(rows.values), -1, 2)[..., order] * np.array(signs) + 200.0
+    flat = replace(
+        rows,
+        values=seen.reshape(len(seen), -1),
+        unit=tuple(np.array(rows.unit)[own]),
+        observables=tuple(np.array(rows.observables)[own]),
+        marker=rows.marker[own],
+        axis=rows.axis[own],
+    )
+    parts = {"base": context.base[:, own], "base_vented": context.base_vented[own]}
+    found = [
+        *mixed_up(
+            replace(context, rows=flat, jacobian=context.jacobian[:, own], displaced=None, _memo={}, **parts)
+        )
+    ]
+    told = f"what is measured as x and z is {words} of the model, a mirror image: "
+    assert [line[: len(told)] for line in found] == ([told] if words else [])
 
 
 @pytest.mark.parametrize("turn", [30.0, 85.0, 90.0, 178.0])
