@@ -42,6 +42,10 @@ class Calibration:
         found = expit(own + self.odds * log_odds(by_evidence) + self.share * share)
         return min(float(found), max(by_evidence, 0.5))
 
+    def at_most(self, effect: str) -> float:
+        """How probable a name can be at all, whatever the evidence, where nothing else is there."""
+        return self.of_name(effect, 1 - NEGLIGIBLE, 1.0)
+
     def stated(self, probability: float) -> float:
         """A probability of anything else as it is stated: its odds count as much as those of a name do."""
         return 0.0 if probability < NEGLIGIBLE else float(expit(self.odds * log_odds(probability)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.contents import Expected, ProbeRow, ProgrammePoint, Proposed, Summary
-from labrig.diagnosis import Explained, Outlook, Prepared, diagnose, prepared, rows_from
+from labrig.diagnosis import SURE, Explained, Outlook, Prepared, diagnose, prepared, rows_from, shipped
 from labrig.effects import Effect
 from labrig.experiment._plan import Limits, Point, Probe, repeat_labels
 from labrig.experiment._probes import by_hand, canonical, on_few_levels
@@ -236,6 +236,7 @@ def _named(
         else f"{weakest['other']} would miss what {weakest['true']} predicts by {weakest['floors']:.2g} noise floors"
     )
     warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, minutes)]
+    warnings += _never_sure(names, effects)
     return _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
 
 
@@ -252,6 +253,17 @@ def _names(found: Summary, rivals: Sequence[Rival]) -> list[str]:
 def _may_not_settle(expected: Sequence[Expected], minutes: float) -> str:
     open_ = [f"{e['true']} from {e['other']}" for e in expected if not e["settles"]]
     return f"may not be enough to tell {', '.join(open_)} within {minutes:g} min: allow more, or repeat it"
+
+
+def _never_sure(names: Sequence[str], effects: Mapping[str, Effect]) -> list[str]:
+    """A line for each name that a diagnosis does not call sure, whatever is measured: what confirms it is to look."""
+    most = {name: shipped().at_most(name) for name in names if name in effects}
+    return [
+        f"{name} is never called sure ({100 * p:.0f} % at most): set-points show what else it is not; to confirm it: "
+        f"{effects[name].experiment}"
+        for name, p in most.items()
+        if p < SURE
+    ]
 
 
 def _unnamed(
