@@ -15,7 +15,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
-from labrig.diagnosis._falls import fall_of
+from labrig.diagnosis._falls import fall_of, much_left
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
@@ -231,6 +231,7 @@ def result_of(
             *_said(observations, verdict, unit_size, regression.units),
             *_unrepeated(ready, verdict, unit_size),
             *_doubted(chosen, verdict),
+            *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
             *(one_speed(context) if verdict.effects or verdict.rivals else ()),
             *(one_moment(context) if _AT_ONE_MOMENT & {*verdict.effects, *verdict.rivals} else ()),
         ],

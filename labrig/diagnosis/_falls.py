@@ -8,6 +8,9 @@ import numpy as np
 from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square
 from labrig.diagnosis._constants import LEAST_FLOORS
 
+_MUCH_LEFT, _TIMES_NOISE = 0.2, 3.0
+"""Of the error before, and of the noise: what is left beside names from which on it is said. It decides words only."""
+
 
 @dataclass(frozen=True)
 class Fall:
@@ -54,6 +57,16 @@ def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit
             fall, least = float(fallen[own].mean()), LEAST_FLOORS**2 * float(noise[own].mean())
             falls.append(Fall(chosen.parts[i].effect.name, fall, abs(fall) * relative, least, name))
     return max(falls, key=lambda f: f.fall / f.least)
+
+
+def much_left(names: Sequence[str], base: float, model: float, floor: float, units: str) -> list[str]:
+    """A line where the held-out error is far from the noise with all that was named (root mean squares)."""
+    if not names or model < max(_MUCH_LEFT * base, _TIMES_NOISE * floor):
+        return []
+    return [
+        f"with {' and '.join(names)} added, {model:.2g} of {base:.2g} {units} are left on captures that were left out, "
+        f"{model / floor:.2g} times the noise: the law is another one of its kind, or more is missing than was named"
+    ]
 
 
 def _rms(square: float) -> float:
