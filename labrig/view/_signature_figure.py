@@ -59,7 +59,10 @@ def signature(item: "Signature") -> Figure:
     )
     x = item.x[known]
     if item.x_name == "time in hold" and len(x) and x.min() > 0 and x.max() > _LOGARITHMIC * x.min():
-        layout["xaxis"] |= {"type": "log", "dtick": "D2"}
+        # with labels of their own: a logarithmic axis calls 20 "2"
+        decades = 10.0 ** np.arange(np.floor(np.log10(x.min())), np.log10(x.max()) + 1)
+        ticks = np.multiply.outer(decades, [1, 2, 5]).ravel().tolist()
+        layout["xaxis"] |= {"type": "log", "tickvals": ticks, "ticktext": [f"{t:g}" for t in ticks]}
     return {"data": data, "layout": layout}
 
 

@@ -30,6 +30,7 @@ def test_axes_have_names_and_units(make_result):
     assert creep["xaxis"]["title"]["text"] == "time in hold, s"
     assert creep["yaxis"]["title"]["text"] == "share of the last move, %"
     assert creep["xaxis"]["type"] == "log"
+    assert "20" in creep["xaxis"]["ticktext"]
     assert loop["xaxis"]["title"]["text"] == "pressure of the chamber, kPa"
     assert "type" not in loop["xaxis"]
 
