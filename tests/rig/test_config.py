@@ -145,6 +145,7 @@ class Mine:
     def vent(self, timeout_s=10.0):
         LOG.append(f"{self.name} vented")
         return VentReport(np.zeros(2), 0.0)
+    def frames(self): return []
     def close(self): LOG.append(f"{self.name} closed")
 
 class Silent(Mine):
@@ -163,7 +164,7 @@ def test_a_users_own_device_is_connected_and_vented_before_it_is_closed(tmp_path
     """A class in a file beside rig.yaml is a device; leaving the rig vents it, then closes it."""
     with connect(_mine(tmp_path), SimulatedClock()) as rig:
         assert rig.identity == {"pressure": Identity("pressure", "mine", "made at home")}
-        log = type(rig.pressure).vent.__globals__["LOG"]
+        log = type(rig.pressure.device).vent.__globals__["LOG"]
         assert log == ["pressure opened"]
     assert log == ["pressure opened", "pressure vented", "pressure closed"]
 
