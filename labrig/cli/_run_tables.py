@@ -11,6 +11,7 @@ from rich.table import Table
 from labrig._errors import LabrigError
 from labrig.catalogue import Row, list_runs, write_parquet
 from labrig.cli._console import new_console
+from labrig.cli._lost import markers_lost
 from labrig.cli._places import check_file, replaced
 from labrig.cli._run_screen import duration_text
 from labrig.log import RunSummary, summarise
@@ -124,6 +125,8 @@ def print_run(path: Path) -> None:
         console.print(f"{max(0.0, time_s):10.1f} s  {text}")
     for warning in summary.warnings:
         console.print(f"lost: {warning}")
+    for line in markers_lost(path):
+        console.print(f"markers: {line}")
 
 
 def _facts(summary: RunSummary) -> list[tuple[str, str]]:
