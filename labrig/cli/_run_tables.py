@@ -2,6 +2,7 @@
 
 import math
 import statistics
+import sys
 from pathlib import Path
 
 from rich.cells import cell_len
@@ -9,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
-from labrig.catalogue import Row, list_runs, write_parquet
+from labrig.catalogue import UNREADABLE, Row, list_runs, write_parquet
 from labrig.cli._console import new_console
 from labrig.cli._lost import markers_lost
 from labrig.cli._places import check_file, replaced
@@ -25,6 +26,10 @@ def print_runs(named: Path | None, where: str | None = None, parquet: Path | Non
     if parquet is not None:
         check_file(parquet, "--parquet")
     rows = _listed(folder, where)
+    for row in rows:
+        if row.notes.startswith(UNREADABLE):
+            said = row.notes.removeprefix(UNREADABLE)
+            print(f"labrig: {said}; its tags and notes are left out", file=sys.stderr)
     if not rows and not (where and list_runs(folder)):
         what = str(folder) if folder != Path() else "there is no folder runs here, and this one"
         raise LabrigError(f"{what} holds no runs; name the folder that does: labrig runs FOLDER")
