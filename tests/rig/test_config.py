@@ -212,3 +212,15 @@ def test_a_devices_settings_are_checked_with_the_file(tmp_path: Path, text: str,
         load_rig(path)
     assert str(caught.value).startswith(f"{path}")
     assert said in str(caught.value)
+
+
+def test_a_section_of_no_use_says_that_it_may_go(tmp_path: Path) -> None:
+    """`simulated` beside devices of one's own names a shell that does not fit: name another, or leave it out."""
+    path = tmp_path / "rig.yaml"
+    path.write_text(yaml.safe_dump({**GOOD, "simulated": {"seed": 1}}))
+    with pytest.raises(LabrigError) as caught:
+        load_rig(path)
+    assert str(caught.value).endswith(
+        "shell 'mannequin' has 9, the rig names 2; name a shell with as many chambers: simulated: {shell: FILE.yaml}; "
+        "no device is simulated, so the section `simulated` may go"
+    )
