@@ -110,7 +110,12 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     }
     if request.follow is not None:
         context[DIAGNOSED] = request.follow.to_dict()
-    _go(procedure, config, folder, request, context)
+    new = not folder.exists()
+    try:
+        _go(procedure, config, folder, request, context)
+    finally:
+        if new and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()  # it was refused before anything was measured
 
 
 def _check_new(folder: Path) -> None:
