@@ -22,7 +22,7 @@ def lost_markers(run: "Dataset") -> list[str]:
     if "position_mm" not in run or not run.sizes.get("capture", 0):
         return []
     position = np.asarray(run["position_mm"].values, float)
-    seen = np.asarray(np.isfinite(position).all(axis=3).any(axis=1))  # captures, markers
+    seen = np.any(np.asarray(np.isfinite(position).all(axis=3)), axis=1)  # captures, markers
     groups: dict[bytes, list[str]] = {}
     for name, own in zip(run["marker"].values, list(seen.T), strict=True):
         if _is_lost(own):
