@@ -182,8 +182,9 @@ class OwnMocap(OwnDevice):
         own = getattr(self.device, "marker_names", None)
         if own is None and not self.config.markers:
             raise self._wrong("", "has no marker_names, and rig.yaml names no markers")
-        names = tuple(str(name) for name in (self.config.markers if own is None else own))
-        if not self.config.markers and not names:
+        given = () if own is None else tuple(str(name) for name in own)
+        names = given or self.config.markers  # one that names none keeps to the order of rig.yaml
+        if not names:
             raise self._wrong("marker_names", "is empty, and rig.yaml names no markers")
         self._markers = names
         try:

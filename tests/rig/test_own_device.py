@@ -65,6 +65,13 @@ def test_a_drivers_markers_go_by_their_names(tmp_path: Path) -> None:
     np.testing.assert_array_equal(frame.status, [0, 1])
 
 
+def test_a_driver_that_names_no_markers_keeps_to_the_rig_file(tmp_path: Path) -> None:
+    """Without names of its own its rows are those of rig.yaml, in that order."""
+    rig = rig_of(tmp_path, camera=CAMERA.replace('["m2", "extra", "m1"]', "[]"), markers=("a", "b", "c"))
+    assert rig.mocap is not None
+    np.testing.assert_array_equal(rig.mocap.frames()[0].position_mm[:, 0], [2, 9, 1])
+
+
 @pytest.mark.parametrize(
     ("markers", "names", "said"),
     [
