@@ -1,7 +1,34 @@
-"""Files that survive a power cut: their content is asked for with `os.fsync`, their names with `sync_folder`."""
+"""Files that are whole or not there, and files that survive a power cut.
+
+For the latter their content is asked for with `os.fsync`, their names with `sync_folder`.
+"""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """What the system says while a file is written names that file: of a full disk it names none by itself."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file, in one piece or not at all; an `OSError` names it, and nothing of it is left."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with naming(path):
+            partial.write_text(text, encoding="utf-8")
+            partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def sync_folder(folder: Path) -> None:

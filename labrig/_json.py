@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from labrig._durable import write_whole
+
 
 def write_json(content: Mapping[str, Any], path: Path) -> None:
     """Write JSON, in one piece or not at all; NaN and infinities become null."""
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(json.dumps(plain(content), indent=1, allow_nan=False) + "\n", encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, json.dumps(plain(content), indent=1, allow_nan=False) + "\n")
 
 
 def plain(value: Any) -> Any:

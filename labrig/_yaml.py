@@ -9,14 +9,38 @@ import yaml
 from labrig._errors import LabrigError
 
 
+class TwiceError(yaml.MarkedYAMLError):
+    """A key stands twice in one mapping: plain YAML would take the last without a word."""
+
+
+class _Loader(yaml.SafeLoader):
+    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
+        node = super().compose_mapping_node(anchor)
+        first: dict[tuple[str, str], yaml.Mark] = {}
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            mark = first.setdefault((key.tag, key.value), key.start_mark)
+            if mark is not key.start_mark:
+                earlier = "" if mark.line == key.start_mark.line else f" (first in line {mark.line + 1})"
+                problem = f"{key.value} is given twice{earlier}; keep one of them"
+                raise TwiceError(problem=problem, problem_mark=key.start_mark)
+        return node
+
+
+def load_yaml(text: str) -> Any:
+    """The content of YAML in which no key stands twice; raises `yaml.YAMLError` (`TwiceError` for such a key)."""
+    return yaml.load(text, Loader=_Loader)
+
+
 def read_yaml(path: Path, what: str, hint: str = "", begins: str = "name: ...") -> dict[str, Any]:
     """The content of a YAML file that should hold `what` (a rig, a shell, ...): names and their values.
 
-    Raises `LabrigError` if there is no such file (with the `hint` behind it), or if it is not YAML, or no mapping (with
-    how such a file `begins`).
+    Raises `LabrigError` if there is no such file (with the `hint` behind it), or if it is not YAML, or names a key
+    twice, or is no mapping (with how such a file `begins`).
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = load_yaml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise LabrigError(f"cannot read the {what} {path}: {error.strerror or error}{hint}") from None
     except UnicodeDecodeError:
@@ -56,5 +80,7 @@ def _fault(error: yaml.YAMLError) -> str:
     mark = getattr(error, "problem_mark", None)
     where = f", line {mark.line + 1}" if mark is not None else ""
     problem = str(getattr(error, "problem", None) or getattr(error, "reason", None) or "unreadable")
+    if isinstance(error, TwiceError):
+        return f"{where}: {problem}"
     tab = "; indent with spaces, not with a tab" if "'\\t'" in problem else ""
     return f"{where}: is not YAML ({problem}{tab})"

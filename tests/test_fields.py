@@ -110,6 +110,28 @@ def test_what_is_no_yaml_is_named_with_its_line(tmp_path: Path, text: str, messa
     assert complaint(tmp_path, text) == message
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("lid: x\ncolour: red\nlid: y\n", ", line 3: lid is given twice (first in line 1); keep one of them"),
+        (
+            "lid: x\nbags:\n- {name: a, volume_ml: 20, volume_ml: 60}\n",
+            ", line 3: volume_ml is given twice; keep one of them",
+        ),
+    ],
+)
+def test_a_key_that_is_given_twice_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    """Of two limits the last is not taken silently: file, line and key are named."""
+    assert complaint(tmp_path, text) == message
+
+
+def test_what_is_merged_may_be_given_again(tmp_path: Path) -> None:
+    """An entry that takes another's values by `<<` may replace some of them: that is no key given twice."""
+    path = tmp_path / "box.yaml"
+    path.write_text("a: &a {name: a, volume_ml: 1}\nb: {<<: *a, name: b}\nc: *a\n")
+    assert read_yaml(path, "box")["b"] == {"name": "b", "volume_ml": 1}
+
+
 def test_bytes_are_no_yaml(tmp_path: Path) -> None:
     """A model of another kind, a picture or a log in place of a YAML file is told apart."""
     path = tmp_path / "box.yaml"

@@ -7,6 +7,8 @@ from typing import Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from labrig._yaml import TwiceError, load_yaml
+
 MAPS = Path(__file__).parent / "maps"
 MAX_MAP_BYTES = 1 << 20
 
@@ -111,10 +113,13 @@ def load_map(path: str | Path) -> RegisterMap:
     try:
         if found.stat().st_size > MAX_MAP_BYTES:
             raise RegisterMapError(f"{found}: larger than any register map")
-        data = yaml.safe_load(found.read_text(encoding="utf-8"))
+        data = load_yaml(found.read_text(encoding="utf-8"))
     except FileNotFoundError:
         names = ", ".join(sorted(file.name for file in MAPS.glob("*.yaml")))
         raise RegisterMapError(f"{given}: no such register map (labrig brings {names})") from None
+    except TwiceError as error:
+        line = f", line {error.problem_mark.line + 1}" if error.problem_mark is not None else ""
+        raise RegisterMapError(f"{found}{line}: {error.problem}") from None
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise RegisterMapError(f"{found}: cannot be read: {' '.join(str(error).split())}") from None
     try:

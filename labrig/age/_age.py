@@ -24,6 +24,8 @@ ALPHA = 0.05
 _DAY_S = 86400.0
 _LAST = 3
 _FEWEST_CAPTURES = 8
+_FEWEST_OF_A_FAILURE = 3
+"""A run that ended early and has fewer captures than this says nothing of a rig's age."""
 Progress = Callable[[int, int], None]
 
 
@@ -52,11 +54,22 @@ def read_rows(
     for number, row in enumerate(rows):
         if progress is not None:
             progress(number, len(rows))
+        if why := _says_nothing(row):
+            left_out.append({"run": row.run, "why": why})
+            continue
         try:
             read.append(read_run(folder / row.run, row.run, known, key))
         except (LabrigError, OSError) as error:
             left_out.append({"run": row.run, "why": str(error)})
     return sorted(read, key=lambda each: (each.time_s, each.run)), left_out
+
+
+def _says_nothing(row: "Row") -> str:
+    """Why a run is no part of a history: it failed before it measured much. Empty where it is one."""
+    count = row.captures or 0
+    if row.state == "completed" or row.procedure == "import" or count >= _FEWEST_OF_A_FAILURE:
+        return ""
+    return f"it ended early, after {count} capture{'s' if count != 1 else ''}"
 
 
 def prepared(folder: Path, rows: "Sequence[Row]", model: "Model") -> tuple[Known, str]:

@@ -1,11 +1,11 @@
 """validate: targets realised on a rig, and how far what came out is from them and from what was predicted."""
 
 import json
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
 from labrig.api._inputs import Place
@@ -62,9 +62,7 @@ class Validation:
         folder = Path(folder) if folder is not None else self.run
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / "validation.json"
-        partial = path.with_name(f".{path.name}.{os.getpid()}")
-        partial.write_text(json.dumps(self.summary, indent=1) + "\n", encoding="utf-8")
-        partial.replace(path)
+        write_whole(path, json.dumps(self.summary, indent=1) + "\n")
         return write_validation(self._outcomes, self.run, folder)
 
     def __repr__(self) -> str:

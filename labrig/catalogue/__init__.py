@@ -2,13 +2,14 @@
 
 from labrig.catalogue._frame import runs, write_parquet
 from labrig.catalogue._index import INDEX
-from labrig.catalogue._list import list_runs
+from labrig.catalogue._list import UNREADABLE, list_runs
 from labrig.catalogue._notes import Notes, note, read_notes, tag
 from labrig.catalogue._row import COLUMNS, Row
 
 __all__ = [
     "COLUMNS",
     "INDEX",
+    "UNREADABLE",
     "Notes",
     "Row",
     "list_runs",

@@ -11,6 +11,8 @@ from labrig.catalogue._results import Result, by_run, read_result, with_result
 from labrig.catalogue._row import Row, read_row, unreadable
 from labrig.catalogue._where import condition
 
+UNREADABLE = "unreadable: "
+"""How the notes of a run begin whose notes.yaml is damaged."""
 Progress = Callable[[int, int], None]
 
 
@@ -72,7 +74,7 @@ def _row(name: str, files: RunFiles, known: Kept | None) -> tuple[Row, bool]:
     try:
         notes = read_notes(Path(files.folder))
     except LabrigError as error:
-        return row._replace(tags=(), notes=f"unreadable: {error}"), False
+        return row._replace(tags=(), notes=f"{UNREADABLE}{error}"), False
     return row._replace(tags=tuple(notes.tags), notes="\n".join(notes.notes)), whole
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
-from labrig._durable import sync_folder
+from labrig._durable import naming, sync_folder
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._near import meant
@@ -90,7 +90,7 @@ def _changed(run: Path) -> Iterator[Notes]:
     try:
         notes = read_notes(run)
         yield notes
-        with partial.open("x", encoding="utf-8") as file:
+        with naming(run / NOTES), partial.open("x", encoding="utf-8") as file:
             yaml.safe_dump(notes.model_dump(), file, sort_keys=False, allow_unicode=True)
             file.flush()
             os.fsync(file.fileno())

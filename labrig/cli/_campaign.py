@@ -215,4 +215,7 @@ def reveal(run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder
     if not effects:
         typer.echo("nothing was hidden")
     for effect in effects:
-        typer.echo(f"{effect['name']}: {effect['amplitude']:g} {hidden.get('unit', 'mm')} rms")
+        size = f"{effect['amplitude']:g} {hidden.get('unit', 'mm')} rms"
+        typer.echo(
+            f"{effect['name']}: {size} over random set-points of the whole range; at others it is more or less"
+        )

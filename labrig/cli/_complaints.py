@@ -1,5 +1,7 @@
 """What is said of an error, in one line, and the exit code that goes with it."""
 
+import errno
+
 USAGE = 2
 UNEXPECTED = 1
 INTERRUPTED = 130
@@ -44,6 +46,8 @@ def _of_a_path(error: OSError) -> str:
         return f"{path} is a folder, where a file is needed"
     if isinstance(error, NotADirectoryError | FileExistsError):
         return f"{path}: a file is where a folder is needed; choose another name"
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return f"{path} cannot be written: {error.strerror}; make room there, or choose another place"
     return f"{path} can be neither made nor read: {error.strerror}; choose another place"
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _GROUP_ROWS = 3
 _FIRST = 3
+_ROUNDING = 1e-9
 
 
 @contextmanager
@@ -93,16 +94,27 @@ def _print_table(summary: HistoryContent) -> None:
     for quantity in _shown(summary, set(changed)):
         first, last = _ends(summary, quantity)
         sd = quantity["sd"][-1]
-        give = f" ± {sd:.2g}" if sd else ""
+        give = f" ± {_plain(sd, 2)}" if sd else ""
         key = (quantity["group"], quantity["name"])
         table.add_row(
             _labels()[quantity["group"]],
             quantity["name"],
-            f"{first:.3g}",
-            f"{last:.3g}{give} {quantity['unit']}",
+            "" if _is_first(summary, quantity) else _plain(first, 3),
+            f"{_plain(last, 3)}{give} {quantity['unit']}",
             changed.get(key, ""),
         )
     new_console().print(table)
+
+
+def _plain(value: float, digits: int) -> str:
+    """A number as a person reads it: what is nothing but rounding is 0."""
+    return "0" if abs(value) < _ROUNDING else f"{value:.{digits}g}"
+
+
+def _is_first(summary: HistoryContent, quantity: Quantity) -> bool:
+    """Whether the last run is the only one of its kind, so that there are no first ones to set beside it."""
+    kinds = [summary["runs"][number]["kind"] for number in quantity["runs"]]
+    return len(kinds) > 1 and kinds.count(kinds[-1]) == 1
 
 
 def _labels() -> dict[str, str]:

@@ -24,7 +24,10 @@ def investigate(
         list[Path] | None,
         typer.Argument(metavar="RUN...", help="Runs to begin with; else a first campaign is measured."),
     ] = None,
-    budget: Annotated[float, typer.Option(min=1.0, help="Time on the rig, min.")] = 30.0,
+    budget: Annotated[
+        float,
+        typer.Option(help="Time on the rig, min. Without RUN: enough for a first campaign, on most rigs 4."),
+    ] = 30.0,
     out: Annotated[Path, typer.Option("--out", help="Folder for runs, reports and the new model.")] = Path(
         "investigation"
     ),

@@ -132,6 +132,7 @@ def simulate(
         scan_unit=scan_unit,
     )
     plant = build_plant(content, folder)
+    plant.make_ready()  # minutes where nothing is kept yet: nobody is told to connect before
     name = str(content["name"])
     with ending_on_signals() as ended, TwinRig(plant, name, out, RealClock(), options) as twins:
         file = _write_rig(out, twins.rig, "simulate")

@@ -19,6 +19,7 @@ from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
 from labrig.cli._complaints import StoppedError
 from labrig.cli._history_steps import say_if_changed
+from labrig.cli._lost import markers_lost
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
@@ -109,7 +110,12 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     }
     if request.follow is not None:
         context[DIAGNOSED] = request.follow.to_dict()
-    _go(procedure, config, folder, request, context)
+    new = not folder.exists()
+    try:
+        _go(procedure, config, folder, request, context)
+    finally:
+        if new and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()  # it was refused before anything was measured
 
 
 def _check_new(folder: Path) -> None:
@@ -173,6 +179,8 @@ def _go(
         _run_it(procedure, config, folder, request, context, clock, adviser)
         summary = summarise(folder)
         typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
+        for line in markers_lost(folder):
+            typer.echo(f"labrig: {line}", err=True)
 
 
 def _run_it(

@@ -2,6 +2,7 @@
 
 import math
 import statistics
+import sys
 from pathlib import Path
 
 from rich.cells import cell_len
@@ -9,8 +10,9 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
-from labrig.catalogue import Row, list_runs, write_parquet
+from labrig.catalogue import UNREADABLE, Row, list_runs, write_parquet
 from labrig.cli._console import new_console
+from labrig.cli._lost import markers_lost
 from labrig.cli._places import check_file, replaced
 from labrig.cli._run_screen import duration_text
 from labrig.log import RunSummary, summarise
@@ -24,6 +26,10 @@ def print_runs(named: Path | None, where: str | None = None, parquet: Path | Non
     if parquet is not None:
         check_file(parquet, "--parquet")
     rows = _listed(folder, where)
+    for row in rows:
+        if row.notes.startswith(UNREADABLE):
+            said = row.notes.removeprefix(UNREADABLE)
+            print(f"labrig: {said}; its tags and notes are left out", file=sys.stderr)
     if not rows and not (where and list_runs(folder)):
         what = str(folder) if folder != Path() else "there is no folder runs here, and this one"
         raise LabrigError(f"{what} holds no runs; name the folder that does: labrig runs FOLDER")
@@ -124,6 +130,8 @@ def print_run(path: Path) -> None:
         console.print(f"{max(0.0, time_s):10.1f} s  {text}")
     for warning in summary.warnings:
         console.print(f"lost: {warning}")
+    for line in markers_lost(path):
+        console.print(f"markers: {line}")
 
 
 def _facts(summary: RunSummary) -> list[tuple[str, str]]:

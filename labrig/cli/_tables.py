@@ -48,7 +48,8 @@ def print_summary(summary: Summary, title: str) -> None:
         console.print(ranking)
     places = [p for p in summary["where"] if p.get("clear")][:_WHERE_ROWS]
     if places:
-        table = Table("where it fails", "", "error", "share", title="significantly above noise")
+        whose = "where the old model fails" if title == "improve" else "where it fails"
+        table = Table(whose, "", "error", "share", title="significantly above noise")
         for p in places:
             table.add_row(p["group"], p["name"], f"{p['error']:.3g} {units}", f"{p.get('share', 0.0):.0%}")
         console.print(table)

@@ -7,7 +7,7 @@ import typer
 
 from labrig._errors import LabrigError
 from labrig.cli._app import app
-from labrig.cli._places import check_folder
+from labrig.cli._places import check_file
 from labrig.cli._signals import ending_on_signals
 
 _RUN = "A run folder, an .mcap log, an .rrd recording, or a folder that `labrig demo` made."
@@ -38,7 +38,7 @@ def show(run: Path, model: Path | None, save: Path | None, web: bool) -> None:
     if save is not None:
         if save.exists():
             raise LabrigError(f"{save} exists already; choose another name for the recording")
-        check_folder(save.parent, "--save")
+        check_file(save, "--save")
         _record(run, model, save)
         typer.echo(f"recording: {save}")
         return

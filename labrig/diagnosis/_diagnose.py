@@ -41,7 +41,7 @@ from labrig.diagnosis._verdict import (
     with_unseen,
 )
 from labrig.diagnosis._where import where
-from labrig.effects import Effect
+from labrig.effects import Effect, without_failing
 from labrig.model import Model
 
 if TYPE_CHECKING:
@@ -82,11 +82,16 @@ def diagnose(
     Raises:
         LabrigError: the runs and the model do not fit together, in their units too.
     """
-    ready = prepared(rows_from(runs), model)
-    effects = {n: e for n, e in model.library().items() if n not in without}
-    ready, observations, design = laid_out(ready, effects)
-    verdict = verdict_on(ready, observations, design, effects, tolerance)
-    result = result_of(ready, observations, verdict, model, effects)
+    ready, library = prepared(rows_from(runs), model), model.library()
+
+    def attempt(failing: Collection[str]) -> Result:
+        effects = {n: e for n, e in library.items() if n not in without and n not in failing}
+        own, observations, design = laid_out(ready, effects)
+        verdict = verdict_on(own, observations, design, effects, tolerance)
+        return result_of(own, observations, verdict, model, effects)
+
+    result, failed = without_failing(attempt, {entry.name for entry in model.file.effects})
+    result.summary["warnings"] += failed
     named = about(runs, model)
     result.summary["runs"], result.summary["model"] = named["runs"], named["model"]
     return result
@@ -96,9 +101,13 @@ def considered(
     runs: "Sequence[Dataset] | Dataset", model: Model, without: Collection[str] = ()
 ) -> tuple[Considered, ...]:
     """What is said of every effect, surest first; without formulas, errors and pictures."""
-    effects = {n: e for n, e in model.library().items() if n not in without}
-    laid = laid_out(prepared(rows_from(runs), model), effects)
-    return verdict_on(*laid, effects).considered
+    ready, library = prepared(rows_from(runs), model), model.library()
+
+    def attempt(failing: Collection[str]) -> tuple[Considered, ...]:
+        effects = {n: e for n, e in library.items() if n not in without and n not in failing}
+        return verdict_on(*laid_out(ready, effects), effects).considered
+
+    return without_failing(attempt, {entry.name for entry in model.file.effects})[0]
 
 
 def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations, Design | None]:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._errors import LabrigError
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import capture_means
@@ -37,8 +38,11 @@ def clean(context: Context) -> tuple[Floats, int]:
     Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has low rank, a
     mistaken marker has not); with few, against the neighbours along the campaign. Rows, rows within their holds (where
     noise is smaller) and captures are looked at in turn, since a mistake may last for a whole hold or for one frame.
-    What is borne out stays.
+    What is borne out stays. Raises `LabrigError` where nothing is left to compare, as where all markers are swapped.
     """
+    if not np.isfinite(context.residual).any():
+        why = ("the model predicts nothing of what was measured", *context.rows.warnings)[-1]
+        raise LabrigError(f"nothing is left of the run that could be compared: {why}")
     return _clean(context.residual, moments_of(context))
 
 

@@ -6,6 +6,7 @@ from labrig.effects._family import Feature, Space, acting, field, motion_scale, 
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._forms import plain_forms
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
+from labrig.effects._own import without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import USER_FOLDER, get, library
@@ -69,6 +70,7 @@ __all__ = [
     "to_rows",
     "weighable",
     "weighted",
+    "without_failing",
     "without_value",
     "write_template",
 ]

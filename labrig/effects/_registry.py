@@ -10,7 +10,8 @@ from pathlib import Path
 
 from labrig._errors import LabrigError
 from labrig._near import meant
-from labrig.effects._effect import Effect
+from labrig.effects._effect import Effect, Parameter
+from labrig.effects._own import checked
 
 USER_FOLDER = "effects"
 """A folder of this name beside the model file, or where labrig is called, holds the user's own effects."""
@@ -37,7 +38,11 @@ def library(*folders: Path) -> dict[str, Effect]:
     for folder in dict.fromkeys([Path.cwd(), *folders]):
         for file in sorted((folder / USER_FOLDER).glob("*.py")):
             if not file.name.startswith("_"):
-                for effect in _effects_in(_load(file)):
+                for effect in _effects_in(_load(file), file):
+                    if effect.name in shipped():
+                        raise LabrigError(
+                            f"{file}: labrig has an effect named {effect.name!r} already; give yours another name"
+                        )
                     found[effect.name] = effect
     return found
 
@@ -65,7 +70,7 @@ def _load(file: Path) -> object:
     return module
 
 
-def _effects_in(module: object) -> list[Effect]:
+def _effects_in(module: object, file: Path | None = None) -> list[Effect]:
     classes = [
         c
         for _, c in inspect.getmembers(module, inspect.isclass)
@@ -77,4 +82,8 @@ def _effects_in(module: object) -> list[Effect]:
         for name in ("name", "meaning", "acts_on", "parameters", "reference", "signature", "experiment"):
             if not hasattr(c, name):
                 raise LabrigError(f"{inspect.getfile(c)}: the effect {c.__name__} does not say its {name!r}")
-    return [c() for c in classes]
+        if not all(isinstance(p, Parameter) for p in c.parameters):
+            raise LabrigError(
+                f"{inspect.getfile(c)}: the effect {c.__name__}: `parameters` are no Parameters"
+            )
+    return [c() if file is None else checked(c, file)() for c in classes]

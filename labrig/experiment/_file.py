@@ -5,6 +5,7 @@ from pathlib import Path
 
 import yaml
 
+from labrig._durable import write_whole
 from labrig.contents import ProgrammePoint
 from labrig.experiment._propose import Experiment
 
@@ -22,9 +23,7 @@ def write_procedure(experiment: Experiment, points: Sequence[ProgrammePoint], pa
         "points:",
     ]
     lines += [f"- {_flow(point)}" for point in points]
-    partial = path.with_name(path.name + ".part")
-    partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, "\n".join(lines) + "\n")
 
 
 def _flow(point: ProgrammePoint) -> str:

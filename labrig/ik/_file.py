@@ -1,12 +1,12 @@
 """Solved targets as a file of plain values."""
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from labrig._durable import write_whole
 from labrig.ik._batch import Solved
 from labrig.shape_contents import SolvedTarget, UnsolvedTarget
 
@@ -14,9 +14,7 @@ from labrig.shape_contents import SolvedTarget, UnsolvedTarget
 def write_solved(solved: Sequence[Solved], model: str | Path, path: Path) -> None:
     """Write all results as JSON, in one piece or not at all: pressures in kPa, distances in mm, or what was wrong."""
     content = {"model": str(model), "targets": [_entry(one) for one in solved]}
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, json.dumps(content, indent=1) + "\n")
 
 
 def _entry(one: Solved) -> SolvedTarget | UnsolvedTarget:

@@ -31,7 +31,12 @@ def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
     if not listed:
         return shell
     if len(listed) != len(shell.chamber_names):
-        other = "" if "shell" in (rig.get("simulated") or {}) else "; simulated.shell names another shell"
+        section = rig.get("simulated") or {}
+        other = (
+            ""
+            if "shell" in section
+            else "; name a shell with as many chambers: simulated: {shell: FILE.yaml}"
+        )
         raise LabrigError(
             f"rig: chambers: shell '{shell.name}' has {len(shell.chamber_names)}, the rig names {len(listed)}{other}"
         )

@@ -109,7 +109,7 @@ class RigConfig(_Section):
                 "a device is simulated, so a section `simulated` is needed (seed, noise_mm, ...)"
             )
         if self.simulated is not None:
-            _check_simulated(self.simulated, self.chambers, self.folder)
+            _check_simulated(self.simulated, self.chambers, self.folder, simulated)
         return self
 
     @property
@@ -130,8 +130,13 @@ class RigConfig(_Section):
 _SIMULATED = ("surface", "shell", "plant", "seed", "noise_mm", "repeatability_mm", "occlusion", "hidden")
 
 
-def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, ...], folder: Path) -> None:
-    """Raise `ValueError` for a name that means nothing, and for a shell or a plant that cannot be made."""
+def _check_simulated(
+    simulated: dict[str, Any], chambers: tuple[ChamberConfig, ...], folder: Path, used: bool
+) -> None:
+    """Raise `ValueError` for a name that means nothing, and for a shell or a plant that cannot be made.
+
+    `used`: a device is simulated; otherwise the section may as well go.
+    """
     for name in simulated:
         if name not in _SIMULATED:
             hint = meant(name, _SIMULATED) or f"; there are {', '.join(_SIMULATED)}"
@@ -152,7 +157,8 @@ def _check_simulated(simulated: dict[str, Any], chambers: tuple[ChamberConfig, .
     try:
         plant_shell(content, folder)
     except LabrigError as error:
-        raise ValueError(str(error).removeprefix("rig: ")) from None
+        rest = "" if used else "; no device is simulated, so the section `simulated` may go"
+        raise ValueError(str(error).removeprefix("rig: ") + rest) from None
 
 
 def load_rig(path: str | Path) -> RigConfig:

@@ -1,8 +1,6 @@
 """Turns a rig's description into connected devices."""
 
 import importlib
-import importlib.util
-import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,6 +8,8 @@ from typing import Any
 from labrig._errors import LabrigError
 from labrig.rig._config import DeviceConfig, RigConfig
 from labrig.rig._guard import GuardedPressure
+from labrig.rig._markers import twice
+from labrig.rig._own_device import own_maker
 from labrig.rig._rig import Rig
 from labrig_drivers import Clock, Device, RealClock, build_device
 
@@ -47,6 +47,10 @@ def connect(
             devices[role] = make()
             devices[role].connect()
         identity = {role: device.identify() for role, device in devices.items()}
+        if "mocap" in devices and (name := twice(tuple(devices["mocap"].marker_names))) is not None:
+            raise LabrigError(
+                f"rig {config.name}: mocap names the marker {name} twice; give each a name of its own there"
+            )
     except BaseException:
         _close(devices)
         raise
@@ -85,7 +89,7 @@ def _makers(config: RigConfig, clock: Clock, simulated: "_Simulated") -> dict[st
 def device_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Clock) -> Callable[[], Any]:
     """A function that makes one device that is not simulated in this process."""
     if device.kind == "python":
-        return _users_maker(config, role, device, clock)
+        return own_maker(config, role, device, clock)
     if device.kind not in _KINDS[role]:
         known = ", ".join([*_KINDS[role], "simulated", "python"])
         raise LabrigError(f"rig {config.name}: {role}: no kind {device.kind!r}; there are {known}")
@@ -98,36 +102,6 @@ def device_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Cloc
         marker_names=config.markers,
         base=config.folder,
     )
-
-
-def _users_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Clock) -> Callable[[], Any]:
-    """Makes a user's device: its class gets `name`, `clock`, `channels` or `marker_names`, and its options."""
-    kind = _users_class(config, role, device)
-    accepted = inspect.signature(kind).parameters
-    offered = {"name": role, "clock": clock, "channels": config.channels, "marker_names": config.markers}
-    options = {key: value for key, value in device.options.items() if key not in ("file", "class")}
-    arguments = {key: value for key, value in offered.items() if key in accepted} | options
-    try:
-        inspect.signature(kind).bind(**arguments)
-    except TypeError as error:
-        raise LabrigError(f"rig {config.name}: {role} ({device.kind}): {error}") from None
-    return lambda: kind(**arguments)
-
-
-def _users_class(config: RigConfig, role: str, device: DeviceConfig) -> Any:
-    """The class that `{kind: python, file: my_valve.py, class: MyValve}` names."""
-    options = device.options
-    if not isinstance(options.get("file"), str) or not isinstance(options.get("class"), str):
-        raise LabrigError(f"rig {config.name}: {role}: kind python needs `file` (a .py file) and `class`")
-    path = config.folder / options["file"]
-    spec = importlib.util.spec_from_file_location(f"labrig_device_{path.stem}", path)
-    if spec is None or spec.loader is None or not path.is_file():
-        raise LabrigError(f"rig {config.name}: {role}: there is no file {path}")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    if not hasattr(module, options["class"]):
-        raise LabrigError(f"rig {config.name}: {role}: {path} has no class {options['class']}")
-    return getattr(module, options["class"])
 
 
 class _Simulated:

@@ -1,11 +1,11 @@
 """The reports of `labrig next` and `labrig investigate`: HTML pages of the same kind as a diagnosis."""
 
-import os
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import cast
 
+from labrig._durable import write_whole
 from labrig.contents import Confirmation, InvestigationContent, ProgrammePoint, Proposed, Round, Summary
 from labrig.view._figures import Figure
 from labrig.view._naming import names_in_short
@@ -193,10 +193,5 @@ def programme_figure(programme: Sequence[ProgrammePoint], units: str) -> Figure:
 def _write(page: Page, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / REPORT_NAME
-    temporary = folder / f".{REPORT_NAME}.{os.getpid()}"
-    try:
-        temporary.write_text(page.html(), encoding="utf-8")
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_whole(path, page.html())
     return path

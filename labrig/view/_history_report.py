@@ -1,5 +1,6 @@
 """The report of `labrig history`: an HTML page of what changed, when, and how everything went over the runs."""
 
+from collections import Counter
 from html import escape
 from pathlib import Path
 
@@ -61,10 +62,13 @@ def history_headline(content: HistoryContent) -> str:
     """What came out, in a sentence."""
     changes, count = content["changes"], len(content["runs"])
     if not changes:
-        few = count < 4
+        again = _repeating(content)
+        which = (
+            f", {again or 'none'} of which repeat{'s' if not again else ''} a programme" if count >= 4 else ""
+        )
         return (
-            f"{_runs(count)} of {content['rig']}: a change shows from the fourth on."
-            if few
+            f"{_runs(count)} of {content['rig']}{which}: a change shows from the fourth on."
+            if again < 4
             else f"Nothing on {content['rig']} has changed by more than chance in {_runs(count)}."
         )
     said = str(min(reversed(changes), key=lambda change: _TOLD_FIRST.index(change["group"]))["words"])
@@ -74,6 +78,12 @@ def history_headline(content: HistoryContent) -> str:
     )
 
 
+def _repeating(content: HistoryContent) -> int:
+    """How many runs there are of programmes that were run more than once: only these can be compared."""
+    counts = Counter(run["kind"] for run in content["runs"])
+    return sum(count for count in counts.values() if count > 1)
+
+
 def _runs(count: int) -> str:
     return "1 run" if count == 1 else f"{count} runs"
 
@@ -81,6 +91,12 @@ def _runs(count: int) -> str:
 def history_notes(content: HistoryContent) -> list[str]:
     """What to keep in mind: runs that were left out, and what one run shows that no other confirms."""
     notes = [f"{each['run']} is left out: {each['why']}" for each in content["left_out"]]
+    kinds = [run["kind"] for run in content["runs"]]
+    if len(kinds) > 1 and kinds.count(kinds[-1]) == 1:
+        notes.append(
+            f"the last run is the first of its programme ({content['runs'][-1]['procedure']}): there is none before it "
+            "that it could be compared with"
+        )
     if content["unconfirmed"]:
         notes.append(
             f"the last run alone shows a change, one more will tell: {', '.join(content['unconfirmed'])}"

@@ -1,6 +1,5 @@
 """The report of inverse kinematics: pressures, error maps, and what stays out of reach, in one HTML file."""
 
-import os
 from collections.abc import Sequence
 from datetime import datetime
 from html import escape
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig._durable import write_whole
 from labrig.view._page import Page, bar, table
 from labrig.view._shape_figures import histogram, signed_map
 from labrig.view._text import counted, number
@@ -31,12 +31,7 @@ def write_ik_report(solved: Sequence["Solved"], model: str, folder: str | Path) 
 
 def write_page(page: Page, path: Path) -> Path:
     """Write a page under another name first, so that a report is never half a report."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        temporary.write_text(page.html(), encoding="utf-8")
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_whole(path, page.html())
     return path
 
 

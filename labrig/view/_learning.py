@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from labrig._durable import write_whole
 from labrig.arrays import Floats
 from labrig.view._page import Page, table
 from labrig.view._style import AFTER, BEFORE, ERROR_SCALE, GROUPS, INK, MUTED, PAPER
@@ -45,9 +46,7 @@ def write_learning(learning: Learning, folder: str | Path) -> Path:
         page.section("Notes")
         page.add("".join(f"<p>{escape(line)}</p>" for line in learning.notes))
     path = folder / "report.html"
-    partial = folder / f".report.{os.getpid()}"
-    partial.write_text(page.html(), encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, page.html())
     return path
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig._errors import LabrigError
 from labrig.view._colours import floor_for_colours, rgb
 from labrig.view._fields import (
     Cloud,
@@ -38,7 +39,8 @@ ARROW_SHARE = 0.2  # of the surface's size, that the longest arrows take
 def write_recording(source: "Result | xr.Dataset", path: str | Path) -> Path:
     """Write a result, or a run as `labrig.open_run` gives it, as an .rrd recording; returns its path.
 
-    It is written under another name first, so that a recording is never half a recording.
+    It is written under another name first, so that a recording is never half a recording. Raises `LabrigError` where
+    the disk is full.
     """
     from labrig.view._rerun import Recording
 
@@ -51,6 +53,11 @@ def write_recording(source: "Result | xr.Dataset", path: str | Path) -> Path:
         draw(recording, source)
         recording.close()
         temporary.replace(path)
+    except RuntimeError as error:  # as rerun says what the system says
+        if "os error" not in str(error):
+            raise
+        said = str(error).rpartition("Failed to write: ")[2].partition(" (os error")[0]
+        raise LabrigError(f"the recording {path} cannot be written: {said}; make room there") from error
     finally:
         temporary.unlink(missing_ok=True)
     return path

@@ -1,13 +1,13 @@
 """The report of a diagnosis: one HTML file that reads like a colleague's note."""
 
 import math
-import os
 import re
 from datetime import datetime
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labrig._durable import write_whole
 from labrig.contents import Summary
 from labrig.view import _figures
 from labrig.view._colours import floor_for_colours
@@ -53,12 +53,7 @@ def write_report(result: "Result", folder: str | Path) -> Path:
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / REPORT_NAME
-    temporary = folder / f".{REPORT_NAME}.{os.getpid()}"
-    try:
-        temporary.write_text(report_html(result), encoding="utf-8")
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_whole(path, report_html(result))
     return path
 
 

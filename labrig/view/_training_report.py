@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.special import erf
 
+from labrig._durable import write_whole
 from labrig.surface import grid
 from labrig.view._learning import Learning, draw_lines, draw_maps, write_learning
 
@@ -140,6 +141,4 @@ def _untouched(model: "WarpedModel", pressure: Any, uv: Any) -> Any:
 
 
 def _write_json(path: Path, content: Any) -> None:
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, json.dumps(content, indent=1) + "\n")

@@ -49,6 +49,17 @@ def test_runs_are_lines(labrig: Run) -> None:
     assert [line.index("completed") for line in (monday, tuesday)] == [head.index("state")] * 2
 
 
+def test_notes_that_are_damaged_are_said(labrig: Run, shelf: Path) -> None:
+    """A listing without a run's tags says so on the error stream, with the file, the line and what is wrong."""
+    (shelf / "monday" / "notes.yaml").write_text("tags: good\n")
+    code, out, err = labrig("runs")
+    assert code == 0
+    assert len(out.splitlines()) == 3
+    file = Path("runs/monday/notes.yaml")
+    said = f"labrig: {file}, line 1: tags: should be a list, not 'good'; its tags and notes are left out\n"
+    assert err == said
+
+
 def test_what_is_said_of_a_run_is_listed(labrig: Run, shelf: Path, make_result) -> None:
     """Tags, notes and results stand behind the state; a long note is shortened."""
     monday = str(Path("runs/monday"))

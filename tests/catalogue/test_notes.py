@@ -131,16 +131,17 @@ def test_a_writer_that_is_killed_holds_nobody_up_for_long(
 
 
 def test_a_disk_that_is_full_leaves_the_old_file(shelf: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is written by half."""
+    """Nothing is written by half, and the error names the file."""
     tag(shelf / "monday", ["first"])
 
     def full(number: int) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(OSError, match="No space left") as caught:
         tag(shelf / "monday", ["second"])
     monkeypatch.undo()
+    assert caught.value.filename == str(shelf / "monday" / "notes.yaml")
     assert read_notes(shelf / "monday").tags == ["first"]
     assert not list((shelf / "monday").glob("*.partial"))
 

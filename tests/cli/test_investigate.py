@@ -26,6 +26,13 @@ def test_a_budget_that_is_too_small(lab, labrig: Run) -> None:
     assert not (folder / "investigation").exists()
 
 
+def test_help_does_not_allow_what_is_refused(labrig: Run) -> None:
+    """No lowest budget is named that a first campaign could not be made of."""
+    out = labrig("investigate", "--help")[1]
+    assert "x>=1.0" not in out
+    assert "on most rigs 4" in " ".join(out.replace("│", " ").split())
+
+
 @pytest.mark.slow
 def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     lab, labrig: Run, monkeypatch: pytest.MonkeyPatch

@@ -113,6 +113,10 @@ def test_a_file_that_cannot_be_written(desk: Path, labrig: Run, words: tuple[str
             PermissionError(errno.EACCES, "Permission denied", "a"),
             "a can be neither made nor read: Permission denied; choose another place",
         ),
+        (
+            OSError(errno.ENOSPC, "No space left on device", "out/compare.json"),
+            "out/compare.json cannot be written: No space left on device; make room there, or choose another place",
+        ),
         (OSError(errno.ENOSPC, "No space left on device"), "No space left on device; --debug says where"),
     ],
 )

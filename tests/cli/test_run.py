@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -84,7 +85,11 @@ def test_a_campaign_is_run_and_looked_at(lab: Path, labrig: Run) -> None:
     assert "captures    4 of 4" in out
     assert "12 (4 actuate, 4 settle, 4 record)" in out
     assert "mm/s at the end of the settle (median)" in out
-    assert labrig("reveal", "one") == (0, "creep: 1 mm rms\n", "")
+    assert labrig("reveal", "one") == (
+        0,
+        "creep: 1 mm rms over random set-points of the whole range; at others it is more or less\n",
+        "",
+    )
 
 
 def test_the_default_folder_is_new_each_time(lab: Path, labrig: Run) -> None:
@@ -288,6 +293,19 @@ def test_a_damaged_run_is_recovered(lab: Path, labrig: Run) -> None:
         "",
         "labrig: one-recovered exists already; choose another name or remove it\n",
     )
+
+
+def test_a_run_that_is_refused_leaves_no_folder(
+    lab: Path, labrig: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the disk has no room for it, nothing is measured, and the folder that was not there is not there."""
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=0))
+    words = ("run", "capture", "--rig", "rig.yaml", "--captures", "4", "--out")
+    assert labrig(*words, "one")[0] == 2
+    assert not (lab / "one").exists()
+    (lab / "two").mkdir()
+    assert labrig(*words, "two")[0] == 2
+    assert (lab / "two").is_dir()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits a file's size as POSIX does")

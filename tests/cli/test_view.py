@@ -42,6 +42,15 @@ def test_a_recording_is_taken_as_it_is(tmp_path, capsys):
     assert saved.read_bytes() == b"recorded"
 
 
+def test_a_folder_that_is_not_there_is_not_made(tmp_path, capsys):
+    """A misspelt folder for the recording is refused, and is not there afterwards."""
+    (tmp_path / "demo.rrd").write_bytes(b"recorded")
+    saved = tmp_path / "none" / "saved.rrd"
+    expected = f"labrig: {saved}: the folder {saved.parent} does not exist\n"
+    assert view(capsys, tmp_path, "--save", saved) == (2, "", expected)
+    assert not saved.parent.exists()
+
+
 def test_a_folder_without_a_run(tmp_path, capsys):
     """A folder that holds no log is told apart from a run, and no recording is left."""
     code, out, err = view(capsys, tmp_path, "--save", tmp_path / "saved.rrd")

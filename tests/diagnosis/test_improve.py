@@ -139,6 +139,7 @@ def test_from_measurements_to_a_better_model_by_commands(make_lab, labrig, monke
     code, out, err = labrig("compare", "run", "--model", "model.yaml", "--out", "c")
     assert (code, err) == (0, "")
     assert "where it fails" in out
+    assert "old model" not in out
     before = json.loads(Path("c/compare.json").read_text())
     assert set(before) == {"units", "error", "where", "floor", "warnings", "runs", "model"}
     code, out, err = labrig("diagnose", "run", "--model", "model.yaml", "--out", "d")
@@ -162,6 +163,7 @@ def test_from_measurements_to_a_better_model_by_commands(make_lab, labrig, monke
     code, out, err = labrig(*words)
     assert (code, err) == (0, "")
     assert out.endswith("new model: new.yaml\n")
+    assert "where the old model fails" in out
     assert Path("model.yaml").read_text() == old
     new = yaml.safe_load(Path("new.yaml").read_text())
     assert new["base"] == yaml.safe_load(old)["base"]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from labrig import LabrigError
 from labrig.diagnosis import diagnose, prepared, rows_from
 from labrig.diagnosis._swapped import _exchanged
 from tests.laws import power_law, strut
@@ -53,6 +54,19 @@ def test_names_that_are_always_wrong(make_lab) -> None:
     gone, said = lost(lab, renamed(lab.predict(lab.u) + lab.noise(), list(range(30)), {0: 6, 6: 0}))
     assert gone == {0: list(range(30)), 6: list(range(30))}
     assert said[0].startswith("m0 and m6 have each other's names in 30 captures (0, 1, 2, 3, ...): ")
+
+
+def test_names_that_are_all_wrong_leave_nothing_to_compare(make_lab) -> None:
+    """Where every marker has another's name in every capture, that is said, and what to do."""
+    lab = make_lab(captures=12, markers=12)
+    back = {m: 11 - m for m in range(12)}
+    values = renamed(lab.predict(lab.u) + lab.noise(), list(range(12)), back)
+    with pytest.raises(LabrigError) as caught:
+        diagnose(lab.dataset(values), lab.model())
+    assert str(caught.value).startswith(
+        "nothing is left of the run that could be compared: m0, m1, m2, m3 and "
+    )
+    assert str(caught.value).endswith("left out there; label them again")
 
 
 @pytest.mark.parametrize("law", [None, power_law, strut])

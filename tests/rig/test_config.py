@@ -145,6 +145,7 @@ class Mine:
     def vent(self, timeout_s=10.0):
         LOG.append(f"{self.name} vented")
         return VentReport(np.zeros(2), 0.0)
+    def frames(self): return []
     def close(self): LOG.append(f"{self.name} closed")
 
 class Silent(Mine):
@@ -163,7 +164,7 @@ def test_a_users_own_device_is_connected_and_vented_before_it_is_closed(tmp_path
     """A class in a file beside rig.yaml is a device; leaving the rig vents it, then closes it."""
     with connect(_mine(tmp_path), SimulatedClock()) as rig:
         assert rig.identity == {"pressure": Identity("pressure", "mine", "made at home")}
-        log = type(rig.pressure).vent.__globals__["LOG"]
+        log = type(rig.pressure.device).vent.__globals__["LOG"]
         assert log == ["pressure opened"]
     assert log == ["pressure opened", "pressure vented", "pressure closed"]
 
@@ -211,3 +212,15 @@ def test_a_devices_settings_are_checked_with_the_file(tmp_path: Path, text: str,
         load_rig(path)
     assert str(caught.value).startswith(f"{path}")
     assert said in str(caught.value)
+
+
+def test_a_section_of_no_use_says_that_it_may_go(tmp_path: Path) -> None:
+    """`simulated` beside devices of one's own names a shell that does not fit: name another, or leave it out."""
+    path = tmp_path / "rig.yaml"
+    path.write_text(yaml.safe_dump({**GOOD, "simulated": {"seed": 1}}))
+    with pytest.raises(LabrigError) as caught:
+        load_rig(path)
+    assert str(caught.value).endswith(
+        "shell 'mannequin' has 9, the rig names 2; name a shell with as many chambers: simulated: {shell: FILE.yaml}; "
+        "no device is simulated, so the section `simulated` may go"
+    )

@@ -328,7 +328,7 @@ def test_a_campaign_is_captured_on_it(cache, tmp_path):
         ({"shell": "nobody"}, "cannot read the shell nobody"),
         ({"shell": 3}, "simulated.shell: the name of a shell, a file, or the content of one is needed"),
         ({"shell": "mannequin"}, "chambers: shell 'mannequin' has 9, the rig names 4"),
-        ({"seed": 1}, "shell 'mannequin' has 9, the rig names 4; simulated.shell names another shell"),
+        ({"seed": 1}, "shell 'mannequin' has 9, the rig names 4; name a shell with as many chambers: simulated: {"),
         ({"shell": "membrane4", "plant": {"mesh": 3}}, "simulated.plant: there is no 'mesh' (it has count, "),
         ({"shell": "membrane4", "plant": 3}, "simulated.plant: not a mapping"),
         ({"shell": "membrane4", "plant": {"count": 3}}, "simulated.plant: count: [34, 34], spread: 0 to 0.3, vary"),

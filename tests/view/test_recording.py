@@ -9,7 +9,8 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from labrig.view import screenshot, write_recording
+from labrig import LabrigError
+from labrig.view import _recording, screenshot, write_recording
 from labrig.view._colours import rgb
 from labrig.view._fields import residuals, rms
 from labrig.view._legend import legend_picture
@@ -166,3 +167,19 @@ def test_the_legend_has_the_scale_and_every_chamber(chambers):
     for colour in [*CHAMBER_COLOURS[:chambers], *(colour for _, colour in ERROR_SCALE)]:
         assert np.abs(seen - rgb(colour)).max(axis=1).min() <= 6, colour
     assert len(legend_picture(None, "", ["c1"])) < len(picture)
+
+
+def test_a_disk_that_is_full_is_one_line(tmp_path, monkeypatch):
+    """What rerun says of it becomes an error with the recording's name, and nothing is left of the recording."""
+
+    def full(*_):
+        raise RuntimeError("Failed to encode: Failed to write: No space left on device (os error 28)")
+
+    monkeypatch.setattr(_recording, "draw", full)
+    with pytest.raises(LabrigError) as caught:
+        write_recording(xr.Dataset(), tmp_path / "run.rrd")
+    path = tmp_path / "run.rrd"
+    assert str(caught.value) == (
+        f"the recording {path} cannot be written: No space left on device; make room there"
+    )
+    assert list(tmp_path.iterdir()) == []

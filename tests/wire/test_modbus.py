@@ -389,3 +389,11 @@ def test_a_misspelt_name_in_a_map_says_what_was_meant(tmp_path):
     with pytest.raises(RegisterMapError) as caught:
         load_map(path)
     assert str(caught.value) == f"{path}: kpa_per_counts: there is no such field; did you mean kpa_per_count?"
+
+
+def test_a_register_that_a_map_names_twice_is_refused(tmp_path):
+    """The last of two addresses is not taken silently: the line and the key are named."""
+    path = tmp_path / "map.yaml"
+    path.write_text("name: x\nkpa_per_count: 0.1\nkpa_per_count: 1\n")
+    with pytest.raises(RegisterMapError, match=r"line 3: kpa_per_count is given twice \(first in line 2\)"):
+        load_map(path)

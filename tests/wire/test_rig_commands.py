@@ -9,8 +9,10 @@ import time
 import pytest
 import yaml
 
+from labrig.cli import main
 from labrig.rig import device_makers, parse_rig
 from labrig_drivers import DeviceError, RealClock
+from labrig_drivers import simulated as simulated_devices
 from labrig_drivers._check import check_devices
 from labrig_drivers.simulated._twins import TwinOptions, TwinRig
 
@@ -210,6 +212,26 @@ def test_check_of_a_dead_rig_has_exit_code_3(tmp_path):
         "server running?)\n"
     )
     assert time.monotonic() - began < 60
+
+
+def test_ready_is_said_when_it_is(tmp_path, monkeypatch, capsys):
+    """What takes minutes on a new computer, the shapes, is worked out before a port is open and `ready` is said."""
+    done = []
+    enter, build = TwinRig.__enter__, simulated_devices.build_plant
+
+    def built(*arguments):
+        plant = build(*arguments)
+        shape_mm = plant._surface.shape_mm
+        plant._surface.shape_mm = lambda deflection: (done.append("shapes"), shape_mm(deflection))[1]
+        return plant
+
+    monkeypatch.setattr(simulated_devices, "build_plant", built)
+    monkeypatch.setattr(TwinRig, "__enter__", lambda twins: (done.append("ports"), enter(twins))[1])
+    words = ("rig", "simulate", "-o", str(tmp_path / "sim"), "--surface", "membrane", "--seconds", "0")
+    with pytest.raises(SystemExit):
+        main(list(words))
+    assert done[:2] == ["shapes", "ports"]
+    assert "ready; Ctrl-C ends it" in capsys.readouterr().out
 
 
 def test_simulate_does_not_overwrite_a_persons_rig(tmp_path):

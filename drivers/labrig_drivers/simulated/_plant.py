@@ -113,6 +113,11 @@ class SimulatedPlant:
             self._engine.command(now_s, target)
             self._unseen.append((now_s, target))
 
+    def make_ready(self) -> None:
+        """Work out what takes long about any shape at all, so that the first that is asked for does not wait for it."""
+        with self._eyes:
+            self._surface.shape_mm(np.zeros((1, len(self.channels))))
+
     def prepare(self, pressure_kpa: ArrayLike) -> None:
         """Work out what takes long about set-points (C,), kPa, before it is asked for; any thread may."""
         if self._attention is not None:

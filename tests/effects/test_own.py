@@ -1,0 +1,110 @@
+"""Effects in files of people's own: what is wrong with them is said with its place, and a diagnosis goes on."""
+
+from pathlib import Path
+
+import pytest
+
+from labrig._errors import LabrigError
+from labrig.diagnosis import diagnose
+from labrig.effects import Effect, get, library, rows_of
+
+HEAD = '''"""Boom: breaks."""
+
+from labrig.effects import Effect, Parameter, Term, Variant
+import numpy as np
+
+
+class Boom(Effect):
+    name = "boom"
+    meaning = reference = signature = experiment = "x"
+    acts_on = "pressure"
+    parameters = (Parameter("amplitude", "1", -1.0, 1.0, meaning="x"),)
+
+    def variants(self, context):
+        u = context.rows.actuation
+'''
+FINE = 'yield Variant("a", (Term.common("amplitude", u * context.rows.fraction**3),))'
+TERM = "form 'a': the term of "
+
+
+@pytest.fixture(autouse=True)
+def _desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def written(body: str, name: str = "boom") -> Path:
+    """The file of an effect with this last line."""
+    file = Path("effects") / f"{name}.py"
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(f"{HEAD.replace('boom', name)}        {body}\n", encoding="utf-8")
+    return file
+
+
+def forms(effect: Effect, lab) -> list:
+    """The forms that it yields on a small run."""
+    rows = rows_of(lab.dataset(lab.predict(lab.u) + lab.noise()))
+    return list(effect.variants(lab.model().context(rows)))
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("raise KeyError('temperature')", "boom.py, line 15: Boom.variants: KeyError: 'temperature'"),
+        (FINE.replace("amplitude", "amplitud"), f"{TERM}'amplitud' has a coefficient that is none of its"),
+        (
+            FINE.replace("u *", "np.nan * u *"),
+            f"{TERM}'amplitude' is not finite in 36 of 36 rows; yield no form",
+        ),
+        (
+            'yield Variant("a", (Term.common("amplitude", u[:, :1]),))',
+            f"{TERM}'amplitude' has shape (36, 1, 1), where (36, 3, q) is needed: rows, chambers, columns",
+        ),
+        (
+            'yield Variant("a", (Term("amplitude", "patern", u),))',
+            f"{TERM}'amplitude' is of kind 'patern'; there are pressure, pattern, frame, field",
+        ),
+        ('yield Variant("a", (u,))', "form 'a': a term is a ndarray, where a Term is needed"),
+        ("yield u", "yields a ndarray, where a Variant is needed"),
+        (
+            FINE.replace("3),))", '3),), {"tau_s": 3.0})'),
+            "form 'a': 'tau_s' is none of its parameters (amplitude)",
+        ),
+    ],
+)
+def test_what_an_own_effect_does_wrong_is_said(make_lab, body: str, said: str) -> None:
+    """The file, the method, the form and the term are named: it is no bug of labrig's, and nothing vanishes."""
+    written(body)
+    with pytest.raises(LabrigError) as caught:
+        forms(get("boom"), make_lab(captures=12))
+    message = str(caught.value)
+    assert message.startswith("effect 'boom': boom.py")
+    assert said in message
+    assert "\n" not in message
+
+
+def test_a_diagnosis_goes_on_without_an_effect_that_fails(make_lab) -> None:
+    """One file with a mistake does not keep the library from its answer; a warning says that it is left out."""
+    written("raise KeyError('temperature')")
+    lab = make_lab(captures=12)
+    found = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model())
+    assert found.summary["verdict"] == "nothing_missing"
+    line = next(w for w in found.summary["warnings"] if "boom" in w)
+    assert line == ("effect 'boom': boom.py, line 15: Boom.variants: KeyError: 'temperature'; it is left out")
+
+
+def test_an_effect_that_does_nothing_wrong_is_as_it_was(make_lab) -> None:
+    """Its forms are its own, and its source is found."""
+    written(FINE)
+    effect = get("boom")
+    assert [variant.key for variant in forms(effect, make_lab(captures=12))] == ["a"]
+    assert type(effect).family is Effect.family
+
+
+def test_a_name_of_the_library_is_refused() -> None:
+    """An own file does not take the place of one of labrig's effects without a word."""
+    file = written(FINE, "creep")
+    with pytest.raises(LabrigError) as caught:
+        library()
+    assert str(caught.value) == (
+        f"{file.resolve()}: labrig has an effect named 'creep' already; give yours another name"
+    )
