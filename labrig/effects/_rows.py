@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig._lost_markers import lost_markers
 from labrig.arrays import Floats, Ints
+from labrig.effects._resolution import levels_of, resolution_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -23,9 +25,6 @@ TRANSIENT_S = 1.0
 
 _ROW_BUDGET = 1500
 _MAX_BINS, _MIN_BINS = 120, 4
-_LOOKED_AT = 5000  # values of an observable, for the step in which it was recorded
-_ALIKE = 3  # so many values there must be for each different one
-_OFF_GRID = 0.02
 
 
 @dataclass(frozen=True)
@@ -233,9 +232,9 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
             )
         },
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
-        warnings=tuple(str(w) for w in dataset.attrs.get("warnings", ())),
+        warnings=(*map(str, dataset.attrs.get("warnings", ())), *lost_markers(dataset)),
         start_s=float(dataset.attrs.get("start_s", np.nan)),
-        resolution=resolution_of(values.reshape(-1, values.shape[2]), _levels(commanded, hold.shape[1])),
+        resolution=resolution_of(values.reshape(-1, values.shape[2]), levels_of(commanded, hold.shape[1])),
         session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
         early=_size(np.concatenate(picked["early"])),
     )
@@ -289,43 +288,6 @@ def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
     }
     joined["warnings"] = tuple(w for p in parts for w in p.warnings)
     return Rows(**joined)
-
-
-def resolution_of(values: Floats, level: Ints | None = None) -> Floats:
-    """The step of each observable's values (N, K): what all of them are a multiple of, where many are alike; else 0.
-
-    `level` (N,) numbers the set-points, where they are few and return: what is the same at each of them, without any
-    noise, is in steps because they are.
-    """
-    out = np.zeros(values.shape[1])
-    for k, column in enumerate(values.T):
-        known = np.flatnonzero(np.isfinite(column))
-        known = known[:: max(1, len(known) // _LOOKED_AT)]
-        own = column[known]
-        seen, code = np.unique(own, return_inverse=True)
-        if not 2 < len(seen) <= len(own) / _ALIKE:
-            continue
-        if level is not None:
-            at = level[known]
-            if len(np.unique(at * len(seen) + code)) == len(np.unique(at)):
-                continue
-        steps = np.diff(seen)
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # of steps so small that there is no multiple of them
-            multiple = steps / steps.min()
-            off = np.abs(multiple - np.round(multiple)).max()
-        if off < _OFF_GRID:
-            out[k] = steps.min()
-    return out
-
-
-def _levels(commanded: Floats, rows: int) -> Ints | None:
-    """The number (captures * rows,) of each row's set-point; None where some chamber has many different ones."""
-    different = max(len(np.unique(own)) for own in commanded.T)
-    if different > len(commanded) / _ALIKE:
-        return None
-    return np.repeat(np.unique(commanded, axis=0, return_inverse=True)[1].reshape(-1), rows).astype(np.int64)
 
 
 def _keys(sessions: Sequence[str], run: str) -> tuple[str, ...]:

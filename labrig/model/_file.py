@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labrig._durable import write_whole
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 
@@ -168,6 +169,4 @@ def model_text(model: ModelFile) -> str:
 
 def write_model_file(model: ModelFile, path: Path) -> None:
     """Write a model.yaml, in one piece or not at all."""
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(model_text(model), encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, model_text(model))

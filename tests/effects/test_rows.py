@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.effects import join_rows, rows_of
-from labrig.effects._rows import resolution_of
+from labrig.effects._resolution import resolution_of
 
 MakeLab = Callable[..., object]
 
