@@ -27,7 +27,7 @@ from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
 from labrig.rig._guard_words import GuardAnswer, GuardRequest, Identified, Setup
 from labrig.run_contents import VentContent
-from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
+from labrig_drivers import DeviceError, RealClock
 
 _RETRY_S = 0.5
 _IDLE_S = 0.1
@@ -93,7 +93,6 @@ class Guard:
             report = self.device.vent(self.config.safety.vent_timeout_s)
         except Exception as error:  # whoever asks must hear of it, and asks again
             self.log(f"vent failed: {error}")
-            self._reconnect(error)
             asked.answer.set_exception(LabrigError(str(error)))
             return
         self.armed = False
@@ -119,21 +118,11 @@ class Guard:
                 if time.monotonic() >= end:
                     return
                 time.sleep(_RETRY_S)
-                self._reconnect(error)
                 continue
             self.armed = False
             self.vented_alone = f"the guard vented: {why}"
             self.log(f"vented: {float(np.nanmax(np.abs(report.pressure_kpa))):.2f} kPa at most")
             return
-
-    def _reconnect(self, error: Exception) -> None:
-        """The link may be gone; opening it again does no harm."""
-        if isinstance(error, VentNotConfirmedError):
-            return
-        try:
-            self.device.connect()
-        except Exception as problem:
-            self.log(f"no link: {problem}")
 
     def log(self, text: str) -> None:
         """Append a line to the guard's own log; never fails."""
