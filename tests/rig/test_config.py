@@ -48,6 +48,14 @@ def test_a_rig_is_read_with_its_defaults(tmp_path: Path) -> None:
             ", line 2: chambers: c1: 0 kPa (vented) must lie between min_kpa and max_kpa",
         ),
         ({"chambers": [{"name": "c1", "max_kpa": 6}] * 2}, ": chamber c1 is named twice"),
+        (
+            {"safety": {"stale_pressure_s": float("inf")}},
+            ", line 23: safety: stale_pressure_s: should be a finite number, not inf",
+        ),
+        (
+            {"mocap": {"kind": "vicon", "lost_after_s": float("nan")}},
+            ", line 12: mocap: lost_after_s: should be a finite number, not nan",
+        ),
         ({"markers": ["m1", "m1"]}, ": marker m1 is named twice"),
         ({"mocap": None}, ": markers are named but there is no mocap device"),
         ({"presure": {}}, ", line 17: presure: there is no such field; did you mean pressure?"),
