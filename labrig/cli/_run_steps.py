@@ -22,7 +22,7 @@ from labrig.cli._history_steps import say_if_changed
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
-from labrig.rig import RigConfig, check_unattended, clock_of, connect, load_rig
+from labrig.rig import RigConfig, check_unattended, clock_of, connect, in_use, load_rig
 from labrig_drivers import Clock, DeviceError
 
 if TYPE_CHECKING:
@@ -169,7 +169,10 @@ def _go(
     from labrig.api._live import followed
 
     clock = clock_of(config, request.realtime)
-    with followed(request.follow, procedure, config, folder, request.seed, clock) as adviser:
+    with (
+        in_use(config, f"run {folder}", folder),
+        followed(request.follow, procedure, config, folder, request.seed, clock) as adviser,
+    ):
         _run_it(procedure, config, folder, request, context, clock, adviser)
         summary = summarise(folder)
         typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")

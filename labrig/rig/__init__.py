@@ -15,6 +15,7 @@ from labrig.rig._config import (
 from labrig.rig._factory import connect, device_makers
 from labrig.rig._findings import chamber_findings, swapped_markers
 from labrig.rig._guard import GuardedPressure
+from labrig.rig._in_use import in_use
 from labrig.rig._rig import Rig
 from labrig.rig._unattended import check_unattended, what_vents_alone
 from labrig.rig._vent_now import VentNow, runs_on, vent_now
@@ -36,6 +37,7 @@ __all__ = [
     "connect",
     "device_makers",
     "fill_in_turn",
+    "in_use",
     "is_simulated",
     "link_of",
     "load_rig",
