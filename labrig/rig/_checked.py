@@ -14,6 +14,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.rig._config import RigConfig
+from labrig.rig._last_words import BY_HAND, by_hand
 from labrig_drivers import (
     Clock,
     DeviceError,
@@ -24,18 +25,11 @@ from labrig_drivers import (
     VentReport,
 )
 
-BY_HAND = "relieve the pressure by hand"
-
 AHEAD_S = 1.0
 """How far ahead of labrig's clock a measurement may be dated, s; what is farther comes from another clock."""
 
 _TICK_S = 0.02
 _FRESH_S = 1.0
-
-
-def by_hand(text: str) -> str:
-    """What is said of a vent that was not confirmed, with what a person has to do now."""
-    return text if BY_HAND in text else f"{text}; {BY_HAND}"
 
 
 class _Checked:

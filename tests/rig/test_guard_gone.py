@@ -13,7 +13,7 @@ import pytest
 
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps, run
 from labrig.rig import GuardedPressure, Rig, connect, load_rig
-from labrig_drivers import DeviceError, RealClock
+from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 SLOW_S = 20.0
 
@@ -63,6 +63,17 @@ def test_a_stopped_guard_is_replaced_and_the_chambers_are_vented(
         "pressure: the guard did not answer for 3 s and was ended; the chambers are vented"
     )
     assert stopped.poll() is not None
+    assert valves.pressure_kpa <= 0.5
+
+
+def test_a_link_that_was_cut_is_made_anew_for_the_next_vent(valves: Any, rig: Rig) -> None:
+    """The first vent over a dead connection fails and opens another; the second one vents."""
+    rig.pressure.set(np.array([40.0, 30.0]))
+    valves.wait_for(39.0, 41.0, SLOW_S)
+    valves.cut_links()
+    with pytest.raises(VentNotConfirmedError, match=r"the link is lost.*; relieve the pressure by hand$"):
+        rig.vent()
+    rig.vent()
     assert valves.pressure_kpa <= 0.5
 
 

@@ -111,7 +111,10 @@ def test_rigs_that_are_simulated_here_are_nobodys(tmp_path: Path) -> None:
     config = parse_rig(content, "rig.yaml", tmp_path)
     with in_use(config, "one", tmp_path / "a"), in_use(config, "two", tmp_path / "b"):
         pass
-    with in_use(config, "one", tmp_path / "a"), pytest.raises(LabrigError, match=r"^one .* is still going on"):
+    with (
+        in_use(config, "one", tmp_path / "a"),
+        pytest.raises(LabrigError, match=r"^one .* is still going on"),
+    ):
         in_use(config, "two", tmp_path / "a").__enter__()
 
 
