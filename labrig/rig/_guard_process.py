@@ -10,6 +10,7 @@ For that the rig needs normally-open valves.
 """
 
 import json
+import os
 import queue
 import signal
 import sys
@@ -32,6 +33,8 @@ from labrig_drivers import DeviceError, RealClock
 _RETRY_S = 0.5
 _IDLE_S = 0.1
 _BEAT_S = 0.5
+_QUICK = ("set", "samples")
+_HANGS_S = 3.0
 _SIGNALS = ("SIGTERM", "SIGINT", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
 
 
@@ -46,16 +49,20 @@ class Guard:
         self.stopped: str | None = None
         self.asked: list[Asked] = []
         self.deadline = float("inf")
+        self.waits_since: float | None = None
         self.stopping = False
 
     def answer(self, request: GuardRequest) -> GuardAnswer:
         """Carry out one request; an error becomes an answer, too."""
+        self.waits_since = time.monotonic() if request["do"] in _QUICK else None
         try:
             return {"value": getattr(self, f"do_{request['do']}")(request)}
         except (DeviceError, LabrigError) as error:
             return {"error": type(error).__name__, "message": str(error)}
         except Exception as error:
             return {"error": "DeviceError", "message": f"pressure: {type(error).__name__}: {error}"}
+        finally:
+            self.waits_since = None
 
     def do_connect(self, _request: GuardRequest) -> None:
         """Open the link."""
@@ -224,7 +231,8 @@ def main() -> int:
         number = getattr(signal, name, None)
         if number is not None:
             signal.signal(number, signal.SIG_IGN if name == "SIGINT" else lambda *_: requests.put(None))
-    setup: Setup = json.loads(sys.stdin.readline())
+    line = sys.stdin.readline()
+    setup: Setup = json.loads(line)
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
     log = Path(setup["log"]) if setup["log"] else None
     try:
@@ -233,7 +241,9 @@ def main() -> int:
         print(json.dumps({"id": 0, "error": type(error).__name__, "message": str(error)}), flush=True)
         return 1
     print(json.dumps({"id": 0, "value": None}), flush=True)
-    threading.Thread(target=_read, args=(requests,), daemon=True).start()
+    ended = threading.Event()
+    threading.Thread(target=_read, args=(requests, ended), daemon=True).start()
+    threading.Thread(target=_watch, args=(guard, ended, line), daemon=True).start()
 
     def ask(asked: Asked) -> None:
         guard.asked.append(asked)
@@ -243,15 +253,31 @@ def main() -> int:
     try:
         serve(guard, requests, Answers(sys.stdout))
     finally:
+        guard.stopping = True
         if reception is not None:
             reception.close()
     return 0
 
 
-def _read(requests: "queue.Queue[str | Asked | None]") -> None:
+def _read(requests: "queue.Queue[str | Asked | None]", ended: threading.Event) -> None:
     for line in sys.stdin:
         requests.put(line)
+    ended.set()
     requests.put(None)
+
+
+def _watch(guard: Guard, ended: threading.Event, setup: str) -> None:
+    """A driver that never comes back holds this process: where no runner is left to end it, another takes its place.
+
+    A runner that is well does so itself, and sooner.
+    """
+    while not guard.stopping:
+        limit_s = _HANGS_S if ended.is_set() else _HANGS_S + guard.config.safety.heartbeat_s
+        since = guard.waits_since
+        if since is not None and time.monotonic() - since > limit_s + _BEAT_S:
+            guard.log("the device does not come back: another process vents")
+            os.execv(sys.executable, [sys.executable, "-m", "labrig.rig._guard_last", setup])
+        time.sleep(_BEAT_S / 2)
 
 
 if __name__ == "__main__":
