@@ -17,7 +17,7 @@ def vent_for_sure(rig: Rig, tell: Callable[[str], None]) -> VentReport | DeviceE
     patience_s = rig.config.safety.vent_patience_s
     end_s = rig.clock.now_s() + patience_s
     told = False
-    with impatient(tell):
+    with impatient(tell) as unsaid:
         while True:
             try:
                 return rig.vent()
@@ -29,6 +29,7 @@ def vent_for_sure(rig: Rig, tell: Callable[[str], None]) -> VentReport | DeviceE
                 return problem
             if not told:
                 told = True
+                unsaid.cancel()
                 tell(f"{by_hand(str(problem))}; trying again for {patience_s:g} s")
             rig.clock.sleep(_RETRY_S)
 

@@ -313,9 +313,9 @@ class _Run:
                 session.log_command(vent_s, zeros, event=True, reason="end")
                 with contextlib.suppress(DeviceError):
                     session.poll()
+                session.event(state, "INFO" if error is None else "ERROR")
             else:
-                session.event(str(vented), "FATAL")
-            session.event(state, "INFO" if state == "completed" else "ERROR")
+                session.event(state, "FATAL")
             log.close(state)
         except Exception as problem:  # the log may be what failed; nothing more can be done for it
             log.abandon()

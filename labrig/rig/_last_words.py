@@ -45,16 +45,16 @@ def not_vented(
 
 
 @contextmanager
-def impatient(tell: Callable[[str], None]) -> Iterator[None]:
+def impatient(tell: Callable[[str], None]) -> Iterator[threading.Timer]:
     """Say that the pressure is to be relieved by hand when what happens inside takes longer than `SLOW_S`.
 
-    `tell` is called on another thread.
+    `tell` is called on another thread; `cancel` what this gives where it was said already.
     """
     text = f"the vent is not confirmed after {SLOW_S:g} s; {BY_HAND} if you can: it is being tried on"
     timer = threading.Timer(SLOW_S, tell, (text,))
     timer.daemon = True
     timer.start()
     try:
-        yield
+        yield timer
     finally:
         timer.cancel()

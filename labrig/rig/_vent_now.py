@@ -44,8 +44,13 @@ def vent_now(
     why an attempt failed, and of one that takes long. Raises `VentNotConfirmedError` when no reading confirmed it.
     """
     began = time.monotonic()
-    with impatient(tell):
-        return _until(config, why, began, tell)
+    with impatient(tell) as unsaid:
+
+        def say(text: str) -> None:
+            unsaid.cancel()
+            tell(text)
+
+        return _until(config, why, began, say)
 
 
 def _until(config: RigConfig, why: str, began: float, tell: Callable[[str], None]) -> VentNow:

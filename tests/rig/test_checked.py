@@ -228,6 +228,12 @@ def test_a_dead_link_is_opened_anew_at_the_first_vent_that_fails(checked: Any, d
     with pytest.raises(VentNotConfirmedError):
         checked.vent(0.5)
     assert driver.connected == 0
+    driver.report = DeviceError("pressure: it says no")
+    later_s = driver.clock.now_s() + 0.1  # it measures now and then
+    driver.reads = lambda: np.zeros(2) if driver.clock.now_s() >= later_s else None
+    with pytest.raises(VentNotConfirmedError, match="it says no"):
+        checked.vent(0.5)
+    assert driver.connected == 0
     driver.reads = lambda: None
     driver.report = DeviceError("pressure: the link is lost")
     with pytest.raises(VentNotConfirmedError, match="the link is lost"):
