@@ -47,5 +47,7 @@ def state_of(error: BaseException | None, vented: VentReport | DeviceError) -> s
     """What stands in the log for how a run ended: it is not `completed` where the vent was not confirmed."""
     if isinstance(vented, VentReport):
         return reason_of(error)
-    before = "everything was measured" if error is None else f"it had ended because: {reason_of(error)}"
-    return f"NOT VENTED: {vented}; {before}"
+    if error is None:
+        return f"NOT VENTED: {vented}; everything was measured"
+    before = "" if str(error) == str(vented) else f"; it had ended because: {reason_of(error)}"
+    return f"NOT VENTED: {vented}{before}"

@@ -170,6 +170,8 @@ class _Run:
 
     def _warn(self, text: str) -> None:
         """Say at once what a person should do; the log hears of it when the vents are over."""
+        if self.session is not None and "pressures " not in text:
+            text += self.session.last_read()
         self.warnings.append(text)
         self.observation.tell("event", self.rig.clock.now_s(), text, "FATAL")
 

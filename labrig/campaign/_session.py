@@ -100,6 +100,7 @@ class Session:
         self._steps_in_segment = 0
         now_s = self.clock.now_s()
         self._log_seen_s = now_s
+        self._latest: PressureSample | None = None
         self._pressures, self._frames = Silence(now_s), Silence(now_s)
         self._gaps = Gaps([chamber.name for chamber in rig.config.chambers], now_s)
         self.on_tick: Callable[[], None] = _nothing
@@ -147,6 +148,7 @@ class Session:
         now_s = self.clock.now_s()
         if samples:
             self._pressures.hear(samples[-1].time_s, now_s)
+            self._latest = samples[-1]
         if any(_is_alive(frame) for frame in frames):
             self._frames.hear(frames[-1].time_s, now_s)
         for sample in samples:
@@ -193,6 +195,14 @@ class Session:
                         f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
                         f"{safety.over_pressure_kpa:g} kPa below its limit of {chamber.min_kpa:g} kPa"
                     )
+
+    def last_read(self) -> str:
+        """What the chambers read last, in brackets; empty before anything was read."""
+        if self._latest is None:
+            return ""
+        chambers = zip(self.rig.config.chambers, self._latest.pressure_kpa, strict=True)
+        values = ", ".join(f"{chamber.name} {value:.1f} kPa" for chamber, value in chambers)
+        return f" (pressures before it: {values})"
 
     def _check_log(self) -> None:
         """A folder that somebody deletes does not stop the writing: it must be looked for."""

@@ -40,7 +40,8 @@ def not_vented(
     text = str(problem) or type(problem).__name__
     if not isinstance(problem, VentNotConfirmedError):
         text = f"{text}; the vent is not confirmed"
-    because = f"; the run had ended because: {reason or error}" if error is not None else ""
+    known = error is None or str(error) == str(problem)
+    because = "" if known else f"; the run had ended because: {reason or error}"
     return VentNotConfirmedError(f"{by_hand(text)}{because}")
 
 

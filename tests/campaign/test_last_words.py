@@ -10,6 +10,7 @@ import pytest
 from labrig import LabrigError
 from labrig.campaign import Actuate, Observer, Procedure, Record, RigInfo, Settle, Steps, Watching, run
 from labrig.log import summarise
+from labrig.rig import not_vented
 from labrig_drivers import DeviceError, VentNotConfirmedError
 
 
@@ -148,6 +149,7 @@ def test_a_vent_that_hangs_is_spoken_of(fake: Any, tmp_path: Path, monkeypatch: 
     class Hears(Observer):
         def event(self, time_s: float, text: str, level: str) -> None:
             if "is not confirmed after" in text and "relieve the pressure by hand if you can" in text:
+                assert text.endswith(" (pressures before it: c1 40.0 kPa, c2 30.0 kPa)")
                 heard.set()
 
     def slow(timeout_s: float) -> Any:
@@ -201,3 +203,13 @@ def test_leaving_a_rig_says_it_too(
     assert str(caught.value) == text
     assert type(caught.value) is kind
     assert fake.pressure.closed
+
+
+def test_what_ended_the_run_is_not_said_twice() -> None:
+    """Where the vent fails for the same reason that the run did."""
+    assert str(not_vented(VentNotConfirmedError("stuck"), DeviceError("stuck"))) == (
+        "stuck; relieve the pressure by hand"
+    )
+    assert str(not_vented(DeviceError("lost"), DeviceError("over"))) == (
+        "lost; the vent is not confirmed; relieve the pressure by hand; the run had ended because: over"
+    )
