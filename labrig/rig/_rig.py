@@ -76,5 +76,6 @@ class Rig:
             raise not_vented(problem, error) from (error or problem)
         finally:
             self.close()
-        if error is not None and (said := and_vented(error)) is not error:
+        simulated = self.config.pressure.kind == "simulated"  # nothing is under pressure
+        if error is not None and not simulated and (said := and_vented(error)) is not error:
             raise said from error
