@@ -11,8 +11,8 @@ from labrig_drivers import RealClock
 
 
 def main() -> int:
-    """Vent until it is confirmed, or the guard's patience is over; the guard's setup is the only argument."""
-    setup: Setup = json.loads(sys.argv[1])
+    """Vent until it is confirmed, or the guard's patience is over; the guard's setup is all that it is told."""
+    setup: Setup = json.loads(sys.stdin.readline())
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
     guard = Guard(config, Path(setup["log"]) if setup["log"] else None, RealClock(setup["offset_s"]))
     guard.armed = True

@@ -9,10 +9,12 @@ What it cannot cover: being killed itself with SIGKILL at the same moment as the
 For that the rig needs normally-open valves.
 """
 
+import contextlib
 import json
 import os
 import queue
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -276,8 +278,31 @@ def _watch(guard: Guard, ended: threading.Event, setup: str) -> None:
         since = guard.waits_since
         if since is not None and time.monotonic() - since > limit_s + _BEAT_S:
             guard.log("the device does not come back: another process vents")
-            os.execv(sys.executable, [sys.executable, "-m", "labrig.rig._guard_last", setup])
+            with contextlib.suppress(OSError):  # tried again, should there be no more processes now
+                _hand_over(setup)
         time.sleep(_BEAT_S / 2)
+
+
+def _hand_over(setup: str) -> None:
+    """Start the process that vents in this one's place, and let go of the link by ending at once."""
+    options: dict[str, Any] = {}
+    if sys.platform == "win32":
+        options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP
+    else:
+        options["start_new_session"] = True
+    process = subprocess.Popen(
+        [sys.executable, "-m", "labrig.rig._guard_last"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        encoding="utf-8",
+        **options,
+    )
+    if process.stdin is not None:
+        process.stdin.write(setup)
+        process.stdin.close()
+    os._exit(1)
 
 
 if __name__ == "__main__":
