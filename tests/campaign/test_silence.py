@@ -119,6 +119,8 @@ def test_what_is_dated_by_another_clock_ends_the_run(
     with pytest.raises(DeviceError, match=rf"^{text}"):
         run(Short(), fake.rig, tmp_path / "run", fake.clock)
     assert fake.pressure_kpa.max() <= 0.5
+    again = [text for _, text in summarise(tmp_path / "run").events if "recording again" in text]
+    assert len(again) == (2 if "frames arrive" in text else 0)
 
 
 @pytest.mark.parametrize(
