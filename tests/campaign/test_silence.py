@@ -140,5 +140,8 @@ def test_no_step_lasts_for_ever(config: Any, step: Callable[[], Step]) -> None:
             yield Actuate((40.0, 30.0))
             yield step()
 
-    with pytest.raises(LabrigError, match=r"\((duration|timeout)_s=(inf|nan)\): give a time in s that ends$"):
+    refusal = r"\((duration|timeout)_s=(inf|nan)\): give a time in s that ends$"
+    with pytest.raises(LabrigError, match=refusal):
+        step()
+    with pytest.raises(LabrigError, match=refusal):
         dry_run(Endless(), config)
