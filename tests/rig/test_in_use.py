@@ -60,10 +60,10 @@ def test_a_second_command_is_refused_and_a_vent_is_not(
     process = holder(rig, folder)
     before, sets = _files(folder), valves.sets
     words = [
+        ("rig", "check", rig, "--still"),
         ("run", "idle", "--rig", rig, "--out", tmp_path / "second"),
         ("run", "--resume", folder),
         ("rig", "check", rig),
-        ("rig", "check", rig, "--still"),
     ]
     for each in words:
         code, _, said = labrig(*each)
