@@ -62,7 +62,7 @@ def run(
     """
     from labrig import campaign
     from labrig.api._live import followed
-    from labrig.rig import clock_of, connect
+    from labrig.rig import clock_of, connect, in_use
 
     config = rig_of(rig)
     chosen = made(procedure, parameters)
@@ -72,7 +72,10 @@ def run(
     settings = _live(diagnose, until, budget, adapt)
     if settings is not None:
         context[DIAGNOSED] = settings.to_dict()
-    with followed(settings, chosen, config, folder, seed, clock) as adviser:
+    with (
+        in_use(config, f"run {folder}", folder),
+        followed(settings, chosen, config, folder, seed, clock) as adviser,
+    ):
         watching = campaign.Watching(context=context, adviser=adviser)
         with connect(config, clock, guard_log=folder / "guard.log") as connected:
             return campaign.run(chosen, connected, folder, seed=seed, progress=progress, watching=watching)

@@ -37,6 +37,8 @@ from labrig_drivers import DeviceError, MarkerFrame, PressureSample, RealClock
 
 _STILLNESS_S = 0.5
 _SCAN_GRACE_S = 5.0
+_STRAYS = 3
+"""So many recordings in a row whose frames are all dated elsewhere: the camera has a clock of its own."""
 
 
 def limit_errors(step: Step, config: RigConfig) -> list[str]:
@@ -127,13 +129,17 @@ def _marker_speeds(frames: list[MarkerFrame], since_s: float) -> Floats:
 
 
 def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepResult]:
+    strays = 0
     while True:
-        started_s = session.now_s()
+        started_s, before = session.now_s(), len(session.held.frames)
         session.wait_until(started_s + step.duration_s)
         ended_s = session.now_s()
         frames = [frame for frame in session.held.frames if started_s <= frame.time_s <= ended_s]
         if frames or session.rig.mocap is None:
             break
+        strays += len(session.held.frames) > before
+        if strays >= _STRAYS:
+            raise DeviceError(_stray(session, ended_s))
         session.event("no frame arrived while recording: recording again", "WARNING")
         session.wait_for_frames()
     samples = [sample for sample in session.held.samples if started_s <= sample.time_s <= ended_s]
@@ -154,6 +160,16 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepR
         "sample_ns": _span(samples),
         "seen": seen,
     }
+
+
+def _stray(session: Session, now_s: float) -> str:
+    behind_s = now_s - session.held.frames[-1].time_s
+    where = f"{abs(behind_s):.2g} s {'before' if behind_s >= 0 else 'ahead of'} labrig's clock"
+    name = session.rig.mocap.name if session.rig.mocap is not None else ""
+    return (
+        f"{name}: frames arrive, and none is dated within the recording: the last is {where}; "
+        "take times from the clock that the driver is given"
+    )
 
 
 def _logged_times(measurements: Sequence[MarkerFrame | PressureSample]) -> Floats:

@@ -64,7 +64,7 @@ class Observer:
         """The vent at the end is confirmed; what the chambers read, (C,)."""
 
     def finished(self, reason: str) -> None:
-        """The run has ended and the chambers are vented: `completed`, or why not."""
+        """The run has ended: `completed`, or why not, and that the chambers are not vented where they are not."""
 
 
 class Observation:

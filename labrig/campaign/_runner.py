@@ -11,6 +11,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.campaign._advice import Adviser
 from labrig.campaign._attempt import attempt
+from labrig.campaign._ending import reason_of, state_of, vent_for_sure
 from labrig.campaign._execute import execute, limit_errors, vent
 from labrig.campaign._observe import Observation, Observer, Progress
 from labrig.campaign._plan import Plan, dry_run, rig_info
@@ -24,12 +25,11 @@ from labrig.campaign._signals import Interrupted, SignalGuard
 from labrig.campaign._steps import Actuate, Ask, Completed, Record, Result, Settle, Step
 from labrig.campaign._walk import Walk
 from labrig.log import Layout, LogWriter, last_logged_s, read_run_yaml, segment_path, segment_paths
-from labrig.rig import Rig
+from labrig.rig import Rig, and_vented, not_vented
 from labrig.run_contents import Advice
-from labrig_drivers import Clock, DeviceError, RealClock, VentNotConfirmedError, VentReport
+from labrig_drivers import Clock, DeviceError, RealClock, VentReport
 
 _PROGRESS_S = 0.5
-_RETRY_S = 0.5
 
 
 @dataclass
@@ -134,6 +134,7 @@ class _Run:
         self.adviser = watching.adviser
         self.walk = Walk(procedure, rig_info(rig.config, self.seed), self.adviser)
         self.spent_s = 0.0
+        self.warnings: list[str] = []
         self.started_s = self.step_started_s = rig.clock.now_s()
         self.session: Session | None = None
         self.next_segment = max((number for number, _ in segment_paths(folder)), default=-1) + 1
@@ -157,15 +158,22 @@ class _Run:
                 error = caught
                 self.signals.close()  # a signal may have come in the middle of the first
             vent_started_s = self.rig.clock.now_s()
-            vented = vent_for_sure(self.rig)
+            vented = vent_for_sure(self.rig, self._warn)
             log_error = self._write_end(error, vented, vent_started_s)
         self.walk.close()
         if isinstance(vented, VentReport):
             self.observation.tell("vented", tuple(float(value) for value in vented.pressure_kpa))
-        self.observation.tell("finished", _reason(error))
+        self.observation.tell("finished", state_of(error, vented))
         self.observation.close()
         self._raise(error or log_error, vented)
         return self.folder
+
+    def _warn(self, text: str) -> None:
+        """Say at once what a person should do; the log hears of it when the vents are over."""
+        if self.session is not None and "pressures " not in text:
+            text += self.session.last_read()
+        self.warnings.append(text)
+        self.observation.tell("event", self.rig.clock.now_s(), text, "FATAL")
 
     def _work(self) -> None:
         self.session = session = Session(
@@ -205,7 +213,7 @@ class _Run:
             session.event(f"resumed after {len(self.completed)} completed steps")
             self._restore(step)
         if broken := limit_errors(step, self.rig.config):
-            raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; nothing was moved")
+            raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; it was not sent")
         if self.control.paused and isinstance(step, Actuate):
             self._pause()
         self.step, self.step_started_s = step, session.now_s()
@@ -298,17 +306,19 @@ class _Run:
         """Write how the run ended and close the log; the rig is vented already, so this may fail."""
         if self.session is None or self.session.log is None:
             return None
-        session, log = self.session, self.session.log
+        session, log, state = self.session, self.session.log, state_of(error, vented)
         try:
+            for text in self.warnings:
+                log.event(session.now_s(), text, "WARNING")
             if isinstance(vented, VentReport):
                 zeros = np.zeros(len(self.rig.config.chambers))
                 session.log_command(vent_s, zeros, event=True, reason="end")
                 with contextlib.suppress(DeviceError):
                     session.poll()
+                session.event(state, "INFO" if error is None else "ERROR")
             else:
-                session.event(str(vented), "FATAL")
-            session.event(_reason(error), "INFO" if error is None else "ERROR")
-            log.close(_reason(error))
+                session.event(state, "FATAL")
+            log.close(state)
         except Exception as problem:  # the log may be what failed; nothing more can be done for it
             log.abandon()
             return problem
@@ -316,8 +326,7 @@ class _Run:
 
     def _raise(self, error: BaseException | None, vented: VentReport | DeviceError) -> None:
         if isinstance(vented, DeviceError):
-            because = f"; the run had ended because: {_reason(error)}" if error is not None else ""
-            raise VentNotConfirmedError(f"{vented}{because}") from error
+            raise not_vented(vented, error, reason_of(error)) from error
         if isinstance(error, LogGoneError):
             raise LabrigError(f"{error}; {self._saved()}; the chambers are vented") from error
         if isinstance(error, OSError):
@@ -326,11 +335,10 @@ class _Run:
             ) from error
         if isinstance(error, KeyboardInterrupt):
             done = f"after {self.walk.index} steps and {self.captures_done} captures"
-            raise Interrupted(f"stopped by {_reason(error)} {done}; the chambers are vented") from error
-        if isinstance(error, DeviceError):
-            raise type(error)(f"{error}; the chambers are vented") from error
+            raise Interrupted(f"stopped by {reason_of(error)} {done}; the chambers are vented") from error
         if error is not None:
-            raise error
+            said = and_vented(error)
+            raise said from (error.__cause__ if said is error else error)
 
     def _saved(self) -> str:
         """Where the captures are of a run whose folder is gone."""
@@ -341,32 +349,6 @@ class _Run:
             " (what was logged before this file is where the folder went)" if self.next_segment > 1 else ""
         )
         return f"what it held is saved in {log.rescued}, {self.captures_done} captures{before}"
-
-
-def vent_for_sure(rig: Rig) -> VentReport | DeviceError:
-    """Vent, again and again for as long as the rig's `vent_patience_s`, until it is confirmed.
-
-    A link that was lost may come back. Returns the report, or the last error.
-    """
-    end_s = rig.clock.now_s() + rig.config.safety.vent_patience_s
-    while True:
-        try:
-            return rig.vent()
-        except DeviceError as error:
-            problem = error
-        except Exception as error:  # a driver's own fault must not keep the next attempt from being made
-            problem = DeviceError(f"{rig.pressure.name}: {type(error).__name__}: {error}")
-        if rig.clock.now_s() >= end_s:
-            return problem
-        rig.clock.sleep(_RETRY_S)
-
-
-def _reason(error: BaseException | None) -> str:
-    if error is None:
-        return "completed"
-    if isinstance(error, KeyboardInterrupt):
-        return str(error) or "Ctrl-C"
-    return str(error) or type(error).__name__
 
 
 class _Callback(Observer):

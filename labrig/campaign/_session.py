@@ -12,6 +12,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.campaign._observe import Observation
 from labrig.campaign._signals import SignalGuard
+from labrig.campaign._silence import Gaps, Silence
 from labrig.campaign._steps import Ask, Completed, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import Rig
@@ -98,7 +99,10 @@ class Session:
         self.held = Held()
         self._steps_in_segment = 0
         now_s = self.clock.now_s()
-        self._last_sample_s = self._last_frame_s = self._log_seen_s = now_s
+        self._log_seen_s = now_s
+        self._latest: PressureSample | None = None
+        self._pressures, self._frames = Silence(now_s), Silence(now_s)
+        self._gaps = Gaps([chamber.name for chamber in rig.config.chambers], now_s)
         self.on_tick: Callable[[], None] = _nothing
         self.advise: Callable[[Ask], Advice] = _no_advice
 
@@ -131,10 +135,7 @@ class Session:
             self.held.samples += samples
             self.held.frames += [replace(frame, position_mm=_as_logged(frame)) for frame in frames]
             self._write(samples, frames)
-        if samples:
-            self._last_sample_s = samples[-1].time_s
-        if any(_is_alive(frame) for frame in frames):
-            self._last_frame_s = frames[-1].time_s
+        self._hear(samples, frames)
         for sample in samples:
             self.observation.tell("sample", sample)
         for frame in frames:
@@ -142,6 +143,17 @@ class Session:
         self.on_tick()
         self._check(samples)
         self._check_log()
+
+    def _hear(self, samples: list[PressureSample], frames: list[MarkerFrame]) -> None:
+        now_s = self.clock.now_s()
+        if samples:
+            self._pressures.hear(samples[-1].time_s, now_s)
+            self._latest = samples[-1]
+        if any(_is_alive(frame) for frame in frames):
+            self._frames.hear(frames[-1].time_s, now_s)
+        for sample in samples:
+            if missing := self._gaps.take(sample.pressure_kpa, now_s):
+                self.event(f"no reading (NaN) from {missing}", "WARNING")
 
     def _write(self, samples: list[PressureSample], frames: list[MarkerFrame]) -> None:
         if self.log is None:
@@ -153,17 +165,24 @@ class Session:
 
     def _check(self, samples: list[PressureSample]) -> None:
         safety, now_s = self.rig.config.safety, self.clock.now_s()
-        silent_s = now_s - self._last_sample_s
-        if silent_s > safety.stale_pressure_s:
-            raise DeviceError(
-                f"{self.rig.pressure.name}: no measurement for {silent_s:.1f} s "
-                f"(the limit is {safety.stale_pressure_s:g} s); check its link"
+        silent_s, limit_s = self._pressures.lasts_s(now_s), safety.stale_pressure_s
+        if silent_s > limit_s:
+            what = (
+                _dated(silent_s) if self._pressures.behind(now_s) else f"no measurement for {silent_s:.1f} s"
             )
-        if self.rig.mocap is not None and now_s - self._last_frame_s > safety.lost_mocap_s:
             raise DeviceError(
-                f"{self.rig.mocap.name}: no frame for {now_s - self._last_frame_s:.0f} s "
-                f"(the limit is {safety.lost_mocap_s:g} s); check its stream"
+                f"{self.rig.pressure.name}: {what} (the limit is {limit_s:g} s); check its link"
             )
+        missing, missing_s = self._gaps.longer_than(limit_s, now_s)
+        if missing:
+            raise DeviceError(
+                f"{self.rig.pressure.name}: no reading (NaN) from {missing} for {missing_s:.1f} s "
+                f"(the limit is {limit_s:g} s); check the sensors and their link"
+            )
+        silent_s, limit_s = self._frames.lasts_s(now_s), safety.lost_mocap_s
+        if self.rig.mocap is not None and silent_s > limit_s:
+            what = _dated(silent_s) if self._frames.behind(now_s) else f"no frame for {silent_s:.0f} s"
+            raise DeviceError(f"{self.rig.mocap.name}: {what} (the limit is {limit_s:g} s); check its stream")
         for sample in samples:
             for chamber, pressure_kpa in zip(self.rig.config.chambers, sample.pressure_kpa, strict=True):
                 if pressure_kpa > chamber.max_kpa + safety.over_pressure_kpa:
@@ -177,6 +196,14 @@ class Session:
                         f"{safety.over_pressure_kpa:g} kPa below its limit of {chamber.min_kpa:g} kPa"
                     )
 
+    def last_read(self) -> str:
+        """What the chambers read last, in brackets; empty before anything was read."""
+        if self._latest is None:
+            return ""
+        chambers = zip(self.rig.config.chambers, self._latest.pressure_kpa, strict=True)
+        values = ", ".join(f"{chamber.name} {value:.1f} kPa" for chamber, value in chambers)
+        return f" (pressures before it: {values})"
+
     def _check_log(self) -> None:
         """A folder that somebody deletes does not stop the writing: it must be looked for."""
         if self.log is None or self.clock.now_s() - self._log_seen_s < _LOG_THERE_S:
@@ -188,7 +215,8 @@ class Session:
 
     def forget_silence(self) -> None:
         """Begin the staleness checks anew, after something that did not poll."""
-        self._last_sample_s = self._last_frame_s = self.clock.now_s()
+        for watch in (self._pressures, self._frames, self._gaps):
+            watch.forget(self.clock.now_s())
 
     def command(self, target_kpa: Floats, reason: str) -> None:
         """Send a set-point and log it as one of an actuation's."""
@@ -263,6 +291,10 @@ def _nothing() -> None:
 
 def _no_advice(_ask: Ask) -> Advice:
     return {}
+
+
+def _dated(behind_s: float) -> str:
+    return f"what it measures is dated {behind_s:.4g} s before labrig's clock"
 
 
 def _is_alive(frame: MarkerFrame) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.run_contents import Advice
 
@@ -17,6 +18,12 @@ class Step:
     """One thing to do; see the subclasses."""
 
     kind: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        """A time without an end would hold the pressures for ever: raises `LabrigError`."""
+        for name in ("duration_s", "timeout_s"):
+            if not math.isfinite(time_s := getattr(self, name, 0.0)):
+                raise LabrigError(f"{type(self).__name__}({name}={time_s}): give a time in s that ends")
 
     def to_dict(self) -> dict[str, Any]:
         """The step as plain values, its kind first."""

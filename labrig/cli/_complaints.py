@@ -19,7 +19,8 @@ def complaint(error: Exception) -> str:
         return _of_a_path(error)
     if getattr(error, "exit_code", None) is None:
         return (
-            f"unexpected {type(error).__name__}: {_line(str(error))} (run again with --debug and report it)"
+            f"unexpected {type(error).__name__}: {_line(str(error))}{_notes(error)} "
+            "(run again with --debug and report it)"
         )
     if (said := getattr(error, "format_message", None)) is None:
         return _line(str(error))
@@ -49,6 +50,10 @@ def _of_a_path(error: OSError) -> str:
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
         return f"{path} cannot be written: {error.strerror}; make room there, or choose another place"
     return f"{path} can be neither made nor read: {error.strerror}; choose another place"
+
+
+def _notes(error: Exception) -> str:
+    return "".join(f"; {_line(note)}" for note in getattr(error, "__notes__", ()))
 
 
 def _line(text: str) -> str:

@@ -41,14 +41,15 @@ def check(
     whose zero or scale is wrong. It takes 5 to 15 s a chamber; --still leaves it out.
     """
     from labrig.cli._rig_steps import check_chambers
-    from labrig.rig import device_makers, load_rig
+    from labrig.rig import device_makers, in_use, load_rig
     from labrig_drivers import RealClock, check_devices
 
     config = load_rig(rig)
-    makers = device_makers(config, RealClock())
-    findings = check_devices(makers, read_s, config.safety.vent_timeout_s)
-    if not still and not any(finding.state == "bad" for finding in findings if finding.device == "pressure"):
-        findings += check_chambers(config, model, lambda text: typer.echo(f"labrig: {text}", err=True))
+    with in_use(config, "labrig rig check"):
+        makers = device_makers(config, RealClock())
+        findings = check_devices(makers, read_s, config.safety.vent_timeout_s)
+        if not still and not any(f.state == "bad" for f in findings if f.device == "pressure"):
+            findings += check_chambers(config, model, lambda text: typer.echo(f"labrig: {text}", err=True))
     _print_findings(config.name, findings)
     if any(finding.state == "bad" for finding in findings):
         raise typer.Exit(3)
@@ -148,7 +149,7 @@ def record(
 ) -> None:
     """Read RIG's devices for a while, vent, and keep every byte that passes, for `labrig rig replay`."""
     from labrig._errors import LabrigError
-    from labrig.rig import load_rig
+    from labrig.rig import in_use, load_rig
     from labrig_drivers import RealClock
 
     config = load_rig(rig)
@@ -156,8 +157,9 @@ def record(
     if out.exists() and any(out.iterdir()):
         raise LabrigError(f"{out} is not empty: record into a new folder")
     content = _recorded_rig(config)
-    out.mkdir(parents=True, exist_ok=True)
-    _record_session(config, out, RealClock(), seconds)
+    with in_use(config, "labrig rig record"):
+        out.mkdir(parents=True, exist_ok=True)
+        _record_session(config, out, RealClock(), seconds)
     file = _write_rig(out, content, "record")
     typer.echo(f"recorded into {out}; `labrig rig replay {out}` answers from it ({file.name} is its rig)")
 

@@ -23,7 +23,7 @@ from labrig.cli._lost import markers_lost
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
-from labrig.rig import RigConfig, check_unattended, clock_of, connect, load_rig
+from labrig.rig import RigConfig, check_unattended, clock_of, connect, in_use, load_rig
 from labrig_drivers import Clock, DeviceError
 
 if TYPE_CHECKING:
@@ -131,14 +131,18 @@ def _check_new(folder: Path) -> None:
 
 def _refuse_finished(folder: Path, known: RunSummary) -> None:
     """Raise `LabrigError` for a run of which no step is left, with what can be done with it."""
-    facts = known.run
-    open_end = facts.get("closed_loop") or DIAGNOSED in facts
-    done = not open_end and known.steps_done >= facts.get("steps", math.inf)
-    if done or known.state == "completed":
+    if _is_finished(known):
         raise LabrigError(
             f"{folder} is finished: all its {known.captures} captures are there; compare a model with them "
             f"(labrig compare {folder} --model MODEL.yaml), or measure again into another --out"
         )
+
+
+def _is_finished(known: RunSummary) -> bool:
+    facts = known.run
+    open_end = facts.get("closed_loop") or DIAGNOSED in facts
+    done = not open_end and known.steps_done >= facts.get("steps", math.inf)
+    return bool(done or known.state == "completed")
 
 
 def do_resume(folder: Path, request: Request) -> None:
@@ -175,7 +179,10 @@ def _go(
     from labrig.api._live import followed
 
     clock = clock_of(config, request.realtime)
-    with followed(request.follow, procedure, config, folder, request.seed, clock) as adviser:
+    with (
+        in_use(config, f"run {folder}", folder),
+        followed(request.follow, procedure, config, folder, request.seed, clock) as adviser,
+    ):
         _run_it(procedure, config, folder, request, context, clock, adviser)
         summary = summarise(folder)
         typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
@@ -213,9 +220,10 @@ def _run_it(
 
 
 def _go_on(folder: Path) -> str:
-    """The command to resume a run, if something of it is done."""
+    """The command to resume a run, if something of it is done, and something left."""
     known = _known(folder)
-    return f"; to resume: labrig run --resume {folder}" if known is not None and known.steps_done else ""
+    left = known is not None and known.steps_done and not _is_finished(known)
+    return f"; to resume: labrig run --resume {folder}" if left else ""
 
 
 def _known(folder: Path) -> RunSummary | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig.campaign import Procedure, Watching, dry_run, read_completed, resume, run
 from labrig.log import read_run_yaml
-from labrig.rig import RigConfig, clock_of, connect, is_simulated
+from labrig.rig import RigConfig, clock_of, connect, in_use, is_simulated
 from labrig_drivers import RealClock
 
 if TYPE_CHECKING:
@@ -32,7 +32,8 @@ class Bench:
     def opened(self) -> Iterator["Bench"]:
         """The bench, its rig vented and let go at the end."""
         if not is_simulated(self.config):
-            yield self
+            with in_use(self.config, "an investigation"):
+                yield self
             return
         with connect(self.config, clock_of(self.config, self.realtime)) as self._rig:
             yield self

@@ -15,6 +15,8 @@ from labrig.rig._config import (
 from labrig.rig._factory import connect, device_makers
 from labrig.rig._findings import chamber_findings, swapped_markers
 from labrig.rig._guard import GuardedPressure
+from labrig.rig._in_use import in_use
+from labrig.rig._last_words import and_vented, by_hand, impatient, not_vented
 from labrig.rig._rig import Rig
 from labrig.rig._unattended import check_unattended, what_vents_alone
 from labrig.rig._vent_now import VentNow, runs_on, vent_now
@@ -30,15 +32,20 @@ __all__ = [
     "RigConfig",
     "SafetyConfig",
     "VentNow",
+    "and_vented",
+    "by_hand",
     "chamber_findings",
     "check_unattended",
     "clock_of",
     "connect",
     "device_makers",
     "fill_in_turn",
+    "impatient",
+    "in_use",
     "is_simulated",
     "link_of",
     "load_rig",
+    "not_vented",
     "parse_rig",
     "runs_on",
     "swapped_markers",

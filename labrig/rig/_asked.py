@@ -13,7 +13,9 @@ from labrig._running import Reception
 from labrig.rig._config import RigConfig
 from labrig.run_contents import Asking, Facts, VentContent
 
-_ADDRESS = ("port", "host", "file", "class")
+_ADDRESS = ("port", "host", "serial", "unit_id")
+_UNITS = ("_s", "_hz", "_kpa", "_mm", "baudrate", "timeout")
+"""What an option ends with that says how a controller is used, and not which one it is."""
 
 
 @dataclass(eq=False)
@@ -27,13 +29,20 @@ class Asked:
 def link_of(config: RigConfig) -> str:
     """A short name for what the pressure controller is reached through; empty for one simulated in a run's process.
 
-    Two rig files that reach the same controller have the same link.
+    Two rig files that reach the same controller have the same link. A class of somebody's own may call its address
+    what it likes: there every option counts that has no unit in its name.
     """
     device = config.pressure
     if device.kind == "simulated":
         return ""
-    address = {name: device.options[name] for name in _ADDRESS if name in device.options}
-    return hashlib.sha256(json.dumps([device.kind, address], sort_keys=True).encode()).hexdigest()[:20]
+    options = device.options
+    if device.kind == "python":
+        address = {name: value for name, value in options.items() if not name.endswith(_UNITS)}
+        address["file"] = Path(str(options.get("file"))).name
+    else:
+        address = {name: options[name] for name in _ADDRESS if name in options}
+    told = json.dumps([device.kind, address], sort_keys=True, default=str)
+    return hashlib.sha256(told.encode()).hexdigest()[:20]
 
 
 def receive(config: RigConfig, log: Path | None, ask: Callable[[Asked], None]) -> Reception | None:

@@ -14,7 +14,7 @@ from labrig_drivers import SETTINGS, Channel
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class ChamberConfig(_Section):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig._errors import LabrigError
+from labrig.rig._checked import CheckedMocap, CheckedPressure
 from labrig.rig._config import DeviceConfig, RigConfig
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._markers import twice
@@ -87,7 +88,14 @@ def _makers(config: RigConfig, clock: Clock, simulated: "_Simulated") -> dict[st
 
 
 def device_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Clock) -> Callable[[], Any]:
-    """A function that makes one device that is not simulated in this process."""
+    """A function that makes one device that is not simulated in this process; what it says is checked."""
+    make = _unchecked_maker(config, role, device, clock)
+    if role == "pressure":
+        return lambda: CheckedPressure(make(), config, role, clock)
+    return (lambda: CheckedMocap(make(), role, clock)) if role == "mocap" else make
+
+
+def _unchecked_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Clock) -> Callable[[], Any]:
     if device.kind == "python":
         return own_maker(config, role, device, clock)
     if device.kind not in _KINDS[role]:

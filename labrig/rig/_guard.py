@@ -30,6 +30,9 @@ from labrig_drivers import (
 
 _START_S = 30.0
 _CALL_S = 15.0
+_USE_S = 3.0
+"""How long a device may take for a set-point, or to say what it measured: longer, and nobody could vent meanwhile."""
+
 _CLOSE_S = 5.0
 _SILENT_S = 3.0
 """A guard that is at work says so twice a second; one that says nothing for so long does not run any more."""
@@ -60,6 +63,7 @@ class GuardedPressure:
         self._answers: queue.Queue[str | None] = queue.Queue()
         self._lock = threading.Lock()
         self._number = 0
+        self._doing = "start"
 
     def connect(self) -> None:
         """Start the guard and have it open the link; raises `DeviceError` if it or the device does not answer."""
@@ -106,14 +110,14 @@ class GuardedPressure:
 
     def set(self, pressure_kpa: NDArray[np.float64]) -> None:
         """Command set-points; refused once the guard has vented on its own, until a vent is asked for."""
-        self._call({"do": "set", "pressure_kpa": np.asarray(pressure_kpa, float).tolist()})
+        self._call({"do": "set", "pressure_kpa": np.asarray(pressure_kpa, float).tolist()}, _USE_S)
 
     def samples(self) -> list[PressureSample]:
         """Every measurement since the last call; each call is a sign of life."""
         ahead_s = self._clock.offset_s - self._guards_offset_s
         return [
             PressureSample(time_s + ahead_s, np.array(values, float))
-            for time_s, values in self._call({"do": "samples"})
+            for time_s, values in self._call({"do": "samples"}, _USE_S)
         ]
 
     def vent(self, timeout_s: float = 10.0) -> VentReport:
@@ -140,7 +144,7 @@ class GuardedPressure:
 
     def allow_silence(self, duration_s: float) -> None:
         """Say that the next sign of life may take this long."""
-        self._call({"do": "allow", "allow_s": duration_s})
+        self._call({"do": "allow", "allow_s": duration_s}, _USE_S)
 
     def close(self) -> None:
         """End the guard; one that still vents is left to it."""
@@ -159,6 +163,7 @@ class GuardedPressure:
         with self._lock:
             self._number += 1
             self._send({**request, "id": self._number})
+            self._doing = request["do"]
             return self._receive(self._number, timeout_s)
 
     def _send(self, message: GuardRequest | Setup) -> None:
@@ -174,28 +179,37 @@ class GuardedPressure:
     def _receive(self, number: int, timeout_s: float, silent_s: float = _SILENT_S) -> Any:
         """The answer to a request; those to earlier ones, whose callers gave up, are passed over."""
         end = time.monotonic() + timeout_s
+        at_work = False
         while True:
             left_s = end - time.monotonic()
             try:
                 line = self._answers.get(timeout=max(0.0, min(left_s, silent_s)))
             except queue.Empty:
-                raise self._stuck(min(timeout_s, silent_s)) from None
+                silent = not at_work or left_s > silent_s
+                waited_s = min(timeout_s, silent_s) if silent else timeout_s
+                raise self._stuck("" if silent else self._doing, waited_s) from None
             if line is None:
                 raise self._gone()
             answer = json.loads(line)
             if answer["id"] == number:
                 break
+            at_work = answer["id"] is None
         if "error" in answer:
             raise _ERRORS.get(answer["error"], DeviceError)(answer["message"])
         return answer["value"]
 
-    def _stuck(self, silent_s: float) -> DeviceError:
-        """End a guard that is stopped or hangs: it holds the link, and nobody else can vent meanwhile."""
+    def _stuck(self, busy_with: str, waited_s: float) -> DeviceError:
+        """End a guard that is stopped or hangs, or whose device does: it holds the link, and nobody else can vent."""
         if self._process is not None:
             self._process.kill()
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(_CLOSE_S)
-        return DeviceError(f"{self.name}: the guard did not answer for {silent_s:g} s and was ended")
+        if busy_with:
+            return DeviceError(
+                f"{self.name}: the device did not come back from `{busy_with}` within {waited_s:g} s, and its guard "
+                "was ended; check the driver and its link"
+            )
+        return DeviceError(f"{self.name}: the guard did not answer for {waited_s:g} s and was ended")
 
     def _gone(self) -> DeviceError:
         code = self._process.poll() if self._process is not None else None

@@ -9,9 +9,12 @@ What it cannot cover: being killed itself with SIGKILL at the same moment as the
 For that the rig needs normally-open valves.
 """
 
+import contextlib
 import json
+import os
 import queue
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -27,11 +30,13 @@ from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
 from labrig.rig._guard_words import GuardAnswer, GuardRequest, Identified, Setup
 from labrig.run_contents import VentContent
-from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
+from labrig_drivers import DeviceError, RealClock
 
 _RETRY_S = 0.5
 _IDLE_S = 0.1
 _BEAT_S = 0.5
+_QUICK = ("set", "samples")
+_HANGS_S = 3.0
 _SIGNALS = ("SIGTERM", "SIGINT", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
 
 
@@ -46,16 +51,20 @@ class Guard:
         self.stopped: str | None = None
         self.asked: list[Asked] = []
         self.deadline = float("inf")
+        self.waits_since: float | None = None
         self.stopping = False
 
     def answer(self, request: GuardRequest) -> GuardAnswer:
         """Carry out one request; an error becomes an answer, too."""
+        self.waits_since = time.monotonic() if request["do"] in _QUICK else None
         try:
             return {"value": getattr(self, f"do_{request['do']}")(request)}
         except (DeviceError, LabrigError) as error:
             return {"error": type(error).__name__, "message": str(error)}
         except Exception as error:
             return {"error": "DeviceError", "message": f"pressure: {type(error).__name__}: {error}"}
+        finally:
+            self.waits_since = None
 
     def do_connect(self, _request: GuardRequest) -> None:
         """Open the link."""
@@ -93,7 +102,6 @@ class Guard:
             report = self.device.vent(self.config.safety.vent_timeout_s)
         except Exception as error:  # whoever asks must hear of it, and asks again
             self.log(f"vent failed: {error}")
-            self._reconnect(error)
             asked.answer.set_exception(LabrigError(str(error)))
             return
         self.armed = False
@@ -119,21 +127,11 @@ class Guard:
                 if time.monotonic() >= end:
                     return
                 time.sleep(_RETRY_S)
-                self._reconnect(error)
                 continue
             self.armed = False
             self.vented_alone = f"the guard vented: {why}"
             self.log(f"vented: {float(np.nanmax(np.abs(report.pressure_kpa))):.2f} kPa at most")
             return
-
-    def _reconnect(self, error: Exception) -> None:
-        """The link may be gone; opening it again does no harm."""
-        if isinstance(error, VentNotConfirmedError):
-            return
-        try:
-            self.device.connect()
-        except Exception as problem:
-            self.log(f"no link: {problem}")
 
     def log(self, text: str) -> None:
         """Append a line to the guard's own log; never fails."""
@@ -235,7 +233,8 @@ def main() -> int:
         number = getattr(signal, name, None)
         if number is not None:
             signal.signal(number, signal.SIG_IGN if name == "SIGINT" else lambda *_: requests.put(None))
-    setup: Setup = json.loads(sys.stdin.readline())
+    line = sys.stdin.readline()
+    setup: Setup = json.loads(line)
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
     log = Path(setup["log"]) if setup["log"] else None
     try:
@@ -244,7 +243,9 @@ def main() -> int:
         print(json.dumps({"id": 0, "error": type(error).__name__, "message": str(error)}), flush=True)
         return 1
     print(json.dumps({"id": 0, "value": None}), flush=True)
-    threading.Thread(target=_read, args=(requests,), daemon=True).start()
+    ended = threading.Event()
+    threading.Thread(target=_read, args=(requests, ended), daemon=True).start()
+    threading.Thread(target=_watch, args=(guard, ended, line), daemon=True).start()
 
     def ask(asked: Asked) -> None:
         guard.asked.append(asked)
@@ -254,15 +255,54 @@ def main() -> int:
     try:
         serve(guard, requests, Answers(sys.stdout))
     finally:
+        guard.stopping = True
         if reception is not None:
             reception.close()
     return 0
 
 
-def _read(requests: "queue.Queue[str | Asked | None]") -> None:
+def _read(requests: "queue.Queue[str | Asked | None]", ended: threading.Event) -> None:
     for line in sys.stdin:
         requests.put(line)
+    ended.set()
     requests.put(None)
+
+
+def _watch(guard: Guard, ended: threading.Event, setup: str) -> None:
+    """A driver that never comes back holds this process: where no runner is left to end it, another takes its place.
+
+    A runner that is well does so itself, and sooner.
+    """
+    while not guard.stopping:
+        limit_s = _HANGS_S if ended.is_set() else _HANGS_S + guard.config.safety.heartbeat_s
+        since = guard.waits_since
+        if since is not None and time.monotonic() - since > limit_s + _BEAT_S:
+            guard.log("the device does not come back: another process vents")
+            with contextlib.suppress(OSError):  # tried again, should there be no more processes now
+                _hand_over(setup)
+        time.sleep(_BEAT_S / 2)
+
+
+def _hand_over(setup: str) -> None:
+    """Start the process that vents in this one's place, and let go of the link by ending at once."""
+    options: dict[str, Any] = {}
+    if sys.platform == "win32":
+        options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP
+    else:
+        options["start_new_session"] = True
+    process = subprocess.Popen(
+        [sys.executable, "-m", "labrig.rig._guard_last"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        encoding="utf-8",
+        **options,
+    )
+    if process.stdin is not None:
+        process.stdin.write(setup)
+        process.stdin.close()
+    os._exit(1)
 
 
 if __name__ == "__main__":

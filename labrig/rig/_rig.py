@@ -8,7 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.rig._config import RigConfig
-from labrig_drivers import Clock, Device, Identity, MotionCapture, PressureController, Scanner, VentReport
+from labrig.rig._last_words import and_vented, not_vented
+from labrig_drivers import (
+    Clock,
+    Device,
+    Identity,
+    MotionCapture,
+    PressureController,
+    Scanner,
+    VentNotConfirmedError,
+    VentReport,
+)
 
 
 @dataclass
@@ -57,7 +67,15 @@ class Rig:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        """Vent, close, and say with whatever ended it whether the chambers are vented."""
         try:
             self.vent()
+        except Exception as problem:
+            if isinstance(error, VentNotConfirmedError):  # it says so already
+                return
+            raise not_vented(problem, error) from (error or problem)
         finally:
             self.close()
+        simulated = self.config.pressure.kind == "simulated"  # nothing is under pressure
+        if error is not None and not simulated and (said := and_vented(error)) is not error:
+            raise said from error

@@ -15,6 +15,7 @@ from labrig._running import GoneError, Note, SilentError, notes
 from labrig.rig._asked import link_of
 from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
+from labrig.rig._last_words import by_hand, impatient
 from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 _RETRY_S = 0.3
@@ -40,9 +41,19 @@ def vent_now(
 
     The guard of a run vents, if there is one: it holds the link. A guard that is stopped is ended. Where nobody holds
     the link it is opened here. A rig that is simulated inside its run has no link: its run ends, vented. `tell` hears
-    why an attempt failed. Raises `VentNotConfirmedError` when no reading confirmed it.
+    why an attempt failed, and of one that takes long. Raises `VentNotConfirmedError` when no reading confirmed it.
     """
     began = time.monotonic()
+    with impatient(tell) as unsaid:
+
+        def say(text: str) -> None:
+            unsaid.cancel()
+            tell(text)
+
+        return _until(config, why, began, say)
+
+
+def _until(config: RigConfig, why: str, began: float, tell: Callable[[str], None]) -> VentNow:
     end = began + config.safety.vent_patience_s
     while True:
         try:
@@ -53,7 +64,7 @@ def vent_now(
             named = dict(zip((chamber.name for chamber in config.chambers), pressure_kpa, strict=True))
             return VentNow(named, time.monotonic() - began, by)
         if time.monotonic() >= end:
-            raise VentNotConfirmedError(f"rig {config.name}: {problem}; relieve the pressure by hand")
+            raise VentNotConfirmedError(by_hand(f"rig {config.name}: {problem}"))
         tell(problem)
         time.sleep(_RETRY_S)
 

@@ -84,7 +84,8 @@ class _Fake:
 
 
 class FakePressure(_Fake):
-    """A pressure controller; `faults`: lost_until_s, stale, over_kpa, never_vents, and
+    """A pressure controller; `faults`: lost_until_s, stale (until it is connected anew), over_kpa
+    (while a set-point is above ambient), creep_kpa (0.3 s after a vent), never_vents, and
 
     leaks: by chamber, how fast it empties for each kPa in it, kPa/s, against the filling that the world's time
     constant stands for; infinite where the tube is off. leaks_until_vents: the leaks end with so many vents.
@@ -95,6 +96,10 @@ class FakePressure(_Fake):
         self.channels = channels
         self.world = world_of(clock, len(channels))
         self.vents: list[float] = []
+
+    def connect(self) -> None:
+        super().connect()
+        self.faults.pop("stale", None)
 
     def _check_link(self) -> None:
         if self.clock.now_s() < self.faults.get("lost_until_s", -math.inf):
@@ -111,10 +116,15 @@ class FakePressure(_Fake):
         self._check_link()
         if self.faults.get("stale"):
             return []
-        over = self.faults.get("over_kpa", 0.0)
         return [
-            PressureSample(time_s, self._left(self.world.pressure(time_s)) + over) for time_s in self._ticks()
+            PressureSample(time_s, self._left(self.world.pressure(time_s)) + self._over(time_s))
+            for time_s in self._ticks()
         ]
+
+    def _over(self, time_s: float) -> float:
+        over = self.faults.get("over_kpa", 0.0) if self.world.target_kpa.any() else 0.0
+        crept = bool(self.vents) and time_s > self.vents[-1] + 0.3
+        return over + (self.faults.get("creep_kpa", 0.0) if crept else 0.0)
 
     def _left(self, pressure_kpa: Any) -> Any:
         """What a leak leaves of a pressure: filling and emptying through two conductances in balance."""

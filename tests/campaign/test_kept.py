@@ -150,5 +150,5 @@ def test_a_closed_loop_that_was_edited_is_refused(make_rig: Callable[..., Any], 
     with pytest.raises(LabrigError) as caught:
         resume(edited(), second.rig, folder, second.clock)
     assert str(caught.value).startswith(f"cannot resume {folder}: step 3 was {{'kind': 'note', 'text': '")
-    assert str(caught.value).endswith("; start a new run")
+    assert str(caught.value).endswith("; start a new run; the chambers are vented")
     assert {command for _, command in second.pressure.world.commands} == {(0.0, 0.0)}

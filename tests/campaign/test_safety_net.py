@@ -155,9 +155,9 @@ def test_one_sample_outside_the_limits_is_seen_among_others(
 def test_no_run_begins_on_a_chamber_that_is_not_at_ambient(
     make_rig: Any, tmp_path: Path, left_kpa: float
 ) -> None:
-    """The preflight refuses pressure and vacuum alike, after a vent that the device itself believes."""
+    """The preflight refuses pressure and vacuum alike, where it comes back after a confirmed vent."""
     rig = make_rig(chambers=[{"name": name, "min_kpa": -40, "max_kpa": 60} for name in ("c1", "c2")])
-    rig.pressure.faults["over_kpa"] = left_kpa
+    rig.pressure.faults["creep_kpa"] = left_kpa
     with pytest.raises(DeviceError) as caught:
         run(Twice(), rig.rig, tmp_path / "run", rig.clock)
     assert str(caught.value).startswith(

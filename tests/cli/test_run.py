@@ -213,13 +213,13 @@ def test_a_mistake_is_one_line(lab: Path, labrig: Run, words: tuple[str, ...], m
 
 def test_a_failure_says_how_to_go_on(lab: Path, labrig: Run) -> None:
     """The procedure's own error, where it is, and the command that resumes; which then works."""
-    fault = "            if stop == 1.0 and __import__('pathlib').Path('one/log.000.mcap').exists():\n"
+    fault = "            if stop == 0.5 and __import__('pathlib').Path('one/log.000.mcap').exists():\n"
     (lab / "mine.py").write_text(f"{MINE}{fault}                raise ValueError('no more')\n")
     code, _, err = labrig("run", "mine.py", "--rig", "rig.yaml", "--out", "one")
     assert code == 2
     assert err.splitlines()[-1] == (
-        "labrig: procedure mine failed at step 6: ValueError: no more (mine.py, line 18); "
-        "to resume: labrig run --resume one"
+        "labrig: procedure mine failed at step 3: ValueError: no more (mine.py, line 18); "
+        "the chambers are vented; to resume: labrig run --resume one"
     )
 
 

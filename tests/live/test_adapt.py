@@ -152,7 +152,7 @@ def test_a_set_point_beyond_a_limit_ends_the_run_before_it_moves(config: RigConf
     looker = Told(lambda captures: {**said(captures, 0.5), "points": probe("too far", 61.0)})
     with (
         connect(config, SimulatedClock()) as rig,
-        pytest.raises(LabrigError, match="c1 61 kPa is above its limit of 60 kPa; nothing was moved"),
+        pytest.raises(LabrigError, match="c1 61 kPa is above its limit of 60 kPa; it was not sent"),
     ):
         run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, looker)))
     measured = open_run(tmp_path / "run")

@@ -48,6 +48,14 @@ def test_a_rig_is_read_with_its_defaults(tmp_path: Path) -> None:
             ", line 2: chambers: c1: 0 kPa (vented) must lie between min_kpa and max_kpa",
         ),
         ({"chambers": [{"name": "c1", "max_kpa": 6}] * 2}, ": chamber c1 is named twice"),
+        (
+            {"safety": {"stale_pressure_s": float("inf")}},
+            ", line 23: safety: stale_pressure_s: should be a finite number, not inf",
+        ),
+        (
+            {"mocap": {"kind": "vicon", "lost_after_s": float("nan")}},
+            ", line 12: mocap: lost_after_s: should be a finite number, not nan",
+        ),
         ({"markers": ["m1", "m1"]}, ": marker m1 is named twice"),
         ({"mocap": None}, ": markers are named but there is no mocap device"),
         ({"presure": {}}, ", line 17: presure: there is no such field; did you mean pressure?"),
@@ -127,13 +135,13 @@ def test_a_device_that_cannot_be_made_is_explained(
 
 MINE = """
 import numpy as np
-from labrig_drivers import Identity, VentReport, DeviceError
+from labrig_drivers import DeviceError, Identity, PressureSample, VentReport
 
 LOG = []
 
 class Mine:
     def __init__(self, name, clock, channels, answers=True):
-        self.name, self.channels, self.answers = name, channels, answers
+        self.name, self.clock, self.channels, self.answers = name, clock, channels, answers
     def connect(self):
         if not self.answers:
             raise DeviceError(f"{self.name}: no answer")
@@ -141,7 +149,7 @@ class Mine:
     def identify(self):
         return Identity(self.name, "mine", "made at home")
     def set(self, pressure_kpa): ...
-    def samples(self): return []
+    def samples(self): return [PressureSample(self.clock.now_s(), np.zeros(2))]
     def vent(self, timeout_s=10.0):
         LOG.append(f"{self.name} vented")
         return VentReport(np.zeros(2), 0.0)
@@ -164,7 +172,7 @@ def test_a_users_own_device_is_connected_and_vented_before_it_is_closed(tmp_path
     """A class in a file beside rig.yaml is a device; leaving the rig vents it, then closes it."""
     with connect(_mine(tmp_path), SimulatedClock()) as rig:
         assert rig.identity == {"pressure": Identity("pressure", "mine", "made at home")}
-        log = type(rig.pressure.device).vent.__globals__["LOG"]
+        log = type(rig.pressure._device.device).vent.__globals__["LOG"]  # type: ignore[attr-defined]
         assert log == ["pressure opened"]
     assert log == ["pressure opened", "pressure vented", "pressure closed"]
 

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps, run
 from labrig.rig import GuardedPressure, Rig, connect, load_rig
-from labrig_drivers import DeviceError, RealClock
+from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
 SLOW_S = 20.0
 
@@ -63,6 +64,50 @@ def test_a_stopped_guard_is_replaced_and_the_chambers_are_vented(
         "pressure: the guard did not answer for 3 s and was ended; the chambers are vented"
     )
     assert stopped.poll() is not None
+    assert valves.pressure_kpa <= 0.5
+
+
+def test_a_set_point_that_hangs_is_not_waited_for(valves: Any, write_rig: Callable[..., Path]) -> None:
+    """Three seconds, as a silent guard, and no longer: then the guard is ended, and the vent is another one's."""
+    config = load_rig(write_rig())
+    hangs = config.pressure.model_copy(update={"hangs_at": 50.0})
+    rig = connect(config.model_copy(update={"pressure": hangs}), RealClock())
+    try:
+        rig.pressure.set(np.array([40.0, 30.0]))
+        valves.wait_for(39.0, 41.0, SLOW_S)
+        with pytest.raises(
+            DeviceError, match=r"^pressure: the device did not come back from `set` within 3 s"
+        ):
+            rig.pressure.set(np.array([50.0, 30.0]))
+        rig.vent()
+        assert valves.pressure_kpa <= 0.5
+    finally:
+        rig.close()
+
+
+def test_a_guard_whose_driver_hangs_vents_when_its_runner_is_gone(
+    valves: Any, write_rig: Callable[..., Path], runner: Any
+) -> None:
+    """The runner is killed while the driver hangs in a set-point: another process vents over a new link."""
+    path = write_rig()
+    content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    content["pressure"]["hangs_at"] = 50.0
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    process = runner(path, "rig.pressure.set([50.0, 30.0])")
+    valves.wait_for(39.0, 41.0, SLOW_S)
+    time.sleep(0.5)  # the set-point is on its way
+    process.kill()
+    valves.wait_for(0.0, 0.5, SLOW_S)
+
+
+def test_a_link_that_was_cut_is_made_anew_for_the_next_vent(valves: Any, rig: Rig) -> None:
+    """The first vent over a dead connection fails and opens another; the second one vents."""
+    rig.pressure.set(np.array([40.0, 30.0]))
+    valves.wait_for(39.0, 41.0, SLOW_S)
+    valves.cut_links()
+    with pytest.raises(VentNotConfirmedError, match=r"the link is lost.*; relieve the pressure by hand$"):
+        rig.vent()
+    rig.vent()
     assert valves.pressure_kpa <= 0.5
 
 

@@ -107,10 +107,16 @@ class ValveClient:
     """The pressure controller of a rig whose chambers are `Valves`."""
 
     def __init__(
-        self, name: str, clock: Clock, channels: tuple[Channel, ...], port: int, identify_s: float = 0.0
+        self,
+        name: str,
+        clock: Clock,
+        channels: tuple[Channel, ...],
+        port: int,
+        identify_s: float = 0.0,
+        hangs_at: float = math.inf,
     ) -> None:
         self.name, self.clock, self.channels, self.port = name, clock, channels, port
-        self._identify_s = identify_s
+        self._identify_s, self._hangs_at = identify_s, hangs_at
         self._socket: socket.socket | None = None
         self._file: Any = None
         self._last_s = 0.0
@@ -152,7 +158,9 @@ class ValveClient:
         return np.array(json.loads(line), float)
 
     def set(self, pressure_kpa: Any) -> None:
-        """Command set-points."""
+        """Command set-points; from `hangs_at` kPa on it never comes back."""
+        if np.max(pressure_kpa) >= self._hangs_at:
+            time.sleep(600.0)
         self._ask({"set": np.asarray(pressure_kpa).tolist()})
 
     def samples(self) -> list[PressureSample]:

@@ -1,0 +1,114 @@
+"""Who uses a rig now: one process at a time, and a run's folder has one, too.
+
+The system itself holds the lock of a file in the user's own folder for as long as the process lives that took it: one
+that was killed leaves none behind. A second file says who it is. A vent asks nobody: it must always be possible.
+"""
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import IO, Any
+
+from labrig._errors import LabrigError
+from labrig._user_folder import cache_folder
+from labrig.rig._asked import link_of
+from labrig.rig._config import RigConfig
+
+_SOMEBODYS = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
+
+_TAKING = threading.Lock()
+_HELD: dict[Path, str] = {}
+"""The locks of this process: the system would give them to it a second time."""
+
+
+@contextlib.contextmanager
+def in_use(config: RigConfig, what: str, folder: Path | None = None) -> Iterator[None]:
+    """Have the rig, and the `folder` of a run, to oneself; `what` says to others who has it.
+
+    Raises `LabrigError`, before anything of either is touched, where another process has one of them. A rig is known
+    by the address of its pressure controller, so two rig files that reach the same one are one rig. One that is
+    simulated in this process is nobody else's.
+    """
+    with contextlib.ExitStack() as stack:
+        if folder is not None:
+            stack.enter_context(_lock(f"folder {folder.resolve()}", what, "is still going on"))
+        if link := link_of(config):
+            stack.enter_context(_lock(f"link {link}", what, "is using this rig"))
+        yield
+
+
+@contextlib.contextmanager
+def _lock(name: str, what: str, does: str) -> Iterator[None]:
+    path = cache_folder() / "running" / f"use-{hashlib.sha256(name.encode()).hexdigest()[:20]}.lock"
+    said = path.with_suffix(".who")
+    since = f"{datetime.now():%Y-%m-%d %H:%M:%S}"
+    with _TAKING:
+        if path in _HELD:
+            raise LabrigError(f"{_HELD[path]} {does}; wait, or stop it")
+        try:
+            file = _taken(path)
+        except OSError as error:
+            if error.errno in _SOMEBODYS:
+                raise LabrigError(f"{_who(said)} {does}; wait, or stop it") from None
+            file = None  # a disk that is full, or knows no locks, is no reason not to measure
+        _HELD[path] = f"{what} (process {os.getpid()}, since {since})"
+    with file or contextlib.nullcontext():
+        try:
+            with contextlib.suppress(OSError):
+                _write(said, {"what": what, "pid": os.getpid(), "since": since})
+            yield
+        finally:
+            del _HELD[path]
+            for each in (said, path):  # while it is still locked; Windows keeps a file that is open
+                with contextlib.suppress(OSError):
+                    each.unlink(missing_ok=True)
+
+
+def _taken(path: Path) -> IO[bytes]:
+    """The file, locked until it is closed or this process ends; raises `OSError` where another process has it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    while True:
+        file = path.open("ab")
+        try:
+            _take(file)
+            if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+                return file
+        except FileNotFoundError:
+            pass
+        except OSError:
+            file.close()
+            raise
+        file.close()  # whoever had it has just removed it
+
+
+def _take(file: IO[bytes]) -> None:
+    if sys.platform == "win32":
+        import msvcrt
+
+        file.seek(0)
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # unlike flock's, no child of this process has it
+
+
+def _write(path: Path, content: dict[str, Any]) -> None:
+    part = path.with_suffix(".part")
+    part.write_text(json.dumps(content), encoding="utf-8")
+    part.replace(path)
+
+
+def _who(said: Path) -> str:
+    try:
+        content = json.loads(said.read_text(encoding="utf-8"))
+        return f"{content['what']} (process {content['pid']}, since {content['since']})"
+    except (OSError, ValueError, KeyError, TypeError):  # it has only just begun
+        return "another process"

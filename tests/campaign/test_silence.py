@@ -1,0 +1,147 @@
+"""A device that says nothing of use is silent, whatever arrives and however it is dated; no step waits for ever."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labrig import LabrigError
+from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Step, Steps, dry_run, run
+from labrig.log import summarise
+from labrig_drivers import DeviceError
+
+
+class Hold(Procedure):
+    """Under pressure for half a minute."""
+
+    def steps(self, rig: RigInfo) -> Steps:
+        """Up, and a long hold with one recording."""
+        yield Actuate((40.0, 30.0))
+        yield Settle(20.0)
+        yield Record(1.0)
+        yield Settle(10.0)
+
+
+@pytest.fixture
+def meddle(fake: Any, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Change what a device's method returns while the chambers are under pressure, for so long."""
+
+    def change(device: str, method: str, how: Callable[[Any], Any], for_s: float = np.inf) -> None:
+        driver = getattr(fake, device)._device
+        original, began_s = getattr(driver, method), []
+
+        def meddled() -> list[Any]:
+            found, now_s = original(), fake.clock.now_s()
+            if fake.pressure_kpa.max() < 20.0:
+                return found
+            began_s.append(now_s)
+            return [how(each) for each in found] if now_s - began_s[0] <= for_s else found
+
+        monkeypatch.setattr(driver, method, meddled)
+
+    return change
+
+
+def _nan(chambers: slice) -> Callable[[Any], Any]:
+    def blind(sample: Any) -> Any:
+        pressure_kpa = sample.pressure_kpa.copy()
+        pressure_kpa[chambers] = np.nan
+        return replace(sample, pressure_kpa=pressure_kpa)
+
+    return blind
+
+
+def _later(by_s: float) -> Callable[[Any], Any]:
+    return lambda each: replace(each, time_s=each.time_s + by_s)
+
+
+@pytest.mark.parametrize(("chambers", "names"), [(slice(2), "c1, c2"), (slice(1, 2), "c2")])
+def test_readings_that_are_nan_end_the_run(
+    fake: Any, meddle: Any, tmp_path: Path, chambers: slice, names: str
+) -> None:
+    """A chamber that had a reading and has none for a second: as if nothing was measured."""
+    meddle("pressure", "samples", _nan(chambers))
+    with pytest.raises(DeviceError, match=rf"^pressure: no reading \(NaN\) from {names} for 1\.\d s"):
+        run(Hold(), fake.rig, tmp_path / "run", fake.clock)
+    assert fake.pressure_kpa.max() <= 0.5
+    assert max(command for _, command in fake.pressure.world.commands) == (40.0, 30.0)
+
+
+def test_a_short_gap_is_warned_of(fake: Any, meddle: Any, tmp_path: Path) -> None:
+    """Half a second without a reading ends nothing, and is said once."""
+    meddle("pressure", "samples", _nan(slice(2)), 0.5)
+    run(Hold(), fake.rig, tmp_path / "run", fake.clock)
+    told = [text for _, text in summarise(tmp_path / "run").events if "NaN" in text]
+    assert told == ["no reading (NaN) from c1, c2"]
+
+
+@pytest.mark.parametrize(
+    ("device", "method", "by_s", "text"),
+    [
+        (
+            "pressure",
+            "samples",
+            60.0,
+            r"pressure: FakePressure.samples\(\) gave a time that is (59|60).* s ahead of",
+        ),
+        ("mocap", "frames", 3600.0, r"mocap: FakeMocap.frames\(\) gave a time that is 3[56]\d\d s ahead of"),
+        ("pressure", "samples", -60.0, r"pressure: what it measures is dated 60.* s before labrig's clock"),
+        ("mocap", "frames", -60.0, r"mocap: what it measures is dated 60.* s before labrig's clock"),
+        (
+            "mocap",
+            "frames",
+            -5.0,
+            r"mocap: frames arrive, and none is dated .* the last is 5.* s before labrig's",
+        ),
+        (
+            "mocap",
+            "frames",
+            0.9,
+            r"mocap: frames arrive, and none is dated .* the last is 0.* s ahead of labrig's",
+        ),
+    ],
+)
+def test_what_is_dated_by_another_clock_ends_the_run(
+    fake: Any, meddle: Any, tmp_path: Path, device: str, method: str, by_s: float, text: str
+) -> None:
+    """Ahead or behind, pressures or frames: the run ends, vented, instead of going on under pressure."""
+    meddle(device, method, _later(by_s))
+
+    class Short(Hold):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Actuate((40.0, 30.0))
+            yield Settle(3.0)
+            yield Record(0.2)
+
+    with pytest.raises(DeviceError, match=rf"^{text}"):
+        run(Short(), fake.rig, tmp_path / "run", fake.clock)
+    assert fake.pressure_kpa.max() <= 0.5
+    again = [text for _, text in summarise(tmp_path / "run").events if "recording again" in text]
+    assert len(again) == (2 if "frames arrive" in text else 0)
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        lambda: Settle(float("inf")),
+        lambda: Settle(float("nan")),
+        lambda: Record(float("inf")),
+        lambda: Scan(float("inf")),
+    ],
+)
+def test_no_step_lasts_for_ever(config: Any, step: Callable[[], Step]) -> None:
+    """A time without an end is refused before anything moves, in a dry run, too."""
+
+    class Endless(Procedure):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Actuate((40.0, 30.0))
+            yield step()
+
+    refusal = r"\((duration|timeout)_s=(inf|nan)\): give a time in s that ends$"
+    with pytest.raises(LabrigError, match=refusal):
+        step()
+    with pytest.raises(LabrigError, match=refusal):
+        dry_run(Endless(), config)
