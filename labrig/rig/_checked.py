@@ -15,12 +15,14 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.rig._config import RigConfig
 from labrig.rig._last_words import BY_HAND, by_hand
+from labrig.rig._markers import order_in
 from labrig_drivers import (
     Clock,
     DeviceError,
     Identity,
     MarkerFrame,
     PressureSample,
+    Scan,
     VentNotConfirmedError,
     VentReport,
 )
@@ -39,6 +41,7 @@ class _Checked:
 
     def __init__(self, device: Any, name: str, clock: Clock) -> None:
         self._device, self.name, self._clock = device, name, clock
+        self._called = getattr(device, "called", type(device).__name__)
 
     def __getattr__(self, attribute: str) -> Any:
         if attribute == "_device":  # a copy that is not filled yet
@@ -67,7 +70,7 @@ class _Checked:
             raise self._wrong(method, f"raised {type(error).__name__}: {error}") from error
 
     def _wrong(self, method: str, what: str) -> DeviceError:
-        return DeviceError(f"{self.name}: {type(self._device).__name__}.{method}() {what}")
+        return DeviceError(f"{self.name}: {self._called}.{method}() {what}")
 
     def _expect(self, value: Any, kind: type[Any], method: str) -> Any:
         if not isinstance(value, kind):
@@ -217,7 +220,31 @@ class CheckedPressure(_Checked):
 
 
 class CheckedMocap(_Checked):
-    """A motion capture whose frames have one position for each marker, and a time that is not ahead."""
+    """A motion capture whose frames have one position for each marker, and a time that is not ahead.
+
+    Its markers come in the order of rig.yaml, whatever the driver's own order is.
+    """
+
+    def __init__(self, device: Any, config: RigConfig, name: str, clock: Clock) -> None:
+        super().__init__(device, name, clock)
+        self._wanted = config.markers
+        self._order: Sequence[int] | None = None
+
+    @property
+    def marker_names(self) -> Sequence[str]:
+        """The markers, in the order of the frames."""
+        return self._wanted or self._device.marker_names
+
+    def connect(self) -> None:
+        """Open the link, and find each marker of rig.yaml among the driver's own."""
+        super().connect()
+        own = tuple(map(str, getattr(self._device, "marker_names", None) or self._wanted))
+        try:
+            if not own:
+                raise ValueError("is empty, and rig.yaml names no markers")
+            self._order = order_in(own, self._wanted)
+        except ValueError as error:
+            raise DeviceError(f"{self.name}: {self._called}.marker_names {error}") from None
 
     def frames(self) -> list[MarkerFrame]:
         """Every frame since the last call."""
@@ -225,10 +252,20 @@ class CheckedMocap(_Checked):
 
     def _checked(self, frame: MarkerFrame) -> MarkerFrame:
         self._check_time(frame.time_s, "frames")
-        count = len(self._device.marker_names)
+        count = len(getattr(self._device, "marker_names", None) or self._wanted)
         position_mm = self._array(frame.position_mm, (count, 3), "frames", "coordinates")
         status = self._array(frame.status, (count,), "frames", "states of markers").astype(np.int8)
+        if self._order is not None:
+            position_mm, status = position_mm[self._order], status[self._order]
         return MarkerFrame(float(frame.time_s), frame.number, position_mm, status)
+
+
+class CheckedScanner(_Checked):
+    """A scanner whose scans are scans."""
+
+    def scan(self, timeout_s: float = 120.0) -> Scan:
+        """Wait for the next complete scan."""
+        return self._expect(self._call("scan", timeout_s), Scan, "scan")
 
 
 def _text(value: float) -> str:

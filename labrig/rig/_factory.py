@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig._errors import LabrigError
-from labrig.rig._checked import CheckedMocap, CheckedPressure
+from labrig.rig._checked import CheckedMocap, CheckedPressure, CheckedScanner
 from labrig.rig._config import DeviceConfig, RigConfig
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._markers import twice
@@ -92,7 +92,9 @@ def device_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Cloc
     make = _unchecked_maker(config, role, device, clock)
     if role == "pressure":
         return lambda: CheckedPressure(make(), config, role, clock)
-    return (lambda: CheckedMocap(make(), role, clock)) if role == "mocap" else make
+    if role == "mocap":
+        return lambda: CheckedMocap(make(), config, role, clock)
+    return lambda: CheckedScanner(make(), role, clock)
 
 
 def _unchecked_maker(config: RigConfig, role: str, device: DeviceConfig, clock: Clock) -> Callable[[], Any]:

@@ -85,9 +85,14 @@ def test_a_short_gap_is_warned_of(fake: Any, meddle: Any, tmp_path: Path) -> Non
             "pressure",
             "samples",
             60.0,
-            r"pressure: FakePressure.samples\(\) gave a time that is (59|60).* s ahead of",
+            r"pressure: fake_devices.py: FakePressure.samples\(\) gave a time that is (59|60).* s ahead of",
         ),
-        ("mocap", "frames", 3600.0, r"mocap: FakeMocap.frames\(\) gave a time that is 3[56]\d\d s ahead of"),
+        (
+            "mocap",
+            "frames",
+            3600.0,
+            r"mocap: fake_devices.py: FakeMocap.frames\(\) gave a time that is 3[56]\d\d s ahead of",
+        ),
         ("pressure", "samples", -60.0, r"pressure: what it measures is dated 60.* s before labrig's clock"),
         ("mocap", "frames", -60.0, r"mocap: what it measures is dated 60.* s before labrig's clock"),
         (

@@ -88,7 +88,7 @@ def driver() -> Driver:
 @pytest.fixture
 def checked(driver: Driver, write_rig: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> Any:
     """The same as the rest of labrig has it."""
-    monkeypatch.setattr("labrig.rig._factory._users_maker", lambda *_: lambda: driver)
+    monkeypatch.setattr("labrig.rig._factory.own_maker", lambda *_: lambda: driver)
     return device_makers(load_rig(write_rig()), driver.clock)["pressure"]()
 
 
@@ -266,7 +266,7 @@ def test_frames_are_what_they_should_be(
         def frames(self) -> list[MarkerFrame]:
             return [MarkerFrame(clock.now_s() + ahead_s, 1, position, status)]
 
-    monkeypatch.setattr("labrig.rig._factory._users_maker", lambda *_: Camera)
+    monkeypatch.setattr("labrig.rig._factory.own_maker", lambda *_: Camera)
     mocap = {"kind": "python", "file": "x.py", "class": "Camera"}
     rig = load_rig(write_rig(mocap=mocap, markers=["m1", "m2", "m3"]))
     with pytest.raises(DeviceError, match=rf"^mocap: Camera.frames\(\) {text}"):
