@@ -28,7 +28,12 @@ def and_vented(error: BaseException) -> BaseException:
         earlier = text.replace(f"; {BY_HAND}", "")
         return DeviceError(f"{earlier}; a later vent was confirmed: {VENTED}")
     if isinstance(error, LabrigError | DeviceError):
-        return type(error)(f"{text}; {VENTED}")
+        told = f"{text}; {VENTED}"
+        try:
+            return type(error)(told)
+        except TypeError:  # it is made of more than its text
+            error.args = (told, *error.args[1:])
+            return error
     error.add_note(VENTED)
     return error
 

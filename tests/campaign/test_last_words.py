@@ -169,9 +169,18 @@ def _raise(error: BaseException) -> Callable[[], None]:
     return act
 
 
+class _OfTwo(LabrigError):
+    """An error that is made of more than its text, as that of an effect is."""
+
+    def __init__(self, text: str, effect: str) -> None:
+        super().__init__(text)
+        self.effect = effect
+
+
 @pytest.mark.parametrize(
     ("fails", "error", "kind", "text"),
     [
+        (False, _OfTwo("a slip", "mine"), _OfTwo, "a slip; the chambers are vented"),
         (False, LabrigError("a slip"), LabrigError, "a slip; the chambers are vented"),
         (False, DeviceError("x; the chambers are vented"), DeviceError, "x; the chambers are vented"),
         (
