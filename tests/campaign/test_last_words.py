@@ -169,7 +169,7 @@ def _raise(error: BaseException) -> Callable[[], None]:
     return act
 
 
-class _OfTwo(LabrigError):
+class _TwoPartError(LabrigError):
     """An error that is made of more than its text, as that of an effect is."""
 
     def __init__(self, text: str, effect: str) -> None:
@@ -180,7 +180,7 @@ class _OfTwo(LabrigError):
 @pytest.mark.parametrize(
     ("fails", "error", "kind", "text"),
     [
-        (False, _OfTwo("a slip", "mine"), _OfTwo, "a slip; the chambers are vented"),
+        (False, _TwoPartError("a slip", "mine"), _TwoPartError, "a slip; the chambers are vented"),
         (False, LabrigError("a slip"), LabrigError, "a slip; the chambers are vented"),
         (False, DeviceError("x; the chambers are vented"), DeviceError, "x; the chambers are vented"),
         (
