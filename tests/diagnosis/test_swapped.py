@@ -131,7 +131,8 @@ def test_names_that_moved_up_by_one(make_lab) -> None:
     values.reshape(30, -1, 12, 3)[:, :, 11] = np.nan
     gone, said = lost(lab, values)
     assert set(gone) == {7, 8, 9, 10, 11}
-    assert said[0].startswith(
+    assert said[0].startswith("m11 was never seen, in 30 captures: ")
+    assert said[1].startswith(
         "m7, m8, m9 and m10 have the names of others in 30 captures (0, 1, 2, 3, ...): "
     )
 
