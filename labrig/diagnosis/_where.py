@@ -47,8 +47,11 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
         if (own := (rows.marker == m)[counted]).any():
             yield Place("marker", name, every_row, own)
     if rows.markers:
-        # markers that one chamber moves most are that chamber's region
-        owner = (np.abs(context.jacobian).mean(axis=0) * np.abs(context.span)).argmax(axis=1)
+        # markers that one chamber moves most, along all axes together, are that chamber's region
+        reach = (np.abs(context.jacobian).mean(axis=0) * context.span) ** 2
+        for m in np.unique(rows.marker[rows.marker >= 0]):
+            reach[rows.marker == m] = reach[rows.marker == m].sum(axis=0)
+        owner = np.where(rows.marker >= 0, reach.argmax(axis=1), -1)
         for c, chamber in enumerate(rows.chambers):
             own = (owner == c)[counted]
             if own.any() and not own.all():
