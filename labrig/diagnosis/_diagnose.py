@@ -379,7 +379,10 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     if ready.floor.repeats.get("same history") is None:
         out.append(UNREPEATED)
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
-        out.append("what the pressures did between sessions is unknown: taken as vented")
+        out.append(
+            "what the pressures did between sessions is unknown: taken as vented; `between_sessions:` in the mapping "
+            "says it (vented, held)"
+        )
     counted = ready.regression.counted
     early, floor = (float(np.sqrt(np.mean(v[counted] ** 2))) for v in (rows.early, ready.floor.row))
     if verdict.verdict == "nothing_missing" and early > _EARLY * floor:
