@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._uneven import groups_of, profile_of_means
@@ -203,4 +203,4 @@ def _limit(differences: list[Floats]) -> float:
     if not size:
         return np.inf
     n = _EFFICIENCY * sum(int(np.isfinite(d).sum()) for d in differences)
-    return float(size * np.sqrt(n / chi2.ppf(0.025, n)))
+    return float(size * np.sqrt(n / chdtri(n, 0.975)))
