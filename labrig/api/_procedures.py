@@ -1,13 +1,12 @@
 """Finds procedures, and turns their parameters into options of `labrig run`."""
 
-import importlib.util
 import sys
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_origin
 
 from labrig._errors import LabrigError
 from labrig._near import meant
+from labrig._own_code import load_module
 from labrig._yaml import read_yaml
 
 if TYPE_CHECKING:
@@ -54,7 +53,7 @@ def read_procedure(text: str, arguments: list[str]) -> "Procedure":
 def _from_file(path: Path, wanted: str) -> "type[Procedure]":
     from labrig.campaign import Procedure
 
-    module = _load(path)
+    module = load_module(path, f"labrig_procedure_{path.stem}")
     kinds = {
         name: kind
         for name, kind in vars(module).items()
@@ -73,35 +72,6 @@ def _from_file(path: Path, wanted: str) -> "type[Procedure]":
             f"{path} has several procedures; say which: {', '.join(f'{path}:{name}' for name in kinds)}"
         )
     return next(iter(kinds.values()))
-
-
-def _load(path: Path) -> ModuleType:
-    if not path.is_file():
-        raise LabrigError(f"there is no file {path}")
-    name = f"labrig_procedure_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise LabrigError(f"{path} is not a Python file")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    sys.path.insert(0, str(path.resolve().parent))
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        line = getattr(error, "lineno", None) or _line_of(error, path)
-        raise LabrigError(f"{path}, line {line}: {type(error).__name__}: {error}") from error
-    finally:
-        sys.path.pop(0)
-    return module
-
-
-def _line_of(error: Exception, path: Path) -> int:
-    """The line of the file at which its code failed."""
-    import traceback
-
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno or 0 for frame in frames if Path(frame.filename).resolve() == path.resolve()]
-    return lines[-1] if lines else 0
 
 
 def parse_parameters(

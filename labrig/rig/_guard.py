@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.rig._config import RigConfig
-from labrig.rig._guard_words import GuardRequest, Setup
+from labrig.rig._guard_words import GuardRequest, Setup, apart
 from labrig_drivers import (
     Channel,
     DeviceError,
@@ -74,13 +74,6 @@ class GuardedPressure:
     def _start(self) -> None:
         if self._process is not None:
             _close_pipes(self._process)
-        options: dict[str, Any] = {}
-        if sys.platform == "win32":
-            options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP
-        else:
-            options["start_new_session"] = (
-                True  # POSIX only: Ctrl-C and a closed terminal do not reach the guard
-            )
         self._process = subprocess.Popen(
             [sys.executable, "-m", "labrig.rig._guard_process"],
             stdin=subprocess.PIPE,
@@ -89,7 +82,7 @@ class GuardedPressure:
             text=True,
             encoding="utf-8",
             env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
-            **options,
+            **apart(),
         )
         self._answers = queue.Queue()
         self._guards_offset_s = self._clock.offset_s

@@ -28,7 +28,7 @@ from labrig._errors import LabrigError
 from labrig.rig._asked import Asked, receive
 from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
-from labrig.rig._guard_words import GuardAnswer, GuardRequest, Identified, Setup
+from labrig.rig._guard_words import GuardAnswer, GuardRequest, Identified, Setup, apart
 from labrig.run_contents import VentContent
 from labrig_drivers import DeviceError, RealClock
 
@@ -285,11 +285,6 @@ def _watch(guard: Guard, ended: threading.Event, setup: str) -> None:
 
 def _hand_over(setup: str) -> None:
     """Start the process that vents in this one's place, and let go of the link by ending at once."""
-    options: dict[str, Any] = {}
-    if sys.platform == "win32":
-        options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP
-    else:
-        options["start_new_session"] = True
     process = subprocess.Popen(
         [sys.executable, "-m", "labrig.rig._guard_last"],
         stdin=subprocess.PIPE,
@@ -297,7 +292,7 @@ def _hand_over(setup: str) -> None:
         stderr=subprocess.DEVNULL,
         text=True,
         encoding="utf-8",
-        **options,
+        **apart(),
     )
     if process.stdin is not None:
         process.stdin.write(setup)

@@ -1,6 +1,15 @@
 """What a runner asks its guard, and what the guard answers: a line of JSON each."""
 
+import subprocess
+import sys
 from typing import Any, NotRequired, TypedDict
+
+
+def apart() -> dict[str, Any]:
+    """Options of a process that Ctrl-C and a closed terminal do not reach, on each system by its own means."""
+    if sys.platform == "win32":
+        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    return {"start_new_session": True}
 
 
 class Setup(TypedDict):

@@ -178,7 +178,7 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
         (("broken.py", "--rig", "rig.yaml"), "broken.py, line 3: NameError: name 'nonsense' is not defined"),
         (
             ("syntax.py", "--rig", "rig.yaml"),
-            "syntax.py, line 1: SyntaxError: invalid syntax (syntax.py, line 1)",
+            "syntax.py, line 1: is no Python (invalid syntax)",
         ),
         (("two.py", "--rig", "rig.yaml"), "two.py has several procedures; say which: two.py:A, two.py:B"),
         (("two.py:C", "--rig", "rig.yaml"), "two.py has no procedure C; it has A, B"),

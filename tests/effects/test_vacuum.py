@@ -8,6 +8,8 @@ import pytest
 
 from labrig.diagnosis import diagnose
 from labrig.effects import contribution, ends, library, rows_of
+from labrig.experiment._plan import Limits
+from labrig.model._simulator import solved_curves
 from tests.conftest import HIGH_KPA
 
 if TYPE_CHECKING:
@@ -99,6 +101,48 @@ def test_a_range_begins_where_a_chamber_is_vented(low, high, begin, far) -> None
     """At the limit nearer to no pressure, and goes from there to the other one."""
     origin, span = ends(np.array([low]), np.array([high]))
     assert (origin[0], origin[0] + span[0]) == (begin, far)
+
+
+def test_a_range_that_nobody_said_begins_at_no_pressure(make_lab) -> None:
+    """Of a run without limits whose set-points are all of vacuum the range goes from there to the largest one."""
+    lab = make_lab(captures=20)
+    data, _ = mirrored(lab, lab.dataset(lab.predict(lab.u)))
+    rows = rows_of(data.drop_vars(["chamber_min", "chamber_max"]).assign_coords(_unknown(lab.chambers)))
+    assert rows.origin.tolist() == [0.0] * lab.chambers
+    np.testing.assert_allclose(rows.span, -lab.commanded.max(axis=0))
+
+
+def _unknown(chambers: int) -> dict[str, Any]:
+    return {name: ("chamber", np.full(chambers, np.nan)) for name in ("chamber_min", "chamber_max")}
+
+
+def test_a_programme_is_vented_at_nothing() -> None:
+    """What is planned in shares of the range begins vented, and a quarter of it is a quarter of the vacuum."""
+    limits = Limits(np.array([-60.0]), np.array([0.0]), np.array([100.0]))
+    assert limits.rest == (0.0,)
+    assert limits.actuation([0.25]).tolist() == [-15.0]
+
+
+def test_solved_curves_are_the_same() -> None:
+    """How far a chamber of a simulated surface goes over its range does not depend on the sign of the vacuum."""
+    low, high = np.zeros(1), np.full(1, HIGH_KPA)
+    filled, sucked = solved_curves(_Solved(1.0), low, high), solved_curves(_Solved(-1.0), -high, low)
+    for one, other in zip(filled, sucked, strict=True):
+        np.testing.assert_allclose(other, one, rtol=1e-9)
+    assert np.ptp(filled[0]) > 0.5
+
+
+class _Solved:
+    """A surface of one chamber and one observable that saturates; vacuum of `sign` -1 fills it."""
+
+    def __init__(self, sign: float) -> None:
+        self.sign = sign
+
+    def simulate(self, u: np.ndarray) -> np.ndarray:
+        return np.tanh(self.sign * u / 40.0)
+
+    def slope(self, u: np.ndarray) -> np.ndarray:
+        return self.sign / 40.0 / np.cosh(u / 40.0)[:, None, :] ** 2
 
 
 def test_a_wall_is_met_by_vacuum_too(make_lab) -> None:

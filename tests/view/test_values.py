@@ -100,6 +100,7 @@ def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
     ("form", "parameters", "ranges", "said"),
     [
         ("pressure", {}, {"c1": (0.0, 300.0)}, "Something is met from 180 mbar on."),
+        ("pressure", {}, {"c1": (-300.0, 0.0)}, "Something is met from -180 mbar on."),
         ("per chamber", {}, {"c1": (0, 300), "c2": (0, 300)}, "Something is met from 180 mbar on."),
         (
             "per chamber",
