@@ -9,7 +9,7 @@ import pytest
 from labrig.diagnosis import diagnose
 from labrig.effects import contribution, ends, library, rows_of
 from labrig.experiment._plan import Limits
-from labrig.model._simulator import solved_curves
+from labrig.model._simulator import SimulatorModel, solved_curves
 from tests.conftest import HIGH_KPA
 
 if TYPE_CHECKING:
@@ -132,17 +132,17 @@ def test_solved_curves_are_the_same() -> None:
     assert np.ptp(filled[0]) > 0.5
 
 
-class _Solved:
+class _Solved(SimulatorModel):
     """A surface of one chamber and one observable that saturates; vacuum of `sign` -1 fills it."""
 
     def __init__(self, sign: float) -> None:
         self.sign = sign
 
-    def simulate(self, u: np.ndarray) -> np.ndarray:
-        return np.tanh(self.sign * u / 40.0)
+    def simulate(self, actuation: np.ndarray) -> np.ndarray:
+        return np.tanh(self.sign * actuation / 40.0)
 
-    def slope(self, u: np.ndarray) -> np.ndarray:
-        return self.sign / 40.0 / np.cosh(u / 40.0)[:, None, :] ** 2
+    def slope(self, actuation: np.ndarray) -> np.ndarray:
+        return self.sign / 40.0 / np.cosh(actuation / 40.0)[:, None, :] ** 2
 
 
 def test_a_wall_is_met_by_vacuum_too(make_lab) -> None:
