@@ -48,7 +48,7 @@ def check(
     """
     from labrig.catalogue import tag
 
-    config, known = rig_of(rig), model_of(model)
+    config, known = rig_of(rig), model_of(model).in_files()
     procedure = made(TAG, parameters)
     folder = new_folder(procedure, Path(runs))
     run(procedure, rig, out=folder, seed=seed, realtime=realtime, progress=progress)

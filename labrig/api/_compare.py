@@ -123,7 +123,8 @@ def compare(runs: Any, model: Any) -> Comparison | ModelComparison:
 
     Args:
         runs: one run or a list, as paths or as `labrig.open_run` gives them; of one rig.
-        model: a model.yaml's path, or what `labrig.Model.load` gives; or a list of two, to compare them.
+        model: a model.yaml's path, what `labrig.Model.load` gives, or a function as `labrig.Model.of` takes it; or a
+            list of two, to compare them.
 
     Returns:
         a `Comparison`; of two models a `ModelComparison`, which has the difference of their errors with its interval.

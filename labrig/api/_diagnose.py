@@ -74,7 +74,7 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
 
     Args:
         runs: one run or a list, as paths or as `labrig.open_run` gives them; of one rig.
-        model: a model.yaml's path, or what `labrig.Model.load` gives.
+        model: a model.yaml's path, what `labrig.Model.load` gives, or a function as `labrig.Model.of` takes it.
         tolerance: the smallest effect that matters, in the units of the observables.
         without: names of effects to leave out of the library.
 

@@ -176,7 +176,7 @@ def history(
     from labrig import age
 
     name = _rig_name(rig)
-    known = model_of(model)
+    known = model_of(model).in_files()
     folder = path_of(runs, "a folder of runs", "its path, such as runs")
     rows = age.rows_of_rig(folder, name, where)
     read, left_out = age.read_rows(folder, rows, known, progress)

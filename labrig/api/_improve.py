@@ -58,7 +58,7 @@ def improve(
 
     Args:
         runs: one run or a list, as paths or as `labrig.open_run` gives them; of one rig.
-        model: a model.yaml's path, or what `labrig.Model.load` gives.
+        model: a model.yaml's path, what `labrig.Model.load` gives, or a function as `labrig.Model.of` takes it.
         add: the name of an effect, or several.
         force: add them even if they do not lower the held-out error.
         prior: models that have the effects already, fitted on another rig or day: one or a list, as `model`. Their

@@ -46,14 +46,16 @@ def _run(given: Any) -> "Dataset":
 
 
 def model_of(given: Any) -> "Model":
-    """A model, as a path or as `labrig.Model.load` gives it; raises `LabrigError` for anything else."""
+    """A model, as a path, as `labrig.Model.load` gives it or a function; raises `LabrigError` for anything else."""
     from labrig.model import Model
 
     if isinstance(given, Model):
         return given
     if isinstance(given, str | Path):
         return Model.load(given)
-    raise wrong("a model", given, "a model.yaml's path, or what labrig.Model.load gives")
+    if callable(given):
+        return Model.of(given)
+    raise wrong("a model", given, "a model.yaml's path, what labrig.Model.load gives, or a function")
 
 
 def rig_of(given: Any) -> "RigConfig":

@@ -250,7 +250,7 @@ def investigate(
         if not callable(reporter):
             raise wrong("a reporter", reporter, "print, or a labrig.investigation.Reporter")
         told = Lines(reporter)
-    config, questioned = rig_of(rig), model_of(model)
+    config, questioned = rig_of(rig), model_of(model).in_files()
     rig_name = str(rig) if isinstance(rig, str | Path) else f"rig {config.name}"
     given = [] if runs is None else runs_of(runs)
     for run in given:

@@ -146,7 +146,7 @@ def propose_experiment(
 
     Args:
         runs: one run or a list, as paths or as `labrig.open_run` gives them.
-        model: a model.yaml's path, or what `labrig.Model.load` gives.
+        model: a model.yaml's path, what `labrig.Model.load` gives, or a function as `labrig.Model.of` takes it.
         rig: a rig.yaml's path, or what `labrig.load_rig` gives: its limits hold, and a dry run on it says how long it
             takes; by default the limits that the runs state.
         diagnosis: that of these runs; it is made where it is not given.

@@ -1,15 +1,14 @@
 """Which effects there are: labrig's own, and those that a user wrote."""
 
 import importlib
-import importlib.util
 import inspect
 import pkgutil
-import sys
 from functools import cache
 from pathlib import Path
 
 from labrig._errors import LabrigError
 from labrig._near import meant
+from labrig._own_code import load_module
 from labrig.effects._effect import Effect, Parameter
 from labrig.effects._own import checked
 
@@ -38,7 +37,7 @@ def library(*folders: Path) -> dict[str, Effect]:
     for folder in dict.fromkeys([Path.cwd(), *folders]):
         for file in sorted((folder / USER_FOLDER).glob("*.py")):
             if not file.name.startswith("_"):
-                for effect in _effects_in(_load(file), file):
+                for effect in _effects_in(load_module(file, f"labrig_user_effects_{file.stem}"), file):
                     if effect.name in shipped():
                         raise LabrigError(
                             f"{file}: labrig has an effect named {effect.name!r} already; give yours another name"
@@ -54,20 +53,6 @@ def get(name: str, *folders: Path) -> Effect:
         known = ", ".join(sorted(found))
         raise LabrigError(f"there is no effect {name!r}; choose one of: {known}{meant(name, found)}")
     return found[name]
-
-
-def _load(file: Path) -> object:
-    name = f"labrig_user_effects.{file.stem}"
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None:
-        raise LabrigError(f"{file}: not a Python file")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise LabrigError(f"{file}: can't be read as an effect: {type(error).__name__}: {error}") from error
-    return module
 
 
 def _effects_in(module: object, file: Path | None = None) -> list[Effect]:

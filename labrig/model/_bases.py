@@ -22,7 +22,7 @@ from labrig.model._file import (
 )
 from labrig.model._memory import MemoryModel
 from labrig.model._memory_kinds import FmuModel, OdeModel, RecordModel, StepModel, memory_of
-from labrig.model._python import load_function
+from labrig.model._python import function_of, place_of
 from labrig.model._robust import robust_fit
 from labrig.model._simulator import SimulatorModel, solved_curves
 from labrig.model._surrogate import SurrogateModel
@@ -59,8 +59,8 @@ class PythonModel:
     kind = "python"
 
     def __init__(self, spec: PythonBase, folder: Path, rows: Rows) -> None:
-        self._where = f"{folder / spec.file}:{spec.function}"
-        self._function = load_function(folder / spec.file, spec.function)
+        self._where = place_of(spec, folder)
+        self._function = function_of(spec, folder)
         self._observables = rows.observables
 
     def predict(self, actuation: Floats) -> Floats:

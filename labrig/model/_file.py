@@ -1,11 +1,12 @@
 """model.yaml: a base and its effects, as a person reads and edits them."""
 
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, model_validator
 
 from labrig._durable import write_whole
 from labrig._fields import check_fields
@@ -33,6 +34,20 @@ class PythonBase(_Strict):
     state: list[float] | None = None
     max_step_s: float | None = Field(default=None, gt=0)
     learned: bool | None = None
+    _given: Callable[..., Any] | None = PrivateAttr(default=None)
+
+    @property
+    def given(self) -> Callable[..., Any] | None:
+        """The function itself, where it was handed over and stands in no file."""
+        return self._given
+
+    @classmethod
+    def of(cls, function: Callable[..., Any], **more: Any) -> "PythonBase":
+        """A base that is handed over; `more` as in the file. Raises `LabrigError` for what is none of those fields."""
+        name = getattr(function, "__name__", None) or type(function).__name__
+        base = check_fields(cls, {"kind": "python", "file": "", "function": name, **more}, name)
+        base._given = function
+        return base
 
 
 class OdeBase(_Strict):

@@ -13,7 +13,7 @@ from labrig.arrays import Floats
 from labrig.effects import Rows
 from labrig.model._file import FmuBase, OdeBase, PythonBase
 from labrig.model._memory import MemoryModel
-from labrig.model._python import load_function
+from labrig.model._python import function_of, load_function, place_of
 
 _FEW_HOLDS = 500
 """So many different inputs in a record are integrated one by one; more are a stream, followed by small steps."""
@@ -23,7 +23,7 @@ def memory_of(spec: PythonBase, folder: Path) -> Literal["none", "record", "step
     """What a function remembers: as the model says, or by how many parameters it has to be given (1, 2 or 3)."""
     if spec.memory is not None:
         return spec.memory
-    function = load_function(folder / spec.file, spec.function)
+    function = function_of(spec, folder)
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
@@ -45,8 +45,8 @@ class RecordModel(MemoryModel):
     )
 
     def __init__(self, spec: PythonBase, folder: Path, rows: Rows) -> None:
-        self._function = load_function(folder / spec.file, spec.function)
-        super().__init__(f"{folder / spec.file}:{spec.function}", rows, spec.max_step_s)
+        self._function = function_of(spec, folder)
+        super().__init__(place_of(spec, folder), rows, spec.max_step_s)
 
     def _simulate(self, u: Floats, t: Floats) -> object:
         return self._function(u, t)
@@ -58,10 +58,10 @@ class StepModel(MemoryModel):
     kind = "python"
 
     def __init__(self, spec: PythonBase, folder: Path, rows: Rows) -> None:
-        where = f"{folder / spec.file}:{spec.function}"
+        where = place_of(spec, folder)
         if spec.state is None:
             raise LabrigError(f"{where}: a step needs the state that it begins with: base: state: [0.0]")
-        self._function = load_function(folder / spec.file, spec.function)
+        self._function = function_of(spec, folder)
         self._state = np.array(spec.state, dtype=float)
         super().__init__(where, rows, spec.max_step_s)
 

@@ -1,15 +1,17 @@
 """A model at work: its base and its effects, predicting a campaign."""
 
 import os
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig._paths import path_of
+from labrig._paths import path_of, wrong
 from labrig.arrays import Floats
 from labrig.effects import (
     WEIGHTS,
@@ -36,7 +38,7 @@ from labrig.model._bases import (
     jacobian,
     solo_deflection,
 )
-from labrig.model._file import EffectEntry, ModelFile, Value, read_model_file, write_model_file
+from labrig.model._file import EffectEntry, ModelFile, PythonBase, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
 
 _OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
@@ -70,10 +72,39 @@ class Model:
                 get(entry.name, model.folder)
         return model
 
+    @classmethod
+    def of(
+        cls,
+        function: Callable[..., Any],
+        *,
+        learned: bool = False,
+        memory: Literal["none", "record", "step"] | None = None,
+        state: Sequence[float] | None = None,
+        max_step_s: float | None = None,
+    ) -> "Model":
+        """A model of a function as it is, such as one of a notebook; what it takes and gives: docs/reference/model.md.
+
+        Args:
+            function: ``predict(actuation: (F, C)) -> (F, K)``, or one with memory.
+            learned: it was fitted or trained, so its error may be any curve.
+            memory: what it remembers; left out, the number of its parameters says it.
+            state: what a step begins with.
+            max_step_s: the longest step of one with memory.
+
+        Raises:
+            LabrigError: it is no function, or an argument is none of those that are wanted.
+        """
+        if not callable(function):
+            raise wrong("a function", function, "predict(actuation) -> observables")
+        more = {"memory": memory, "state": state, "max_step_s": max_step_s, "learned": learned or None}
+        return cls(ModelFile(base=PythonBase.of(function, **more)), Path())
+
     def save(self, path: Path | str) -> None:
-        """Write a model.yaml; files that it names stay where they are, their paths are made relative to it."""
-        path = Path(path)
-        file = self.file.model_copy(deep=True)
+        """Write a model.yaml; files that it names stay where they are, their paths are made relative to it.
+
+        Raises `LabrigError` where its base is a function that stands in no file.
+        """
+        path, file = Path(path), self.in_files().file.model_copy(deep=True)
         for name in ("file", "rig"):
             if hasattr(file.base, name):
                 target = (self.folder / getattr(file.base, name)).resolve()
@@ -83,6 +114,16 @@ class Model:
                     relative = str(target)
                 setattr(file.base, name, Path(relative).as_posix())
         write_model_file(file, path)
+
+    def in_files(self) -> "Model":
+        """The same model; raises `LabrigError` where its base is a function that stands in no file."""
+        base = self.file.base
+        if isinstance(base, PythonBase) and base.given:
+            raise LabrigError(
+                f"the model's base is the function {base.function}, which stands in no file: write it to one (in a "
+                "notebook: %%writefile predict.py) and name it in model.yaml (base: {kind: python, file: predict.py})"
+            )
+        return self
 
     def with_effect(self, entry: EffectEntry) -> "Model":
         """The same model with one more effect at the end."""

@@ -1,30 +1,31 @@
-"""Functions in a file of the user's."""
+"""Functions of the user's: in a file, or handed over as they are."""
 
-import importlib.util
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from labrig._errors import LabrigError
+from labrig._own_code import load_module
+from labrig.model._file import PythonBase
 
 
 def load_function(path: Path, name: str) -> Callable[..., Any]:
     """A function by its name; raises `LabrigError` if the file, or the function in it, can't be had."""
     if not path.is_file():
         raise LabrigError(f"{path}: the model's Python file does not exist")
-    spec = importlib.util.spec_from_file_location(f"labrig_user_base_{path.stem}", path)
-    if spec is None or spec.loader is None:
+    if path.suffix != ".py":
         raise LabrigError(f"{path}: is not a Python file; its name ends in .py")
-    module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(path.parent.resolve()))
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise LabrigError(f"{path}: can't be imported: {type(error).__name__}: {error}") from error
-    finally:
-        sys.path.remove(str(path.parent.resolve()))
-    function = getattr(module, name, None)
+    function = getattr(load_module(path, f"labrig_user_base_{path.stem}"), name, None)
     if not callable(function):
         raise LabrigError(f"{path}: has no function {name!r}")
     return function
+
+
+def function_of(spec: PythonBase, folder: Path) -> Callable[..., Any]:
+    """The function of a base: as it was handed over, else in its file."""
+    return spec.given or load_function(folder / spec.file, spec.function)
+
+
+def place_of(spec: PythonBase, folder: Path) -> str:
+    """Where the function of a base stands, for messages."""
+    return f"the function {spec.function}" if spec.given else f"{folder / spec.file}:{spec.function}"

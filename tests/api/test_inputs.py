@@ -10,7 +10,9 @@ import labrig
 from labrig import LabrigError
 
 RUN = "a run is needed, and a {} was given: a run folder's path, or what labrig.open_run gives"
-MODEL = "a model is needed, and a {} was given: a model.yaml's path, or what labrig.Model.load gives"
+MODEL = (
+    "a model is needed, and a {} was given: a model.yaml's path, what labrig.Model.load gives, or a function"
+)
 
 
 @pytest.mark.parametrize(
@@ -104,7 +106,7 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
         (
             "import_table",
             (7, "out"),
-            "a mapping is needed, and a int was given: the path of a MAP.yaml, or of a table",
+            "a mapping is needed, and a int was given: the path of a MAP.yaml or of a table, or a DataFrame",
         ),
         (
             "import_table",
@@ -114,7 +116,7 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
         (
             "import_table",
             ("map.yaml", "out", [7]),
-            "a table is needed, and a int was given: its file (CSV, Parquet, C3D, ...)",
+            "a table is needed, and a int was given: its file (CSV, Parquet, C3D, ...), or a DataFrame",
         ),
     ],
 )

@@ -16,11 +16,12 @@ PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "notebook.md"
 
 @pytest.fixture
 def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The files that the page speaks of: a simulated rig that hides creep, its first run, and a model without it."""
+    """The files that the page speaks of: a simulated rig that hides creep, its first run, a model, and a table."""
     from labrig_drivers.simulated import hide, seal
 
     monkeypatch.chdir(tmp_path)
     Path("rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
+    Path("table.csv").write_text("p_kPa,x_mm\n" + "".join(f"{p},{0.1 * p:.1f}\n" for p in range(0, 60, 3)))
     Path("model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\neffects: []\n", encoding="utf-8")
     seal(tmp_path, hide("creep", seed=1))
     labrig.run("capture", "rig.yaml", out="runs/first", captures=40)

@@ -61,7 +61,7 @@ def predicted_by(code: str, rows) -> np.ndarray:
         ("predict = 3\n", "own.py: has no function 'predict'"),
         (
             "import missing_module\n",
-            "own.py: can't be imported: ModuleNotFoundError: No module named 'missing_module'",
+            "own.py, line 1: ModuleNotFoundError: No module named 'missing_module'",
         ),
     ],
 )
@@ -97,6 +97,17 @@ def test_a_function_may_give_one_number_a_row_and_use_files_beside_it(bench) -> 
     code = "from helper_of_mine import FACTOR\n\ndef predict(u):\n    u *= FACTOR\n    return u.sum(axis=1)\n"
     assert predicted_by(code, rows)[:, 0] == pytest.approx(2 * before.sum(axis=1))
     assert rows.actuation == pytest.approx(before)
+
+
+def test_a_file_of_a_base_is_a_module(bench) -> None:
+    """What looks its own module up, as a dataclass with written types does, works in it."""
+    rows = rows_of(bench.dataset(bench.predict(bench.u)))
+    code = (
+        "from __future__ import annotations\nfrom dataclasses import dataclass\n\n"
+        "@dataclass\nclass Bellows:\n    gain: float = 2.0\n\n"
+        "def predict(u):\n    return Bellows().gain * u.sum(axis=1)\n"
+    )
+    assert predicted_by(code, rows)[:, 0] == pytest.approx(2 * rows.actuation.sum(axis=1))
 
 
 def static(rows, degree: int):
