@@ -1,6 +1,6 @@
 """How large the noise is of what few observables of a unit say: repeats alone say it badly, so all spaces are asked."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from labrig.diagnosis._design import Design, design_of
 from labrig.diagnosis._floor import Floor
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._problem import Prepared
-from labrig.effects import Effect
+from labrig.effects import Effect, without_failing
 
 _FEW = 6
 """Observables of a unit below which the residuals' spectrum says nothing about their noise."""
@@ -41,12 +41,19 @@ def noise_of_few(design: Design) -> Floor:
 
 
 def with_noise_of_few(ready: Prepared, effects: Mapping[str, Effect]) -> Prepared:
-    """Measurements that are prepared, with the noise that a diagnosis takes where few observables leave it open."""
+    """Measurements that are prepared, with the noise that a diagnosis takes where few observables leave it open.
+
+    Own effects that fail say nothing of it.
+    """
     observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
     if observations.n_captures < k.FEWEST_OBSERVATIONS or not of_few(observations):
         return ready
-    design = design_of(observations, dict(effects), ready.nuisance, ready.calibrated)
-    return replace(ready, floor=noise_of_few(design))
+
+    def attempt(failing: Collection[str]) -> Design:
+        able = {name: effect for name, effect in effects.items() if name not in failing}
+        return design_of(observations, able, ready.nuisance, ready.calibrated)
+
+    return replace(ready, floor=noise_of_few(without_failing(attempt, ())[0]))
 
 
 def noise_scale(design: Design, own: NDArray[np.bool_]) -> float:

@@ -71,4 +71,8 @@ def _effects_in(module: object, file: Path | None = None) -> list[Effect]:
             raise LabrigError(
                 f"{inspect.getfile(c)}: the effect {c.__name__}: `parameters` are no Parameters"
             )
+        for p in c.parameters:
+            if not all(isinstance(value, int | float) for value in (p.low, p.high, p.least)):
+                what = f"the effect {c.__name__}: parameter {p.name!r}: low, high and least are numbers"
+                raise LabrigError(f"{inspect.getfile(c)}: {what}")
     return [c() if file is None else checked(c, file)() for c in classes]

@@ -100,7 +100,9 @@ def test_an_example_runs(
     shutil.copytree(files, tmp_path / "here")
     monkeypatch.chdir(tmp_path / "here")
     thing = getattr(labrig, name)
-    (example,) = doctest.DocTestFinder(recurse=False).find(thing, name, globs={"labrig": labrig, "pandas": pd})
+    (example,) = doctest.DocTestFinder(recurse=False).find(
+        thing, name, globs={"labrig": labrig, "pandas": pd}
+    )
     assert example.examples
     said = io.StringIO()
     with contextlib.redirect_stderr(io.StringIO()):

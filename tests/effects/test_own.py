@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from labrig._errors import LabrigError
-from labrig.diagnosis import diagnose
+from labrig.diagnosis import compare, diagnose
 from labrig.effects import Effect, get, library, rows_of
 
 HEAD = '''"""Boom: breaks."""
@@ -90,6 +90,15 @@ def test_a_diagnosis_goes_on_without_an_effect_that_fails(make_lab) -> None:
     assert found.summary["verdict"] == "nothing_missing"
     line = next(w for w in found.summary["warnings"] if "boom" in w)
     assert line == ("effect 'boom': boom.py, line 15: Boom.variants: KeyError: 'temperature'; it is left out")
+
+
+def test_a_comparison_goes_on_without_it_too(make_lab) -> None:
+    """All effects are asked for the noise of a single sensor; one that fails is not, and the error stays the same."""
+    lab = make_lab(captures=30, force=True)
+    run, model = lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()
+    before = compare(run, model).summary["error"]
+    written("raise KeyError('temperature')")
+    assert compare(run, model).summary["error"] == before
 
 
 def test_an_effect_that_does_nothing_wrong_is_as_it_was(make_lab) -> None:
