@@ -210,6 +210,27 @@ def test_the_step_in_which_something_was_recorded(step: float, levels: int, zero
     assert resolution_of(np.stack([coarse, fine, np.full(200, zero)], axis=1)) == pytest.approx([step, 0, 0])
 
 
+@pytest.mark.parametrize(
+    ("step", "digits", "said"),
+    [
+        (360 / 512, 3, 360 / 512),
+        (360 / 512, 1, 360 / 512),
+        (360 / 16384, 3, 360 / 16384),
+        (360 / 16384, 2, 0.01),
+        (0.25, 2, 0.25),
+        (1e-3, 2, 0.01),
+    ],
+)
+def test_steps_are_seen_through_the_digits_that_were_written(step: float, digits: int, said: float) -> None:
+    """An encoder whose angles were written with few decimals has its own steps; or those of the last digit, if they
+    are not finer by much.
+    """
+    random = np.random.default_rng(3)
+    spread = int(max(60, 0.5 / step))
+    values = np.round(3.3 + step * random.integers(0, spread, 400), digits)
+    assert resolution_of(values[:, None]) == pytest.approx([said], rel=1e-3)
+
+
 def test_what_returns_without_noise_is_not_coarse() -> None:
     """Five set-points that come again and again, each with its own value: in steps because the set-points are."""
     level = np.arange(60) % 5
