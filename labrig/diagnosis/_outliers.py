@@ -55,7 +55,7 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
         rows = residual.copy()
         rows[:, seen], dropped = _clean(residual[:, seen], at.of(seen))
         return rows, dropped
-    far, unusual = _far(residual, at.owner)
+    far, unusual = _far(residual, at)
     far = _passing(far, at.index)
     borne = borne_out(residual, far, at, unusual)
     rows = _without(residual, far & ~borne, at)
@@ -66,7 +66,7 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
     if captures >= 6:
         means, _ = capture_means(np.where(borne | again, np.nan, rows), at.index)
         held = at.of_captures()
-        far, unusual = _far(means, held.owner)
+        far, unusual = _far(means, held)
         far = _passing(far, held.index)
         kept = _without(means, far & ~borne_out(means, far, held, unusual), held)
         rows = np.where((np.isfinite(means) & np.isnan(kept))[at.index], np.nan, rows)
@@ -93,21 +93,24 @@ def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
     return far & ~stays[index]
 
 
-def _far(values: Floats, owner: Ints) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which entries are far from what the others say, (n, K); `owner` (K,) numbers the markers. And all that are.
+def _far(values: Floats, at: Moments) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which entries are far from what the others say, (n, K). And all that are.
 
-    Where many observables are far at once, or several markers, it is the body that is elsewhere: only the latter has
-    them. Few observables follow a mistaken one, so there those are asked, too, that were measured before and after.
+    What is in several units is compared as shares of what is usual in each. Where many observables are far at once, or
+    several markers, it is the body that is elsewhere: only the latter has them. Few observables follow a mistaken one,
+    so there those are asked, too, that were measured before and after.
     """
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
         far = _far_from_neighbours(values, spread)
         return far, far
-    off = np.abs(values - _smooth(values))
-    bad = off > _FAR * np.maximum(1.4826 * np.nanmedian(off), FORM * spread)
+    usual = np.array([np.median(spread[at.unit == unit]) for unit in at.unit])
+    usual[usual == 0] = 1.0
+    off = np.abs(values / usual - _smooth(values / usual))
+    bad = off > _FAR * np.maximum(_noise(off), FORM * spread / usual)
     # a mistake pulls the fit of its neighbours along a little
     bad &= off > _PULLED * np.nanmax(np.where(bad, off, 0.0), axis=1, keepdims=True)
-    same = owner == np.unique(owner)[:, None]
+    same = at.owner == np.unique(at.owner)[:, None]
     most = max(_MOST_FAR * len(same), _AT_ONCE)
 
     def is_body(far: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -181,12 +184,17 @@ def _smooth(values: Floats) -> Floats:
     expected = clipped @ V.T @ V
     for _ in range(6):
         off = np.abs(known - expected)
-        scale = 1.4826 * np.median(off[w > 0])
+        scale = _noise(np.where(w > 0, off, np.nan))
         weight = np.where(w > 0, np.minimum(1.0, 2 * scale / np.maximum(off, 1e-12)), 0.0)
         H = np.einsum("rk,nk,qk->nrq", V, weight, V, optimize=True) + 1e-9 * np.eye(len(V))
         z = np.linalg.solve(H, ((weight * known) @ V.T)[:, :, None])[:, :, 0]
         expected = z @ V
     return expected
+
+
+def _noise(off: Floats) -> Floats:
+    """How noisy each column is by how far (n, K) it is off: as most are, or by its own median where that is more."""
+    return 1.4826 * np.maximum(np.nanmedian(off), np.nanmedian(off, axis=0))
 
 
 def _far_from_neighbours(values: Floats, spread: Floats) -> NDArray[np.bool_]:

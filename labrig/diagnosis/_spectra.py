@@ -36,7 +36,10 @@ def features_of(space: Space, block: str) -> list[str]:
 
 
 def prior_of(space: Space, spectra: dict | None = None) -> Prior:
-    """The learnt prior of a space, or, of one that nothing was learnt about, its features' own weights."""
+    """The learnt prior of a space, or, of one that nothing was learnt about, its features' own weights.
+
+    So it is with single features, beside those that were learnt: no campaign that was learnt from logged a temperature.
+    """
     known = (shipped() if spectra is None else spectra).get(space.spectrum)
     plain = unlearnt(space)
     if known is None:
@@ -51,6 +54,11 @@ def prior_of(space: Space, spectra: dict | None = None) -> Prior:
         if inside:
             own = [at[names[i]] for i in inside]
             covariance[np.ix_(inside, inside)] = np.asarray(learnt["covariance"])[np.ix_(own, own)]
+            weight = np.diag(getattr(plain, block))
+            given = weight[inside].sum()
+            usual = np.trace(covariance) / given if given > 0 else 0.0
+            new = np.setdiff1d(np.arange(len(names)), inside)
+            covariance[new, new] = usual * weight[new]
         out[block] = covariance
     if sum(np.trace(c) for c in out.values()) <= 0:
         return plain

@@ -66,7 +66,7 @@ def profile_of_means(means: Floats, differences: Floats, within: Floats, groups:
     if within.all():
         if np.isfinite(log).any() and within.max() < _SILENT * np.exp(np.nanmedian(log)):
             return np.ones(len(within))
-        known = np.maximum(np.log(within / np.median(within)), 0.0)
+        known = np.maximum(np.log(within / _most(within)), 0.0)
         if len(groups) > 1:
             return np.exp(_slope(log, known) * known)
         # of axes their spectra say how far, of single markers nothing does
@@ -97,13 +97,13 @@ def _pulled(log: Floats, variance: float, groups: list[Ints]) -> Floats:
 
 
 def _from_most(log: Floats, variance: Floats) -> Floats:
-    """How far logarithms (g,), each known with a variance of its own, are from their median: what to expect of each
+    """How far logarithms (g,), each known with a variance of its own, are from what most have: what to expect of each
     where all are alike, or some are not. Zero of what is not known.
     """
     known = np.isfinite(log)
     if known.sum() < 2:
         return np.zeros(len(log))
-    off, v = np.where(known, log - np.median(log[known]), 0.0)[:, None, None], variance[:, None, None]
+    off, v = np.where(known, log - _most(log[known]), 0.0)[:, None, None], variance[:, None, None]
     alike = norm.logpdf(off, scale=np.sqrt(v))
     apart = np.log(_SOME) + norm.logpdf(off, scale=np.sqrt(v + _BY**2))
     either = np.logaddexp(np.log(np.maximum(1 - _SOME, 1e-300)) + alike, apart)
@@ -112,6 +112,11 @@ def _from_most(log: Floats, variance: Floats) -> Floats:
     every = np.logaddexp(np.logaddexp.reduce(odds, axis=None), np.log(1 - _P_UNEVEN))
     share = np.exp(odds - every + apart - either)
     return (share * off * _BY**2 / (_BY**2 + v)).sum(axis=(1, 2))
+
+
+def _most(values: Floats) -> float:
+    """What most have: their median, and the lesser of two, since the noisier one has more."""
+    return float(np.quantile(values, 0.5, method="lower"))
 
 
 def _slope(log: Floats, known: Floats) -> float:

@@ -11,12 +11,14 @@ from labrig.effects import (
     Context,
     Space,
     acting,
+    by_covariate,
     field,
     frame_modes,
     motion_scale,
     pattern,
     pressure,
     scale_mode,
+    temperatures,
 )
 
 FORM = "form"
@@ -169,19 +171,20 @@ def _use(context: Context) -> Iterator[Space]:
 
 
 def _covariates(context: Context) -> Iterator[Space]:
-    """What follows something else that was recorded: at any place, and by the load."""
+    """What follows something else that was recorded: at any place, and by the load. What follows a temperature has a
+    name.
+    """
     out = []
     rows = context.rows
-    x = rows.fraction
+    x, warm = rows.fraction, dict(temperatures(context))
     has_axis = (rows.axis >= 0).sum() >= 3
     modes = frame_modes(context) if has_axis else np.zeros((*context.base.shape, 0))
     modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * motion_scale(context)[:, None]
     for name, cov in rows.covariates.items():
         if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
             continue
-        z = (cov.values - cov.values.mean()) / np.ptp(cov.values)
-        out += [pattern(name, z), pattern(f"{name} square", z * z, 0.2)]
-        out += [pattern(f"{name} x {c}", z * x[:, c], 0.5) for c in range(x.shape[1])]
+        if name not in warm:
+            out += by_covariate(context, name, (cov.values - cov.values.mean()) / np.ptp(cov.values))
         if not context.moves:
             continue
         whole = (cov.values / np.abs(cov.values).max())[:, None]

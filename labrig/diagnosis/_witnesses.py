@@ -35,7 +35,8 @@ class Moments:
 
     `pressure` and `step` (n, C): what was commanded, and by how much more than before, as shares of the range; `late`
     (n,): the time in the hold, in decades; `slopes` (n, K, C) of the base, and what it predicts, `place` (n, K);
-    `owner` (K,) numbers the markers, or what else an observable belongs to; `index` (n,) numbers the captures.
+    `owner` (K,) numbers the markers, or what else an observable belongs to, `unit` (K,) the units; `index` (n,) numbers
+    the captures.
     """
 
     pressure: Floats
@@ -44,6 +45,7 @@ class Moments:
     slopes: Floats
     place: Floats
     owner: Ints
+    unit: Ints
     index: Ints
 
     def of(self, observables: Mask) -> "Moments":
@@ -55,6 +57,7 @@ class Moments:
             self.slopes[:, observables],
             self.place[:, observables],
             self.owner[observables],
+            self.unit[observables],
             self.index,
         )
 
@@ -66,7 +69,7 @@ class Moments:
         pressure, step, slopes, place = (
             x[first] for x in (self.pressure, self.step, self.slopes, self.place)
         )
-        return Moments(pressure, step, late, slopes, place, self.owner, own)
+        return Moments(pressure, step, late, slopes, place, self.owner, self.unit, own)
 
 
 def moments_of(context: Context) -> Moments:
@@ -78,7 +81,8 @@ def moments_of(context: Context) -> Moments:
     alone = rows.marker < 0
     owner = np.where(alone, rows.marker.max(initial=-1) + 1 + np.cumsum(alone), rows.marker)
     index = np.unique(rows.capture, return_inverse=True)[1]
-    return Moments(pressure, step, late, context.jacobian, context.base, owner, index)
+    unit = np.unique(rows.unit, return_inverse=True)[1]
+    return Moments(pressure, step, late, context.jacobian, context.base, owner, unit, index)
 
 
 def borne_out(values: Floats, far: Mask, at: Moments, unusual: Mask | None = None) -> Mask:

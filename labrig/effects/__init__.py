@@ -2,7 +2,17 @@
 
 from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
-from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern, pressure
+from labrig.effects._family import (
+    Feature,
+    Space,
+    acting,
+    by_covariate,
+    field,
+    motion_scale,
+    pattern,
+    pressure,
+    temperatures,
+)
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._forms import plain_forms
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
@@ -43,6 +53,7 @@ __all__ = [
     "any_curve",
     "bulk_edge",
     "bulk_noise",
+    "by_covariate",
     "by_marker",
     "centre_of",
     "contribution",
@@ -67,6 +78,7 @@ __all__ = [
     "rows_of",
     "scale_mode",
     "stretch_of",
+    "temperatures",
     "to_rows",
     "weighable",
     "weighted",

@@ -119,7 +119,10 @@ def acting(features: list[Feature]) -> tuple[Feature, ...]:
 
 
 def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
-    """Slow functions of the session's time, of the time over all sessions and of temperatures: name, values, weight."""
+    """Slow functions of the session's time, of the time over all sessions and of temperatures: name, values, weight.
+
+    All are nothing where they begin: what has drifted has done so since then.
+    """
     rows = context.rows
     for label, time in (("session", context.session_time_s), ("run", rows.time_s - np.nanmin(rows.time_s))):
         end = float(np.max(time)) if np.isfinite(time).all() else 0.0
@@ -131,10 +134,23 @@ def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
         yield f"{label} warm-up 0.3", -np.expm1(-t / 0.3), 0.5
         for k in range(1, 9):
             yield f"{label} cosine {k}", np.cos(np.pi * k * t) - 1, 0.3 / k**2
-    for name, cov in rows.covariates.items():
+    for _, warmer in temperatures(context):
+        yield "temperature", warmer, 1.0
+
+
+def temperatures(context: Context) -> Iterator[tuple[str, Floats]]:
+    """Of each temperature that was logged its name, and by how much it is warmer than at first, share of its range."""
+    for name, cov in context.rows.covariates.items():
         warm = cov.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()
         if warm and np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
-            yield "temperature", (cov.values - cov.values.mean()) / np.ptp(cov.values), 1.0
+            yield name, (cov.values - cov.values[0]) / np.ptp(cov.values)
+
+
+def by_covariate(context: Context, name: str, values: Floats) -> list[Feature]:
+    """What follows something that was logged, by its values (F,): at any place, and by the load."""
+    out = [pattern(name, values), pattern(f"{name} square", values**2, 0.2)]
+    x = context.rows.fraction
+    return out + [pattern(f"{name} x {c}", values * x[:, c], 0.5) for c in range(x.shape[1])]
 
 
 def ball_of(context: Context, drive: Floats, radius: float) -> Floats:

@@ -7,7 +7,17 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, clocks, field, motion_scale, pattern, pressure
+from labrig.effects._family import (
+    Space,
+    acting,
+    by_covariate,
+    clocks,
+    field,
+    motion_scale,
+    pattern,
+    pressure,
+    temperatures,
+)
 from labrig.effects._fields import frame_modes, scale_mode, strain_modes
 from labrig.effects._sign import Part, Sign, along_own, of_field
 
@@ -82,7 +92,9 @@ class Drift(Effect):
             if warm and np.isfinite(cov.values).all() and context.shows(np.ptp(cov.values) > 0):
                 zero, kelvin = _CELSIUS.get(cov.unit, (0.0, 1.0))
                 celsius = (cov.values - zero) * kelvin
-                for reference in context.grid("reference", (round(float(celsius.mean()), 3),)):
+                for reference in context.grid(
+                    "reference", tuple(round(float(t), 3) for t in (celsius[0], celsius.mean()))
+                ):
                     yield name, celsius - reference, "_per_k", {"reference": reference}
 
     def family(self, context: Context) -> Iterator[Space]:
@@ -117,6 +129,9 @@ class Drift(Effect):
             out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
             yield Space("zero", "drift zero", acting(out), 0.5, absolute=False)
         yield Space("pattern", "drift pattern", acting([pattern(n, q, w) for n, q, w in ticks]))
+        for name, warmer in temperatures(context):  # what it was when the model was right is not known
+            for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
+                yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in session", "s", context.session_time_s)

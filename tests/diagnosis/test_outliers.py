@@ -7,6 +7,7 @@ import pytest
 
 from labrig.diagnosis._outliers import clean
 from labrig.effects import rows_of
+from labrig.model import Model
 
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 
@@ -73,6 +74,29 @@ def test_two_mistakes_in_a_row_of_a_few_observables_go(make_lab) -> None:
     assert gone[6, 0, 0]
     assert gone[20:22, :, 1].all()
     assert dropped <= 3 * 8 + 0.01 * gone.size
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_small_in_its_unit_is_not_compared_with_the_rest(make_lab, seed: int) -> None:
+    """A tip with the parts of its quaternion, and two markers that stand still: nothing of their noise is mistaken,
+    and one frame that is still is.
+    """
+    lab = make_lab(captures=50, markers=3, rows_s=(3.0, 4.0, 5.0, 6.0), repeats=False, seed=seed)
+    lab.reach[3:] = 0.0
+    random = np.random.default_rng(seed)
+    places = lab.predict(lab.u) + random.normal(size=(50, 4, 9)) * np.repeat([0.35, 0.1, 0.1], 3)
+    places[20, 2, 3:6] += 5.0
+    turned = 0.3 * lab.u[..., [0, 1, 2, 0]] / 60.0
+    run = lab.dataset(places)
+    run["observed"] = (("capture", "time", "observable"), turned + 0.002 * random.normal(size=turned.shape))
+    ways = [f"q{w}" for w in "xyzw"]
+    run = run.assign_coords(observable=ways, unit=("observable", ["1"] * 4))
+    run = run.assign_coords(marker_of=("observable", [""] * 4), axis_of=("observable", [""] * 4))
+    model = Model.of(lambda u: np.hstack([lab.predict(u), 0.3 * u[:, [0, 1, 2, 0]] / 60.0]))
+    cleaned, _ = clean(model.context(rows_of(run)))
+    gone = np.isnan(cleaned).reshape(50, 4, 13)
+    assert gone[20, 2, 3:6].all()
+    assert gone.sum() <= 3 + 0.001 * gone.size
 
 
 def test_what_others_at_the_same_pressures_say_is_believed(make_lab) -> None:

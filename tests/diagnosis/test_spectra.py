@@ -41,7 +41,9 @@ def test_features_are_in_the_order_of_their_blocks() -> None:
 
 
 def test_what_was_learnt_is_found_by_name() -> None:
-    """Each block is the sub-covariance of the features that there are; what was not learnt about varies by nothing."""
+    """Each block is the sub-covariance of the features that there are; one that was not learnt about varies as its
+    weight says beside those of the block that were.
+    """
     C = np.array([[4.0, 1.0, 0.5], [1.0, 3.0, 0.2], [0.5, 0.2, 2.0]])
     spectra = {
         "creep": {
@@ -50,8 +52,9 @@ def test_what_was_learnt_is_found_by_name() -> None:
         }
     }
     prior = prior_of(SPACE, spectra)
-    assert prior.shared == pytest.approx(np.array([[2.0, 0.5, 0.0], [0.5, 4.0, 0.0], [0.0, 0.0, 0.0]]))
-    assert prior.own == pytest.approx(np.diag([0.0, 0.3]))
+    new = (2.0 + 4.0) / (0.7 + 0.35)
+    assert prior.shared == pytest.approx(np.array([[2.0, 0.5, 0.0], [0.5, 4.0, 0.0], [0.0, 0.0, new]]))
+    assert prior.own == pytest.approx(np.diag([0.3 * 0.3 / 0.15, 0.3]))
     assert prior.pattern == pytest.approx(np.zeros((1, 1)))
 
 

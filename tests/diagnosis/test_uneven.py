@@ -39,6 +39,14 @@ def test_uneven_noise_is_no_effect(make_lab, kind: str, rows_s, repeats: bool) -
     assert verdict_of(lab.dataset(values), lab.model()).verdict == "nothing_missing"
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_of_two_markers_the_noisier_one_has_more(make_lab, seed: int) -> None:
+    """A tip beside a fixed marker that is hardly noisy: what is usual is the lesser, and nothing is missing."""
+    lab = make_lab(captures=50, markers=2, rows_s=(3.0, 4.0, 5.0, 6.0), repeats=False, seed=seed)
+    noise = lab.random.normal(size=(50, 4, 6)) * np.repeat([0.35, 0.1], 3)
+    assert verdict_of(lab.dataset(lab.predict(lab.u) + noise), lab.model()).verdict == "nothing_missing"
+
+
 def test_single_rows_may_be_uneven_by_axis(make_lab) -> None:
     """Where there is one row a set-point, and no repeats, each axis' spectrum says its noise."""
     lab = make_lab(captures=60, markers=8, rows_s=(3.0,), repeats=False)

@@ -75,7 +75,7 @@ def test_mistakes_seldom_seem_to_have_a_place() -> None:
         late = np.tile(np.log1p(ROWS_S), 200)
         place = (kpa @ random.random((4, 30)))[capture]
         slopes, owner = np.zeros((800, 30, 4)), np.arange(30) // 3
-        at = Moments(kpa[capture], step[capture], late, slopes, place, owner, capture)
+        at = Moments(kpa[capture], step[capture], late, slopes, place, owner, np.zeros_like(owner), capture)
         wrong = (random.random((800, 10)) < 0.005) | (random.random((200, 10)) < 0.005)[capture]
         believed += bool(_at_one_place(np.repeat(wrong, 3, axis=1), at).any())
     assert believed <= 4
@@ -134,7 +134,8 @@ def test_a_wall_that_two_chambers_meet_together_stays(seed: int) -> None:
     residual[:, 9] += 0.15 * beyond
     step = np.diff(kpa, axis=0, prepend=0.0)
     owner, index = np.append(np.arange(9) // 3, 3), np.arange(90)
-    at = Moments(kpa, step, np.zeros(90), np.zeros((90, 10, 2)), place, owner, index)
+    unit = np.append(np.zeros(9, dtype=int), 1)
+    at = Moments(kpa, step, np.zeros(90), np.zeros((90, 10, 2)), place, owner, unit, index)
     cleaned, _ = _clean(residual, at)
     gone = np.isnan(cleaned).any(axis=1)
     assert gone[beyond > 0].sum() <= 2

@@ -1,0 +1,46 @@
+"""What follows a temperature that was logged is drift, whatever the temperature was when the model was right."""
+
+import numpy as np
+import pytest
+
+from labrig.effects import Covariate, get, rows_of
+from tests.naming import calls_of
+
+N = 40
+COURSE = {
+    "up and down": 3.0 * np.sin(np.linspace(0, 4 * np.pi, N)),
+    "warmer": np.linspace(-2.0, 2.0, N),
+    "from the start": 4.0 * np.sin(np.linspace(0, 2.2, N)),
+}
+"""Kelvin above what the model is right at, by capture."""
+
+
+@pytest.mark.parametrize("name", COURSE)
+def test_what_follows_a_temperature_is_drift(make_lab, name: str) -> None:
+    """A zero that moves with the root of the absolute temperature, as a gauge may; there is no other rest shape."""
+    lab = make_lab(captures=N, markers=4, repeats=False)
+    kelvin = 295.0 + COURSE[name]
+    moved = 60.0 * (np.sqrt(kelvin / 295.0) - 1)[:, None, None] * np.cos(np.arange(12))
+    read = kelvin + 0.05 * lab.random.normal(size=N)
+    values = lab.predict(lab.u) + moved + lab.noise()
+    calls = calls_of(lab.dataset(values, {"room": ("K", read)}), lab.model())
+    assert calls.pop("drift") == "sure"
+    assert "sure" not in calls.values()
+
+
+def test_a_temperature_beside_noise_is_no_drift(make_lab) -> None:
+    """That something was logged does not make it act."""
+    lab = make_lab(captures=N, markers=4)
+    room = ("degC", 22.0 + COURSE["up and down"])
+    calls = calls_of(lab.dataset(lab.predict(lab.u) + lab.noise(), {"room": room}), lab.model())
+    assert set(calls.values()) == {"not it"}
+
+
+def test_its_forms_begin_at_the_first_temperature_or_at_the_mean(make_lab) -> None:
+    """In degrees Celsius, whatever the unit of the sensor: what the shift is counted from, as the model file has it."""
+    lab = make_lab(captures=4, markers=4, repeats=False)
+    warm = np.array([293.15, 298.15, 303.15, 298.15])
+    rows = rows_of(lab.dataset(lab.predict(lab.u), {"room": ("K", warm)}))
+    assert isinstance(rows.covariates["room"], Covariate)
+    variants = get("drift").variants(lab.model().context(rows))
+    assert {v.shape["reference"] for v in variants if "reference" in v.shape} == {20.0, 25.0}
