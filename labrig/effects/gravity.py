@@ -63,7 +63,8 @@ class Gravity(Effect):
             if known and cov.unit in _ANGLE and name.lower() in _TILTED:
                 angle = cov.values * _ANGLE[cov.unit]
                 tilts += [np.sin(angle), np.cos(angle)]
-        compliant = context.rows.rest_mm is not None and context.shows(context.moves)
+        placed = (context.rows.marker >= 0) & (context.rows.axis >= 0)
+        compliant = bool(placed.any()) and context.shows(context.moves)
         both = {"payload": loads, "tilt": tilts}
         # what a saved effect has no values for was not logged, or did not change, when it was fitted
         for one in (both, {"payload": loads}, {"tilt": tilts}) if context.saved else (both,):

@@ -48,7 +48,8 @@ class RestShape(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """A constant offset of each observable; offsets that are smooth over the body are more probable.
 
-        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least.
+        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least; and one
+        that is off the more the farther it moves: where it is held it can't be, and there may be markers, too.
         """
         smooth = [motion_scale(context) * shape for shape in smooth_places(context).T]
 
@@ -60,6 +61,8 @@ class RestShape(Effect):
 
         yield Space("shape", "rest_shape", tuple(shapes("", np.ones(len(context.base)))))
         yield from _strained(context)
+        if (free := _where_free(context)) is not None:
+            yield free
         if (each := in_sessions(context)) is not None:
             own = [f for s, there in enumerate(each.T) for f in shapes(f" session {s}", there)]
             yield Space("by session", "rest_shape by session", acting(own))
@@ -70,6 +73,25 @@ class RestShape(Effect):
     def sign(self, context: Context, part: Part) -> Sign:
         load = context.rows.actuation.mean(axis=1)
         return along_own(context, part, load, "mean pressure", context.rows.actuation_unit)
+
+
+def _where_free(context: Context) -> Space | None:
+    """Offsets along each axis, as large at each marker as full pressures move it; None without markers that move."""
+    rows = context.rows
+    own = (rows.marker >= 0) & (rows.axis >= 0)
+    if own.sum() < 3 or not context.moves:
+        return None
+    reach = np.abs(context.jacobian * context.span).sum(axis=2).mean(axis=0)
+    for m in np.unique(rows.marker[own]):
+        reach[rows.marker == m] = reach[rows.marker == m].mean()
+    size = float(np.sqrt((reach[own] ** 2).mean()))
+    if size == 0:
+        return None
+    scale, out = motion_scale(context), []
+    for a in range(3):
+        along = np.where(own & (rows.axis == a), scale * reach / size, 0.0)
+        out.append(field(f"free {'xyz'[a]}", np.tile(along, (len(context.base), 1))))
+    return Space("where it is free", "rest_shape free", acting(out))
 
 
 def _strained(context: Context) -> Iterator[Space]:
