@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._mixed_up import mixed_up
@@ -14,6 +15,8 @@ _NEAR, _FAR = 0.1, 0.3
 it is looked at."""
 _STILL = 0.05
 """Share of what the model changes from set-point to set-point that its slopes say, below which it has none."""
+_CAPTURES = 6
+"""Captures from which on a session says how far it follows the model."""
 _ALIKE = 0.9
 _TIMES = 5.0
 """Correlation, and ratio of motions or sizes, from which on a person is asked, and nothing is named before."""
@@ -24,7 +27,7 @@ def units_off(context: Context) -> list[str]:
     little; without one, a line where one of both gives displacements and the other positions; without that, what else
     is mistaken.
     """
-    scales = [line for line, _ in _scales(context)]
+    scales = [line for line, _ in _scales(context)] or [*_in_one_session(context)]
     return scales or [*_displaced(context)] or [*_stairs(context)] or [*mixed_up(context)]
 
 
@@ -33,6 +36,7 @@ def mistaken(context: Context) -> Iterator[str]:
     mistaken for each other.
     """
     yield from (line for line, follows in _scales(context) if follows)
+    yield from _in_one_session(context)
     yield from _displaced(context)
     yield from _stairs(context)
     yield from mixed_up(context)
@@ -60,29 +64,60 @@ def _stairs(context: Context) -> list[str]:
 
 def _scales(context: Context) -> Iterator[tuple[str, bool]]:
     """A line for each unit that may be another, and whether what was measured follows the model all the same."""
-    rows = context.rows
-    kinds = np.array(rows.unit)
-    for unit in dict.fromkeys(rows.unit):
-        own = kinds == unit
-        seen = np.isfinite(rows.values[:, own])
-        count = np.maximum(seen.sum(axis=0), 1)
-        measured, base = (
-            np.where(seen, v[:, own], 0.0) - np.where(seen, v[:, own], 0.0).sum(axis=0) / count
-            for v in (rows.values, context.base)
-        )
-        both, of_base, of_measured = (
-            float((a * b)[seen].sum()) for a, b in ((measured, base), (base, base), (measured, measured))
-        )
-        if of_base <= 0 or not seen.any():
-            continue
-        times = np.sqrt(of_measured / of_base)
-        follows = both > 0 and both >= _ALIKE * times * of_base
+    everything = np.ones(len(context.base), dtype=bool)
+    for unit in dict.fromkeys(context.rows.unit):
+        times, follows = _times(context, unit, everything)
         if times <= 1 / _TIMES or (times >= _TIMES and follows):
             yield (
-                f"what is measured in {unit} changes {times:.2g} times as far as the model says: check the units of "
+                f"what is measured in {unit} changes {_far(times)} as the model says: check the units of "
                 "both and of the pressures, and whether these arrive",
                 follows,
             )
+
+
+def _in_one_session(context: Context) -> Iterator[str]:
+    """A line where single sessions, most often files of their own, follow the model many times as far or as little."""
+    rows = context.rows
+    for unit in dict.fromkeys(rows.unit):
+        off = {}
+        for s, name in enumerate(rows.sessions):
+            own = rows.session == s
+            times, follows = _times(context, unit, own)
+            if len(np.unique(rows.capture[own])) >= _CAPTURES and follows and not 1 / _TIMES < times < _TIMES:
+                off[name] = times
+        if off and len(off) < len(rows.sessions):
+            name, times = next(iter(off.items()))
+            more = f" (and {len(off) - 1} more)" if len(off) > 1 else ""
+            yield (
+                f"in session {name}{more} what is measured in {unit} changes {_far(times)} as the model "
+                "says, and in others it does not: check the units of its file, of the pressures, too"
+            )
+
+
+def _far(times: float) -> str:
+    large = max(times, 1 / times)
+    said = f"{large:.0f}" if large >= 10 else f"{large:.2g}"
+    return f"{said} times as far" if times >= 1 else f"1/{said} as far"
+
+
+def _times(context: Context, unit: str, of: NDArray[np.bool_]) -> tuple[float, bool]:
+    """How many times as far as the model says what has a unit changes in some rows (F,), and whether it follows the
+    model; 1 and not where either does not change.
+    """
+    own = np.array(context.rows.unit) == unit
+    values, said = context.rows.values[np.ix_(of, own)], context.base[np.ix_(of, own)]
+    seen = np.isfinite(values)
+    count = np.maximum(seen.sum(axis=0), 1)
+    measured, base = (
+        np.where(seen, v, 0.0) - np.where(seen, v, 0.0).sum(axis=0) / count for v in (values, said)
+    )
+    both, of_base, of_measured = (
+        float((a * b)[seen].sum()) for a, b in ((measured, base), (base, base), (measured, measured))
+    )
+    if of_base <= 0 or not seen.any():
+        return 1.0, False
+    times = float(np.sqrt(of_measured / of_base))
+    return times, both > 0 and both >= _ALIKE * times * of_base
 
 
 def _displaced(context: Context) -> list[str]:

@@ -10,24 +10,62 @@ from labrig import LabrigError
 from labrig.diagnosis import compare, diagnose
 from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import rows_of
+from labrig.model import Model
 from tests.conftest import Lab
 
 
 def said(lab: Lab, values: np.ndarray, noise: float = 1.0) -> list[str]:
     """The warnings of a comparison that are about units."""
-    warnings = compare(lab.dataset(values + noise * lab.noise()), lab.model()).summary["warnings"]
-    return [line for line in warnings if "units" in line]
+    return said_of(compare(lab.dataset(values + noise * lab.noise()), lab.model()))
 
 
-@pytest.mark.parametrize(("scale", "words"), [(1e-3, "0.001"), (25.4, "25")])
+def said_of(result: Any) -> list[str]:
+    """The same of one that was made."""
+    return [line for line in result.summary["warnings"] if "units" in line]
+
+
+@pytest.mark.parametrize(("scale", "words"), [(1e-3, "1/1000 as far"), (25.4, "25 times as far")])
 def test_metres_for_millimetres(tmp_path: Path, scale: float, words: str) -> None:
     """What moves as the model says, but not as far, or farther, is said with how far, and what to check."""
     lab = Lab(tmp_path)
     (line,) = said(lab, scale * lab.predict(lab.u), scale)
     assert line == (
-        f"what is measured in mm changes {words} times as far as the model says: check the units of both and of the "
+        f"what is measured in mm changes {words} as the model says: check the units of both and of the "
         "pressures, and whether these arrive"
     )
+
+
+@pytest.mark.parametrize(("scale", "words"), [(np.pi / 180, "1/57 as far"), (10.0, "10 times as far")])
+def test_one_file_in_another_unit(tmp_path: Path, scale: float, words: str) -> None:
+    """Of three days one was read in radians, or as tenths: nothing is named, and the day is."""
+    lab = Lab(tmp_path, sessions=3)
+    values = lab.predict(lab.u) + lab.noise()
+    values[lab.session == 1] *= scale
+    run = lab.dataset(values)
+    with pytest.raises(LabrigError) as caught:
+        diagnose(run, lab.model())
+    line = (
+        f"in session s1 what is measured in mm changes {words} as the model says, and in others it does not: check the "
+        "units of its file, of the pressures, too"
+    )
+    assert str(caught.value) == f"nothing can be diagnosed: {line}"
+    assert line in compare(run, lab.model()).summary["warnings"]
+
+
+def test_a_day_on_which_half_of_the_way_was_gone_is_physics(tmp_path: Path) -> None:
+    """What another day does otherwise, as rigs do, is no unit."""
+    lab = Lab(tmp_path, sessions=2, force=True)
+    values = lab.predict(lab.u) * np.where(lab.session == 1, 0.5, 1.0)[:, None, None] + lab.noise()
+    assert said_of(compare(lab.dataset(values), lab.model())) == []
+
+
+@pytest.mark.parametrize(("factor", "words"), [(10.0, "1/10 as far"), (100.0, "1/100 as far")])
+def test_an_angle_of_which_a_model_says_many_turns(tmp_path: Path, factor: float, words: str) -> None:
+    """A bend of 80 degrees that the model says in tenths of a degree is no bend and two turns."""
+    lab = Lab(tmp_path, force=True)
+    run = lab.dataset(lab.predict(lab.u) + lab.noise()).assign_coords(unit=("observable", ["deg"]))
+    with pytest.raises(LabrigError, match=f"what is measured in deg changes {words} as the model says"):
+        diagnose(run, Model.of(lambda u: factor * lab.predict(u)))
 
 
 def test_a_rig_that_stands_still(tmp_path: Path) -> None:
