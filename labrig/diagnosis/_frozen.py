@@ -17,6 +17,7 @@ _TOGETHER = 0.5
 _MOVES = 0.05
 """Share of the farthest that the model moves any marker below which one may well stand still."""
 _NAMED = 4
+_ENDS = ((np.min, np.inf), (np.max, -np.inf))
 
 
 def without_frozen(context: Context) -> Context:
@@ -27,9 +28,15 @@ def without_frozen(context: Context) -> Context:
         return context
     moves = np.linalg.norm(np.ptp(context.base[:, place], axis=0), axis=1)
     told = moves > _MOVES * moves.max()
+    seen = rows.values[:, place]
     if len(rows.resolution):  # what is recorded in steps stands still as long as it moves by less
-        told &= (rows.resolution[place] == 0).all(axis=1)
-    stale = _stale(rows.values[:, place], context.base[:, place]) & told
+        step, changes = rows.resolution[place], np.abs(np.diff(seen, axis=0))
+        usual = np.nanmedian(np.where(np.isfinite(changes), changes, 0.0), axis=0)
+        coarse = ((step > 0) & (step >= usual)).any(axis=1)
+        told &= ~coarse
+    stale = _stale(seen, context.base[:, place]) & told
+    if not (len(rows.resolution) and coarse.any()):
+        stale |= _for_ever(seen)
     if not stale.any():
         return context
     values, said = rows.values.copy(), []
@@ -44,6 +51,17 @@ def without_frozen(context: Context) -> Context:
     if len(said) > _NAMED:
         said = [*said[:_NAMED], f"so do {len(said) - _NAMED} others"]
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, *said)))
+
+
+def _for_ever(place: Floats) -> NDArray[np.bool_]:
+    """Which of the places (F, M, 3) are of markers that have one and the same in all rows, where most have not, (F, M).
+
+    A model that was fitted to such a marker says that it does not move.
+    """
+    seen = np.asarray(np.isfinite(place).all(axis=2))
+    low, high = (end(np.where(seen[..., None], place, at), axis=0) for end, at in _ENDS)
+    still = (low == high).all(axis=1) & (seen.sum(axis=0) > 2)
+    return seen & still & (still.mean() < _TOGETHER)
 
 
 def _stale(place: Floats, expected: Floats) -> NDArray[np.bool_]:

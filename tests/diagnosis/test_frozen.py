@@ -39,6 +39,20 @@ def test_a_marker_that_was_lost_for_good(make_lab) -> None:
     )
 
 
+def test_a_marker_that_was_never_seen_to_move(make_lab) -> None:
+    """One that has the same place in all rows is left out though a map was fitted to it, and it is said; one that
+    trembles on the ground stays.
+    """
+    lab = make_lab(markers=4)
+    lab.reach[:6] = 0.0
+    values = np.round(lab.predict(lab.u) + lab.noise(), 3)
+    places(lab, values)[:, :, 1] = lab.rest_mm[1]
+    rows = cleaned(lab, values)
+    assert left_out(lab, rows) == {1: list(range(60))}
+    (line,) = rows.warnings
+    assert line.startswith("m1 stands still to the last digit in 60 captures")
+
+
 def test_an_effect_beside_a_frozen_marker_has_its_name(make_lab) -> None:
     """A marker whose last place is repeated in single captures is no slip, and hides no creep."""
     lab = make_lab(markers=12, seed=41)
