@@ -83,9 +83,9 @@ def design_of(
     named = family_of(effects, context)
     known = [space for _, space in named]
     named_by_kind = [by_kind(space) for space in known]
-    others = [
-        ("?" + space.spectrum, space) for space in unnamed(context) if not has_name(space, named_by_kind)
-    ]
+    followed = {name for effect in effects.values() for name in effect.follows(context)}
+    lonely = (space for space in unnamed(context, followed) if not has_name(space, named_by_kind))
+    others = [("?" + space.spectrum, space) for space in lonely]
     others += [("?" + MOTION, space) for space in motions(context)]
     others += [("?" + MAP, space) for space in curves(named, effects, context)]
     V, spread = directions(observations, _different(known))

@@ -1,6 +1,6 @@
 """What no name explains: the base's own error of form, and unnamed structure, on the same scale as effects."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from labrig.effects import (
     pattern,
     pressure,
     scale_mode,
-    temperatures,
 )
 
 FORM = "form"
@@ -30,8 +29,10 @@ LEVER = "lever"
 _FEWEST_EVENTS = 4
 
 
-def unnamed(context: Context) -> Iterator[Space]:
-    """The spaces that have no name, each by what carries it; `key` says it in words."""
+def unnamed(context: Context, followed: Collection[str] = ()) -> Iterator[Space]:
+    """The spaces that have no name, each by what carries it; `key` says it in words. What follows a covariate that is
+    `followed` by an effect is that effect.
+    """
     rows = context.rows
     x, d = rows.fraction, context.deflection
     F, C = x.shape
@@ -45,7 +46,7 @@ def unnamed(context: Context) -> Iterator[Space]:
         yield from _cross(x)
         yield from _history(context)
         yield from _use(context)
-    yield from _covariates(context)
+    yield from _covariates(context, followed)
     yield from handovers(context)
     yield from sudden(context)
     yield Space("place", "place", (pattern("always", np.ones(F)),))
@@ -170,20 +171,18 @@ def _use(context: Context) -> Iterator[Space]:
     yield Space("use so far through the pressures", "use", acting(out), 0.6)
 
 
-def _covariates(context: Context) -> Iterator[Space]:
-    """What follows something else that was recorded: at any place, and by the load. What follows a temperature has a
-    name.
-    """
+def _covariates(context: Context, followed: Collection[str]) -> Iterator[Space]:
+    """What follows something else that was recorded: at any place, and by the load."""
     out = []
     rows = context.rows
-    x, warm = rows.fraction, dict(temperatures(context))
+    x = rows.fraction
     has_axis = (rows.axis >= 0).sum() >= 3
     modes = frame_modes(context) if has_axis else np.zeros((*context.base.shape, 0))
     modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * motion_scale(context)[:, None]
     for name, cov in rows.covariates.items():
         if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
             continue
-        if name not in warm:
+        if name not in followed:
             out += by_covariate(context, name, (cov.values - cov.values.mean()) / np.ptp(cov.values))
         if not context.moves:
             continue

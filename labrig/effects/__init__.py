@@ -11,7 +11,6 @@ from labrig.effects._family import (
     motion_scale,
     pattern,
     pressure,
-    temperatures,
 )
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._forms import plain_forms
@@ -78,7 +77,6 @@ __all__ = [
     "rows_of",
     "scale_mode",
     "stretch_of",
-    "temperatures",
     "to_rows",
     "weighable",
     "weighted",

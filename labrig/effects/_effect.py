@@ -145,6 +145,10 @@ class Effect(ABC):
         """The covariate that its signature is plotted against: name, unit, values (F,)."""
         return ("load", "1", context.rows.fraction.mean(axis=1))
 
+    def follows(self, context: Context) -> Collection[str]:
+        """The covariates that were logged because of this effect: what follows one of them, in any way, is it."""
+        return ()
+
     def sign(self, context: Context, part: Part) -> Sign:
         """Its signature as the points of a plot: its own pattern against its covariate, unless it overrides this."""
         name, unit, x = self.covariate(context)

@@ -133,6 +133,9 @@ class Drift(Effect):
             for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
                 yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))
 
+    def follows(self, context: Context) -> Collection[str]:
+        return [name for name, _ in temperatures(context)]
+
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in session", "s", context.session_time_s)
 

@@ -1,5 +1,6 @@
 """Gravity: weight and payload pull the surface down."""
 
+import re
 from collections.abc import Collection, Iterator
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
+from labrig.effects._family import Space, acting, by_covariate, field, motion_scale, pattern, pressure
 from labrig.effects._fields import frame_modes
 from labrig.effects._in_parts import another_bend_in_each, another_in_each, poses_of
 from labrig.effects._inside import inside
@@ -22,7 +23,7 @@ _PAYLOAD = {
 }
 """Units of a payload, in kg (of a force: of the mass that weighs so much)."""
 _WHERE_COMPLIANT = {"sag": "weight", "payload": "weight_per_kg", "tilt": "weight_by_tilt"}
-_TILTED = {"tilt", "orientation", "angle"}
+_TILTED = {"tilt", "orientation", "inclination", "pitch", "roll", "angle"}
 _SPACES = {"what gives": ("pressure", "field"), "anywhere": ("pattern",)}
 _FREE = 1.0
 """Prior variance of a sag whose shape over the body is free: weights may sit anywhere."""
@@ -58,9 +59,9 @@ class Gravity(Effect):
         loads, tilts = [], []
         for name, cov in context.rows.covariates.items():
             known = np.isfinite(cov.values).all() and context.shows(np.ptp(cov.values) > 0)
-            if known and cov.unit in _PAYLOAD and ("load" in name.lower() or "mass" in name.lower()):
+            if known and cov.unit in _PAYLOAD and is_payload(name):
                 loads.append(cov.values * _PAYLOAD[cov.unit])
-            if known and cov.unit in _ANGLE and name.lower() in _TILTED:
+            if known and cov.unit in _ANGLE and is_tilt(name):
                 angle = cov.values * _ANGLE[cov.unit]
                 tilts += [np.sin(angle), np.cos(angle)]
         placed = (context.rows.marker >= 0) & (context.rows.axis >= 0)
@@ -134,6 +135,8 @@ class Gravity(Effect):
                 yield Space(name, f"gravity {name}", acting(some), absolute=False)
         if context.moves and loads:
             yield from _lifted(context, loads)
+            more = [f for name, values in loads for f in by_covariate(context, name, values)]
+            yield Space("anywhere, by the load", "gravity by the load", acting(more))
         if has_axis and (pose := poses_of([v for _, v in loads])) is not None:
             yield another_in_each(context, pose)
             yield another_bend_in_each(context, pose)
@@ -141,10 +144,13 @@ class Gravity(Effect):
         if body:
             yield Space("as one body", "gravity as one body", acting(body))
 
+    def follows(self, context: Context) -> Collection[str]:
+        return [name for name in context.rows.covariates if is_tilt(name) or is_payload(name)]
+
     def sign(self, context: Context, part: Part) -> Sign:
         """Against payload or tilt, where it follows them; else against how far the pressures move each marker."""
         for name, cov in context.rows.covariates.items():
-            if cov.unit in _PAYLOAD or name.lower() in _TILTED:
+            if cov.unit in _PAYLOAD or is_tilt(name):
                 return along_own(context, part, cov.values, name, cov.unit)
         return self._by_compliance(context, part)
 
@@ -179,6 +185,16 @@ class Gravity(Effect):
             yield letter, along
 
 
+def is_tilt(name: str) -> bool:
+    """Whether something that was logged says by its name how the rig was turned: tilt, mount tilt, tilt_x, pitch."""
+    return bool(_TILTED & set(re.findall("[a-z]+", name.lower())))
+
+
+def is_payload(name: str) -> bool:
+    """Whether something that was logged says by its name what the rig carried."""
+    return "load" in name.lower() or "mass" in name.lower()
+
+
 def _pulls(context: Context) -> list[tuple[str, Floats]]:
     """What weights pull by, as far as it was logged: payload, tilt by sine and cosine, and the payload turned with it.
 
@@ -188,9 +204,9 @@ def _pulls(context: Context) -> list[tuple[str, Floats]]:
     for name, cov in context.rows.covariates.items():
         if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
             continue
-        if "load" in name.lower() or "mass" in name.lower():
+        if is_payload(name):
             loads.append(("load", cov.values / np.abs(cov.values).max()))
-        if name.lower() in _TILTED:
+        if is_tilt(name):
             angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
             tilts += [("sine", np.sin(angle)), ("cosine", np.cos(angle))]
     turned = [(f"{one} {way}", load * along) for one, load in loads for way, along in tilts]

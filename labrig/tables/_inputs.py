@@ -43,12 +43,13 @@ def is_ambient(n: Name, values: Floats) -> bool:
     """Whether a column is what was around the measurement, or what hung on the body: a load that stands still."""
     if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}:
         return True
-    return n.has(names.LOAD) and not n.has(names.MEASURED) and is_held(values)
+    stands = n.has(names.LOAD) or (n.has(names.TURNED) and n.unit is not None and like(n.unit, "rad"))
+    return stands and not n.has(names.MEASURED) and is_held(values)
 
 
 def is_moved(n: Name, inputs: Sequence[Name], values: Mapping[str, Floats]) -> bool:
     """Whether a tilt follows the inputs, so that it is what they move, and not how the rig was put up."""
-    if not n.has({"tilt"}) or not inputs:
+    if not n.has(names.TURNED) or not inputs:
         return False
     own = values[n.column]
     x = np.column_stack([np.ones(len(own)), *(values[i.column] for i in inputs)])

@@ -44,6 +44,8 @@ REPEAT = {"repeat", "repetition", "rep"}
 AMBIENT = {"temp", "temperature", "room", "ambient", "humidity", "payload", "tilt"}
 LOAD = {"load"}
 """What is beside the measurement where it stands still: else it was measured."""
+TURNED = {"tilt", "inclination", "pitch", "roll", "orientation"}
+"""How a rig was put up, if it is an angle that stands still and does not follow the inputs."""
 SIDE = {
     "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "cpu", "solenoid",
     "likelihood", "confidence", "score",
