@@ -16,7 +16,6 @@ from labrig.effects import Context
 from labrig.effects.coupling import overlap
 
 _CLEAR, _BY_CHANCE = 1.3, 0.05
-_PRESSURES = {"kPa", "Pa", "MPa", "hPa", "bar", "mbar", "psi", "torr", "mmHg", "inHg", "atm"}
 _KEPT = {"marker": 12, "session": 12, "observable": 12, "capture": 5, "pair of chambers": 8}
 
 
@@ -68,7 +67,7 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
         for low, high in pairwise(np.quantile(load, [0, 0.25, 0.5, 0.75, 1.0])):
             mask = (load >= low) & (load <= high)
             label = f"{mean_pressure[mask].min():.3g}-{mean_pressure[mask].max():.3g} {rows.actuation_unit}"
-            kind = "pressure band" if rows.actuation_unit in _PRESSURES else "input band"
+            kind = "pressure band" if rows.by_pressure else "input band"
             yield from by_rows(kind, label, mask)
     turn = np.sign(context.direction[rows.event].sum(axis=1))
     yield from by_rows("direction", "mostly up", turn > 0)

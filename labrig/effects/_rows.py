@@ -35,6 +35,9 @@ class Covariate:
     values: Floats
 
 
+_PRESSURES = {"kPa", "Pa", "MPa", "hPa", "bar", "mbar", "psi", "torr", "mmHg", "inHg", "atm"}
+
+
 @dataclass(frozen=True)
 class Rows:
     """A campaign as F rows of K observables under C chambers, with its E actuations.
@@ -86,6 +89,11 @@ class Rows:
     def n_captures(self) -> int:
         """How many captures there are."""
         return len(self.repeat)
+
+    @property
+    def by_pressure(self) -> bool:
+        """Whether what is commanded is a pressure, so that a chamber at zero is vented."""
+        return self.actuation_unit in _PRESSURES
 
     @property
     def origin(self) -> Floats:

@@ -32,8 +32,18 @@ class Limits:
 
     @classmethod
     def of(cls, rows: Rows) -> "Limits":
-        """The limits that a run states; how fast is not stated, so 100 per second."""
-        return cls(rows.low, rows.high, np.full(len(rows.low), SLEW_PER_S))
+        """The limits that a run states; how fast is not stated, so 100 per second.
+
+        What is no pressure has no vent: it goes no farther down or up than it has been, since a table that states no
+        limits has zero as one of them, and a stage may not be sent there.
+        """
+        low, high = rows.low, rows.high
+        if not rows.by_pressure:
+            went = rows.event_actuation
+            low, high = np.maximum(low, went.min(axis=0)), np.minimum(high, went.max(axis=0))
+            still = low >= high
+            low, high = np.where(still, rows.low, low), np.where(still, rows.high, high)
+        return cls(low, high, np.full(len(low), SLEW_PER_S))
 
     @property
     def rest(self) -> tuple[float, ...]:

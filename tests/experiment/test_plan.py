@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from labrig.effects import rows_of
 from labrig.experiment import Limits
 from labrig.experiment._plan import Point, Probe, repeat_labels
 from labrig.experiment._probes import on_few_levels
@@ -31,6 +32,17 @@ def test_few_levels_for_a_base_that_is_slow() -> None:
     (probe,) = on_few_levels([Probe("c1: steps", "s", points)], rest)
     assert [p.share for p in probe.points] == [(0.0, 0.1), (0.3, 0.1), (0.9, 0.1), (0.0, 0.1)]
     assert 60.0 in [p.hold_s for p in probe.points]
+
+
+@pytest.mark.parametrize(("unit", "low", "high"), [("mm", 20.5, 44.0), ("kPa", 0.0, 60.0)])
+def test_a_stage_goes_no_farther_than_it_has_been(make_lab, unit: str, low: float, high: float) -> None:
+    """A run whose table states no limits has zero as one: a length is not sent there, a chamber may be vented."""
+    lab = make_lab(captures=24, chambers=1, repeats=False)
+    lab.commanded[:] = np.linspace(20.5, 44.0, 24)[:, None]
+    run = lab.dataset(lab.predict(lab.u))
+    run["commanded"].attrs["units"] = unit
+    limits = Limits.of(rows_of(run))
+    assert (limits.low[0], limits.high[0]) == (low, high)
 
 
 def test_a_probe_knows_how_long_it_takes() -> None:
