@@ -15,13 +15,12 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
-from labrig.diagnosis._falls import fall_of, much_left
-from labrig.diagnosis._floor import UNREPEATED
+from labrig.diagnosis._falls import much_left
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
+from labrig.diagnosis._notes import NOTHING, notes_on
 from labrig.diagnosis._observations import Observations, observe
-from labrig.diagnosis._one_speed import one_moment, one_speed
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -30,7 +29,7 @@ from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result, told
 from labrig.diagnosis._shaken import shaken
 from labrig.diagnosis._track_record import track_record
-from labrig.diagnosis._units_off import mistaken, units_off
+from labrig.diagnosis._units_off import mistaken
 from labrig.diagnosis._verdict import (
     Considered,
     Verdict,
@@ -48,20 +47,10 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-_AT_ONE_MOMENT = {"regulator", "stiffening", "tension", "leak", "delay"}
-"""What looks alike where every set-point is seen at the same moment."""
 CUT_OFF = "curves that the fitted map lacks"
 """What carries what a polynomial that was fitted, or a map that was learnt, may lack."""
 BY_SET_POINT = "a curve of the set-points"
 """What carries what goes by the set-point alone, though only an effect that remembers would hold it."""
-NOTHING = "nothing that was recorded"
-"""What carries what no space follows."""
-_EARLY = 3.0
-"""How many floors what was left out of each hold's beginning is off, for that to be said."""
-_ALIKE = 0.5
-"""From which part of what is left on repeats differ by as much: five pairs may be off by a factor of two."""
-_MORE = 1.5
-"""How many times the noise of a mean repeats differ by where they differ by more than that."""
 
 
 def diagnose(
@@ -236,13 +225,8 @@ def result_of(
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
         "warnings": [
-            *_warnings(ready, verdict),
-            *_said(observations, verdict, unit_size, regression.units),
-            *_unrepeated(ready, verdict, unit_size),
-            *_doubted(chosen, verdict),
+            *notes_on(ready, observations, verdict, chosen, unit_size),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
-            *(one_speed(context) if verdict.effects or verdict.rivals else ()),
-            *(one_moment(context) if _AT_ONE_MOMENT & {*verdict.effects, *verdict.rivals} else ()),
         ],
     }
     return Result(
@@ -314,86 +298,3 @@ def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> Next | Non
         return None
     names = [n for n in (*verdict.effects, *verdict.rivals) if n in effects]
     return {"separates": names, "probes": [effects[n].experiment for n in names]}
-
-
-def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: str) -> list[str]:
-    """What cannot be seen beside effects that are many floors large, and what is there beside more without a name."""
-    out = [
-        f"{name} fits a part of it ({size * unit_size:.2g} {unit}), but more than that has no name"
-        for name, size in verdict.within.items()
-    ]
-    least = k.INEXACT * observations.to_explain
-    if verdict.found and least >= 1:
-        out.append(
-            f"beside {' and '.join(verdict.found)}, nothing that is smaller than about {least * unit_size:.2g} "
-            f"{unit} can be seen: add it to the model, then diagnose that one on the same run"
-        )
-    return out
-
-
-def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str]:
-    """A line where repeats with the same history differ by as much as what follows nothing that was recorded."""
-    left = verdict.beside.get(NOTHING, 0.0) * unit_size
-    differ = ready.floor.repeats.get("same history")
-    noise = float(np.sqrt(np.mean(ready.floor.mean[ready.regression.counted] ** 2)))
-    if (
-        verdict.verdict != "unknown"
-        or not left
-        or differ is None
-        or differ < max(_ALIKE * left, _MORE * noise)
-    ):
-        return []
-    unit = ready.regression.units
-    return [
-        f"captures of one set-point with the same history differ by {differ:.2g} {unit}, too: what follows nothing "
-        "that was recorded does not repeat, so look at what trembles (frame, supply, mount) before the physics"
-    ]
-
-
-def _doubted(chosen: Fit | None, verdict: Verdict) -> list[str]:
-    """Effects that were found by the evidence, without a formula, or with one that helps no more than chance where it
-    was not fitted.
-    """
-    falls = [
-        fall_of(chosen, i)
-        for i, name in enumerate(chosen.names if chosen else ())
-        if chosen and name in verdict.found
-    ]
-    able = chosen.names if chosen else ()
-    without = [
-        f"no formula of {name} can act on these runs: it is named, and nothing is added to the model for it"
-        for name in verdict.found
-        if name not in able
-    ]
-    return without + [
-        f"with {fall.effect} added, the held-out error falls no more than by chance ({fall.words}): no formula of it "
-        "follows what is seen, so doubt the name until another run says it again"
-        for fall in falls
-        if not fall.helps
-    ]
-
-
-def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
-    rows = ready.context.rows
-    out = [*rows.warnings, *units_off(ready.context), *verdict.warnings]
-    if ready.floor.repeats.get("same history") is None:
-        out.append(UNREPEATED)
-    if len(rows.sessions) > 1 and rows.between_sessions == "unknown":
-        out.append(
-            "what the pressures did between sessions is unknown: taken as vented; `between_sessions:` in the mapping "
-            "says it (vented, held)"
-        )
-    counted = ready.regression.counted
-    early, floor = (float(np.sqrt(np.mean(v[counted] ** 2))) for v in (rows.early, ready.floor.row))
-    if verdict.verdict == "nothing_missing" and early > _EARLY * floor:
-        out.append(
-            f"in the first second after an actuation, which is left out (valves, inertia), what is measured is still "
-            f"{early:.2g} {rows.unit[int(counted[0])]} from where it settles: a lag so short is not looked at"
-        )
-    if len(moved := np.flatnonzero(ready.floor.shakes)):
-        size = float(np.sqrt(np.mean(ready.floor.shakes[moved] ** 2)))
-        out.append(
-            f"all markers move together from capture to capture, by {size:.2g} {rows.unit[int(moved[0])]}, "
-            "and nothing that was recorded says why: it counts as noise, so look at the mounts of rig and cameras"
-        )
-    return [*out, *ready.left_out, *ready.not_quoted]

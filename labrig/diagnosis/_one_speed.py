@@ -1,4 +1,4 @@
-"""Records whose input always moves at one speed, and set-points that are seen at one moment: what looks alike there."""
+"""Inputs that always move at one speed, and set-points that are seen at one moment: what looks alike there."""
 
 import numpy as np
 
@@ -11,27 +11,37 @@ _ALIKE, _MOSTLY = 0.25, 0.8
 """Speeds are one where such a share of the way is gone at no more than so much from the usual one."""
 
 
+_OFTEN = 0.5
+"""Share of the moments at which an input changes, from which on it goes on by itself."""
 _MOMENT = 0.2
 """Times of rows that differ by no more than this, as a part of the longest, are one moment."""
 
 
 def one_speed(context: Context) -> list[str]:
-    """A line where a record's chambers all move at one speed each; none for holds, and for a record that rests."""
+    """A line where all chambers move at one speed each, in a record or by even steps at even times; none where nothing
+    moves.
+    """
     rows = context.rows
-    if not context.sample_s or not context.moves:
+    if not context.moves:
         return []
     x = rows.event_actuation / context.span
-    speeds = [_usual(x[:, c], rows.event_time_s, rows.event_session) for c in range(x.shape[1])]
+    often = (np.diff(x, axis=0) != 0).mean(axis=0) >= _OFTEN
+    chambers = np.flatnonzero(often if often.any() else ~often)  # what is set anew now and then has no speed
+    speeds = [_usual(x[:, c], rows.event_time_s, rows.event_session) for c in chambers]
     moving = [
-        (speed * abs(span), one) for (speed, one), span in zip(speeds, context.span, strict=True) if speed > 0
+        (speed * abs(span), one)
+        for (speed, one), span in zip(speeds, context.span[chambers], strict=True)
+        if speed > 0
     ]
     if not moving or not all(one for _, one in moving):
         return []
     said = " and ".join(dict.fromkeys(f"{speed:.2g}" for speed, _ in moving))
+    unit = f"({rows.actuation_unit})" if " or " in rows.actuation_unit else rows.actuation_unit
+    what = "the input always moves at" if context.sample_s else "the set-points always go on by"
     return [
-        f"the input always moves at about {said} {rows.actuation_unit}/s: what lags in time (delay, creep) and what "
+        f"{what} about {said} {unit}/s: what lags in time (delay, creep) and what "
         "depends on the way (hysteresis, friction) look alike at one speed, so the name may be the other's; measure at "
-        "another speed, too"
+        f"another speed, too{'' if context.sample_s else ', or hold some set-points for long'}"
     ]
 
 

@@ -79,7 +79,7 @@ def _unit(context: Context, unit: str) -> str:
     sensed = [u for u, marker in zip(rows.unit, rows.marker, strict=True) if marker < 0]
     moving = [rows.covariates[name].unit for name in context.motion] if "motion" in unit else []
     own = {
-        "actuation": rows.actuation_unit or "1",
+        "actuation": _either(rows.actuation_unit.split(" or ")) or "1",
         "observable": _either(rows.unit),
         "place": _either(place or rows.unit),
         "sensor": _either(sensed or rows.unit),

@@ -135,7 +135,7 @@ def _dataset(
     commanded = captures["commanded"]
     hold = padded(rows["hold_s"])
     data: dict[str, object] = {
-        "commanded": (("capture", "chamber"), commanded, {"units": mapping.actuation[0].unit}),
+        "commanded": (("capture", "chamber"), commanded, {"units": _unit(mapping)}),
         "measured": (("capture", "time", "chamber"), padded(rows["measured"])),
         "hold_s": (("capture", "time"), hold),
         "time_s": (("capture", "time"), padded(rows["time_s"])),
@@ -204,3 +204,8 @@ def _observables(
         coords["unit"] = ("observable", ["mm" if o.marker and is_length(o.unit) else o.unit for o in chosen])
         coords["marker_of"] = ("observable", [o.marker or "" for o in chosen])
         coords["axis_of"] = ("observable", [o.axis or "" for o in chosen])
+
+
+def _unit(mapping: Mapping) -> str:
+    """The unit of what is commanded; of several inputs in different units all of them: kPa or mm."""
+    return " or ".join(dict.fromkeys(each.unit for each in mapping.actuation))

@@ -312,6 +312,16 @@ def test_sessions_and_missing_repeats_are_noted(make_lab) -> None:
     assert any(" outlying values were left out (" in w and " of m1" in w for w in warnings)
 
 
+@pytest.mark.parametrize("steps", [True, False])
+def test_what_may_be_an_error_of_each_set_point_is_said(make_lab, steps: bool) -> None:
+    """A regulator in steps of 6 kPa looks like noise where nothing is repeated: rows of a hold are quieter by far."""
+    lab = make_lab(chambers=1, captures=60, repeats=False, force=True)
+    u = np.round(lab.u / 6.0) * 6.0 if steps else lab.u
+    warnings = diagnose(lab.dataset(lab.predict(u) + lab.noise(0.4, 0.1)), lab.model()).summary["warnings"]
+    (line,) = [w for w in warnings if "repeat some set-points" in w]
+    assert line.startswith("captures are off by" if steps else "no repeats with the same history")
+
+
 def test_the_last_run_alone_remembers_those_before(make_lab) -> None:
     """Only its own rows count, and it begins with what the others have left."""
     lab = make_lab(captures=8, repeats=False)

@@ -58,11 +58,16 @@ def test_several_speeds_need_no_word(tmp_path: Path, speeds: tuple[float, ...]) 
     assert said(tmp_path, ramps(speeds)) == []
 
 
-def test_holds_are_another_matter(make_lab) -> None:
-    """Set-points that are held show what follows time while nothing moves."""
-    lab = make_lab()
-    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
-    assert one_speed(context) == []
+@pytest.mark.parametrize("even", [True, False])
+def test_even_steps_at_even_times_are_one_speed(make_lab, even: bool) -> None:
+    """A staircase up and down is one, whatever another chamber is set to now and then; scattered set-points are not."""
+    lab = make_lab(chambers=2, captures=60)
+    if even:
+        lab.commanded[:, 0] = np.abs(np.arange(60) % 20 - 10) * 6.0
+        lab.commanded[:, 1] = np.repeat([10.0, 50.0, 30.0], 20)
+    said = one_speed(lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise()))))
+    assert len(said) == even
+    assert not even or said[0].startswith("the set-points always go on by about 1 kPa/s: what lags in time")
 
 
 def test_set_points_that_are_seen_at_one_moment(make_lab) -> None:
