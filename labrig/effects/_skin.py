@@ -13,6 +13,8 @@ from labrig.effects._effect import Term
 from labrig.effects._family import Feature, Space, field, motion_scale
 from labrig.effects._rows import Rows
 
+_EVEN = 0.1
+"""Share of the largest slope by which slopes may differ and count as the same all over."""
 _FLAT = 0.1
 """Extent of the body, share of its longest, below which it has no places that differ along that way."""
 
@@ -87,6 +89,25 @@ def by_itself(context: Context, space: Space) -> Iterator[Space]:
     which, _ = _groups(context.rows)
     if len(which):
         yield replace(space, key=f"{space.key}, by sensor", apart=which)
+
+
+def felt(context: Context, changes: dict[str, Floats]) -> list[Feature]:
+    """What few sensors feel of each input, (F, C) by name, as so much of what they measure, however far that input
+    moves them there: a seal rubs as hard where a lever is short. None of sensors that inputs move alike all over.
+    """
+    slopes, alone = context.jacobian * context.span, np.flatnonzero(_seen_alone(context.rows))
+    if not len(alone) or len(alone) > FEW_OBSERVABLES:
+        return []
+    if np.ptp(slopes[:, alone], axis=0).max() <= _EVEN * np.abs(slopes[:, alone]).max():
+        return []
+    scale, out = motion_scale(context), []
+    for name, change in changes.items():
+        for k in alone:
+            for c in range(change.shape[1]):
+                values = np.zeros(context.base.shape)
+                values[:, k] = scale[k] * change[:, c]
+                out.append(field(f"{name} {k} {c}", values))
+    return out
 
 
 def per_sensor(context: Context, parameter: str, change: Floats) -> Iterator[Term]:

@@ -10,7 +10,15 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
-from labrig.effects._skin import body_behind, by_itself, by_place, marker_behind, per_sensor, play_behind
+from labrig.effects._skin import (
+    body_behind,
+    by_itself,
+    by_place,
+    felt,
+    marker_behind,
+    per_sensor,
+    play_behind,
+)
 
 
 class Friction(Effect):
@@ -70,7 +78,7 @@ class Friction(Effect):
                     Term.per_chamber("loaded", against * u, chambers),
                 ),
             )
-        else:
+        if len(chambers) <= 2:
             yield Variant("pattern", (Term.pattern("force", against),))
 
     def family(self, context: Context) -> Iterator[Space]:
@@ -92,6 +100,8 @@ class Friction(Effect):
         out += memory(context)
         yield (sliding := Space("sliding", "friction", acting(out)))
         yield from by_itself(context, sliding)
+        if forces := felt(context, {"turn": turn}):
+            yield Space("as sensors feel it", "friction felt", acting(forces))
         behind = [(f"skin {w}", play_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
         skin = [field(name, values, 0.5) for name, values in behind]
         yield Space("under the skin", "friction skin", acting(skin))

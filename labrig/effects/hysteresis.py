@@ -11,7 +11,7 @@ from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, ball_of, field, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, by_chamber
-from labrig.effects._skin import body_behind, body_settled, by_itself, by_place, per_sensor, play_behind
+from labrig.effects._skin import body_behind, body_settled, by_itself, by_place, felt, per_sensor, play_behind
 
 WIDTHS = (0.05, 0.1, 0.2, 0.35, 0.5)
 WIDER = 3.0
@@ -128,6 +128,9 @@ class Hysteresis(Effect):
         out += memory(context)
         yield (play := Space("play", "hysteresis", acting(out), 0.8))
         yield from by_itself(context, play)
+        lags = {f"play {r}": (context.play(r) - u) / span for r in (0.06, 0.12, 0.25, 0.45)}
+        if forces := felt(context, lags):
+            yield Space("as sensors feel it", "hysteresis felt", acting(forces))
         behind = [(f"skin {w}", play_behind(context, w)) for w in (0.1, 0.25, 0.5, 1.0)]
         skin = [field(name, values) for name, values in behind]
         body = [field(f"body {w}", body_behind(context, w), 0.5) for w in (0.06, 0.15, 0.35, 0.7)]
