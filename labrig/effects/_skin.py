@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._linalg import svd
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import Term
 from labrig.effects._family import Feature, Space, field, motion_scale
@@ -100,9 +100,41 @@ def felt(context: Context, changes: dict[str, Floats]) -> list[Feature]:
         return []
     if np.ptp(slopes[:, alone], axis=0).max() <= _EVEN * np.abs(slopes[:, alone]).max():
         return []
+    return _each(context, changes, alone)
+
+
+def touched(context: Context, changes: dict[str, Floats]) -> list[Feature]:
+    """What few sensors read of each input, (F, C) by name, that the base says nothing of, such as a force at a tip that
+    meets something.
+    """
+    return _each(context, changes, _unsaid(context))
+
+
+def touched_term(context: Context, parameter: str, change: Floats) -> Term | None:
+    """The same as a formula: one coefficient of each such sensor and input, in the sensor's unit. None without any."""
+    rows, own = context.rows, _unsaid(context)
+    pairs = [(k, c) for k in own for c in range(change.shape[1]) if change[:, c].any()]
+    if not pairs:
+        return None
+    feature = np.zeros((*context.base.shape, len(pairs)))
+    for j, (k, c) in enumerate(pairs):
+        feature[:, k, j] = change[:, c]
+    labels = tuple(f"{rows.observables[k]} by {rows.chambers[c]}" for k, c in pairs)
+    return Term.field(parameter, feature, labels)
+
+
+def _unsaid(context: Context) -> Ints:
+    """Which few sensors the base says nothing of, (n,)."""
+    still = np.ptp(context.displacement, axis=0) == 0
+    own = np.flatnonzero(_seen_alone(context.rows) & still)
+    return own[: len(own) if len(own) <= FEW_OBSERVABLES else 0]
+
+
+def _each(context: Context, changes: dict[str, Floats], own: Ints) -> list[Feature]:
+    """A field of each change (F, C) of each chamber in each of some observables by itself."""
     scale, out = motion_scale(context), []
     for name, change in changes.items():
-        for k in alone:
+        for k in own:
             for c in range(change.shape[1]):
                 values = np.zeros(context.base.shape)
                 values[:, k] = scale[k] * change[:, c]

@@ -13,6 +13,7 @@ from labrig.effects._obstacles import obstacles
 from labrig.effects._planes import NORMAL, felt_beside, planes
 from labrig.effects._pushes import pushes
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
+from labrig.effects._skin import touched, touched_term
 
 
 class Contact(Effect):
@@ -52,6 +53,12 @@ class Contact(Effect):
             "sensor/mm",
             meaning="what a sensor has of it, for each mm that the markers together would go behind the plane",
         ),
+        Parameter(
+            "pressed",
+            "sensor",
+            meaning="what a sensor that the model says nothing of reads of an input that is its whole range beyond the "
+            "limit",
+        ),
         *(
             Parameter(name, "1", -1.0, 1.0, meaning=f"{name[-1]} of the plane's direction", given=True)
             for name in NORMAL
@@ -79,7 +86,12 @@ class Contact(Effect):
             beyond = -np.maximum(x - limit, 0.0) * context.span
             if not context.shows((beyond != 0).mean() >= 0.02):
                 continue
-            yield Variant("pressure", (Term.common("stopped", beyond),), {"limit": limit})
+            stopped = Term.common("stopped", beyond)
+            yield Variant("pressure", (stopped,), {"limit": limit})
+            for form, power in (("felt", 1.0), ("felt, Hertz", 1.5)):
+                if pressed := touched_term(context, "pressed", np.maximum(x - limit, 0.0) ** power):
+                    yield Variant(f"pressure, {form}", (stopped, pressed), {"limit": limit})
+                    yield Variant(f"only {form}", (pressed,), {"limit": limit})
             if len(chambers) > 1:
                 yield Variant(
                     "per chamber", (Term.per_chamber("stopped", beyond, chambers),), {"limit": limit}
@@ -145,8 +157,10 @@ class Contact(Effect):
                 pressure("later", -np.maximum(d - limit - 0.1, 0) / slope, 0.3),
                 pressure("earlier", -np.maximum(d - limit + 0.1, 0) / slope, 0.3),
             ]
+            pressed = touched(context, {"touched": h, "pressed": h**1.5})
             if context.shows((h > 0).mean() >= 0.005 or (g > 0).mean() >= 0.005):
-                yield one_way(Space(f"limit {limit}", "contact limit", acting(out), 0.2))
+                stop = Space(f"limit {limit}", "contact limit", acting([*out, *pressed]), 0.2)
+                yield stop if pressed else one_way(stop)
         for limit in (0.08, 0.18, 0.35):  # a wall that cannot come back below it
             h, g = np.maximum(limit - x, 0), np.maximum(limit - d, 0)
             out = [pressure("pressure", h), pressure("wall", g / slope)]

@@ -60,3 +60,35 @@ def test_its_formula_takes_it_off() -> None:
     better = labrig.improve(campaign(base, stribeck), base, "friction")
     assert better.error["model"] < 0.4 * better.error["base"]
     assert set(better.model.file.effects[0].parameters) == {"force"}
+
+
+def finger(u: np.ndarray) -> np.ndarray:
+    """A finger in free air: it bends, and its tip presses nothing."""
+    return np.stack([80.0 * np.tanh(u[:, 0] / 90.0), np.zeros(len(u))], axis=1)
+
+
+def pressing(seed: int):
+    """The finger with an object in its way: Hertz's law of the angle beyond it, a third of which is lost."""
+    random = np.random.default_rng(seed)
+    u = random.uniform(0, 100, (60, 1))
+    angle = finger(u)[:, 0]
+    beyond = np.maximum(angle - 42.0, 0.0)
+    rows = np.repeat(np.arange(60), 3)
+    read = np.stack([angle - beyond / 3.0, 0.03 * beyond**1.5], axis=1)[rows]
+    read += random.normal(size=(180, 2)) * [0.5, 0.04]
+    frame = pd.DataFrame({"p_set (kPa)": u[rows, 0], "bend (deg)": read[:, 0], "tip force (N)": read[:, 1]})
+    return labrig.import_table(frame, f"run{seed}")
+
+
+def test_what_a_sensor_reads_that_should_read_nothing_is_contact() -> None:
+    """A force where the model has none, from a pressure on, beside an angle that lags: perhaps contact, and no other
+    name; the model with it is near the noise on another run.
+    """
+    run = pressing(1)
+    found = verdict_of(run, Model.of(finger))
+    assert found.found == ("contact",)
+    better = labrig.improve(run, finger, "contact")
+    assert better.error["model"] < 0.2 * better.error["base"]
+    fresh = labrig.compare(pressing(2), [finger, better.model])
+    assert fresh.better == "second"
+    assert fresh.error["second"] < 0.25 * fresh.error["first"]
