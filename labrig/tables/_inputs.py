@@ -99,12 +99,22 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     steps = [n for n in find_held(drives, values) if _is_driven(values[n.column])]
     said = []
     if pressures and steps and not find_held(pressures, values):
-        driven = any(_is_noisy(values[n.column]) or _follows(n, steps, values) for n in pressures)
+        driven = any(is_noisy(values[n.column]) or _follows(n, steps, values) for n in pressures)
         said = [_beside_a_drive(pressures[0], steps[0], driven)]
         pressures = [] if driven else pressures
+    elif pressures and all(is_noisy(values[n.column]) for n in pressures):
+        # what trembles was measured: what drives it does not, or stands still in holds
+        quiet = [n for n in drives if _is_driven(values[n.column]) and not is_noisy(values[n.column])]
+        pumps = [n for n in find_held(rest, values) if any(_follows(p, [n], values) for p in pressures)]
+        if seeds := quiet or pumps:
+            said = [
+                f"{pressures[0].column!r} trembles and {seeds[0].column!r} does not: the second is taken for what was "
+                "commanded"
+            ]
+            return with_siblings(seeds[:1], rest, values), said
     seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or steps or drives
     if still := [n for n in seeds if is_held(values[n.column])]:
-        seeds = [n for n in seeds if n in still or not _is_noisy(values[n.column])]
+        seeds = [n for n in seeds if n in still or not is_noisy(values[n.column])]
     if seeds and all(n.has(names.MEASURED) for n in seeds):
         said = [f"no column is called commanded: {seeds[0].column!r}, which was measured, is taken for it"]
     return with_siblings(seeds, rest, values), said
@@ -175,8 +185,8 @@ def with_siblings(seeds: list[Name], rest: list[Name], values: Mapping[str, Floa
 
     A sibling has the same unit, and is noisy only where the column itself is.
     """
-    kinds = {(_stem(n), n.unit, _is_noisy(values[n.column])) for n in seeds if _stem(n)}
-    return [n for n in rest if n in seeds or (_stem(n), n.unit, _is_noisy(values[n.column])) in kinds]
+    kinds = {(_stem(n), n.unit, is_noisy(values[n.column])) for n in seeds if _stem(n)}
+    return [n for n in rest if n in seeds or (_stem(n), n.unit, is_noisy(values[n.column])) in kinds]
 
 
 def find_sensors(
@@ -248,8 +258,8 @@ def _led(rest: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Nam
     """Pairs of a command and the sensor that follows it: nearly the same numbers, one of them noisy, one not. Columns
     that differ by a number only have one role, as trials of one measurement do.
     """
-    quiet = [n for n in rest if not n.has(names.MEASURED | names.OUTPUT) and not _is_noisy(values[n.column])]
-    noisy = [n for n in rest if _is_noisy(values[n.column])]
+    quiet = [n for n in rest if not n.has(names.MEASURED | names.OUTPUT) and not is_noisy(values[n.column])]
+    noisy = [n for n in rest if is_noisy(values[n.column])]
     if len(rest) > _MANY:
         return []
     found = [
@@ -308,7 +318,7 @@ def is_held(values: Floats) -> bool:
     )
 
 
-def _is_noisy(values: Floats) -> bool:
+def is_noisy(values: Floats) -> bool:
     """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held."""
     seen = _seen(values)
     if len(seen) < 8 or is_held(seen):

@@ -25,6 +25,7 @@ from labrig.tables._labels import find_labels, numbers_rows, refuse_long, refuse
 from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import Clock
+from labrig.tables._stages import find_stages
 from labrig.tables._table import MINUS, Table, short
 from labrig.tables._time import NO_CLOCK, are_dates, counts_frames, find_clock, may_be_clock
 from labrig.tables._units import is_length, is_screen
@@ -251,6 +252,7 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     out.surmised = not inputs
     inputs = inputs or _any_input(out, own, remarks)
     out.remarks += remarks
+    inputs = [*inputs, *_stages(out, [n for n in own if n not in inputs], inputs)]
     out.actuation = inputs
     for n in [n for n in beside if is_moved(n, inputs, out.values)]:
         beside.remove(n)
@@ -274,6 +276,22 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     if not out.observables and not out.markers:  # what follows the only input may be what it moves
         out.observables = [n for n, _ in out.measured if not (n.has(names.MEASURED) or is_pressure(n))]
         out.measured = [(n, u) for n, u in out.measured if n not in out.observables]
+
+
+def _stages(out: Roles, rest: list[Name], inputs: list[Name]) -> list[Name]:
+    """What was set beside the inputs; that it was is said. Of a marker's coordinates all, or none."""
+    placed = {owner: [*axes.values()] for owner, axes in out.markers.items()}
+    found = find_stages([*rest, *(n for axes in placed.values() for n in axes)], inputs, out.values)
+    for owner, axes in placed.items():
+        if all(n in found for n in axes):
+            del out.markers[owner]
+        else:
+            found = [n for n in found if n not in axes]
+    out.remarks += [
+        f"column {n.column!r} stands still in holds, and not where the inputs say: taken for an input, too"
+        for n in found
+    ]
+    return found
 
 
 def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:

@@ -1,0 +1,67 @@
+"""What a guess takes for an input though nothing calls it so: what is still where all else trembles."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from labrig.log import guess_mapping
+
+RANDOM = np.random.default_rng(1)
+HOLD = np.repeat(np.arange(60), 3)
+VOLUME = RANDOM.uniform(0, 25, 60)[HOLD]
+LENGTH = RANDOM.uniform(150, 200, 60)[HOLD]
+TIME = HOLD * 9.0 + np.tile([0, 2, 4], 60)
+SWING = 35 + 20 * np.sin(0.015 * np.arange(1200)) + 10 * np.sin(0.055 * np.arange(1200))
+LAG = np.convolve(3 * SWING, np.exp(-np.arange(100) / 20) / 20)[:1200]
+
+
+def noisy(values: np.ndarray, size: float) -> np.ndarray:
+    """As a sensor reads them."""
+    return (values + RANDOM.normal(0, size, len(values))).round(3)
+
+
+def inputs(folder: Path, columns: dict[str, np.ndarray]) -> tuple[set[str], list[str]]:
+    """Which columns a guess takes for inputs, and its remarks."""
+    pd.DataFrame(columns).to_csv(folder / "t.csv", index=False)
+    found = guess_mapping(folder / "t.csv")
+    return {each["column"] for each in found.mapping["actuation"]}, found.remarks
+
+
+@pytest.mark.parametrize("name", ["pump volume [ml]", "Vol (ml)", "piston position (mm)", "syringe steps"])
+def test_what_a_pressure_follows_was_commanded(tmp_path: Path, name: str) -> None:
+    """A syringe that stands still in holds drives the line whose pressure trembles, whatever it is called."""
+    columns = {"t_s": TIME, name: VOLUME, "p_line [kPa]": noisy(1.2 * VOLUME, 0.15)}
+    found, remarks = inputs(tmp_path, columns | {"height [mm]": noisy(35 + 1.6 * VOLUME, 0.08)})
+    assert found == {name}
+    assert (
+        f"'p_line [kPa]' trembles and {name!r} does not: the second is taken for what was commanded"
+        in remarks
+    )
+
+
+@pytest.mark.parametrize("name", ["Valve PWM (%)", "u (V)", "Valve opening (%)"])
+def test_a_valve_that_moves_all_the_time_drives_what_trembles(tmp_path: Path, name: str) -> None:
+    """In a record without holds, too: the pressure lags behind it, and is noisy."""
+    found, _ = inputs(
+        tmp_path, {"Time (s)": np.arange(1200) * 0.05, name: SWING.round(2), "p (kPa)": noisy(LAG, 1.0)}
+    )
+    assert found == {name}
+
+
+def test_a_stage_beside_a_pressure_is_an_input_too(tmp_path: Path) -> None:
+    """A length, and the places of a table, that no pressure says; what is read once a hold, and follows it, is none."""
+    columns = {"t_s": TIME, "pressure (kPa)": VOLUME, "length (mm)": LENGTH}
+    columns |= {"x stage (mm)": LENGTH[::-1], "y stage (mm)": np.roll(LENGTH, 30)}
+    columns |= {"height (mm)": (0.3 * VOLUME).round(1), "force (N)": noisy(2 * VOLUME, 0.5)}
+    found, remarks = inputs(tmp_path, columns)
+    assert found == {"pressure (kPa)", "length (mm)", "x stage (mm)", "y stage (mm)"}
+    said = "column 'length (mm)' stands still in holds, and not where the inputs say: taken for an input, too"
+    assert said in remarks
+
+
+def test_a_table_without_noise_says_nothing_of_stages(tmp_path: Path) -> None:
+    """One row for each set-point, or means filled down: what was measured stands as still as what was set."""
+    found, _ = inputs(tmp_path, {"pressure (kPa)": VOLUME, "length (mm)": LENGTH, "force (N)": 2 * VOLUME})
+    assert found == {"pressure (kPa)"}
