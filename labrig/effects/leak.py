@@ -28,6 +28,7 @@ class Leak(Effect):
     parameters = (
         Parameter("loss", "1", 0.4, 1.5, "chamber", "share of the pressure that escapes in the end"),
         Parameter("tau_s", "s", 0.1, 1e6, meaning="time constant of the escape"),
+        Parameter("chamber", "1", 0.0, per="chamber", meaning="the only one that leaks, counted from 0"),
         Parameter("sensor", "1", 0.2, 1.8, meaning="share of the measured loss that reaches the surface"),
     )
     reference = "ISO 6358-1:2013 (flow through pneumatic components); linearised: dp/dt = -p / tau"
@@ -36,15 +37,15 @@ class Leak(Effect):
     needs = "rows at different times after a set-point"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        u, chambers = context.rows.actuation, context.rows.chambers
-        t = context.elapsed_s[:, None]
+        u, t = context.rows.actuation, context.elapsed_s[:, None]
         if not context.shows(np.any(t > 0) and np.ptp(t) > 0):
             return
+        x, span = context.rows.fraction, context.span
         for tau in context.grid("tau_s", TAUS_S):
-            lost = -u * -np.expm1(-t / tau)
-            yield Variant("exponential", (Term.common("loss", lost),), {"tau_s": tau})
-            if len(chambers) > 1:
-                yield Variant("per chamber", (Term.per_chamber("loss", lost, chambers),), {"tau_s": tau})
+            gone = np.expm1(-t / tau)
+            yield from _forms("", u * gone, tau, context)
+            # through an orifice at subcritical flow: by the root of the pressure, of the whole at the full one
+            yield from _forms(", by the root", np.sqrt(np.clip(x, 0.0, None)) * span * gone, tau, context)
         fall = context.measured_fall
         if fall is not None:
             yield Variant("as measured", (Term.common("sensor", fall),))
@@ -112,3 +113,17 @@ class Leak(Effect):
             return "measured pressures" if context.measured_error is None else ""
         timed = np.isfinite(context.rows.hold_s).all() or context.has_time
         return "" if timed else MOMENTS
+
+
+def _forms(how: str, lost: Floats, tau_s: float, context: Context) -> Iterator[Variant]:
+    """All chambers alike, each by itself, or one alone; `lost` (F, C) is what a loss of one takes off the pressures."""
+    chambers, shape = context.rows.chambers, {"tau_s": tau_s}
+    yield Variant(f"exponential{how}", (Term.common("loss", lost),), shape)
+    if len(chambers) < 2:
+        return
+    yield Variant(f"per chamber{how}", (Term.per_chamber("loss", lost, chambers),), shape)
+    for c in context.grid("chamber", range(len(chambers))):
+        alone = np.where(np.arange(len(chambers)) == c, lost, 0.0)[:, :, None]
+        if context.shows(bool(alone.any())):
+            own = Term("loss", "pressure", alone, (chambers[int(c)],))
+            yield Variant(f"one chamber{how}", (own,), shape | {"chamber": float(c)})

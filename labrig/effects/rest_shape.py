@@ -13,6 +13,8 @@ from labrig.effects._inside import inside
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, along_own
 
+_HELD = 0.1
+"""A marker that moves by less than so much of what the farthest does is held."""
 _FOOT = 5
 """One marker of so many, those that move least, are where a body is held: a grid."""
 
@@ -76,7 +78,9 @@ class RestShape(Effect):
 
 
 def _where_free(context: Context) -> Space | None:
-    """Offsets along each axis, as large at each marker as full pressures move it; None without markers that move."""
+    """Offsets along each axis, as large at each marker as full pressures move it; None unless some markers move and
+    others are held: where all move alike, that is the frame.
+    """
     rows = context.rows
     own = (rows.marker >= 0) & (rows.axis >= 0)
     if own.sum() < 3 or not context.moves:
@@ -85,7 +89,7 @@ def _where_free(context: Context) -> Space | None:
     for m in np.unique(rows.marker[own]):
         reach[rows.marker == m] = reach[rows.marker == m].mean()
     size = float(np.sqrt((reach[own] ** 2).mean()))
-    if size == 0:
+    if reach[own].min() >= _HELD * reach[own].max():
         return None
     scale, out = motion_scale(context), []
     for a in range(3):

@@ -182,7 +182,8 @@ def leak_words(parameters: Mapping[str, Any]) -> str:
     losses, sds, taus = flat(loss.get("value")), flat(loss.get("sd")), flat(tau.get("value"))
     if not taus:
         return ""
-    chambers = [str(name) for name in loss.get("per") or tau.get("per") or []]
+    only = parameters.get("chamber", {}).get("per")
+    chambers = [str(name) for name in only or loss.get("per") or tau.get("per") or []]
     count = max(len(losses), len(taus))
     if len(chambers) != count:
         chambers = ["Every chamber"] if count == 1 else [f"chamber {i + 1}" for i in range(count)]

@@ -63,8 +63,11 @@ def test_an_effect_is_added(leaking) -> None:
     assert result.improved.file.base == model.file.base
     assert [e.model_dump(exclude_none=True) for e in result.improved.file.effects] == summary["added"]
     assert [label for label, _ in result.waterfall] == ["base", "+ leak", "floor"]
-    for value in result.improved.file.effects[0].parameters.values():
-        assert value.unit in {"1", "s"}
+    fitted = dict(result.improved.file.effects[0].parameters)
+    assert fitted.pop("tau_s").unit == "s"  # found on a grid, and refined
+    assert fitted
+    for value in fitted.values():
+        assert value.unit == "1"
         assert value.sd is not None
         largest = int(np.argmax(np.abs(value.value)))
         assert 0 < np.ravel(value.sd)[largest] < 0.5 * np.abs(np.ravel(value.value)[largest])

@@ -48,6 +48,14 @@ def test_of_many_chambers_the_largest():
             "Every chamber loses 0.24 % a minute of its pressure at first (time constant 25000 s).",
         ),
         (
+            {
+                "loss": {"value": 0.6, "sd": 0.1, "unit": "1"},
+                "tau_s": {"value": 60.0, "unit": "s"},
+                "chamber": {"value": 1.0, "unit": "1", "per": ["c2"]},
+            },
+            "c2 loses 1 % a second of its pressure at first (time constant 60 s).",
+        ),
+        (
             {"tau_s": per_chamber([100.0, 20.0], [1.0, 1.0], "s")},
             "c2 loses 5 % a second of its pressure at first (time constant 20 s); c1 loses 1 % a second of its "
             "pressure at first (time constant 100 s).",
