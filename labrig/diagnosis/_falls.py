@@ -8,7 +8,7 @@ import numpy as np
 from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square
 from labrig.diagnosis._constants import LEAST_FLOORS
 
-_MUCH_LEFT, _TIMES_NOISE = 0.2, 3.0
+_MUCH_LEFT, _TIMES_NOISE = 0.2, 2.0
 """Of the error before, and of the noise: what is left beside names from which on it is said. It decides words only."""
 
 

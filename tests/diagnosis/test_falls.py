@@ -15,7 +15,7 @@ def test_what_is_left_beside_a_name_is_said() -> None:
 
 
 @pytest.mark.parametrize(
-    ("names", "model", "floor"), [((), 1.4, 0.2), (("leak",), 0.8, 0.2), (("leak",), 1.4, 0.5)]
+    ("names", "model", "floor"), [((), 1.4, 0.2), (("leak",), 0.8, 0.2), (("leak",), 1.4, 0.8)]
 )
 def test_little_is_not_said(names: tuple[str, ...], model: float, floor: float) -> None:
     """Nothing where nothing was named, where a fifth is left, and where the noise is as large."""
