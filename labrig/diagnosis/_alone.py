@@ -55,9 +55,9 @@ def _likeliest(observations: Observations) -> int | None:
     """
     context, values = observations.context, observations.values
     C = len(context.rows.chambers)
-    if C < _FEWEST:
-        return None
     measured = values.any(axis=1)
+    if C < _FEWEST or not measured.any():
+        return None
     Q, R = np.linalg.qr(observations.slopes)
     capture, values, own = observations.capture[measured], values[measured], _own(context)
     Z = (observations.whiten @ own.reshape(len(own), -1))[measured].reshape(len(values), C, -1)

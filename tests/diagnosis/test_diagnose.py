@@ -312,6 +312,13 @@ def test_sessions_and_missing_repeats_are_noted(make_lab) -> None:
     assert any(" outlying values were left out (" in w and " of m1" in w for w in warnings)
 
 
+def test_measurements_that_are_the_model_itself_lack_nothing(make_lab) -> None:
+    """A simulation of the model, to the last digit, is as good as it can be: no question of units."""
+    lab = make_lab(captures=40, repeats=False)
+    summary = diagnose(lab.dataset(lab.predict(lab.u)), lab.model()).summary
+    assert (summary["verdict"], summary["probability"]) == ("nothing_missing", 1.0)
+
+
 @pytest.mark.parametrize("steps", [True, False])
 def test_what_may_be_an_error_of_each_set_point_is_said(make_lab, steps: bool) -> None:
     """A regulator in steps of 6 kPa looks like noise where nothing is repeated: rows of a hold are quieter by far."""
