@@ -17,7 +17,7 @@ from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._noise_scale import with_noise_of_few
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._present import fields_of, signatures_of
-from labrig.diagnosis._problem import last_of, prepared, rows_from
+from labrig.diagnosis._problem import Prepared, last_of, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._result import Result
 from labrig.diagnosis._units_off import units_off
@@ -92,7 +92,7 @@ class Opened:
             "error": error,
             "where": self.places,
             "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
-            "warnings": self._warnings(),
+            "warnings": [*self._warnings(), *_fitted_anew(ready)],
             **self.about,
         }
         return Result(
@@ -174,6 +174,16 @@ class Opened:
             *self.ready.left_out,
             *self.ready.not_quoted,
         ]
+
+
+def _fitted_anew(ready: Prepared) -> list[str]:
+    """A line where what a base calls its own is fitted to the runs that it is compared with."""
+    if ready.declared is None and ready.calibrated is None:
+        return []
+    return [
+        "the base is fitted to this run anew, so this says how well such a base can follow it, and nothing of how well "
+        "what was fitted elsewhere predicts it"
+    ]
 
 
 def _undated(entries: Sequence[EffectEntry]) -> list[str]:

@@ -110,6 +110,9 @@ def test_what_makes_it_unfair_is_said(make_lab) -> None:
     warnings = versus(data, Model.load(path), second_model(lab, GAIN)).summary["warnings"]
     assert warnings[0].startswith("the base of “map” is fitted to this run")
     assert warnings[1].startswith("if the effects of “gained” were fitted to this run")
+    alone = [w for w in compare(data, Model.load(path)).summary["warnings"] if "fitted to this run anew" in w]
+    assert len(alone) == 1
+    assert not [w for w in compare(data, lab.model()).summary["warnings"] if "fitted to this run" in w]
 
 
 def test_the_command(gained, labrig, monkeypatch: pytest.MonkeyPatch) -> None:
