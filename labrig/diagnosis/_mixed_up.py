@@ -6,6 +6,8 @@ from itertools import permutations, product
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from labrig._turns import quaternions
+from labrig.arrays import Floats
 from labrig.diagnosis._floor import capture_means
 from labrig.effects import Context, motion_scale
 
@@ -20,12 +22,14 @@ _FEWEST, _FAR = 10, 0.3
 
 
 def mixed_up(context: Context) -> Iterator[str]:
-    """A line for what is mistaken for each other: axes of markers, chambers, the set-points of captures.
+    """A line for what is mistaken for each other: axes of markers, parts of a quaternion, signs, chambers, set-points.
 
     Nothing physical is put right by an exchange, which has no size that could be fitted.
     """
     yield from _order(context)
+    yield from _quaternions(context)
     if context.moves:
+        yield from _backward(context)
         # of a symmetric rig exchanged hoses look like a mirror
         if either := [*_axes(context), *_chambers(context)]:
             yield "; or ".join(either)
@@ -49,6 +53,40 @@ def _order(context: Context) -> Iterator[str]:
             f"{rows.observables[place[1]]}, {rows.observables[place[2]]}, then those of the next marker, so let it "
             "give them in this order"
         )
+
+
+def _quaternions(context: Context) -> Iterator[str]:
+    """Quaternions of which one of both begins with w, and the other ends with it."""
+    rows = context.rows
+    for own in quaternions(rows.unit, rows.values):
+        measured, base = rows.values[:, own], context.base[:, own]
+        now, *left = (_beside(measured, np.roll(base, by, axis=1)) for by in (0, 1, -1))
+        if now > 0 and now >= _CLOSER**2 * min(left):
+            names = ", ".join(rows.observables[own])
+            where = "begins with the last of them" if left[1] < left[0] else "ends with the first of them"
+            yield f"{names} is a quaternion that in the model {where}: let it give them in the order of the run"
+
+
+def _beside(measured: Floats, base: Floats) -> float:
+    """How far quaternions (F, 4) are from those of a model, each on its side, in squares."""
+    return float(np.nansum(np.minimum((measured - base) ** 2, (measured + base) ** 2).sum(axis=1)))
+
+
+def _backward(context: Context) -> Iterator[str]:
+    """What no marker sees, and goes the other way than the model says."""
+    rows = context.rows
+    for unit in dict.fromkeys(rows.unit):
+        own = np.flatnonzero((np.array(rows.unit) == unit) & (rows.marker < 0))
+        measured, base = (
+            v[:, own] - np.nanmean(v[:, own], axis=0) if len(own) else np.zeros((1, 0))
+            for v in (rows.values, np.where(np.isfinite(rows.values), context.base, np.nan))
+        )
+        now, left = (float(np.nansum((measured - sign * base) ** 2)) for sign in (1.0, -1.0))
+        if now > 0 and now >= _CLOSER**2 * left:
+            yield (
+                f"what is measured in {unit} goes the other way than the model says: check the sign of the sensor, and "
+                "of the model"
+            )
 
 
 def _axes(context: Context) -> Iterator[str]:

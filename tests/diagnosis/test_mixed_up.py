@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from labrig import LabrigError
 from labrig.diagnosis import compare, diagnose, prepared, rows_from
 from labrig.diagnosis._mixed_up import mixed_up
+from labrig.model import Model
 from tests.laws import bowed, limited, orifice, power_law, sliding, strut
 
 
@@ -189,3 +191,38 @@ def test_all_x_then_all_y_then_all_z(make_lab) -> None:
     )
     with pytest.raises(LabrigError, match="the model gives x of all markers"):
         diagnose(lab.dataset(seen), lab.model())
+
+
+@pytest.mark.parametrize(
+    ("by", "words"),
+    [(1, "begins with the last of them"), (-1, "ends with the first of them"), (0, "")],
+)
+def test_a_quaternion_in_another_order(make_lab, by: int, words: str) -> None:
+    """One of both has w first, the other last: the line says so, and none where they have the same order."""
+    lab = make_lab(captures=40)
+    turn = Rotation.from_rotvec(0.012 * lab.u.reshape(-1, 3) + [0.2, 0.1, 0.0]).as_quat()
+    run = lab.dataset(lab.predict(lab.u)).drop_vars(["position_mm", "rest_mm"])
+    read = turn.reshape(40, -1, 4) + 0.002 * lab.random.normal(size=(40, lab.u.shape[1], 4))
+    run = run.assign(observed=(("capture", "time", "observable"), read))
+    ways = {"unit": ["1"] * 4, "marker_of": [""] * 4, "axis_of": [""] * 4}
+    run = run.assign_coords(
+        observable=["qx", "qy", "qz", "qw"], **{n: ("observable", v) for n, v in ways.items()}
+    )
+
+    def model(u: np.ndarray) -> np.ndarray:
+        return np.roll(Rotation.from_rotvec(0.012 * u + [0.2, 0.1, 0.0]).as_quat(), by, axis=1)
+
+    lines = list(mixed_up(prepared(rows_from(run), Model.of(model)).context))
+    assert len(lines) == bool(by)
+    assert not by or lines[0].startswith(f"qx, qy, qz, qw is a quaternion that in the model {words}")
+
+
+@pytest.mark.parametrize(("sign", "bow"), [(-1.0, 0.0), (-0.7, 0.0), (1.0, 0.0), (1.0, 0.8)])
+def test_a_sensor_that_goes_the_other_way(make_lab, sign: float, bow: float) -> None:
+    """A force of the other sign is no physics, be it weaker or not; one that bows far under its model is."""
+    lab = make_lab(captures=40, force=True)
+    plain = lab.predict(lab.u)
+    lines = said(lab, sign * plain - bow * plain**2 / plain.max() + lab.noise())
+    assert [line.startswith("what is measured in N goes the other way") for line in lines] == [True] * (
+        sign < 0
+    )
