@@ -158,7 +158,7 @@ def test_numbers_too_far_apart_end_in_one_line(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("labrig.diagnosis._diagnose.Search.run", lost)
     lab = Lab(tmp_path)
     with pytest.raises(LabrigError) as caught:
-        diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model())
+        diagnose(lab.dataset(lab.predict(1.2 * lab.u) + lab.noise()), lab.model())
     assert str(caught.value).startswith("what is measured and what the model says are too far apart in size")
     assert str(caught.value).endswith("times the noise): check the units of both")
 

@@ -156,8 +156,8 @@ def test_interrupted_in_python_it_goes_on(tmp_path: Path, monkeypatch: pytest.Mo
         (None, {"highest": 2}, "highest 2: a share of the range is above 0 and at most 1"),
         (7, {}, "a run is needed, and a int was given: a run folder's path, or what labrig.open_run gives"),
         (None, {"rig": 3}, "a rig is needed, and a int was given: a rig.yaml's path, or what labrig.load_rig gives"),
-        (None, {"model": []}, "a model is needed, and a list was given: a model.yaml's path, or what labrig.Model.load "
-         "gives"),
+        (None, {"model": []}, "a model is needed, and a list was given: a model.yaml's path, what labrig.Model.load "
+         "gives, or a function"),
         (None, {"out": "file"}, "file is a file; name a folder"),
         (None, {"resume": True}, "asked holds no investigation: there is no investigation.json that can be read"),
         (None, {"reporter": 3}, "a reporter is needed, and a int was given: print, or a labrig.investigation.Reporter"),

@@ -131,7 +131,7 @@ def test_a_file_that_is_no_python_is_said_with_its_line(tmp_path: Path, code: st
     """What the driver's own file has wrong is no bug of labrig's: the file and the line are named."""
     with pytest.raises(LabrigError) as caught:
         rig_of(tmp_path, valve=code)
-    assert str(caught.value).startswith(f"rig own: pressure: {said}")
+    assert str(caught.value).startswith(f"rig own: pressure: {tmp_path / said}")
 
 
 @pytest.mark.parametrize(
