@@ -151,16 +151,27 @@ class Bench:
 
 
 def press(address: str) -> str:
-    """Press the vent button, and look until it has said how that ended."""
+    """Press the vent button, and look until it has said how that ended; gives what it says."""
     posted = urllib.request.Request(address + "vent", data=b"", method="POST")
     with urllib.request.urlopen(posted, timeout=30) as answer:
         text = answer.read().decode()
     end = time.monotonic() + SLOW_S
     while "venting" in text and time.monotonic() < end:
         time.sleep(0.2)
-        with urllib.request.urlopen(address, timeout=30) as answer:
-            text = answer.read().decode()
+        text = said_at(address)
     return text
+
+
+def said_at(address: str) -> str:
+    """What the vent button at an address says now of the last vent."""
+    with urllib.request.urlopen(address + "said", timeout=30) as answer:
+        return str(answer.read().decode())
+
+
+@pytest.fixture
+def vent_says() -> Callable[[str], str]:
+    """What the button at an address says now, without pressing it."""
+    return said_at
 
 
 @pytest.fixture
