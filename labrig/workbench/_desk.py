@@ -30,6 +30,7 @@ class Desk:
     events: Events = field(default_factory=Events, repr=False)
     vent: VentButton | None = field(default=None, repr=False)
     worker: Worker = field(default_factory=Worker, repr=False)
+    planner: Worker = field(default_factory=Worker, repr=False)
 
     def path(self, relative: str) -> Path:
         """The file or folder of this name below the desk's folder, there or not.

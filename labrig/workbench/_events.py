@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 LOOK_S = 0.25
 _MOST = 500
-_QUIET_LOOKS = 40
+_QUIET_LOOKS = 8
+"""A page that hears nothing for much longer says so: a server that hangs keeps its connections."""
 
 
 class Events:
@@ -77,7 +78,7 @@ async def stream(desk: "Desk") -> AsyncIterator[str]:
                 news, said = [*news, jobs], jobs
             quiet = 0 if news else quiet + 1
             if quiet == _QUIET_LOOKS:
-                news, quiet = [": still here\n\n"], 0
+                news, quiet = [encoded("clock", time.time())], 0
             if news:
                 yield "".join(news)
             await asyncio.sleep(LOOK_S)

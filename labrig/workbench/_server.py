@@ -84,6 +84,7 @@ class Running:
         if self.desk.vent is not None:
             self.desk.vent.close()
         self.desk.worker.close()
+        self.desk.planner.close()
 
 
 def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Running:

@@ -8,17 +8,16 @@ from starlette.responses import JSONResponse
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
-from labrig.api._procedures import read_procedure, shipped
-from labrig.campaign import Plan, dry_run
+from labrig.api._procedures import shipped
 from labrig.rig import RigConfig, load_rig
 from labrig.view import CHAMBER_COLOURS
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._live import Errors, alive, live_run, now, surface
+from labrig.workbench._plan import LONGEST_S, planned
 from labrig.workbench._run import run_folder
 
-_SHOWN = 4000
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
 """Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
 
@@ -105,25 +104,21 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
     return name, arguments, int(asked.get("seed") or 0)
 
 
-def _procedure_plan(desk: Desk, name: str, arguments: list[str], seed: int, config: RigConfig) -> Plan:
+def _planned(desk: Desk, name: str, arguments: list[str], seed: int) -> dict[str, Any]:
     source = name if name in shipped() else str(desk.existing(name))
-    return dry_run(read_procedure(source, arguments), config, seed)
+    try:
+        return desk.planner.ask_within(LONGEST_S, planned, str(desk.rig_file), source, arguments, seed)
+    except LabrigError as error:
+        raise LabrigError(f"no plan: {error}") from None
 
 
 def _plan(desk: Desk, asked: dict[str, Any]) -> Any:
-    """What a run would do: every step with its time and set-points, how long, and every limit that it would break."""
-    config = _config(desk)
+    """What a run would do, and what it was asked for: a start sends this back, and the plan's name with it."""
+    _config(desk)
     name, arguments, seed = _asked(desk, asked)
-    plan = _procedure_plan(desk, name, arguments, seed, config)
-    steps = [{"at_s": at_s, **step.to_dict()} for at_s, step in zip(plan.start_s, plan.steps, strict=False)]
     return {
-        "steps": steps[:_SHOWN],
-        "count": len(steps),
-        "captures": plan.captures,
-        "duration_s": plan.duration_s,
-        "broken": list(plan.broken),
-        "stopped": plan.stopped,
-        "limits": [[c.name, c.min_kpa, c.max_kpa, c.slew_kpa_s] for c in config.chambers],
+        **_planned(desk, name, arguments, seed),
+        "asked": {"procedure": name, "arguments": arguments, "seed": seed},
         "command": desk.command(["run", name, *arguments, *_seed(seed), "--rig", desk.rig_file, "--dry-run"]),
     }
 
@@ -133,16 +128,20 @@ def _seed(seed: int) -> list[str]:
 
 
 def _start(desk: Desk, request: Request) -> Any:
-    """Begin a run as a process of its own, which no page and no server holds."""
+    """Begin the run whose plan was shown, as a process of its own, which no page and no server holds."""
     if (refused := _refused(desk, request)) is not None:
         return refused
     config, asked = _config(desk), body_of(request)
     name, arguments, seed = _asked(desk, asked)
     if going := alive(desk):
         raise LabrigError(f"{going[0]} goes on; end it first")
-    plan = _procedure_plan(desk, name, arguments, seed, config)
-    if plan.broken:
-        raise LabrigError(f"nothing was moved: {plan.broken[0]}")
+    plan = _planned(desk, name, arguments, seed)
+    if plan["broken"]:
+        raise LabrigError(f"nothing was moved: {plan['broken'][0]}")
+    if asked.get("plan") != plan["plan"]:
+        raise LabrigError(
+            "nothing was moved: this is not the plan that was shown; show the plan, and start then"
+        )
     out = desk.path(str(asked.get("out") or ""))
     if out == desk.folder or out.exists():
         raise LabrigError(f"{asked.get('out') or 'a name'}: choose the name of a new run")

@@ -39,7 +39,7 @@ def test_more_than_a_plan_may_have_is_refused_at_once(name: str) -> None:
     """A count that is a slip of the hand is told in one line, before its steps are made, in every procedure."""
     procedure = shipped()[name].model_validate(TOO_MUCH[name])
     began = time.monotonic()
-    with pytest.raises(LabrigError, match=f"^{name}: more than 100000 set-points; ask for fewer"):
+    with pytest.raises(LabrigError, match=rf"^{name}: more than 100000 set-points; ask for fewer"):
         dry_run(procedure, RIG)
     assert time.monotonic() - began < 2.0
 
@@ -63,7 +63,7 @@ def test_a_procedure_of_ones_own_is_counted(monkeypatch: Any) -> None:
             while True:
                 yield Actuate((1.0, 1.0))
 
-    with pytest.raises(LabrigError, match="^mine: more than 50 set-points"):
+    with pytest.raises(LabrigError, match=r"^mine: more than 50 set-points"):
         dry_run(Mine(), RIG)
 
 

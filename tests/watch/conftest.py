@@ -125,10 +125,16 @@ class Bench:
 
     def start(self, name: str, *arguments: object) -> str:
         """Begin a run; gives its name."""
-        body = {"procedure": "capture", "arguments": list(map(str, arguments)), "out": name}
-        status, content = self.ask("/api/watch/start", body)
+        asked = {"procedure": "capture", "arguments": list(map(str, arguments))}
+        status, content = self.begin(name, asked)
         assert status == 202, content
         return str(content["run"])
+
+    def begin(self, name: str, asked: dict[str, Any], **more: Any) -> tuple[int, Any]:
+        """Show the plan of what is asked for, and start it; `(status, content)`."""
+        status, plan = self.ask("/api/watch/plan", asked)
+        assert status == 200, plan
+        return self.ask("/api/watch/start", {**asked, **more, "plan": plan["plan"], "out": name})
 
     def now(self, run: str, **more: Any) -> dict[str, Any]:
         """How a run stands."""

@@ -48,8 +48,8 @@ def test_what_to_measure_next_becomes_a_plan(asked: Any, until: Any) -> None:
 
 def test_a_run_on_a_simulated_clock_is_over_at_once(asked: Any, until: Any) -> None:
     """`as fast as it goes`: nothing to watch, the run is there when its job is done."""
-    body = {"procedure": "capture", "arguments": ["--captures", "5"], "out": "runs/fast", "realtime": False}
-    status, content = asked.ask("/api/watch/start", body)
+    body = {"procedure": "capture", "arguments": ["--captures", "5"]}
+    status, content = asked.begin("runs/fast", body, realtime=False)
     assert status == 202
     assert "--realtime" not in content["command"]
     until(lambda: asked.ask(f"/api/jobs/{content['job']}")[1]["state"] == "done", "it does not end")
@@ -60,8 +60,8 @@ def test_a_rig_that_is_simulated_inside_its_run_is_vented_by_it(
     asked: Any, until: Any, press_vent: Any
 ) -> None:
     """There is no link to open: the run ends, and says what its chambers read."""
-    body = {"procedure": "capture", "arguments": ["--captures", "50", "--settle-s", "1"], "out": "runs/slow"}
-    assert asked.ask("/api/watch/start", body)[0] == 202
+    body = {"procedure": "capture", "arguments": ["--captures", "50", "--settle-s", "1"]}
+    assert asked.begin("runs/slow", body)[0] == 202
     asked.live("runs/slow")
     until(lambda: max(asked.now("runs/slow")["measured_kpa"]) > 10, "no chamber was filled")
     text = press_vent(asked.vent_address())

@@ -107,8 +107,26 @@ def test_vent_with_the_workbench_stopped(bench: Any, rig: Any, page: Any) -> Non
         page.mouse.click(*BUTTON)
         frame.wait_for_selector("b.good", timeout=10_000)
         assert rig.highest_kpa < 3.0
+        page.wait_for_selector("body.lost", timeout=20_000)  # what it shows of the run is old
     finally:
         os.kill(bench.process.pid, signal.SIGCONT)
+    page.wait_for_selector("body:not(.lost)", timeout=20_000)
+
+
+def test_start_is_for_the_plan_that_is_shown(page: Any) -> None:
+    """Other words in the boxes close Start, with a word why, until their own plan was shown."""
+    page.select_option("#procedure", "capture")
+    page.fill("#arguments", "--captures 8 --highest 0.2")
+    page.click("#show-plan")
+    page.wait_for_selector("#start:not([disabled])")
+    page.fill("#arguments", "--captures 8 --highest 1")
+    assert page.is_disabled("#start")
+    assert "show the plan first" in page.inner_text("#start-why")
+    page.click("#show-plan")
+    page.wait_for_selector("#start:not([disabled])")
+    page.select_option("#procedure", "idle")
+    assert page.is_disabled("#start")
+    assert page.input_value("#arguments") == ""
 
 
 @pytest.mark.slow
