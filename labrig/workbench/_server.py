@@ -83,6 +83,8 @@ class Running:
         self._listener.close()
         if self.desk.vent is not None:
             self.desk.vent.close()
+        for each in self.desk.at_end:
+            each()
         self.desk.worker.close()
         self.desk.planner.close()
 

@@ -13,10 +13,11 @@ from labrig.rig import RigConfig, load_rig
 from labrig.view import CHAMBER_COLOURS
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
+from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._live import Errors, alive, live_run, now, surface
 from labrig.workbench._plan import LONGEST_S, planned
-from labrig.workbench._run import run_folder
+from labrig.workbench._run import models_of, named, run_folder
 
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
 """Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
@@ -25,8 +26,10 @@ _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*
 def routes(desk: Desk) -> list[Route]:
     """`/api/watch/...`."""
     errors = Errors()
+    desk.at_end.append(errors.close)
     gets = {
         "rig": lambda request: _rig(desk),
+        "models": lambda request: _models(desk, request.query_params.get("run", "")),
         "now": lambda request: _now(desk, request, errors),
         "skin": lambda request: _skin(desk, request),
     }
@@ -114,10 +117,12 @@ def _planned(desk: Desk, name: str, arguments: list[str], seed: int) -> dict[str
 
 def _plan(desk: Desk, asked: dict[str, Any]) -> Any:
     """What a run would do, and what it was asked for: a start sends this back, and the plan's name with it."""
-    _config(desk)
+    config = _config(desk)
     name, arguments, seed = _asked(desk, asked)
+    model = str(asked.get("model") or "")
     return {
         **_planned(desk, name, arguments, seed),
+        "diagnose": model if model and not _misfit(desk, config, desk.existing(model)) else "",
         "asked": {"procedure": name, "arguments": arguments, "seed": seed},
         "command": desk.command(["run", name, *arguments, *_seed(seed), "--rig", desk.rig_file, "--dry-run"]),
     }
@@ -146,18 +151,25 @@ def _start(desk: Desk, request: Request) -> Any:
     if out == desk.folder or out.exists():
         raise LabrigError(f"{asked.get('out') or 'a name'}: choose the name of a new run")
     words = ["run", name, *arguments, *_seed(seed), "--rig", str(desk.rig_file), "--out", desk.name(out)]
-    words += ["--attended", *_followed(desk, asked)]
+    words += ["--attended", *_followed(desk, config, asked)]
     if config.pressure.kind == "simulated" and asked.get("realtime", True):
         words.append("--realtime")
     job = desk.jobs.start(words, f"run {Path(name).stem}", desk.name(out))
     return says({"job": job.id, "run": desk.name(out), "command": job.command}, 202)
 
 
-def _followed(desk: Desk, asked: dict[str, Any]) -> list[str]:
+def _misfit(desk: Desk, config: RigConfig, model: Path) -> str:
+    return misfit(model, names_of_rig(config), named(desk, model))
+
+
+def _followed(desk: Desk, config: RigConfig, asked: dict[str, Any]) -> list[str]:
     """The words for a live diagnosis of the model that a page names, if it does, and for what ends the run."""
     if not asked.get("diagnose"):
         return []
-    words = ["--diagnose", desk.name(desk.existing(str(asked["diagnose"])))]
+    model = desk.existing(str(asked["diagnose"]))
+    if other := _misfit(desk, config, model):
+        raise LabrigError(f"nothing was moved: {other}")
+    words = ["--diagnose", desk.name(model)]
     return [*words, "--until", "settled"] if asked.get("settled") else words
 
 
@@ -196,9 +208,20 @@ def _now(desk: Desk, request: Request, errors: Errors) -> Any:
     name = given.get("run", "")
     state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
     if state["live"] and given.get("model"):
-        state["error"] = errors.of(Path(state["folder"]), desk.existing(given["model"]))
+        folder, model = Path(state["folder"]), desk.existing(given["model"])
+        other = misfit(model, names_of(folder), named(desk, model))
+        state["error"] = {"error": f"{other}; choose another model"} if other else errors.of(folder, model)
     # As it stands: `says` rounds to six digits, and moments have ten.
     return JSONResponse({**state, "colours": CHAMBER_COLOURS})
+
+
+def _models(desk: Desk, name: str) -> Any:
+    """The models that fit a run that goes on, of which the log may not be there yet; the first is the nearest."""
+    note = live_run(desk, name)
+    if note is None:
+        raise LabrigError(f"{name or 'no run'}: does not go on")
+    names = names_of_rig(_config(desk)) if desk.rig_file is not None else None
+    return {"models": [desk.name(path) for path in models_of(desk, Path(str(note.facts["folder"])), names)]}
 
 
 def _skin(desk: Desk, request: Request) -> Any:

@@ -69,3 +69,45 @@ def test_a_rig_that_is_simulated_inside_its_run_is_vented_by_it(
     assert "by the run" in text
     until(lambda: not asked.now("runs/slow")["live"], "the run goes on")
     assert asked.now("runs/slow")["vented"] is True
+
+
+@pytest.mark.slow
+def test_only_a_model_of_this_rig_is_held_against_a_run(asked: Any, until: Any) -> None:
+    """Models of other chambers are neither offered nor used; a map fitted to the captures says nothing of few."""
+    (asked.folder / "line.yaml").write_text("base: {kind: static, degree: 1}\n", encoding="utf-8")
+    (asked.folder / "other.yaml").write_text(
+        "base: {kind: static, degree: 1}\neffects:\n"
+        "- {name: creep, fitted_on: {chambers: [Solldruck], low: [0.0], high: [2.4]}}\n",
+        encoding="utf-8",
+    )
+    body = {
+        "procedure": "capture",
+        "arguments": ["--captures", "50", "--settle-s", "0.3", "--record-s", "0.3"],
+    }
+    status, plan = asked.ask("/api/watch/plan", {**body, "model": "other.yaml"})
+    assert (status, plan["diagnose"]) == (200, "")
+    assert asked.ask("/api/watch/plan", {**body, "model": "better.yaml"})[1]["diagnose"] == "better.yaml"
+    assert asked.begin("runs/slow", body, diagnose="other.yaml")[0] == 400
+    assert asked.begin("runs/slow", body)[0] == 202
+    until(lambda: "runs/slow" in asked.ask("/api/watch/rig")[1]["running"], "it does not answer")
+    offered = asked.ask("/api/watch/models?run=runs/slow")[1]["models"]
+    assert "better.yaml" in offered
+    assert "other.yaml" not in offered
+    said: set[str] = set()
+
+    def known(model: str) -> Any:
+        error = asked.now("runs/slow", model=model)["error"]
+        said.add(error.get("error", ""))
+        return error.get("captures")
+
+    until(lambda: known("better.yaml"), "no error is known")  # asked from the run's first moment on
+    assert said == {""}
+    assert not known("other.yaml")
+    assert said == {
+        "",
+        "other.yaml is for chamber Solldruck; the rig has chambers c1, c2, c3, c4; choose another model",
+    }
+    until(lambda: known("line.yaml"), "no error of the line is known")
+    assert len(known("line.yaml")) > 5
+    asked.ask("/api/watch/end", {"run": "runs/slow"})
+    until(lambda: not asked.now("runs/slow")["live"], "the run goes on")

@@ -9,8 +9,8 @@ const EVERY_MS = 350;
 const SPAN_S = 120;
 const MOST_EVENTS = 60;
 
-export function live(root, name, model, over) {
-  const parts = layout(name, model);
+export function live(root, name, { model, models, choose }, over) {
+  const parts = layout(name, model, models, choose);
   const kept = { time: [], measured: [], commanded: [], events: [], event: 0, since: 0 };
   let gone = false;
   let state = null;
@@ -54,7 +54,10 @@ export function live(root, name, model, over) {
   };
 }
 
-function layout(name, model) {
+function layout(name, model, models, choose) {
+  const named = models.includes(model) || !model ? models : [model, ...models];
+  const option = (each) => h("option", { value: each, selected: each === model }, each);
+  const which = h("select", { "aria-label": "model of the error", onchange: () => choose(which.value) }, named.map(option));
   const parts = {
     title: h("h1", {}, name),
     state: h("span", { class: "state running" }, "…"),
@@ -67,7 +70,7 @@ function layout(name, model) {
     pressures: h("canvas", { class: "curve tall", "aria-label": "pressures" }),
     chambers: h("div"),
     errors: h("canvas", { class: "curve", "aria-label": "error of each capture" }),
-    rms: h("p", { class: "muted small", id: "live-error" }, model ? "the error appears with the first capture" : "open a run with a model to see its error here"),
+    rms: h("p", { class: "muted small", id: "live-error" }, model ? "the error appears with the first capture" : "no model file of this folder fits this rig"),
     verdict: h("canvas", { class: "curve", "aria-label": "probability of each effect" }),
     effects: h("div"),
     events: h("ol", { class: "events", "aria-label": "events" }),
@@ -84,7 +87,7 @@ function layout(name, model) {
         "div",
         { class: "stack" },
         h("section", { class: "card" }, h("h2", {}, "Pressures, kPa ", h("small", { class: "muted" }, "measured; dashed: set-points")), parts.pressures, parts.chambers),
-        h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", { class: "muted" }, model || "")), parts.errors, parts.rms),
+        h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", {}, named.length ? which : null)), parts.errors, parts.rms),
       ),
     ),
     (parts.diagnosis = h("section", { class: "card", id: "live-verdict", hidden: true }, h("h2", {}, "What the diagnosis says ", h("small", { class: "muted" }, "probability of each effect; grey: noise floor as a share of the error")), parts.verdict, parts.effects)),

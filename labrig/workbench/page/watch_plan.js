@@ -28,7 +28,7 @@ export async function plan(place, context, facts) {
     const these = asked();
     fill(shown, h("p", { class: "muted" }, "following the procedure on a simulated clock …"));
     try {
-      const found = await post("/api/watch/plan", these);
+      const found = await post("/api/watch/plan", { ...these, model: context.info?.model });
       if (mine !== asking) return;
       drawn(shown, found, () => inBoxes() === JSON.stringify(these), context, facts);
     } catch (error) {
@@ -62,7 +62,7 @@ function drawn(place, found, isInBoxes, context, facts) {
   const canvas = h("canvas", { class: "curve", "aria-label": "set-points of the plan" });
   const name = h("input", { type: "text", id: "out", "aria-label": "name of the run", value: proposed(found.asked.procedure) });
   const fast = h("input", { type: "checkbox", id: "fast" });
-  const model = context.info?.model;
+  const model = found.diagnose;
   const diagnose = h("input", { type: "checkbox", id: "diagnose" });
   const settled = h("input", { type: "checkbox", id: "settled", disabled: true });
   diagnose.addEventListener("change", () => (settled.disabled = !diagnose.checked));
