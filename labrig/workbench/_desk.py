@@ -19,8 +19,8 @@ OWN = ".workbench"
 class Desk:
     """A folder of runs that is worked on.
 
-    `token` opens its pages; `rig_token` goes only to the page that was opened for the rig, and moves it. `planner` makes
-    plans while `worker` fits; `at_end` is called when the server ends.
+    `token` opens its pages; `rig_token` goes only to the page that was opened for the rig, and moves it. `planner`
+    makes plans while `worker` fits; `at_end` is called when the server ends.
     """
 
     folder: Path
