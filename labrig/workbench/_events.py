@@ -1,13 +1,12 @@
 """What the server tells its pages, on one stream of server-sent events: jobs as they go on, and what parts publish."""
 
 import asyncio
-import json
 import threading
 import time
 from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING, Any
 
-from labrig.workbench._answers import plain
+from labrig.workbench._answers import told
 
 if TYPE_CHECKING:
     from labrig.workbench._desk import Desk
@@ -58,8 +57,8 @@ class Events:
 
 
 def encoded(name: str, data: Any) -> str:
-    """One event as it goes over the line."""
-    return f"event: {name}\ndata: {json.dumps(plain(data), allow_nan=False)}\n\n"
+    """One event as it goes over the line; moments as they are, with all of their ten digits."""
+    return f"event: {name}\ndata: {told(data)}\n\n"
 
 
 async def stream(desk: "Desk") -> AsyncIterator[str]:

@@ -90,6 +90,14 @@ def misfit(model: Path, run: Names | None, runs_of_its_name: Iterable[Path] = ()
     return ""
 
 
+def effects_in(model: Path) -> int:
+    """How many effects a model has: one that was improved has more than the one before."""
+    try:
+        return len(_read(str(model), model.stat().st_mtime_ns).effects)
+    except (LabrigError, OSError):
+        return 0
+
+
 def made_for(model: Path) -> str:
     """The name of the run that the workbench made a model for; empty where its name says no such thing."""
     return model.stem.removesuffix(_MADE) if model.stem.endswith(_MADE) else ""

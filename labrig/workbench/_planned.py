@@ -1,5 +1,6 @@
 """The model that a run was planned for: `labrig next` wrote its set-points, to tell what that model lacks."""
 
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,19 @@ def model_of(desk: Desk, programme: Path) -> Path | None:
     above = [folder.parent, *(p for p in folder.parent.parents if p.is_relative_to(desk.folder))]
     places = [*above, desk.folder / "models"]
     return next((path for place in places if (path := place / f"{folder.name}.yaml").is_file()), None)
+
+
+def chambers_of(programme: Path) -> set[str]:
+    """The chambers that the set-points of a procedure file name; none where it has no such list."""
+    try:
+        return set(_chambers(str(programme), programme.stat().st_mtime_ns))
+    except OSError:
+        return set()
+
+
+@lru_cache(maxsize=256)
+def _chambers(programme: str, _changed_ns: int) -> frozenset[str]:
+    return frozenset(name for at, _, _ in _points(_content(Path(programme))) for name, _ in at)
 
 
 def _content(path: Path) -> Any:

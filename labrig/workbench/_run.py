@@ -17,7 +17,7 @@ from labrig.contents import Summary
 from labrig.log import run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
-from labrig.workbench._fits import Names, made_for, misfit, names_of
+from labrig.workbench._fits import Names, effects_in, made_for, misfit, names_of
 from labrig.workbench._held import Key, stamp
 from labrig.workbench._planned import planned_for
 
@@ -147,6 +147,7 @@ def _run(desk: Desk, request: Request) -> Any:
         "run": name,
         "model": model,
         "models": models,
+        "effects": {each: effects_in(desk.folder / each) for each in models},
         "facts": _facts(_row(desk, run)),
         "diagnosed": diagnosed,
         "stamp": stamp(pair.key) if pair is not None else "",

@@ -17,6 +17,7 @@ from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._live import Errors, alive, live_run, now, surface
 from labrig.workbench._plan import LONGEST_S, planned
+from labrig.workbench._planned import chambers_of
 from labrig.workbench._run import models_of, named, run_folder
 
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
@@ -63,7 +64,8 @@ def _rig(desk: Desk) -> Any:
         "vent": desk.vent.place if desk.vent is not None else None,
         "vent_command": desk.command(["rig", "vent", desk.rig_file]),
         "procedures": sorted(shipped()),
-        "files": _files(desk),
+        "files": (files := _files(desk)),
+        "proposed": next((name for name in files if _is_for(desk.folder / name, config)), ""),
     }
 
 
@@ -80,6 +82,11 @@ def _files(desk: Desk) -> list[str]:
     files = [path for path in found if not path.name.startswith(".") and _is_procedure(path)]
     files.sort(key=lambda path: path.stat().st_mtime, reverse=True)
     return [desk.name(path) for path in files]
+
+
+def _is_for(path: Path, config: RigConfig) -> bool:
+    """Whether a rig has the chambers that a list of set-points names."""
+    return chambers_of(path) <= {chamber.name for chamber in config.chambers}
 
 
 def _is_procedure(path: Path) -> bool:

@@ -1,6 +1,6 @@
 // A run that goes on: surface, pressures, error of the open model, step; pause, go on, end.
 
-import { complain, duration, fill, h, number } from "./dom.js";
+import { complain, duration, fill, h, number, withUnit } from "./dom.js";
 import { draw, legend } from "./curves.js";
 import { Surface } from "./live_surface.js";
 import { get, mayMoveRig, post } from "./server.js";
@@ -124,7 +124,7 @@ function show(parts, kept, state, surface, model) {
   parts.words.textContent = `${progress.captures_done ?? 0}${of} captures · ${duration(progress.elapsed_s)}${left}`;
   parts.pause.textContent = state.paused ? "Go on" : "Pause";
   parts.pause.disabled = state.paused && !mayMoveRig();
-  parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : "finishes the capture, then vents and waits";
+  parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : state.paused ? "fills the chambers again, and goes on with the plan" : "finishes the capture, then vents and waits";
   pressures(parts, kept, state);
   errors(parts, state, model);
   verdict(parts, state);
@@ -161,7 +161,7 @@ function verdict(parts, state) {
   const grey = getComputedStyle(document.documentElement).getPropertyValue("--muted").trim();
   series.push({ name: "floor", colour: grey, time, value: looks.map((look) => (look.error ? Math.min(1, look.floor / look.error) : null)), dashed: true });
   draw(parts.verdict, series, { low: 0, label: () => `capture ${time[0]}`, now: `capture ${last.captures}` });
-  fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${number(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small" }, `error ${number(last.error)} ${last.units}, floor ${number(last.floor)} ${last.units}`));
+  fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${number(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small" }, `error ${withUnit(number(last.error), last.units)}, floor ${withUnit(number(last.floor), last.units)}`));
 }
 
 function errors(parts, state, model) {

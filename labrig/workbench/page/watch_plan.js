@@ -2,13 +2,14 @@
 
 import { draw, legend } from "./curves.js";
 import { command, complain, duration, fill, h, number } from "./dom.js";
+import * as jobs from "./jobs.js";
 import { answers } from "./rig.js";
 import { mayMoveRig, post } from "./server.js";
 
 const COLOURS = ["#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66"];
 
 export async function plan(place, context, facts) {
-  const wanted = context.query.get("procedure") || facts.files[0] || "capture";
+  const wanted = context.query.get("procedure") || facts.proposed || "capture";
   const files = facts.files.includes(wanted) || facts.procedures.includes(wanted) ? facts.files : [wanted, ...facts.files];
   const option = (name) => h("option", { value: name, selected: name === wanted }, name);
   const choose = h(
@@ -78,8 +79,9 @@ function drawn(place, found, isInBoxes, context, facts) {
     start.disabled = true;
     try {
       const begun = await post("/api/watch/start", { ...found.asked, plan: found.plan, out: name.value.trim(), realtime: !fast.checked, diagnose: diagnose.checked ? model : "", settled: settled.checked });
-      if (!fast.checked) await answers(begun.run);
-      context.go("watch", fast.checked ? {} : { live: begun.run }, context.run);
+      if (fast.checked) return void (await measured(place, begun, context));
+      await answers(begun.run);
+      context.go("watch", { live: begun.run }, context.run);
     } catch (error) {
       open();
       complain(error);
@@ -107,6 +109,15 @@ function drawn(place, found, isInBoxes, context, facts) {
     stairs: true,
   }));
   draw(canvas, series, { low: Math.min(0, ...found.limits.map(([, low]) => low)), label: () => "0 s; kPa", now: duration(found.duration_s) });
+}
+
+// A run that nobody can watch: the page waits for it, and leads to it.
+async function measured(place, begun, context) {
+  const words = h("p", { class: "muted" }, `measuring ${begun.run} …`);
+  fill(place, words);
+  const job = await jobs.ended(begun.job);
+  if (job.state !== "done") return void fill(place, h("p", { class: "wrong" }, job.last || `${begun.run}: ${job.state}`));
+  fill(place, h("p", { id: "measured" }, h("b", {}, `${begun.run} is measured. `), h("a", { class: "onward", href: context.address("compare", {}, begun.run) }, "Compare a model with it")));
 }
 
 const what = (step) =>
