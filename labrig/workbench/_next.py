@@ -16,6 +16,8 @@ from labrig.workbench._run import Pair, pair_of, run_folder
 from labrig.workbench._shapes import captures_of, shape_of
 from labrig.workbench._views import kept
 
+_MOST_MINUTES = 100_000.0
+
 
 def routes(desk: Desk) -> list[Route]:
     """`/api/next`, `/api/versus`: GET what is known, POST to have it computed as a job; `/api/versus/shapes`."""
@@ -70,9 +72,12 @@ def _propose(desk: Desk, asked: dict[str, Any]) -> Any:
 
 def _minutes(asked: Any) -> float:
     try:
-        return float(asked.get("minutes") or 10.0)
+        minutes = float(asked.get("minutes") or 10.0)
     except ValueError:
-        raise LabrigError(f"{asked.get('minutes')}: is no number of minutes") from None
+        minutes = 0.0
+    if not 0.0 < minutes < _MOST_MINUTES:
+        raise LabrigError(f"{asked.get('minutes')}: give a number of minutes, more than 0")
+    return minutes
 
 
 def _versus_words(desk: Desk, run: str, models: list[str]) -> tuple[list[str], Path]:

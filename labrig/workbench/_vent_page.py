@@ -44,6 +44,7 @@ body { margin: 0; height: 100vh; min-height: 52px; display: flex; align-items: c
   background: var(--paper); color: var(--ink); font: 14px/1.35 system-ui, "Segoe UI", Roboto, Arial, sans-serif; }
 form { margin: 0; } iframe { flex: 1; min-width: 0; height: 100%; border: 0; }
 body.says { display: grid; align-content: safe center; padding: 0 12px 0 0; overflow: auto; }
+body.says > * { min-width: 0; overflow-wrap: anywhere; }
 button { font: inherit; font-size: 16px; font-weight: 700; letter-spacing: 0.04em; color: #fff; background: var(--red);
   border: 0; border-radius: 7px; padding: 8px 26px; cursor: pointer; white-space: nowrap; }
 button:hover { filter: brightness(1.12); }

@@ -69,6 +69,7 @@ def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -
     page.click("#pause")
     page.wait_for_selector(".state.waiting:has-text('paused, vented')", timeout=20_000)
     until(lambda: rig.highest_kpa < 3.0, "the pause does not vent")
+    assert page.get_attribute("#pause", "title").startswith("fills the chambers again")
     page.click("#pause")
     rig.wait_above(10.0)
     page.click("#end")

@@ -13,8 +13,9 @@ export async function next(place, context) {
   const asked = () => ({ run: context.run, model: context.info?.model, minutes: minutes.value });
   // The command that is shown is the one for what is typed, and what is no time is not asked for.
   function typed() {
-    context.set({ minutes: minutes.value }, true);
-    card.querySelector("#propose").disabled = !minutes.checkValidity() || !minutes.value;
+    const is = minutes.value && minutes.checkValidity();
+    if (is) context.set({ minutes: minutes.value }, true);
+    card.querySelector("#propose").disabled = !is;
     card.querySelector(".command")?.renew();
   }
   async function draw() {
