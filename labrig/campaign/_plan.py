@@ -155,6 +155,11 @@ def plan_facts(procedure: Procedure, config: RigConfig, seed: int, plan: Plan) -
     }
 
 
+def plan_sha256(procedure: Procedure, config: RigConfig, seed: int, plan: Plan) -> str:
+    """A name for a plan: another one where the procedure, a parameter, the rig, the seed or a step is another one."""
+    return sha256_of(plan_facts(procedure, config, seed, plan))
+
+
 def _steps_sha256(procedure: Procedure, plan: Plan) -> str:
     """A hash of the steps themselves; of a closed loop only its name, for its steps depend on measurements."""
     steps = [] if procedure.closed_loop else [step.to_dict() for step in plan.steps]

@@ -12,13 +12,14 @@ from typing import Any, NamedTuple
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
 from labrig.log import read_run_yaml
-from labrig.model import ModelFile, read_model_file
 from labrig.rig import RigConfig
 
 _MADE = "-model"
 """The workbench calls a model that it makes for a run by the run's name with this behind it."""
 _AXES = (".x", ".y", ".z")
 _NAMED = 4
+_WRONG = (LabrigError, OSError, KeyError, TypeError, AttributeError)
+"""What a file raises that is not as it should be."""
 
 
 class Names(NamedTuple):
@@ -53,7 +54,7 @@ def _names(folder: str, _changed_ns: int) -> Names | None:
                 tuple(dict.fromkeys(str(each["marker"]) for each in seen if each.get("marker"))),
                 tuple(_name(each) for each in seen),
             )
-    except (LabrigError, KeyError, TypeError, AttributeError):
+    except _WRONG:
         return None
     return None
 
@@ -73,16 +74,16 @@ def misfit(model: Path, run: Names | None, runs_of_its_name: Iterable[Path] = ()
     if run is None:
         return ""
     try:
-        file = _read(str(model), model.stat().st_mtime_ns)
-        known = _known(file, model.parent)
-    except (LabrigError, OSError):
+        content = _read(str(model), model.stat().st_mtime_ns)
+        known, kind = _known(content, model.parent), content["base"]["kind"]
+    except _WRONG:
         return ""  # said when it is opened
     for chambers, observables in known:
         if chambers and set(chambers) != set(run.chambers):
             return f"{model.name} is for {_list('chamber', chambers)}; the rig has {_list('chamber', run.chambers)}"
         if run.observables and (other := [name for name in observables if name not in run.observables]):
             return f"{model.name} is for {_list('observable', other)}, which the rig does not have"
-    if known or file.base.kind != "static":
+    if known or kind != "static":
         return ""
     others = [names for path in runs_of_its_name if (names := names_of(path)) is not None]
     if others and not any(set(o.chambers) == set(run.chambers) and _alike(o, run) for o in others):
@@ -93,8 +94,8 @@ def misfit(model: Path, run: Names | None, runs_of_its_name: Iterable[Path] = ()
 def effects_in(model: Path) -> int:
     """How many effects a model has: one that was improved has more than the one before."""
     try:
-        return len(_read(str(model), model.stat().st_mtime_ns).effects)
-    except (LabrigError, OSError):
+        return len(_read(str(model), model.stat().st_mtime_ns).get("effects") or [])
+    except _WRONG:
         return 0
 
 
@@ -107,17 +108,17 @@ def _alike(one: Names, other: Names) -> bool:
     return not one.observables or not other.observables or set(one.observables) == set(other.observables)
 
 
-def _known(file: ModelFile, folder: Path) -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
+def _known(content: dict[str, Any], folder: Path) -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
     """Chambers and observables that a model names, place by place; () where a place says nothing of them."""
-    base, known = file.base, []
-    if base.kind == "simulator":
-        content: Any = read_yaml(folder / base.rig, "rig")
-        known.append((tuple(_name(each) for each in content.get("chambers") or []), ()))
-    elif base.kind == "fmu":
-        known.append((tuple(base.inputs), ()))
-    for effect in file.effects:
-        per = [name for value in effect.parameters.values() for name in value.per or []]
-        chambers = tuple(effect.fitted_on.chambers) if effect.fitted_on else ()
+    base, known = content["base"], []
+    if base["kind"] == "simulator":
+        rig = read_yaml(folder / str(base["rig"]), "rig")
+        known.append((tuple(_name(each) for each in rig.get("chambers") or []), ()))
+    elif base["kind"] == "fmu":
+        known.append((tuple(map(str, base["inputs"])), ()))
+    for effect in content.get("effects") or []:
+        per = [str(n) for value in (effect.get("parameters") or {}).values() for n in value.get("per") or []]
+        chambers = tuple(map(str, (effect.get("fitted_on") or {}).get("chambers") or []))
         observables = tuple(dict.fromkeys(name for name in per if name.endswith(_AXES)))
         if chambers or observables:
             known.append((chambers, observables))
@@ -125,8 +126,8 @@ def _known(file: ModelFile, folder: Path) -> list[tuple[tuple[str, ...], tuple[s
 
 
 @lru_cache(maxsize=256)
-def _read(path: str, _changed_ns: int) -> ModelFile:
-    return read_model_file(Path(path))
+def _read(path: str, _changed_ns: int) -> dict[str, Any]:
+    return read_yaml(Path(path), "model")  # not as a model: what reads that would compute in the server
 
 
 def _name(column: Any) -> str:

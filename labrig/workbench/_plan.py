@@ -16,14 +16,13 @@ def planned(rig_file: str, source: str, arguments: list[str], seed: int) -> dict
 
     The name is another one where the procedure, its parameters, the rig or a step is another one.
     """
-    from labrig.campaign import dry_run
-    from labrig.campaign._plan import plan_facts, sha256_of
+    from labrig.campaign import dry_run, plan_sha256
 
     config, procedure = load_rig(Path(rig_file)), read_procedure(source, arguments)
     plan = dry_run(procedure, config, seed)
     first = zip(plan.start_s[:SHOWN], plan.steps[:SHOWN], strict=True)
     return {
-        "plan": sha256_of(plan_facts(procedure, config, seed, plan)),
+        "plan": plan_sha256(procedure, config, seed, plan),
         "steps": [{"at_s": at_s, **step.to_dict()} for at_s, step in first],
         "count": len(plan.steps),
         "captures": plan.captures,

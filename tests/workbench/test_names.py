@@ -21,17 +21,6 @@ def test_moments_keep_their_digits() -> None:
     assert said == pytest.approx(now_s, abs=1e-3)
 
 
-def test_a_job_counts_from_its_own_start(open_page: Any, bench: Any, make_run: Any) -> None:
-    """On a page that has been open for long, the time that has passed is that of the job."""
-    run = make_run(captures=10)
-    page = open_page()
-    page.wait_for_timeout(6000)
-    page.evaluate("run => location.hash = `#/run/${run}/compare`", run)
-    words = page.wait_for_selector(".empty .progress span").inner_text()
-    assert int(words.split()[0]) < 5
-    page.wait_for_selector("[data-drawn]")
-
-
 def test_commands_are_quoted_for_the_shell(open_page: Any, make_run: Any) -> None:
     """A run with spaces in its name is one word of the command that is offered for copying."""
     make_run(RUN, captures=10)
