@@ -2,7 +2,7 @@
 
 from labrig.campaign._advice import Adviser
 from labrig.campaign._observe import Observer, Progress
-from labrig.campaign._plan import Plan, dry_run, rig_info
+from labrig.campaign._plan import Plan, dry_run, plan_sha256, rig_info
 from labrig.campaign._procedure import Procedure, RigInfo, Steps
 from labrig.campaign._reachable import Reachable
 from labrig.campaign._replay import read_completed
@@ -59,6 +59,7 @@ __all__ = [
     "Vented",
     "Watching",
     "dry_run",
+    "plan_sha256",
     "read_completed",
     "resume",
     "rig_info",

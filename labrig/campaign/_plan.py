@@ -31,7 +31,11 @@ from labrig_drivers import (
 _DRY_TICK_S = 0.25
 _VENT_S = 1.0
 _SCAN_S = 20.0
+_NEAR_S = 1.0
+"""Before the end of a wait the ideal devices are asked as on a real rig, s; the rest of it is skipped."""
 _MOST_STEPS = 1_000_000
+MOST_SET_POINTS = 100_000
+"""What a plan may have at most: at a second each more than a day."""
 
 
 class PlanFacts(TypedDict):
@@ -74,17 +78,23 @@ def rig_info(config: RigConfig, seed: int = 0) -> RigInfo:
 def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adviser | None = None) -> Plan:
     """Follow a procedure on a simulated clock and an ideal rig; nothing moves, broken limits are collected.
 
-    An `adviser` is not asked: what it could add is checked when it does.
+    An `adviser` is not asked: what it could add is checked when it does. Raises `LabrigError` for a plan of more than
+    100,000 set-points, before it is made where the procedure says how many it has.
     """
+    info = rig_info(config, seed)
+    _check_size(procedure, procedure.set_points(info))
     clock = SimulatedClock(0.0)
     mocap = _IdealMocap(config, clock) if config.mocap is not None else None
     rig = Rig(config, clock, _IdealPressure(config, clock), mocap, _IdealScanner(clock))
-    session = Session(rig, None, Observation([]), SignalGuard(), Control(), _DRY_TICK_S)
-    plan = Plan()
+    session = _DrySession(rig, None, Observation([]), SignalGuard(), Control(), _DRY_TICK_S)
+    plan, actuated = Plan(), 0
 
     def carry_out(index: int, step: Step) -> Result:
+        nonlocal actuated
         if index >= _MOST_STEPS:
             raise LabrigError(f"more than {_MOST_STEPS} steps; does the procedure ever end?")
+        actuated += isinstance(step, Actuate)
+        _check_size(procedure, actuated)
         plan.steps.append(step)
         plan.start_s.append(clock.now_s())
         broken = limit_errors(step, config)
@@ -94,7 +104,7 @@ def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adv
         session.begin_step(step, index)
         return execute(session, step)[0]
 
-    walk = Walk(procedure, rig_info(config, seed), adviser)
+    walk = Walk(procedure, info, adviser)
     try:
         walk.run(carry_out, lambda: None)
     except ProcedureError as error:
@@ -105,6 +115,25 @@ def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adv
         walk.close()
     plan.duration_s = clock.now_s()
     return plan
+
+
+def _check_size(procedure: Procedure, count: float) -> None:
+    if count > MOST_SET_POINTS:
+        name = procedure.procedure_name()
+        raise LabrigError(
+            f"{name}: more than {MOST_SET_POINTS} set-points; ask for fewer, or measure in several runs"
+        )
+
+
+class _DrySession(Session):
+    """Waits in one go where nothing can happen meanwhile."""
+
+    def wait_until(self, time_s: float) -> None:
+        """Ask the ideal devices now, and at the end of the wait."""
+        self.poll()
+        if (skipped_s := time_s - _NEAR_S - self.clock.now_s()) > 0:
+            self.clock.sleep(skipped_s)
+        super().wait_until(time_s)
 
 
 def _into_limits(step: Actuate, config: RigConfig) -> tuple[float, ...]:
@@ -124,6 +153,11 @@ def plan_facts(procedure: Procedure, config: RigConfig, seed: int, plan: Plan) -
         "markers": list(config.markers),
         "steps_sha256": _steps_sha256(procedure, plan),
     }
+
+
+def plan_sha256(procedure: Procedure, config: RigConfig, seed: int, plan: Plan) -> str:
+    """A name for a plan: another one where the procedure, a parameter, the rig, the seed or a step is another one."""
+    return sha256_of(plan_facts(procedure, config, seed, plan))
 
 
 def _steps_sha256(procedure: Procedure, plan: Plan) -> str:

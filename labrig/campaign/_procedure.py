@@ -74,6 +74,13 @@ class Procedure(BaseModel):
     closed_loop: ClassVar[bool] = False
     """True when the steps depend on what was measured: the plan is then checked step by step only."""
 
+    def set_points(self, rig: RigInfo) -> float:
+        """About how many set-points the parameters ask for, where that is known before the steps are made, else 0.
+
+        What asks for more than a plan may have is refused at once, and not after its steps have filled the memory.
+        """
+        return 0.0
+
     @classmethod
     def procedure_name(cls) -> str:
         """The name that `labrig run` knows it by: the class name in small letters."""

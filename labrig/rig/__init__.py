@@ -19,9 +19,10 @@ from labrig.rig._in_use import in_use
 from labrig.rig._last_words import and_vented, by_hand, impatient, not_vented
 from labrig.rig._rig import Rig
 from labrig.rig._unattended import check_unattended, what_vents_alone
-from labrig.rig._vent_now import VentNow, runs_on, vent_now
+from labrig.rig._vent_now import NOBODY, VentNow, runs_on, users_of, vent_now
 
 __all__ = [
+    "NOBODY",
     "ChamberConfig",
     "DeviceConfig",
     "Filling",
@@ -49,6 +50,7 @@ __all__ = [
     "parse_rig",
     "runs_on",
     "swapped_markers",
+    "users_of",
     "vent_now",
     "what_vents_alone",
 ]

@@ -18,6 +18,9 @@ from labrig.rig._factory import device_maker
 from labrig.rig._last_words import by_hand, impatient
 from labrig_drivers import DeviceError, RealClock, VentNotConfirmedError
 
+NOBODY = "nobody: the rig is simulated inside a run, and none goes on"
+"""Who vents a rig that is there in its runs only, between two of them."""
+
 _RETRY_S = 0.3
 _TELL_S = 2.0
 _ASK_S = 5.0
@@ -75,6 +78,16 @@ def runs_on(config: RigConfig) -> list[Note]:
     return [note for note in notes("run") if _concerns(note, config, link)]
 
 
+def users_of(config: RigConfig) -> frozenset[str]:
+    """Names of the processes that may fill the rig now: its runs, and the guards that hold its link.
+
+    Each process has a name of its own, so one that is not among those of before has begun since.
+    """
+    link = link_of(config)
+    guards = [note for note in notes("guard") if link and note.facts.get("link") == link]
+    return frozenset(note.path.name for note in [*runs_on(config), *guards])
+
+
 def _concerns(note: Note, config: RigConfig, link: str) -> bool:
     if link:
         return note.facts.get("link") == link
@@ -112,7 +125,7 @@ def _by_run(config: RigConfig, why: str, timeout_s: float) -> tuple[list[float |
             answer = run.ask("vent", timeout_s, why=why)
             return _plain(answer["pressure_kpa"]), f"the run {run.facts.get('folder')}"
     nothing: list[float | None] = [0.0] * len(config.chambers)
-    return nothing, "nobody: the rig is simulated inside a run, and none goes on"
+    return nothing, NOBODY
 
 
 def _from_here(config: RigConfig) -> list[float | None]:

@@ -48,12 +48,13 @@ def _save(desk: Desk, request: Request) -> Any:
     if not names:
         raise LabrigError("nothing is switched on: there is nothing to save")
     path = desk.path(str(asked.get("name", "")))
+    if path.parent not in (desk.folder, pair.model.parent):
+        raise LabrigError(f"{asked.get('name')}: give the model a plain name, without a folder")
     if path.suffix != ".yaml":
         raise LabrigError(f"{asked.get('name')}: a model's name ends in .yaml")
     if path.exists():
         raise LabrigError(f"{desk.name(path)}: exists already; choose another name")
     words = improve_words(desk, pair, names, desk.name(path), force=bool(asked.get("force")))
-    path.parent.mkdir(parents=True, exist_ok=True)
     return desk.jobs.start(words, f"improve {pair.model_name}", pair.run_name).facts()
 
 

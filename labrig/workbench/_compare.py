@@ -33,7 +33,7 @@ def _compare(desk: Desk, request: Request) -> Any:
 
 def _start(desk: Desk, request: Request) -> Any:
     pair = pair_of(desk, body_of(request))
-    job = desk.jobs.start(_words(desk, pair), f"compare {pair.run_name}", pair.run_name)
+    job = desk.jobs.join(_words(desk, pair), f"compare {pair.run_name}", pair.run_name)
     return job.facts()
 
 

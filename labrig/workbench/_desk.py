@@ -1,7 +1,7 @@
 """What all parts of the workbench share: the folder it is about, its secrets, its jobs, what it tells its pages."""
 
 import secrets
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
@@ -19,7 +19,8 @@ OWN = ".workbench"
 class Desk:
     """A folder of runs that is worked on.
 
-    `token` opens its pages; `rig_token` goes only to the page that was opened for the rig, and moves it.
+    `token` opens its pages; `rig_token` goes only to the page that was opened for the rig, and moves it. `planner`
+    makes plans while `worker` fits; `at_end` is called when the server ends.
     """
 
     folder: Path
@@ -30,6 +31,8 @@ class Desk:
     events: Events = field(default_factory=Events, repr=False)
     vent: VentButton | None = field(default=None, repr=False)
     worker: Worker = field(default_factory=Worker, repr=False)
+    planner: Worker = field(default_factory=Worker, repr=False)
+    at_end: list[Callable[[], None]] = field(default_factory=list, repr=False)
 
     def path(self, relative: str) -> Path:
         """The file or folder of this name below the desk's folder, there or not.

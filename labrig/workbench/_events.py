@@ -1,20 +1,20 @@
 """What the server tells its pages, on one stream of server-sent events: jobs as they go on, and what parts publish."""
 
 import asyncio
-import json
 import threading
 import time
 from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING, Any
 
-from labrig.workbench._answers import plain
+from labrig.workbench._answers import told
 
 if TYPE_CHECKING:
     from labrig.workbench._desk import Desk
 
 LOOK_S = 0.25
 _MOST = 500
-_QUIET_LOOKS = 40
+_QUIET_LOOKS = 8
+"""A page that hears nothing for much longer says so: a server that hangs keeps its connections."""
 
 
 class Events:
@@ -57,8 +57,8 @@ class Events:
 
 
 def encoded(name: str, data: Any) -> str:
-    """One event as it goes over the line."""
-    return f"event: {name}\ndata: {json.dumps(plain(data), allow_nan=False)}\n\n"
+    """One event as it goes over the line; moments as they are, with all of their ten digits."""
+    return f"event: {name}\ndata: {told(data)}\n\n"
 
 
 async def stream(desk: "Desk") -> AsyncIterator[str]:
@@ -77,7 +77,7 @@ async def stream(desk: "Desk") -> AsyncIterator[str]:
                 news, said = [*news, jobs], jobs
             quiet = 0 if news else quiet + 1
             if quiet == _QUIET_LOOKS:
-                news, quiet = [": still here\n\n"], 0
+                news, quiet = [encoded("clock", time.time())], 0
             if news:
                 yield "".join(news)
             await asyncio.sleep(LOOK_S)

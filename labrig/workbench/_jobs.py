@@ -16,6 +16,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -27,6 +28,8 @@ from labrig.workbench._locked import is_held
 
 ABOUT, OUTPUT = "job.json", "output.txt"
 KEPT = 60
+GOOD_NEWS = ("nothing to settle",)
+"""What a command says that has nothing to do: it ends as if it had failed, and has not."""
 _STARTS_S = 120.0
 """A process that has not begun by then never will; one that this server started is known to have ended before."""
 _TAIL_BYTES = 20_000
@@ -45,6 +48,7 @@ class JobFacts(TypedDict):
     id: str
     title: str
     run: str
+    words: list[str]
     command: str
     state: str
     started_s: float
@@ -106,16 +110,18 @@ class Job:
 
     def facts(self) -> JobFacts:
         """What pages are told of it; `usual_s` is for the page's bar, where it is known."""
-        ended, lines = self.ended, self.output().rstrip().splitlines()
+        state, ended, lines = self.state, self.ended, self.output().rstrip().splitlines()
+        last = lines[-1] if lines else ""
         return {
             "id": self.id,
             "title": self.title,
             "run": self.run,
+            "words": list(self.words),
             "command": self.command,
-            "state": self.state,
+            "state": "done" if state == "failed" and any(good in last for good in GOOD_NEWS) else state,
             "started_s": self.started_s,
             "ended_s": ended and ended["ended_s"],
-            "last": lines[-1] if lines else "",
+            "last": last,
             "lines": lines[-12:],
         }
 
@@ -157,6 +163,14 @@ class Jobs:
             (job.folder / PID).write_text(str(child.pid), encoding="ascii")
             self._children[job.folder] = child
         return job
+
+    def join(self, words: Sequence[object], title: str, run: str = "") -> Job:
+        """The same command where it runs already, else a new job of it."""
+        asked = tuple(str(word) for word in words)
+        with suppress(LabrigError):
+            return self.start(asked, title, run)
+        going = next((job for job in self.all() if job.words == asked and job.state == "running"), None)
+        return going or self.start(asked, title, run)
 
     def all(self) -> list[Job]:
         """The jobs, the newest first."""

@@ -8,6 +8,7 @@ error per coordinate, mm, of each capture. It ends with the run, or when its inp
 """
 
 import json
+import math
 import sys
 import threading
 import time
@@ -35,10 +36,18 @@ class Watched:
 
     def __init__(self, note: Note) -> None:
         self.note = note
-        self.about: RunStatus = note.ask("status")
+        self.about: RunStatus = self._begun()
         self.start_s = float(read_run_yaml(Path(self.about["folder"])).get("start_s") or 0.0)
         self.captures: list[CaptureContent] = []
         self.actuations: list[Any] = []
+
+    def _begun(self) -> RunStatus:
+        """How it stands, once it has opened its devices: before that it does not know its markers."""
+        while True:
+            about: RunStatus = self.note.ask("status")
+            if about.get("chambers"):
+                return about
+            time.sleep(_LOOK_S)
 
     def look(self) -> bool:
         """Ask what is new; whether there is a new capture."""
@@ -95,6 +104,10 @@ class Watched:
 def errors(watched: Watched, model: Model) -> LiveError:
     """The error of every capture so far, and the last one's markers; raises `LabrigError` where the two do not fit."""
     rows = rows_of(watched.dataset())
+    if (needed := _coefficients(model, len(rows.chambers))) >= len(watched.captures):
+        raise LabrigError(
+            f"a map that is fitted to these captures says nothing of them before there are {needed + 1}"
+        )
     context = model.context(rows)
     residual = context.residual
     seen = np.isfinite(residual)
@@ -115,6 +128,19 @@ def errors(watched: Watched, model: Model) -> LiveError:
     }
 
 
+def _said(watched: Watched, model: Model) -> LiveError:
+    try:
+        return errors(watched, model)
+    except LabrigError as error:  # more captures may mend it
+        return {"error": str(error)}
+
+
+def _coefficients(model: Model, chambers: int) -> int:
+    """Of each observable's polynomial, where the base is one: it goes through as many captures exactly."""
+    base = model.file.base
+    return math.comb(chambers + base.degree, base.degree) if base.kind == "static" else 0
+
+
 def main() -> None:
     """Look, predict, say, until the run or the input ends."""
     folder, path = str(Path(sys.argv[1]).resolve()), Path(sys.argv[2])
@@ -131,7 +157,7 @@ def main() -> None:
         while not gone.is_set():
             began = time.monotonic()
             if watched.look():
-                print(json.dumps(plain(errors(watched, model))), flush=True)
+                print(json.dumps(plain(_said(watched, model))), flush=True)
             took_s = time.monotonic() - began
             gone.wait(max(_LOOK_S, _REST * took_s))
     except LabrigError as error:

@@ -11,9 +11,12 @@ from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, says, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key
+from labrig.workbench._jobs import GOOD_NEWS
 from labrig.workbench._run import Pair, pair_of, run_folder
 from labrig.workbench._shapes import captures_of, shape_of
 from labrig.workbench._views import kept
+
+_MOST_MINUTES = 100_000.0
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -44,10 +47,19 @@ def _next(desk: Desk, asked: Any) -> Any:
     procedure = pair.results / "next.yaml"
     words = [] if desk.rig_file is None else _words(pair, _minutes(asked))
     return {
+        "settled": _settled(pair),
         "found": found,
         "procedure": desk.name(procedure) if found is not None and procedure.is_file() else "",
         "command": desk.command(words) if words else "",
     }
+
+
+def _settled(pair: Pair) -> str:
+    """Why nothing is left to measure, where the last look at this run and model said so."""
+    asked = ("next", pair.run_name, "--model", pair.model_name)
+    last = next((job for job in pair.desk.jobs.all() if job.words[: len(asked)] == asked), None)
+    said = last.facts()["last"] if last is not None and last.state == "failed" else ""
+    return said.removeprefix("labrig: ") if any(good in said for good in GOOD_NEWS) else ""
 
 
 def _propose(desk: Desk, asked: dict[str, Any]) -> Any:
@@ -60,9 +72,12 @@ def _propose(desk: Desk, asked: dict[str, Any]) -> Any:
 
 def _minutes(asked: Any) -> float:
     try:
-        return float(asked.get("minutes") or 10.0)
+        minutes = float(asked.get("minutes") or 10.0)
     except ValueError:
-        raise LabrigError(f"{asked.get('minutes')}: is no number of minutes") from None
+        minutes = 0.0
+    if not 0.0 < minutes < _MOST_MINUTES:
+        raise LabrigError(f"{asked.get('minutes')}: give a number of minutes, more than 0")
+    return minutes
 
 
 def _versus_words(desk: Desk, run: str, models: list[str]) -> tuple[list[str], Path]:

@@ -17,7 +17,9 @@ from labrig.contents import Summary
 from labrig.log import run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
+from labrig.workbench._fits import Names, effects_in, made_for, misfit, names_of
 from labrig.workbench._held import Key, stamp
+from labrig.workbench._planned import planned_for
 
 _MODEL = re.compile(rb"^base\s*:", re.MULTILINE)
 _OTHERS = ("run.yaml", "rig.yaml", "notes.yaml")
@@ -102,14 +104,27 @@ def run_folder(desk: Desk, name: str) -> Path:
     return run
 
 
-def models_of(desk: Desk, run: Path) -> list[Path]:
-    """The model files that lie with a run, beside it or above it in the folder, or in `models`; the nearest first."""
+def models_of(desk: Desk, run: Path, names: Names | None = None) -> list[Path]:
+    """The model files that lie with a run, beside it or above it in the folder, or in `models`, and that fit it.
+
+    The nearest first, and before them the one that the run was planned for. `names` are for a run that has only begun.
+    """
+    planned, names = planned_for(desk, run), names_of(run) or names
     places = [run, *(p for p in run.parents if p.is_relative_to(desk.folder)), desk.folder / "models"]
+    places += [planned.parent] if planned is not None else []
     found: dict[Path, None] = {}
     for place in places:
         own = [path for path in place.glob("*.yaml") if path.name not in _OTHERS and is_model(path)]
         found |= dict.fromkeys(sorted(own, key=lambda path: (len(path.name), path.name)))
-    return list(found)
+    first = {planned: None} if planned is not None else {}
+    return [path for path in first | found if path == planned or not misfit(path, names, named(desk, path))]
+
+
+def named(desk: Desk, model: Path) -> list[Path]:
+    """The runs that a model may have been made for, by its name, wherever they lie in the folder."""
+    name = made_for(model)
+    places = (desk.folder / name, *(p / name for p in desk.folder.iterdir()), model.parent / name)
+    return list(dict.fromkeys(place for place in places if name and (place / "run.yaml").is_file()))
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -132,6 +147,7 @@ def _run(desk: Desk, request: Request) -> Any:
         "run": name,
         "model": model,
         "models": models,
+        "effects": {each: effects_in(desk.folder / each) for each in models},
         "facts": _facts(_row(desk, run)),
         "diagnosed": diagnosed,
         "stamp": stamp(pair.key) if pair is not None else "",

@@ -83,7 +83,10 @@ class Running:
         self._listener.close()
         if self.desk.vent is not None:
             self.desk.vent.close()
+        for each in self.desk.at_end:
+            each()
         self.desk.worker.close()
+        self.desk.planner.close()
 
 
 def start(desk: Desk, host: str = LOOPBACK[0], port: int | None = None) -> Running:

@@ -8,17 +8,18 @@ from starlette.responses import JSONResponse
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
-from labrig.api._procedures import read_procedure, shipped
-from labrig.campaign import Plan, dry_run
+from labrig.api._procedures import shipped
 from labrig.rig import RigConfig, load_rig
 from labrig.view import CHAMBER_COLOURS
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
+from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._live import Errors, alive, live_run, now, surface
-from labrig.workbench._run import run_folder
+from labrig.workbench._plan import LONGEST_S, planned
+from labrig.workbench._planned import chambers_of
+from labrig.workbench._run import models_of, named, run_folder
 
-_SHOWN = 4000
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
 """Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
 
@@ -26,8 +27,10 @@ _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*
 def routes(desk: Desk) -> list[Route]:
     """`/api/watch/...`."""
     errors = Errors()
+    desk.at_end.append(errors.close)
     gets = {
         "rig": lambda request: _rig(desk),
+        "models": lambda request: _models(desk, request.query_params.get("run", "")),
         "now": lambda request: _now(desk, request, errors),
         "skin": lambda request: _skin(desk, request),
     }
@@ -61,7 +64,8 @@ def _rig(desk: Desk) -> Any:
         "vent": desk.vent.place if desk.vent is not None else None,
         "vent_command": desk.command(["rig", "vent", desk.rig_file]),
         "procedures": sorted(shipped()),
-        "files": _files(desk),
+        "files": (files := _files(desk)),
+        "proposed": next((name for name in files if _is_for(desk.folder / name, config)), ""),
     }
 
 
@@ -78,6 +82,11 @@ def _files(desk: Desk) -> list[str]:
     files = [path for path in found if not path.name.startswith(".") and _is_procedure(path)]
     files.sort(key=lambda path: path.stat().st_mtime, reverse=True)
     return [desk.name(path) for path in files]
+
+
+def _is_for(path: Path, config: RigConfig) -> bool:
+    """Whether a rig has the chambers that a list of set-points names."""
+    return chambers_of(path) <= {chamber.name for chamber in config.chambers}
 
 
 def _is_procedure(path: Path) -> bool:
@@ -105,25 +114,23 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
     return name, arguments, int(asked.get("seed") or 0)
 
 
-def _procedure_plan(desk: Desk, name: str, arguments: list[str], seed: int, config: RigConfig) -> Plan:
+def _planned(desk: Desk, name: str, arguments: list[str], seed: int) -> dict[str, Any]:
     source = name if name in shipped() else str(desk.existing(name))
-    return dry_run(read_procedure(source, arguments), config, seed)
+    try:
+        return desk.planner.ask_within(LONGEST_S, planned, str(desk.rig_file), source, arguments, seed)
+    except LabrigError as error:
+        raise LabrigError(f"no plan: {error}") from None
 
 
 def _plan(desk: Desk, asked: dict[str, Any]) -> Any:
-    """What a run would do: every step with its time and set-points, how long, and every limit that it would break."""
+    """What a run would do, and what it was asked for: a start sends this back, and the plan's name with it."""
     config = _config(desk)
     name, arguments, seed = _asked(desk, asked)
-    plan = _procedure_plan(desk, name, arguments, seed, config)
-    steps = [{"at_s": at_s, **step.to_dict()} for at_s, step in zip(plan.start_s, plan.steps, strict=False)]
+    model = str(asked.get("model") or "")
     return {
-        "steps": steps[:_SHOWN],
-        "count": len(steps),
-        "captures": plan.captures,
-        "duration_s": plan.duration_s,
-        "broken": list(plan.broken),
-        "stopped": plan.stopped,
-        "limits": [[c.name, c.min_kpa, c.max_kpa, c.slew_kpa_s] for c in config.chambers],
+        **_planned(desk, name, arguments, seed),
+        "diagnose": model if model and not _misfit(desk, config, desk.existing(model)) else "",
+        "asked": {"procedure": name, "arguments": arguments, "seed": seed},
         "command": desk.command(["run", name, *arguments, *_seed(seed), "--rig", desk.rig_file, "--dry-run"]),
     }
 
@@ -133,32 +140,43 @@ def _seed(seed: int) -> list[str]:
 
 
 def _start(desk: Desk, request: Request) -> Any:
-    """Begin a run as a process of its own, which no page and no server holds."""
+    """Begin the run whose plan was shown, as a process of its own, which no page and no server holds."""
     if (refused := _refused(desk, request)) is not None:
         return refused
     config, asked = _config(desk), body_of(request)
     name, arguments, seed = _asked(desk, asked)
     if going := alive(desk):
         raise LabrigError(f"{going[0]} goes on; end it first")
-    plan = _procedure_plan(desk, name, arguments, seed, config)
-    if plan.broken:
-        raise LabrigError(f"nothing was moved: {plan.broken[0]}")
+    plan = _planned(desk, name, arguments, seed)
+    if plan["broken"]:
+        raise LabrigError(f"nothing was moved: {plan['broken'][0]}")
+    if asked.get("plan") != plan["plan"]:
+        raise LabrigError(
+            "nothing was moved: this is not the plan that was shown; show the plan, and start then"
+        )
     out = desk.path(str(asked.get("out") or ""))
     if out == desk.folder or out.exists():
         raise LabrigError(f"{asked.get('out') or 'a name'}: choose the name of a new run")
     words = ["run", name, *arguments, *_seed(seed), "--rig", str(desk.rig_file), "--out", desk.name(out)]
-    words += ["--attended", *_followed(desk, asked)]
+    words += ["--attended", *_followed(desk, config, asked)]
     if config.pressure.kind == "simulated" and asked.get("realtime", True):
         words.append("--realtime")
     job = desk.jobs.start(words, f"run {Path(name).stem}", desk.name(out))
     return says({"job": job.id, "run": desk.name(out), "command": job.command}, 202)
 
 
-def _followed(desk: Desk, asked: dict[str, Any]) -> list[str]:
+def _misfit(desk: Desk, config: RigConfig, model: Path) -> str:
+    return misfit(model, names_of_rig(config), named(desk, model))
+
+
+def _followed(desk: Desk, config: RigConfig, asked: dict[str, Any]) -> list[str]:
     """The words for a live diagnosis of the model that a page names, if it does, and for what ends the run."""
     if not asked.get("diagnose"):
         return []
-    words = ["--diagnose", desk.name(desk.existing(str(asked["diagnose"])))]
+    model = desk.existing(str(asked["diagnose"]))
+    if other := _misfit(desk, config, model):
+        raise LabrigError(f"nothing was moved: {other}")
+    words = ["--diagnose", desk.name(model)]
     return [*words, "--until", "settled"] if asked.get("settled") else words
 
 
@@ -197,9 +215,20 @@ def _now(desk: Desk, request: Request, errors: Errors) -> Any:
     name = given.get("run", "")
     state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
     if state["live"] and given.get("model"):
-        state["error"] = errors.of(Path(state["folder"]), desk.existing(given["model"]))
+        folder, model = Path(state["folder"]), desk.existing(given["model"])
+        other = misfit(model, names_of(folder), named(desk, model))
+        state["error"] = {"error": f"{other}; choose another model"} if other else errors.of(folder, model)
     # As it stands: `says` rounds to six digits, and moments have ten.
     return JSONResponse({**state, "colours": CHAMBER_COLOURS})
+
+
+def _models(desk: Desk, name: str) -> Any:
+    """The models that fit a run that goes on, of which the log may not be there yet; the first is the nearest."""
+    note = live_run(desk, name)
+    if note is None:
+        raise LabrigError(f"{name or 'no run'}: does not go on")
+    names = names_of_rig(_config(desk)) if desk.rig_file is not None else None
+    return {"models": [desk.name(path) for path in models_of(desk, Path(str(note.facts["folder"])), names)]}
 
 
 def _skin(desk: Desk, request: Request) -> Any:

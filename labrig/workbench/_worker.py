@@ -5,7 +5,7 @@ One process, which holds what is open; what is asked waits its turn. Results are
 
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
@@ -30,6 +30,16 @@ class Worker:
         except BrokenProcessPool:
             raise LabrigError("the computation ended unexpectedly (out of memory?); try again") from None
 
+    def ask_within(self, timeout_s: float, work: Callable[..., Any], *given: Any) -> Any:
+        """As `ask`, for what may never end: after this long the process is ended, and `LabrigError` raised."""
+        try:
+            return self._submit(work, *given).result(timeout_s)
+        except TimeoutError:
+            self._end()
+            raise LabrigError(f"not done after {timeout_s:g} s, and given up") from None
+        except (BrokenProcessPool, CancelledError):
+            raise LabrigError("the computation ended unexpectedly (out of memory?); try again") from None
+
     def begin(self) -> None:
         """Start the process before somebody needs it; once."""
         if self._pool is None and not self._closed:
@@ -44,8 +54,12 @@ class Worker:
 
     def close(self) -> None:
         """End the process."""
+        self._closed = True
+        self._end()
+
+    def _end(self) -> None:
         with self._lock:
-            pool, self._pool, self._closed = self._pool, None, True
+            pool, self._pool = self._pool, None
         if pool is not None:
             for process in list((pool._processes or {}).values()):
                 process.terminate()

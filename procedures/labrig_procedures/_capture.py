@@ -31,6 +31,10 @@ class Capture(Procedure):
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return float(self.captures)
+
     def steps(self, rig: RigInfo) -> Steps:
         """Actuate, settle, record, for every set-point of the programme."""
         for pressure_kpa, repeat in self.programme(rig):

@@ -28,6 +28,10 @@ class Check(Procedure):
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return self.rests + float(self.points) * self.visits
+
     def steps(self, rig: RigInfo) -> Steps:
         """Rest, the set-points in the same order in every round, the hold, and what remains after it."""
         vented = np.zeros(len(rig.channels))

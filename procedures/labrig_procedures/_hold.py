@@ -25,6 +25,10 @@ class Hold(Procedure):
     )
     settle_s: float = Field(1.0, ge=0.0, description="part of each hold that counts as settling, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return 2.0 * len(self.durations_s) * len(self.shares)
+
     def steps(self, rig: RigInfo) -> Steps:
         """Every duration at every pressure; the whole hold is one capture."""
         span = rig.max_kpa - rig.min_kpa

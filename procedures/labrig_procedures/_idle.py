@@ -17,6 +17,10 @@ class Idle(Procedure):
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return 2.0 * self.duration_min * 60.0 / self.every_s
+
     def steps(self, rig: RigInfo) -> Steps:
         """A visit of both set-points, then rest until the next one is due."""
         middle = np.round(rig.min_kpa + self.share * (rig.max_kpa - rig.min_kpa), 3)

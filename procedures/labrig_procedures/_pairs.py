@@ -20,6 +20,10 @@ class Pairs(Procedure):
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return 2.0 * self.rounds * len(rig.channels)
+
     def steps(self, rig: RigInfo) -> Steps:
         """In an order that is drawn anew in each round, from rest each time, so that history is the same."""
         names = rig.chamber_names

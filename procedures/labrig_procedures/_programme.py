@@ -36,6 +36,10 @@ class Programme(Procedure):
     by_hand: bool = Field(False, description="somebody is there: do the points that need a person too")
     person_s: float = Field(60.0, gt=0.0, description="time for the person, vented, before such a point, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return float(self.rounds) * len(self.points)
+
     def steps(self, rig: RigInfo) -> Steps:
         """Note, actuate, settle, record."""
         for _ in range(self.rounds):

@@ -21,6 +21,10 @@ class Repeatability(Procedure):
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return 4.0 * self.points * self.visits
+
     def steps(self, rig: RigInfo) -> Steps:
         """In every round each set-point from both sides, in an order that is drawn anew."""
         rng = rig.rng()

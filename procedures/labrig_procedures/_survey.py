@@ -31,7 +31,10 @@ class Survey(Capture):
 
     def _scanned(self, points: list[tuple[float, ...]]) -> set[int]:
         """The numbers of the captures that are scanned: first visits, evenly spread."""
-        first = [number for number, point in enumerate(points) if point not in points[:number]]
+        visits: dict[tuple[float, ...], int] = {}
+        for number, point in enumerate(points):
+            visits.setdefault(point, number)
+        first = list(visits.values())
         count = min(self.scans, len(first))
         return (
             {first[k] for k in np.linspace(0, len(first) - 1, count).round().astype(int)} if count else set()

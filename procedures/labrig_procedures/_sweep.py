@@ -20,6 +20,10 @@ class Sweep(Procedure):
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
 
+    def set_points(self, rig: RigInfo) -> float:
+        """As many as the parameters say."""
+        return 2.0 * self.levels * self.cycles
+
     def steps(self, rig: RigInfo) -> Steps:
         """Up, and down again without stopping twice at the top."""
         chosen = rig.chamber(self.chamber or rig.chamber_names[0])

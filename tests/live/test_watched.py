@@ -25,13 +25,18 @@ def test_whoever_watches_gets_every_look(config: RigConfig, tmp_path: Path) -> N
     assert [(look["captures"], look["probability"]["creep"]) for look in looks] == [(12, 0.5), (16, 0.9)]
 
 
-def test_a_page_can_ask_for_it(tmp_path: Path) -> None:
+def test_a_page_can_ask_for_it(config: RigConfig, tmp_path: Path) -> None:
     """A start with a model becomes the words that a person would type; a model that is not there is refused."""
     desk = open_desk(tmp_path)
     (tmp_path / "model.yaml").write_text("base: {kind: static, degree: 1}\n")
-    assert _followed(desk, {"procedure": "capture"}) == []
-    assert _followed(desk, {"diagnose": "model.yaml"}) == ["--diagnose", "model.yaml"]
+    assert _followed(desk, config, {"procedure": "capture"}) == []
+    assert _followed(desk, config, {"diagnose": "model.yaml"}) == ["--diagnose", "model.yaml"]
     words = ["--diagnose", "model.yaml", "--until", "settled"]
-    assert _followed(desk, {"diagnose": "model.yaml", "settled": True}) == words
+    assert _followed(desk, config, {"diagnose": "model.yaml", "settled": True}) == words
     with pytest.raises(LabrigError):
-        _followed(desk, {"diagnose": "no.yaml"})
+        _followed(desk, config, {"diagnose": "no.yaml"})
+    (tmp_path / "other.yaml").write_text(
+        "base: {kind: static}\neffects: [{name: creep, fitted_on: {chambers: [p9]}}]\n"
+    )
+    with pytest.raises(LabrigError, match=r"^nothing was moved: other.yaml is for chamber p9; the rig has"):
+        _followed(desk, config, {"diagnose": "other.yaml"})

@@ -125,10 +125,16 @@ class Bench:
 
     def start(self, name: str, *arguments: object) -> str:
         """Begin a run; gives its name."""
-        body = {"procedure": "capture", "arguments": list(map(str, arguments)), "out": name}
-        status, content = self.ask("/api/watch/start", body)
+        asked = {"procedure": "capture", "arguments": list(map(str, arguments))}
+        status, content = self.begin(name, asked)
         assert status == 202, content
         return str(content["run"])
+
+    def begin(self, name: str, asked: dict[str, Any], **more: Any) -> tuple[int, Any]:
+        """Show the plan of what is asked for, and start it; `(status, content)`."""
+        status, plan = self.ask("/api/watch/plan", asked)
+        assert status == 200, plan
+        return self.ask("/api/watch/start", {**asked, **more, "plan": plan["plan"], "out": name})
 
     def now(self, run: str, **more: Any) -> dict[str, Any]:
         """How a run stands."""
@@ -151,16 +157,27 @@ class Bench:
 
 
 def press(address: str) -> str:
-    """Press the vent button, and look until it has said how that ended."""
+    """Press the vent button, and look until it has said how that ended; gives what it says."""
     posted = urllib.request.Request(address + "vent", data=b"", method="POST")
     with urllib.request.urlopen(posted, timeout=30) as answer:
         text = answer.read().decode()
     end = time.monotonic() + SLOW_S
     while "venting" in text and time.monotonic() < end:
         time.sleep(0.2)
-        with urllib.request.urlopen(address, timeout=30) as answer:
-            text = answer.read().decode()
+        text = said_at(address)
     return text
+
+
+def said_at(address: str) -> str:
+    """What the vent button at an address says now of the last vent."""
+    with urllib.request.urlopen(address + "said", timeout=30) as answer:
+        return str(answer.read().decode())
+
+
+@pytest.fixture
+def vent_says() -> Callable[[str], str]:
+    """What the button at an address says now, without pressing it."""
+    return said_at
 
 
 @pytest.fixture

@@ -48,8 +48,8 @@ def test_what_to_measure_next_becomes_a_plan(asked: Any, until: Any) -> None:
 
 def test_a_run_on_a_simulated_clock_is_over_at_once(asked: Any, until: Any) -> None:
     """`as fast as it goes`: nothing to watch, the run is there when its job is done."""
-    body = {"procedure": "capture", "arguments": ["--captures", "5"], "out": "runs/fast", "realtime": False}
-    status, content = asked.ask("/api/watch/start", body)
+    body = {"procedure": "capture", "arguments": ["--captures", "5"]}
+    status, content = asked.begin("runs/fast", body, realtime=False)
     assert status == 202
     assert "--realtime" not in content["command"]
     until(lambda: asked.ask(f"/api/jobs/{content['job']}")[1]["state"] == "done", "it does not end")
@@ -60,8 +60,8 @@ def test_a_rig_that_is_simulated_inside_its_run_is_vented_by_it(
     asked: Any, until: Any, press_vent: Any
 ) -> None:
     """There is no link to open: the run ends, and says what its chambers read."""
-    body = {"procedure": "capture", "arguments": ["--captures", "50", "--settle-s", "1"], "out": "runs/slow"}
-    assert asked.ask("/api/watch/start", body)[0] == 202
+    body = {"procedure": "capture", "arguments": ["--captures", "50", "--settle-s", "1"]}
+    assert asked.begin("runs/slow", body)[0] == 202
     asked.live("runs/slow")
     until(lambda: max(asked.now("runs/slow")["measured_kpa"]) > 10, "no chamber was filled")
     text = press_vent(asked.vent_address())
@@ -69,3 +69,45 @@ def test_a_rig_that_is_simulated_inside_its_run_is_vented_by_it(
     assert "by the run" in text
     until(lambda: not asked.now("runs/slow")["live"], "the run goes on")
     assert asked.now("runs/slow")["vented"] is True
+
+
+@pytest.mark.slow
+def test_only_a_model_of_this_rig_is_held_against_a_run(asked: Any, until: Any) -> None:
+    """Models of other chambers are neither offered nor used; a map fitted to the captures says nothing of few."""
+    (asked.folder / "line.yaml").write_text("base: {kind: static, degree: 1}\n", encoding="utf-8")
+    (asked.folder / "other.yaml").write_text(
+        "base: {kind: static, degree: 1}\neffects:\n"
+        "- {name: creep, fitted_on: {chambers: [Solldruck], low: [0.0], high: [2.4]}}\n",
+        encoding="utf-8",
+    )
+    body = {
+        "procedure": "capture",
+        "arguments": ["--captures", "50", "--settle-s", "0.3", "--record-s", "0.3"],
+    }
+    status, plan = asked.ask("/api/watch/plan", {**body, "model": "other.yaml"})
+    assert (status, plan["diagnose"]) == (200, "")
+    assert asked.ask("/api/watch/plan", {**body, "model": "better.yaml"})[1]["diagnose"] == "better.yaml"
+    assert asked.begin("runs/slow", body, diagnose="other.yaml")[0] == 400
+    assert asked.begin("runs/slow", body)[0] == 202
+    until(lambda: "runs/slow" in asked.ask("/api/watch/rig")[1]["running"], "it does not answer")
+    offered = asked.ask("/api/watch/models?run=runs/slow")[1]["models"]
+    assert "better.yaml" in offered
+    assert "other.yaml" not in offered
+    said: set[str] = set()
+
+    def known(model: str) -> Any:
+        error = asked.now("runs/slow", model=model)["error"]
+        said.add(error.get("error", ""))
+        return error.get("captures")
+
+    until(lambda: known("better.yaml"), "no error is known")  # asked from the run's first moment on
+    assert said == {""}
+    assert not known("other.yaml")
+    assert said == {
+        "",
+        "other.yaml is for chamber Solldruck; the rig has chambers c1, c2, c3, c4; choose another model",
+    }
+    until(lambda: known("line.yaml"), "no error of the line is known")
+    assert len(known("line.yaml")) > 5
+    asked.ask("/api/watch/end", {"run": "runs/slow"})
+    until(lambda: not asked.now("runs/slow")["live"], "the run goes on")

@@ -44,7 +44,8 @@ def _begin(page: Any) -> str:
 
 
 def _vent_frame(page: Any) -> Any:
-    return next(frame for frame in page.frames if "/?theme=" in frame.url)
+    """Where the button says what became of a press; the button itself is in the frame around it."""
+    return next(frame for frame in page.frames if "/said?theme=" in frame.url)
 
 
 @pytest.mark.slow
@@ -68,6 +69,7 @@ def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -
     page.click("#pause")
     page.wait_for_selector(".state.waiting:has-text('paused, vented')", timeout=20_000)
     until(lambda: rig.highest_kpa < 3.0, "the pause does not vent")
+    assert page.get_attribute("#pause", "title").startswith("fills the chambers again")
     page.click("#pause")
     rig.wait_above(10.0)
     page.click("#end")
@@ -106,8 +108,46 @@ def test_vent_with_the_workbench_stopped(bench: Any, rig: Any, page: Any) -> Non
         page.mouse.click(*BUTTON)
         frame.wait_for_selector("b.good", timeout=10_000)
         assert rig.highest_kpa < 3.0
+        page.wait_for_selector("body.lost", timeout=20_000)  # what it shows of the run is old
     finally:
         os.kill(bench.process.pid, signal.SIGCONT)
+    page.wait_for_selector("body:not(.lost)", timeout=20_000)
+
+
+def test_start_is_for_the_plan_that_is_shown(page: Any) -> None:
+    """Other words in the boxes close Start, with a word why, until their own plan was shown."""
+    page.select_option("#procedure", "capture")
+    page.fill("#arguments", "--captures 8 --highest 0.2")
+    page.click("#show-plan")
+    page.wait_for_selector("#start:not([disabled])")
+    page.fill("#arguments", "--captures 8 --highest 1")
+    assert page.is_disabled("#start")
+    assert "show the plan first" in page.inner_text("#start-why")
+    page.click("#show-plan")
+    page.wait_for_selector("#start:not([disabled])")
+    page.select_option("#procedure", "idle")
+    assert page.is_disabled("#start")
+    assert page.input_value("#arguments") == ""
+
+
+@pytest.mark.slow
+def test_what_was_vented_is_not_said_of_a_rig_that_is_filled_again(rig: Any, page: Any) -> None:
+    """After "Go on with it" no page says "vented, confirmed", and the button itself was never replaced."""
+    _begin(page)
+    rig.wait_above(10.0)
+    frame = _vent_frame(page)
+    button = frame.parent_frame.query_selector("button")
+    page.mouse.click(*BUTTON)
+    frame.wait_for_selector("b.good", timeout=10_000)
+    page.click("#resume", timeout=20_000)
+    rig.wait_above(10.0)
+    frame.wait_for_selector("b.good", state="detached", timeout=5_000)
+    assert button.is_visible()
+    other = page.context.new_page()
+    other.goto(page.url)
+    other.wait_for_selector("#vent iframe")
+    other.wait_for_timeout(1000)
+    assert "every chamber of" in _vent_frame(other).inner_text("body")
 
 
 def test_the_button_is_on_every_step(bench: Any, page: Any) -> None:

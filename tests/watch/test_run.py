@@ -39,6 +39,41 @@ def test_a_plan_that_breaks_a_limit_does_not_start(bench: Any, rig: Any) -> None
     assert "nothing was moved" in content["error"]
 
 
+def test_only_the_plan_that_was_shown_starts(bench: Any, rig: Any) -> None:
+    """A start names the plan that was shown; one of other parameters, or of a rig file edited since, moves nothing."""
+    asked = {"procedure": "capture", "arguments": ["--captures", "8", "--highest", "0.2"]}
+    plan = bench.ask("/api/watch/plan", asked)[1]
+    assert plan["asked"] == {**asked, "seed": 0}
+    other = {
+        **asked,
+        "arguments": ["--captures", "8", "--highest", "1"],
+        "plan": plan["plan"],
+        "out": "first",
+    }
+    unseen = {**asked, "out": "first"}
+    for wrong in (other, unseen):
+        status, content = bench.ask("/api/watch/start", wrong)
+        assert status == 400
+        assert "not the plan that was shown" in content["error"]
+    text = rig.file.read_text(encoding="utf-8")
+    rig.file.write_text(text.replace("max_kpa: 60", "max_kpa: 50", 1), encoding="utf-8")
+    edited = {**asked, "plan": plan["plan"], "out": "first"}
+    assert "not the plan that was shown" in bench.ask("/api/watch/start", edited)[1]["error"]
+    assert not (bench.folder / "first").exists()
+
+
+def test_a_plan_that_is_too_long_holds_nothing_up(bench: Any) -> None:
+    """More set-points than a plan may have are refused in one line, and the workbench answers meanwhile."""
+    asked = {"procedure": "capture", "arguments": ["--captures", "1000000000"]}
+    status, content = bench.ask("/api/watch/plan", asked)
+    assert status == 400
+    assert (
+        content["error"]
+        == "no plan: capture: more than 100000 set-points; ask for fewer, or measure in several runs"
+    )
+    assert bench.ask("/api/watch/rig")[0] == 200
+
+
 def test_only_the_page_that_was_opened_for_the_rig_moves_it(bench: Any) -> None:
     """A page with the workbench's token alone can look, and starts nothing."""
     status, content = bench.ask("/api/watch/start", {"procedure": "capture", "out": "first"}, rig=False)

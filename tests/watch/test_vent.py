@@ -112,6 +112,29 @@ def test_without_a_run(bench: Any, rig: Any, press_vent: Any, until: Any) -> Non
     _confirmed(press_vent(bench.vent_address()), rig)
 
 
+def test_it_stays_said_until_the_rig_is_in_use_again(
+    bench: Any, rig: Any, press_vent: Any, vent_says: Any
+) -> None:
+    """ "Vented, confirmed" stays while nobody uses the rig, and goes with the next run, whoever looks meanwhile."""
+    address = bench.vent_address()
+    _confirmed(press_vent(address), rig)
+    assert "vented, confirmed" in vent_says(address)
+    bench.live(bench.start("first", *LONG))
+    rig.wait_above(10.0)
+    assert "vented" not in vent_says(address)
+    bench.ask("/api/watch/end", {"run": "first"})
+    wait_for(lambda: not bench.now("first")["live"], "the run goes on")
+    assert "vented, confirmed" not in vent_says(address)
+
+
+def test_a_rig_that_is_not_there_is_not_called_vented(asked: Any, press_vent: Any) -> None:
+    """Of a rig that is simulated inside its runs, while none goes on, the button says that nothing is filled."""
+    text = press_vent(asked.vent_address())
+    assert "nothing is filled" in text
+    assert "confirmed" not in text
+    assert "nobody" not in text
+
+
 def test_a_vent_that_is_not_confirmed_is_never_called_so(bench: Any, rig: Any, press_vent: Any) -> None:
     """With the board gone the page says that nothing is confirmed, and what to do."""
     text = rig.file.read_text(encoding="utf-8").replace("vent_patience_s: 20.0", "vent_patience_s: 1.0")

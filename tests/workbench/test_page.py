@@ -8,6 +8,11 @@ from labrig._yaml import read_yaml
 
 pytestmark = pytest.mark.usefixtures("browser")
 
+SAVES = """() => {
+    document.querySelector("[data-save]").click();
+    return document.querySelector("[aria-label='name of the new model']").disabled;
+}"""
+
 
 @pytest.fixture
 def drop(tmp_path, table, table_mapping):
@@ -57,7 +62,7 @@ def test_the_whole_way_by_clicks(open_page, bench, drop, make_run):
     page.click("text=Add it and watch the error fall")
     page.wait_for_selector("[data-refined=true]")
     assert "+  value: " in page.inner_text(".diff") or "creep" in page.inner_text(".diff")
-    page.click("[data-save]")
+    assert page.evaluate(SAVES)  # what is typed while it saves is no name of what is saved
     page.wait_for_selector("[data-saved]")
     model = read_yaml(folder / "first-model.improved.yaml", "model")
     assert [entry["name"] for entry in model["effects"]] == ["creep"]

@@ -32,7 +32,7 @@ export function working(job, title, words) {
   return [page, () => (clearInterval(timer), end())];
 }
 
-const isOf = (context, verb) => (job) => job.run === context.run && job.command.startsWith(`labrig ${verb} `) && job.command.includes(` ${context.info.model} `);
+const isOf = (context, verb) => (job) => job.run === context.run && job.words[0] === verb && job.words.includes(context.info.model);
 
 export async function jobOf(context, verb) {
   await jobs.told();

@@ -58,12 +58,22 @@ export const complain = (error) => {
   if (error.name !== "AbortError") say(error.message, "bad");
 };
 
+// A labrig command as it is typed; double quotes hold a name together in every shell, on Windows as well.
+const quoted = (word) => (/^[\w@%+=:,./~-]+$/.test(word) ? word : `"${String(word).replace(/["$`]/g, "\\$&")}"`);
+export const labrig = (...words) => ["labrig", ...words.flat().map(quoted)].join(" ");
+
+// A number and its unit; a unit of 1 is none.
+export const withUnit = (text, unit) => (unit && unit !== "1" ? `${text} ${unit}` : String(text));
+export const ofUnit = (unit) => (unit && unit !== "1" ? `, ${unit}` : "");
+
 // The labrig command that an action is, for copying.
-export function command(text, about = "") {
-  const button = h("button", { type: "button", class: "copy", title: "copy", "aria-label": `copy: ${text}` }, "copy");
+// A function gives one that `renew` brings up to date.
+export function command(given, about = "") {
+  const now = () => (typeof given === "function" ? given() : given);
+  const button = h("button", { type: "button", class: "copy", title: "copy", "aria-label": `copy: ${now()}` }, "copy");
   button.addEventListener("click", async () => {
     try {
-      await navigator.clipboard.writeText(text);
+      await navigator.clipboard.writeText(now());
       button.textContent = "copied";
     } catch {
       getSelection().selectAllChildren(line);
@@ -71,8 +81,13 @@ export function command(text, about = "") {
     }
     setTimeout(() => (button.textContent = "copy"), 1500);
   });
-  const line = h("code", {}, text);
-  return h("div", { class: "command" }, about ? h("span", {}, about) : null, line, button);
+  const line = h("code", {}, now());
+  const whole = h("div", { class: "command" }, about ? h("span", {}, about) : null, line, button);
+  whole.renew = () => {
+    line.textContent = now();
+    button.setAttribute("aria-label", `copy: ${now()}`);
+  };
+  return whole;
 }
 
 export const empty = (title, ...words) => h("section", { class: "empty" }, h("h2", {}, title), ...words);

@@ -1,6 +1,6 @@
 // A file dropped on the page: labrig guesses what its columns mean, shows it beside the first rows, and makes a run.
 
-import { command, complain, fill, h } from "./dom.js";
+import { command, complain, fill, h, labrig } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { post, upload } from "./server.js";
 
@@ -78,6 +78,9 @@ function offer(found, place, context) {
       fill(said, h("p", { class: "warning" }, error.message));
     }
   }
+  const words = () => labrig("import", found.table, "--mapping", found.table.replace(/[^/]+$/, "map.yaml"), "-o", name.value);
+  const line = found.log ? null : command(words);
+  name.addEventListener("input", () => line?.renew());
   const [header, ...rows] = found.rows;
   const preview = header ? h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, header.map((cell) => h("th", {}, cell)))), h("tbody", {}, rows.map((row) => h("tr", {}, row.map((cell) => h("td", {}, cell))))))) : null;
   fill(
@@ -90,7 +93,7 @@ function offer(found, place, context) {
       h("div", { class: found.log ? "" : "mapping" }, found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), mapping), preview ? h("div", {}, h("h3", {}, "The first rows"), preview) : null),
       said,
       h("div", { class: "bar", style: "justify-content:flex-start;margin:12px 0 0" }, button, h("label", {}, "as the run ", name)),
-      found.log ? null : command(`labrig import ${found.table} --mapping ${found.table.replace(/[^/]+$/, "map.yaml")} -o ${found.name}`),
+      line,
     ),
   );
   place.scrollIntoView({ block: "nearest" });

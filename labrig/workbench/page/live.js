@@ -1,6 +1,6 @@
 // A run that goes on: surface, pressures, error of the open model, step; pause, go on, end.
 
-import { complain, duration, fill, h, number } from "./dom.js";
+import { complain, duration, fill, h, number, withUnit } from "./dom.js";
 import { draw, legend } from "./curves.js";
 import { Surface } from "./live_surface.js";
 import { get, mayMoveRig, post } from "./server.js";
@@ -9,8 +9,8 @@ const EVERY_MS = 350;
 const SPAN_S = 120;
 const MOST_EVENTS = 60;
 
-export function live(root, name, model, over) {
-  const parts = layout(name, model);
+export function live(root, name, { model, models, choose }, over) {
+  const parts = layout(name, model, models, choose);
   const kept = { time: [], measured: [], commanded: [], events: [], event: 0, since: 0 };
   let gone = false;
   let state = null;
@@ -54,7 +54,10 @@ export function live(root, name, model, over) {
   };
 }
 
-function layout(name, model) {
+function layout(name, model, models, choose) {
+  const named = models.includes(model) || !model ? models : [model, ...models];
+  const option = (each) => h("option", { value: each, selected: each === model }, each);
+  const which = h("select", { "aria-label": "model of the error", onchange: () => choose(which.value) }, named.map(option));
   const parts = {
     title: h("h1", {}, name),
     state: h("span", { class: "state running" }, "…"),
@@ -67,7 +70,7 @@ function layout(name, model) {
     pressures: h("canvas", { class: "curve tall", "aria-label": "pressures" }),
     chambers: h("div"),
     errors: h("canvas", { class: "curve", "aria-label": "error of each capture" }),
-    rms: h("p", { class: "muted small", id: "live-error" }, model ? "the error appears with the first capture" : "open a run with a model to see its error here"),
+    rms: h("p", { class: "muted small", id: "live-error" }, model ? "the error appears with the first capture" : "no model file of this folder fits this rig"),
     verdict: h("canvas", { class: "curve", "aria-label": "probability of each effect" }),
     effects: h("div"),
     events: h("ol", { class: "events", "aria-label": "events" }),
@@ -84,7 +87,7 @@ function layout(name, model) {
         "div",
         { class: "stack" },
         h("section", { class: "card" }, h("h2", {}, "Pressures, kPa ", h("small", { class: "muted" }, "measured; dashed: set-points")), parts.pressures, parts.chambers),
-        h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", { class: "muted" }, model || "")), parts.errors, parts.rms),
+        h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", {}, named.length ? which : null)), parts.errors, parts.rms),
       ),
     ),
     (parts.diagnosis = h("section", { class: "card", id: "live-verdict", hidden: true }, h("h2", {}, "What the diagnosis says ", h("small", { class: "muted" }, "probability of each effect; grey: noise floor as a share of the error")), parts.verdict, parts.effects)),
@@ -121,7 +124,7 @@ function show(parts, kept, state, surface, model) {
   parts.words.textContent = `${progress.captures_done ?? 0}${of} captures · ${duration(progress.elapsed_s)}${left}`;
   parts.pause.textContent = state.paused ? "Go on" : "Pause";
   parts.pause.disabled = state.paused && !mayMoveRig();
-  parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : "finishes the capture, then vents and waits";
+  parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : state.paused ? "fills the chambers again, and goes on with the plan" : "finishes the capture, then vents and waits";
   pressures(parts, kept, state);
   errors(parts, state, model);
   verdict(parts, state);
@@ -158,7 +161,7 @@ function verdict(parts, state) {
   const grey = getComputedStyle(document.documentElement).getPropertyValue("--muted").trim();
   series.push({ name: "floor", colour: grey, time, value: looks.map((look) => (look.error ? Math.min(1, look.floor / look.error) : null)), dashed: true });
   draw(parts.verdict, series, { low: 0, label: () => `capture ${time[0]}`, now: `capture ${last.captures}` });
-  fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${number(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small" }, `error ${number(last.error)} ${last.units}, floor ${number(last.floor)} ${last.units}`));
+  fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${number(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small" }, `error ${withUnit(number(last.error), last.units)}, floor ${withUnit(number(last.floor), last.units)}`));
 }
 
 function errors(parts, state, model) {

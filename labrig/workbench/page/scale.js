@@ -1,6 +1,6 @@
 // The scale of error colours: logarithmic, the same whatever is looked at, and dragged by its two ends.
 
-import { h, number } from "./dom.js";
+import { h, number, withUnit } from "./dom.js";
 
 const STOPS = [[0, "#e9ece6"], [0.25, "#f3cf9b"], [0.5, "#e58b55"], [0.75, "#b93c3f"], [1, "#5c123c"]];
 export const COLOURS = STOPS.map(([at, colour]) => [at, colour]);
@@ -88,11 +88,11 @@ export function scaleBar(floor, units, start, changed) {
     strip.style.background = `linear-gradient(90deg, ${STOPS[0][1]} 0 ${a}%, ${stops.join(",")}, ${STOPS[4][1]} ${b}% 100%)`;
     handles.forEach((handle, end) => {
       handle.style.left = `${[a, b][end]}%`;
-      handle.setAttribute("aria-valuetext", `${number(range[end])} ${units}`);
+      handle.setAttribute("aria-valuetext", withUnit(number(range[end]), units));
       handle.setAttribute("aria-valuenow", number(range[end]));
     });
     words.replaceChildren(
-      ...range.map((each, end) => h("span", { style: `left:${[a, b][end]}%` }, `${number(each)} ${units}`)),
+      ...range.map((each, end) => h("span", { style: `left:${[a, b][end]}%` }, withUnit(number(each), units))),
     );
   }
   ticks.append(h("span", { style: `left:${place(floor)}%` }, "floor"));

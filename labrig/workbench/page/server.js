@@ -76,17 +76,31 @@ export const now_s = () => Date.now() / 1000 + ahead_s;
 // One stream of news for the page: on("jobs", (data) => ...) gives a function that ends it.
 const listeners = new Map();
 let source = null;
+let heard = Date.now();
+const SILENT_MS = 8000; // the server says something every two seconds
+
+const lost = (is) => document.body.classList.toggle("lost", is);
+
+function hear() {
+  heard = Date.now();
+  lost(false);
+}
 
 export function on(name, listener) {
   if (!source) {
     source = new EventSource("/api/events");
-    source.addEventListener("clock", (event) => (ahead_s = JSON.parse(event.data) - Date.now() / 1000));
-    source.onopen = () => document.body.classList.remove("lost");
-    source.onerror = () => document.body.classList.add("lost");
+    source.addEventListener("clock", (event) => {
+      ahead_s = JSON.parse(event.data) - Date.now() / 1000;
+      hear();
+    });
+    source.onopen = hear;
+    source.onerror = () => lost(true);
+    setInterval(() => Date.now() - heard > SILENT_MS && lost(true), 1000);
   }
   if (!listeners.has(name)) {
     listeners.set(name, new Set());
     source.addEventListener(name, (event) => {
+      hear();
       const data = JSON.parse(event.data);
       for (const each of [...listeners.get(name)]) each(data);
     });

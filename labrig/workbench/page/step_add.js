@@ -1,7 +1,7 @@
 // Add: switch effects on and off, and see what follows; the change of model.yaml; save.
 
 import { asked } from "./compared.js";
-import { command, complain, fill, h, number, percent, say } from "./dom.js";
+import { command, complain, fill, h, labrig, number, ofUnit, percent, say, withUnit } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { axis, colour, draw } from "./plot.js";
 import { fixed, scaleBar } from "./scale.js";
@@ -85,8 +85,8 @@ export async function show(root, context) {
     const notes = Object.fromEntries(state.falls.map((each) => [each.effect, each.helps ? "helps" : "useless"]));
     const floor = error.floor || 1;
     said.textContent = !state.effects.length
-      ? `Without any effect the model is off by ${number(error.base)} ${units}.`
-      : `With ${state.effects.map((each) => each.replaceAll("_", " ")).join(" and ")} the held-out error ${error.model < error.base ? "falls" : "goes"} from ${number(error.base)} to ${number(error.model)} ${units}.`;
+      ? `Without any effect the model is off by ${withUnit(number(error.base), units)}.`
+      : `With ${state.effects.map((each) => each.replaceAll("_", " ")).join(" and ")} the held-out error ${error.model < error.base ? "falls" : "goes"} from ${number(error.base)} to ${withUnit(number(error.model), units)}.`;
     for (const small of root.querySelectorAll("[data-note]")) {
       const fall = state.falls.find((each) => each.effect === small.dataset.note);
       small.textContent = !fall ? "" : fall.helps ? (small.dataset.call === "not it" ? "helps a little; the diagnosis: not it" : "helps") : "does not help";
@@ -111,7 +111,7 @@ export async function show(root, context) {
 
   function surface() {
     const { captures, units } = state;
-    const words = (marker, e) => (e === null ? `${marker}: not seen` : `${marker}: ${number(e)} ${units}`);
+    const words = (marker, e) => (e === null ? `${marker}: not seen` : `${marker}: ${withUnit(number(e), units)}`);
     surfaces.show([{ at: data.shape.rest, error: captures.marker_before }, { at: data.shape.rest, error: captures.marker_after }], range, words).catch(complain);
   }
 
@@ -122,7 +122,7 @@ export async function show(root, context) {
     if (state.effects.length) lines.push(line(captures.error_after, "with these effects", colour("teal")));
     return draw(residuals, {
       data: lines,
-      layout: { height: 210, margin: { l: 54, r: 10, t: 8, b: 40 }, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" }, shapes: [{ type: "rect", xref: "paper", x0: 0, x1: 1, y0: 0, y1: floor, fillcolor: colour("floor"), opacity: 0.25, line: { width: 0 }, layer: "below" }], xaxis: axis("capture", { type: "category", nticks: 12 }), yaxis: axis(`error, ${units} rms`, { rangemode: "tozero" }) },
+      layout: { height: 210, margin: { l: 54, r: 10, t: 8, b: 40 }, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" }, shapes: [{ type: "rect", xref: "paper", x0: 0, x1: 1, y0: 0, y1: floor, fillcolor: colour("floor"), opacity: 0.25, line: { width: 0 }, layer: "below" }], xaxis: axis("capture", { type: "category", nticks: 12 }), yaxis: axis(`error${ofUnit(units)} rms`, { rangemode: "tozero" }) },
     });
   };
 
@@ -131,27 +131,29 @@ export async function show(root, context) {
     let name = `${stem}.improved.yaml`;
     for (let n = 2; context.info.models.includes(name); n++) name = `${stem}.improved-${n}.yaml`;
     const field = h("input", { type: "text", value: saved.querySelector("input")?.value || name, "aria-label": "name of the new model", size: 34 });
-    const words = () => `labrig improve ${context.run} --model ${context.info.model} ${state.effects.map((each) => `--add ${each}`).join(" ")} -o ${field.value}${useless ? " --force" : ""}`;
+    const words = () => labrig("improve", context.run, "--model", context.info.model, state.effects.flatMap((each) => ["--add", each]), "-o", field.value, useless ? "--force" : []);
     const button = h("button", {
       type: "button", class: "main", data: { save: "" }, disabled: !state.effects.length,
       onclick: async () => {
         button.disabled = true;
+        field.disabled = true;
+        const model = field.value; // what is being saved, whatever is typed meanwhile
         try {
-          const job = await post("/api/add/save", { ...asked(context), effects: state.effects.join(","), name: field.value, force: useless });
+          const job = await post("/api/add/save", { ...asked(context), effects: state.effects.join(","), name: model, force: useless });
           say("saving …");
           const ended = await jobs.ended(job.id);
           if (ended.state !== "done") throw new Error(ended.last || `saving was ${ended.state}`);
-          const model = field.value;
           fill(saved, h("section", { class: "card done" }, h("h2", {}, `Saved as ${model}`), h("p", {}, ended.lines.filter((line) => !line.startsWith("report")).slice(-1)[0] || ""), h("p", {}, h("a", { class: "button", href: context.address("compare", { model }) }, "See how it compares →"), " ", h("a", { href: context.address("watch", { a: context.info.model, b: model }) }, "or watch it on a fresh run"))));
           root.dataset.saved = model;
         } catch (error) {
           button.disabled = false;
+          field.disabled = false;
           complain(error);
         }
       },
     }, useless ? "Save all the same" : "Save the new model");
-    const line = command(words());
-    field.addEventListener("input", () => (line.querySelector("code").textContent = words()));
+    const line = command(words);
+    field.addEventListener("input", () => line.renew());
     fill(saved, h("section", { class: "card" }, h("div", { class: "bar", style: "justify-content:flex-start" }, button, h("label", {}, "as ", field)), state.effects.length ? line : null));
   }
 

@@ -1,6 +1,6 @@
 // Choose: the runs of the folder, the newest first; search and tags; a file dropped in becomes a run.
 
-import { command, complain, duration, empty, fill, h, number } from "./dom.js";
+import { command, complain, duration, empty, fill, h, labrig, number, withUnit } from "./dom.js";
 import { dropZone } from "./dropped.js";
 import { folder, get, post } from "./server.js";
 
@@ -39,7 +39,7 @@ export async function show(root, context) {
     import_,
     h("table", { class: "runs" }, h("thead", {}, h("tr", {}, COLUMNS.map(([name, kind]) => h("th", { class: kind }, name)))), body),
     more,
-    command(`labrig runs ${/\s/.test(folder) ? `'${folder}'` : folder}`, "this is"),
+    command(labrig("runs", folder), "this is"),
   );
   draw();
   search.focus({ preventScroll: true });
@@ -56,7 +56,7 @@ function line(run, context) {
     adding.replaceWith(field);
     field.focus();
   } }, "+");
-  const value = (number_) => (number_ === null ? "" : `${number(number_)} ${run.units}`);
+  const value = (number_) => (number_ === null ? "" : withUnit(number(number_), run.units));
   return h(
     "tr",
     { class: run.state.startsWith("unreadable") ? "dim" : "", data: { run: run.run } },

@@ -1,7 +1,7 @@
 // Compare: the surface with its error in colour, measured and predicted side by side, capture by capture.
 
 import { begin, comparison, jobOf, working } from "./compared.js";
-import { command, complain, empty, fill, h, number } from "./dom.js";
+import { command, complain, empty, fill, h, labrig, number, ofUnit, withUnit } from "./dom.js";
 import { draw } from "./plot.js";
 import { fromText, scaleBar } from "./scale.js";
 import { post } from "./server.js";
@@ -35,7 +35,7 @@ function noModel(root, context) {
     root,
     empty(
       "What do you believe of this rig?",
-      h("p", {}, "A comparison needs a model. Put your model.yaml into the folder (your own Python function, a simulator, a trained model) and reload, or begin with one of these:"),
+      h("p", {}, "A comparison needs a model, and no model of this folder fits this run. Put your model.yaml into the folder (your own Python function, a simulator, a trained model) and reload, or begin with one of these:"),
       h("div", { class: "choices" }, bases.map(([base, name, words]) => h("button", { type: "button", class: "choice", data: { base }, onclick: () => make(base) }, h("b", {}, name), h("span", {}, words)))),
     ),
   );
@@ -108,12 +108,12 @@ function drawn(root, context, data) {
         "section",
         { class: "card captures" },
         h("div", { class: "bar" }, h("h2", {}, "Captures"), h("span", { class: "switch", role: "group", "aria-label": "order" }, to("sort", "error", "by error"), to("sort", "time", "in time"))),
-        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error, ${`${units} ${per}`.trim()}; the mark is the noise floor`)),
+        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error, ${`${units === "1" ? "" : units} ${per}`.trim() || "rms"}; the mark is the noise floor`)),
         h("ol", {}, h("li", {}, everything), items),
       ),
     ),
     data.warnings.length ? h("p", { class: "warning" }, data.warnings.join(". ")) : null,
-    command(context.info.command || `labrig compare ${context.run} --model ${context.info.model}`, "this is"),
+    command(context.info.command || labrig("compare", context.run, "--model", context.info.model), "this is"),
     h("p", { class: "next" }, h("a", { class: "button", href: context.address("where") }, "Where does it fail? →")),
   );
 
@@ -144,7 +144,7 @@ function drawn(root, context, data) {
     const each = (now < 0 ? captures.marker_before : captures.each_before[now]).map((e) => (e === null ? null : factor * e));
     const measured = now < 0 ? shape.rest : captures.measured[now];
     const predicted = now < 0 ? shape.rest : captures.before[now];
-    const words = (name, e) => (e === null ? `${name}: not seen` : `${name}: ${number(e)} ${units} ${per}<br>${number(e / (floor * factor), 2)} floors`);
+    const words = (name, e) => (e === null ? `${name}: not seen` : `${name}: ${withUnit(number(e), units)} ${per}<br>${number(e / (floor * factor), 2)} floors`);
     surfaces.views[0].heading.textContent = now < 0 ? "over the whole run, at rest" : "measured";
     surfaces.views[1].heading.parentElement.hidden = now < 0;
     place.classList.toggle("one", now < 0);
@@ -163,7 +163,7 @@ function drawn(root, context, data) {
 }
 
 export function figures({ error, units, floor }, factor, per) {
-  const one = (value, words, kind) => h("div", { class: `figure ${kind}` }, h("b", {}, number(factor * value), h("small", {}, ` ${units}`)), h("span", {}, words));
+  const one = (value, words, kind) => h("div", { class: `figure ${kind}` }, h("b", {}, number(factor * value), h("small", {}, withUnit("", units))), h("span", {}, words));
   return h("div", { class: "figures" }, one(error.model, `error, rms ${per}`, "error"), one(error.floor, `noise floor: ${floor?.how || "what repeats differ by"}`, "noise"));
 }
 
@@ -175,7 +175,7 @@ function scatter(captures, data, now) {
       { type: "scatter", mode: "lines+markers", x: captures.names, y: captures.error, text: captures.words, hovertemplate: "%{text}<br>%{y:.3g}<extra></extra>", line: { color: "#8d97a3", width: 1 }, marker: { size: captures.names.map((_, k) => (k === now ? 13 : 7)), color: captures.names.map((_, k) => ink(k)) } },
       { type: "scatter", mode: "lines", x: [captures.names[0], captures.names.at(-1)], y: [data.error.floor, data.error.floor], line: { color: "#8d97a3", dash: "dash" }, hoverinfo: "skip" },
     ],
-    layout: { height: 440, showlegend: false, margin: { l: 60, r: 10, t: 10, b: 46 }, xaxis: { title: { text: "capture" }, type: "category", nticks: 12 }, yaxis: { title: { text: `error, ${data.units} rms` }, rangemode: "tozero" } },
+    layout: { height: 440, showlegend: false, margin: { l: 60, r: 10, t: 10, b: 46 }, xaxis: { title: { text: "capture" }, type: "category", nticks: 12 }, yaxis: { title: { text: `error${ofUnit(data.units)} rms` }, rangemode: "tozero" } },
   };
 }
 

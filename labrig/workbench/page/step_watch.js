@@ -3,7 +3,7 @@
 import { complain, empty, fill, h } from "./dom.js";
 import { live } from "./live.js";
 import { answers, look } from "./rig.js";
-import { mayMoveRig, post } from "./server.js";
+import { get, mayMoveRig, post } from "./server.js";
 import { next } from "./watch_next.js";
 import { plan } from "./watch_plan.js";
 import { versus } from "./watch_versus.js";
@@ -12,8 +12,14 @@ export async function show(root, context) {
   const facts = await look();
   const going = context.query.get("live") || (context.run ? "" : facts.running[0]) || (facts.running.includes(context.run) ? context.run : "");
   if (going && facts.running.includes(going)) {
-    const model = context.query.get("model") || context.info?.model || sessionStorage.getItem("labrig-watch-model") || "";
-    return live(root, going, model, (state) => over(root, context, state));
+    const models = await fitting(going);
+    const wished = [context.info?.model, sessionStorage.getItem("labrig-watch-model")];
+    const model = context.query.get("model") || wished.find((name) => models.includes(name)) || models[0] || "";
+    const choose = (name) => {
+      sessionStorage.setItem("labrig-watch-model", name);
+      context.set({ model: name });
+    };
+    return live(root, going, { model, models, choose }, (state) => over(root, context, state));
   }
   if (context.info?.model) sessionStorage.setItem("labrig-watch-model", context.info.model);
   const ends = [];
@@ -24,6 +30,15 @@ export async function show(root, context) {
   if (facts.rig) ends.push(await plan(cards, context, facts));
   else cards.append(noRig(context));
   return () => ends.forEach((end) => end?.());
+}
+
+// The models of this run's rig: none of another rig is held against it.
+async function fitting(run) {
+  try {
+    return (await get("/api/watch/models", { run })).models;
+  } catch {
+    return []; // it has just ended, which the page is told next
+  }
 }
 
 function noRig(context) {

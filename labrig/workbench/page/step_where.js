@@ -1,7 +1,7 @@
 // Where: a marker, a chamber, a region or a bar is clicked; its residual over everything that it may depend on.
 
 import { asked, comparison } from "./compared.js";
-import { command, complain, fill, h, number } from "./dom.js";
+import { command, complain, fill, h, labrig, number, ofUnit, withUnit } from "./dom.js";
 import { axis, colour, draw } from "./plot.js";
 import { fixed } from "./scale.js";
 import { get } from "./server.js";
@@ -54,12 +54,12 @@ export async function show(root, context) {
         { class: "card" },
         place,
         h("div", { class: "tabs", role: "group", "aria-label": "parts of the run" }, tabs),
-        h("p", { class: "muted small" }, `error, ${units} rms per coordinate; share of all that is above the noise; the mark is the floor`),
+        h("p", { class: "muted small" }, `error${ofUnit(units)} rms per coordinate; share of all that is above the noise; the mark is the floor`),
         h("ol", { class: "bars" }, bars),
       ),
       h("section", { class: "card" }, h("div", { class: "bar" }, title, kind === "all" ? null : h("button", { type: "button", onclick: () => context.set({ kind: "", name: "", bar: "" }) }, "the whole run")), about, panels, worst(data, context)),
     ),
-    command(`labrig compare ${context.run} --model ${context.info.model}`, "this is"),
+    command(labrig("compare", context.run, "--model", context.info.model), "this is"),
     h("p", { class: "next" }, h("a", { class: "button", href: context.address("which") }, "Which effect is it? →")),
   );
 
@@ -67,7 +67,7 @@ export async function show(root, context) {
   if (shape) {
     surfaces = new Surfaces(place, shape, ["error of each marker over the whole run"], (marker) => context.set({ kind: "marker", name: marker, bar: "", group: "marker" }));
     const marked = kind === "marker" ? name : "";
-    const words = (marker, e) => `${marker}: ${number(e)} ${units}`;
+    const words = (marker, e) => `${marker}: ${withUnit(number(e), units)}`;
     surfaces.show([{ at: shape.rest, error: data.captures.marker_before, marked }], fixed(floor), words).catch(complain);
   }
   get("/api/where", { ...asked(context), kind, name }, context.signal)
@@ -88,7 +88,7 @@ function follow(context, entry, group) {
 function drawPanels(place, about, found, bar) {
   const [group, label] = bar.split("|");
   const effects = found.effects.join(" and ");
-  about.textContent = `${{ marker: "Along the line on which the model moves this marker, positive where it went farther than predicted", chamber: "Mean over the markers, weighted by how far this chamber moves each, along the line on which it moves", region: "Mean over its markers, each along the line on which the model moves it", observable: "Measured minus predicted", all: "Mean over all that was measured, each along the line on which the model moves it" }[found.kind]}; ${found.units}. Grey band: noise floor (±${number(found.floor)}).${effects ? ` Line: what ${effects} would explain.` : " A diagnosis adds the curve of the effect."}`;
+  about.textContent = `${{ marker: "Along the line on which the model moves this marker, positive where it went farther than predicted", chamber: "Mean over the markers, weighted by how far this chamber moves each, along the line on which it moves", region: "Mean over its markers, each along the line on which the model moves it", observable: "Measured minus predicted", all: "Mean over all that was measured, each along the line on which the model moves it" }[found.kind]}${found.units === "1" ? "" : `; ${found.units}`}. Grey band: noise floor (±${number(found.floor)}).${effects ? ` Line: what ${effects} would explain.` : " A diagnosis adds the curve of the effect."}`;
   const lowHigh = quantiles(found.y, found.floor);
   fill(
     place,
@@ -128,11 +128,11 @@ function figure(panel, found, range, label) {
   if (found.fitted.length) data.push({ type: "scatter", mode: discrete ? "markers" : "lines", x: means.map((m) => m[0]), y: means.map((m) => m[3]), line: { color: colour("teal"), width: 2.5 }, marker: { symbol: "line-ew-open", size: 26, color: colour("teal"), line: { width: 2.5 } }, hovertemplate: "effect %{y:.3g}<extra></extra>" });
   const unit = panel.unit && panel.unit !== "1" ? `, ${panel.unit}` : "";
   const ticks = discrete ? { tickvals: [-1, 0, 1], ticktext: ["down", "none", "up"], range: [-1.5, 1.5] } : {};
-  return { data, layout: { height: 240, showlegend: false, shapes, margin: { l: 52, r: 10, t: 6, b: 40 }, xaxis: axis(`${panel.title}${unit}`, ticks), yaxis: axis(`residual, ${found.units}`, { range }) } };
+  return { data, layout: { height: 240, showlegend: false, shapes, margin: { l: 52, r: 10, t: 6, b: 40 }, xaxis: axis(`${panel.title}${unit}`, ticks), yaxis: axis(`residual${ofUnit(found.units)}`, { range }) } };
 }
 
 function worst(data, context) {
   const { captures } = data;
   const order = captures.names.map((_, k) => k).sort((a, b) => (captures.error[b] ?? -1) - (captures.error[a] ?? -1)).slice(0, 6);
-  return h("div", { class: "worst" }, h("h3", {}, "The worst captures"), h("ol", {}, order.map((k) => h("li", {}, h("a", { href: context.address("compare", { capture: captures.names[k] }) }, captures.words[k]), h("span", {}, `${number(captures.error[k])} ${data.units}`)))));
+  return h("div", { class: "worst" }, h("h3", {}, "The worst captures"), h("ol", {}, order.map((k) => h("li", {}, h("a", { href: context.address("compare", { capture: captures.names[k] }) }, captures.words[k]), h("span", {}, withUnit(number(captures.error[k]), data.units))))));
 }

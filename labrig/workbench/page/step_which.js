@@ -1,7 +1,7 @@
 // Which: a card for each effect, sure, possible or not it; its plot, its errors, its meaning, what would settle it.
 
 import { asked, begin, jobOf, whenBegun, working } from "./compared.js";
-import { command, empty, fill, h, number, percent } from "./dom.js";
+import { command, empty, fill, h, labrig, number, percent, withUnit } from "./dom.js";
 import { draw } from "./plot.js";
 import { get } from "./server.js";
 
@@ -34,7 +34,7 @@ export async function show(root, context) {
       ),
       detail,
     ),
-    command(`labrig diagnose ${context.run} --model ${context.info.model}`, "this is"),
+    command(labrig("diagnose", context.run, "--model", context.info.model), "this is"),
     h("p", { class: "next" }, h("a", { class: "button", href: context.address("add", { effects: at("sure").map((each) => each.effect).join(",") }) }, { 0: "See what an effect would change →", 1: "Add it and watch the error fall →" }[at("sure").length] || "Add them and watch the error fall →")),
   );
   const chosen = data.effects.find((each) => each.effect === open);
@@ -56,7 +56,7 @@ async function notYet(root, context, data) {
 }
 
 function card(each, data, context, open) {
-  const size = each.size > 0 ? `${number(each.size, 2)} ± ${number(each.size_sd, 1)} ${data.units}` : "";
+  const size = each.size > 0 ? `${number(each.size, 2)} ± ${withUnit(number(each.size_sd, 1), data.units)}` : "";
   return h(
     "button",
     { type: "button", class: `effect ${kind(each.call)}`, "aria-current": String(each.effect === open), data: { effect: each.effect }, onclick: () => context.set({ effect: each.effect }) },
@@ -71,7 +71,7 @@ async function closer(place, each, data, context) {
   const errors = h("div", { class: "errors" }, h("p", { class: "waiting" }, "fitting …"));
   const seldom = each.track_record && each.track_record.there < 0.9 * each.track_record.of; // right, where it was sure
   const title = each.call === "sure" ? `What would confirm it: the name was right ${each.track_record?.there} times of ${each.track_record?.of}` : "What it would take to be sure";
-  const settles = each.call === "sure" && !seldom ? null : h("div", {}, h("h3", {}, title), h("p", {}, each.experiment.replaceAll("\n", " ")), command(`labrig next ${context.run} --model ${context.info.model} --minutes 10 -o next.yaml`));
+  const settles = each.call === "sure" && !seldom ? null : h("div", {}, h("h3", {}, title), h("p", {}, each.experiment.replaceAll("\n", " ")), command(labrig("next", context.run, "--model", context.info.model, "--minutes", "10", "-o", "next.yaml")));
   fill(
     place,
     h("div", { class: "bar" }, h("h2", {}, each.effect.replaceAll("_", " ")), h("span", { class: `call ${kind(each.call)}` }, each.call === UNSEEN ? `can't be seen here${each.needs ? `: it needs ${each.needs}` : ""}` : `${each.call}, ${percent(each.probability)}`)),
@@ -91,7 +91,7 @@ async function closer(place, each, data, context) {
   }
   if (found.cannot) return void fill(errors, h("p", { class: "warning" }, found.cannot));
   const top = found.base;
-  const bar = (words, value, kind) => h("div", { class: `heldout ${kind}` }, h("span", {}, words), h("span", { class: "line" }, h("i", { style: `width:${(100 * Math.min(value, top)) / top}%` }), h("u", { style: `left:${(100 * found.floor) / top}%` })), h("b", {}, `${number(value)} ${found.units}`));
+  const bar = (words, value, kind) => h("div", { class: `heldout ${kind}` }, h("span", {}, words), h("span", { class: "line" }, h("i", { style: `width:${(100 * Math.min(value, top)) / top}%` }), h("u", { style: `left:${(100 * found.floor) / top}%` })), h("b", {}, withUnit(number(value), found.units)));
   fill(
     errors,
     h("h3", {}, "Held-out error"),

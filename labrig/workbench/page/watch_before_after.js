@@ -1,6 +1,6 @@
 // Two models on the same run as two surfaces side by side, turned together: their errors in one scale of colours.
 
-import { complain, fill, h, number } from "./dom.js";
+import { complain, fill, h, number, withUnit } from "./dom.js";
 import { fixed, scaleBar } from "./scale.js";
 import { get } from "./server.js";
 import { Surfaces } from "./surface.js";
@@ -47,10 +47,10 @@ function drawn(place, context, { shape, captures, units, error, floor }, names) 
     const whole = now < 0;
     const states = [["marker_before", "each_before", "before", "error"], ["marker_after", "each_after", "after", "error_after"]].map(([mean, each, at, own], k) => {
       const value = whole ? error[k] : captures[own][now];
-      surfaces.views[k].heading.textContent = `${names[k]}: ${number(value)} ${units}`;
+      surfaces.views[k].heading.textContent = `${names[k]}: ${withUnit(number(value), units)}`;
       return { at: whole ? shape.rest : captures[at][now], error: whole ? captures[mean] : captures[each][now] };
     });
-    const words = (marker, e) => (e === null ? `${marker}: not seen` : `${marker}: ${number(e)} ${units}<br>${number(e / floor, 2)} floors`);
+    const words = (marker, e) => (e === null ? `${marker}: not seen` : `${marker}: ${withUnit(number(e), units)}<br>${number(e / floor, 2)} floors`);
     surfaces.show(states, range, words).then(() => (place.dataset.drawn = String(now)), complain);
   }
   update();

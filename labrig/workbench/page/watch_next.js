@@ -1,6 +1,6 @@
 // What to measure next: the programme that settles what the diagnosis leaves open, with its minutes.
 
-import { command, complain, fill, h, number } from "./dom.js";
+import { command, complain, fill, h, number, withUnit } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { get, post } from "./server.js";
 
@@ -9,8 +9,15 @@ export async function next(place, context) {
   const body = h("div");
   card.append(body);
   place.append(card);
-  const minutes = h("input", { type: "number", min: 1, max: 600, value: context.query.get("minutes") || 10, id: "minutes", "aria-label": "minutes", onchange: () => context.set({ minutes: minutes.value }, true) });
-  const asked = () => ({ run: context.run, model: context.info?.model, minutes: Number(minutes.value) });
+  const minutes = h("input", { type: "number", min: 1, max: 600, value: context.query.get("minutes") || 10, id: "minutes", "aria-label": "minutes", oninput: typed });
+  const asked = () => ({ run: context.run, model: context.info?.model, minutes: minutes.value });
+  // The command that is shown is the one for what is typed, and what is no time is not asked for.
+  function typed() {
+    const is = minutes.value && minutes.checkValidity();
+    if (is) context.set({ minutes: minutes.value }, true);
+    card.querySelector("#propose").disabled = !is;
+    card.querySelector(".command")?.renew();
+  }
   async function draw() {
     if (!context.info?.model) return void fill(body, h("p", { class: "muted" }, "There is no model beside this run yet."));
     const given = await get("/api/next", asked());
@@ -26,8 +33,8 @@ export async function next(place, context) {
     fill(
       body,
       h("div", { class: "bar" }, h("label", {}, "at most ", minutes, " min"), button, busy ? jobs.progress(busy) : null),
-      given.found ? found(given, context) : h("p", { class: "muted" }, "It looks for the programme that tells apart best, per minute on the rig, what the diagnosis leaves open."),
-      given.command ? command(given.command) : null,
+      given.settled ? h("p", { id: "settled-already" }, h("b", {}, "Nothing to settle: "), given.settled) : given.found ? found(given, context) : h("p", { class: "muted" }, "It looks for the programme that tells apart best, per minute on the rig, what the diagnosis leaves open."),
+      given.command ? command(() => given.command.replace(/(--minutes )\S+/, (_, before) => before + (minutes.value || "…"))) : null,
     );
   }
   await draw();
@@ -47,7 +54,7 @@ function found({ found: it, procedure }, context) {
       h("tbody", {}, it.probes.map((probe) => h("tr", {}, h("td", {}, probe.probe), h("td", {}, probe.shows), h("td", {}, probe.separates), h("td", { class: "number" }, String(probe.times)), h("td", { class: "number" }, number(probe.minutes, 2))))),
     ),
     named
-      ? h("ul", { class: "small" }, it.expected.map((each) => h("li", {}, `if it is ${each.true}, ${each.other} would be off by ${number(each.apart, 2)} ${it.units} (${number(each.floors, 2)} floors)${each.settles ? ": settled" : ": not settled by this alone"}`)))
+      ? h("ul", { class: "small" }, it.expected.map((each) => h("li", {}, `if it is ${each.true}, ${each.other} would be off by ${withUnit(number(each.apart, 2), it.units)} (${number(each.floors, 2)} floors)${each.settles ? ": settled" : ": not settled by this alone"}`)))
       : null,
     it.by_hand.map((hand) => h("p", { class: "small" }, `by hand, for ${hand.effect}: ${hand.what}`)),
     it.warnings.map((text) => h("p", { class: "small muted" }, text)),

@@ -2,13 +2,14 @@
 
 import { draw, legend } from "./curves.js";
 import { command, complain, duration, fill, h, number } from "./dom.js";
+import * as jobs from "./jobs.js";
 import { answers } from "./rig.js";
 import { mayMoveRig, post } from "./server.js";
 
 const COLOURS = ["#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66"];
 
 export async function plan(place, context, facts) {
-  const wanted = context.query.get("procedure") || facts.files[0] || "capture";
+  const wanted = context.query.get("procedure") || facts.proposed || "capture";
   const files = facts.files.includes(wanted) || facts.procedures.includes(wanted) ? facts.files : [wanted, ...facts.files];
   const option = (name) => h("option", { value: name, selected: name === wanted }, name);
   const choose = h(
@@ -21,16 +22,29 @@ export async function plan(place, context, facts) {
   const shown = h("div", { id: "plan" });
   const button = h("button", { type: "button", id: "show-plan" }, "Show the plan");
   const asked = () => ({ procedure: choose.value, arguments: words.value.split(/\s+/).filter(Boolean) });
+  const inBoxes = () => JSON.stringify(asked());
+  let asking = 0;
   async function ask() {
+    const mine = ++asking;
+    const these = asked();
     fill(shown, h("p", { class: "muted" }, "following the procedure on a simulated clock …"));
     try {
-      drawn(shown, await post("/api/watch/plan", asked()), asked, context, facts);
+      const found = await post("/api/watch/plan", { ...these, model: context.info?.model });
+      if (mine !== asking) return;
+      drawn(shown, found, () => inBoxes() === JSON.stringify(these), context, facts);
     } catch (error) {
-      fill(shown, h("p", { class: "wrong" }, error.message));
+      if (mine === asking) fill(shown, h("p", { class: "wrong" }, error.message));
     }
   }
+  // What was shown is what may be started: the boxes may say something else by now.
+  const changed = () => shown.dispatchEvent(new CustomEvent("boxes"));
   button.addEventListener("click", ask);
-  choose.addEventListener("change", () => context.set({ procedure: choose.value, arguments: "" }, true));
+  choose.addEventListener("change", () => {
+    words.value = "";
+    context.set({ procedure: choose.value, arguments: "" }, true);
+    changed();
+  });
+  words.addEventListener("input", changed);
   words.addEventListener("change", () => context.set({ procedure: choose.value, arguments: words.value }, true));
   place.append(
     h(
@@ -45,23 +59,31 @@ export async function plan(place, context, facts) {
   if (context.query.get("procedure")) await ask();
 }
 
-function drawn(place, found, asked, context, facts) {
+function drawn(place, found, isInBoxes, context, facts) {
   const canvas = h("canvas", { class: "curve", "aria-label": "set-points of the plan" });
-  const name = h("input", { type: "text", id: "out", "aria-label": "name of the run", value: proposed(asked().procedure) });
+  const name = h("input", { type: "text", id: "out", "aria-label": "name of the run", value: proposed(found.asked.procedure) });
   const fast = h("input", { type: "checkbox", id: "fast" });
-  const model = context.info?.model;
+  const model = found.diagnose;
   const diagnose = h("input", { type: "checkbox", id: "diagnose" });
   const settled = h("input", { type: "checkbox", id: "settled", disabled: true });
   diagnose.addEventListener("change", () => (settled.disabled = !diagnose.checked));
-  const start = h("button", { type: "button", class: "main", id: "start", disabled: !mayMoveRig() || found.broken.length > 0 }, "Start");
+  const start = h("button", { type: "button", class: "main", id: "start" }, "Start");
+  const why = h("span", { class: "muted", id: "start-why" });
+  const open = () => {
+    why.textContent = !mayMoveRig() ? "only the page that `labrig workbench --rig` opened moves the rig" : isInBoxes() ? "" : "this plan is not that of the boxes above: show the plan first";
+    start.disabled = Boolean(why.textContent) || found.broken.length > 0;
+  };
+  place.addEventListener("boxes", open);
+  open();
   start.addEventListener("click", async () => {
     start.disabled = true;
     try {
-      const begun = await post("/api/watch/start", { ...asked(), out: name.value.trim(), realtime: !fast.checked, diagnose: diagnose.checked ? model : "", settled: settled.checked });
-      if (!fast.checked) await answers(begun.run);
-      context.go("watch", fast.checked ? {} : { live: begun.run }, context.run);
+      const begun = await post("/api/watch/start", { ...found.asked, plan: found.plan, out: name.value.trim(), realtime: !fast.checked, diagnose: diagnose.checked ? model : "", settled: settled.checked });
+      if (fast.checked) return void (await measured(place, begun, context));
+      await answers(begun.run);
+      context.go("watch", { live: begun.run }, context.run);
     } catch (error) {
-      start.disabled = false;
+      open();
       complain(error);
     }
   });
@@ -76,7 +98,7 @@ function drawn(place, found, asked, context, facts) {
     legend(found.limits.map(([chamber], c) => [chamber, COLOURS[c % COLOURS.length]])),
     h("details", {}, h("summary", {}, "steps"), h("table", {}, h("thead", {}, h("tr", {}, ["step", "at", "", ""].map((text) => h("th", {}, text)))), steps)),
     command(found.command),
-    h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, model ? h("label", { title: "in a process of its own; its probabilities appear while the run goes on" }, diagnose, ` diagnose ${model} meanwhile`) : null, model ? h("label", { title: "every effect sure or out, or one name left, or not worth the minutes" }, settled, " end when settled") : null, start, mayMoveRig() ? null : h("span", { class: "muted" }, "only the page that `labrig workbench --rig` opened moves the rig")),
+    h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, model ? h("label", { title: "in a process of its own; its probabilities appear while the run goes on" }, diagnose, ` diagnose ${model} meanwhile`) : null, model ? h("label", { title: "every effect sure or out, or one name left, or not worth the minutes" }, settled, " end when settled") : null, start, why),
   );
   const acts = found.steps.filter((step) => step.kind === "actuate" || step.kind === "vent");
   const series = found.limits.map(([chamber], c) => ({
@@ -87,6 +109,15 @@ function drawn(place, found, asked, context, facts) {
     stairs: true,
   }));
   draw(canvas, series, { low: Math.min(0, ...found.limits.map(([, low]) => low)), label: () => "0 s; kPa", now: duration(found.duration_s) });
+}
+
+// A run that nobody can watch: the page waits for it, and leads to it.
+async function measured(place, begun, context) {
+  const words = h("p", { class: "muted" }, `measuring ${begun.run} …`);
+  fill(place, words);
+  const job = await jobs.ended(begun.job);
+  if (job.state !== "done") return void fill(place, h("p", { class: "wrong" }, job.last || `${begun.run}: ${job.state}`));
+  fill(place, h("p", { id: "measured" }, h("b", {}, `${begun.run} is measured. `), h("a", { class: "onward", href: context.address("compare", {}, begun.run) }, "Compare a model with it")));
 }
 
 const what = (step) =>

@@ -1,6 +1,6 @@
 // Before and after: two models on the same run, one that neither was fitted to.
 
-import { command, complain, fill, h, number } from "./dom.js";
+import { command, complain, fill, h, number, withUnit } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { get, post } from "./server.js";
 import { beforeAfter } from "./watch_before_after.js";
@@ -15,7 +15,7 @@ export async function versus(place, context) {
     card.append(h("p", { class: "muted" }, "Two models are compared on this run once there are two: add an effect to one, and save it."));
     return undefined;
   }
-  const [before, after] = pair(models, context.info.model);
+  const [before, after] = pair(models, context.info.model, context.info.effects);
   const a = context.query.get("a") || before;
   const b = context.query.get("b") || after;
   const select = (id, chosen) => h("select", { id, "aria-label": id, onchange: (event) => context.set({ a, b, [id]: event.target.value }) }, models.map((name) => h("option", { value: name, selected: name === chosen }, name)));
@@ -39,12 +39,14 @@ export async function versus(place, context) {
   return beforeAfter(turned, context, asked, given.found.models.map((model) => model.name));
 }
 
-/** A model and its improvement, as Add names it, in this order; else the model and another one. */
-function pair(models, model) {
+/** A model and its improvement, as Add names it, in this order; else the one with fewer effects is before. */
+function pair(models, model, effects) {
   const improves = (name, other) => name.startsWith(`${other.replace(/\.ya?ml$/, "")}.improved`);
   const others = models.filter((name) => name !== model);
   const first = others.find((name) => improves(model, name));
-  return first ? [first, model] : [model, others.find((name) => improves(name, model)) || others[0]];
+  if (first) return [first, model];
+  const other = others.find((name) => improves(name, model)) || others[0];
+  return effects[other] < effects[model] ? [other, model] : [model, other];
 }
 
 function shown(found) {
@@ -52,11 +54,11 @@ function shown(found) {
   const errors = [...names, "floor"].map((name) => [name, found.error[name]]);
   const top = Math.max(...errors.map(([, value]) => value));
   const bars = errors.map(([name, value], k) =>
-    h("tr", {}, h("td", {}, name === "floor" ? "noise floor" : name), h("td", { class: "versus-bar" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, `${number(value)} ${found.units}`)),
+    h("tr", {}, h("td", {}, name === "floor" ? "noise floor" : name), h("td", { class: "versus-bar" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, withUnit(number(value), found.units))),
   );
   const { value, low, high } = found.difference;
   const interval = low === null || high === null || low === undefined ? "" : `, 95 % interval ${number(low)} to ${number(high)}`;
-  const words = found.better ? `${found.better} is nearer: by ${number(Math.abs(value))} ${found.units}${interval} ${found.units}` : `this run cannot tell them apart: ${number(value)} ${found.units}${interval} ${found.units}`;
+  const words = found.better ? `${found.better} is nearer: by ${withUnit(number(Math.abs(value)), found.units)}${interval && withUnit(interval, found.units)}` : `this run cannot tell them apart: ${withUnit(number(value), found.units)}${interval && withUnit(interval, found.units)}`;
   const rows = found.where.slice(0, SHOWN).map((row) =>
     h("tr", {}, h("td", {}, row.group), h("td", {}, row.name), row.error.map((one) => h("td", { class: "number" }, number(one))), h("td", { class: "number" }, number(row.value)), h("td", {}, row.better ? `${row.better} is nearer` : "cannot tell")),
   );

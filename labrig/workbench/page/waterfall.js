@@ -1,6 +1,6 @@
 // From the model as it is down to the noise floor, a bar for each effect that is added.
 
-import { h, number } from "./dom.js";
+import { h, number, withUnit } from "./dom.js";
 
 export function waterfall(steps, units, notes = {}) {
   const top = Math.max(...steps.map(([, value]) => value || 0)) || 1;
@@ -23,9 +23,9 @@ export function waterfall(steps, units, notes = {}) {
         h("i", { class: "left", style: `width:${(100 * value) / top}%` }),
         floor ? h("u", { style: `left:${(100 * floor) / top}%` }) : null,
       ),
-      h("span", { class: "value" }, `${number(value)} ${units}`),
+      h("span", { class: "value" }, withUnit(number(value), units)),
       h("span", { class: "fell" }, drop),
     );
   });
-  return h("div", { class: "waterfall", role: "img", "aria-label": steps.map(([label, value]) => `${label} ${number(value)} ${units}`).join(", ") }, bars);
+  return h("div", { class: "waterfall", role: "img", "aria-label": steps.map(([label, value]) => `${label} ${withUnit(number(value), units)}`).join(", ") }, bars);
 }

@@ -1,0 +1,41 @@
+"""A narrow window, or letters of twice the size: whatever acts on the rig is in sight."""
+
+from typing import Any
+
+import pytest
+
+LONG = "--captures 80 --settle-s 1 --record-s 0.5"
+
+
+def _inside(box: Any, width: int, height: int) -> bool:
+    return box["x"] >= 0 and box["x"] + box["width"] <= width and 0 <= box["y"] <= height - box["height"]
+
+
+@pytest.mark.slow
+def test_what_acts_on_the_rig_is_in_sight(bench: Any, rig: Any, browser: Any) -> None:
+    """At 400 px VENT, its confirmation, Pause, End and the model are in the window, and no page is wider than it."""
+    width, height = 400, 800
+    context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce")
+    page = context.new_page()
+    page.goto(bench.address)
+    page.wait_for_selector("#campaign")
+    page.select_option("#procedure", "capture")
+    page.fill("#arguments", LONG)
+    page.click("#show-plan")
+    page.click("#start:not([disabled])")
+    page.wait_for_selector(".live-run", timeout=40_000)
+    rig.wait_above(10.0)
+    page.wait_for_timeout(500)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.mouse.wheel(0, 600)
+    page.wait_for_timeout(300)
+    for part in ("#pause", "#end", "#vent iframe"):
+        assert _inside(page.locator(part).bounding_box(), width, height), part
+    button = next(frame for frame in page.frames if "/?theme=" in frame.url).locator("button")
+    assert _inside(button.bounding_box(), width, height)
+    button.click()
+    said = next(frame for frame in page.frames if "/said?theme=" in frame.url)
+    said.wait_for_selector("b.good", timeout=20_000)
+    assert _inside(said.locator("b.good").bounding_box(), width, height)
+    assert said.evaluate("document.body.scrollWidth <= innerWidth")
+    context.close()

@@ -1,0 +1,102 @@
+"""Which models are offered for a run: those of its rig."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from labrig.workbench._fits import Names, misfit
+from labrig.workbench._run import models_of
+
+CREEP = """
+base: {kind: static, degree: 1}
+effects:
+- name: creep
+  fitted_on: {chambers: [%s], low: [0.0], high: [2.4]}
+"""
+RUN = Names(("c1", "c2"), ("m0",), ("m0.x", "m0.y", "m0.z"))
+
+
+def _model(folder: Path, text: str, name: str = "model.yaml") -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_model_of_other_chambers_is_not_offered(bench: Any, make_run: Any) -> None:
+    """A model whose effects were fitted to other chambers is not in a run's list; the one of its own rig is."""
+    run = make_run(captures=4)
+    folder = bench.desk.folder
+    _model(folder, CREEP % "Solldruck", "a.yaml")
+    own = folder / "model.yaml"
+    assert models_of(bench.desk, folder / run) == [own]
+
+
+def test_where_none_fits_a_line_is_offered(ask: Any, bench: Any, make_run: Any) -> None:
+    """With models of other rigs alone a run has no model, and so the page offers to begin with a straight line."""
+    run = make_run(captures=4)
+    _model(bench.desk.folder, CREEP % "Solldruck")
+    found = ask(f"/api/run?run={run}")[1]
+    assert found["models"] == []
+    assert found["model"] == ""
+
+
+def test_a_line_that_was_made_for_another_rigs_run_is_not_offered(bench: Any, make_run: Any) -> None:
+    """What the workbench made for a run of other chambers says so by its name; of the same chambers it is offered."""
+    run, other = make_run("one", captures=4), make_run("two", captures=4)
+    folder = bench.desk.folder
+    (folder / "model.yaml").unlink()
+    line = _model(folder, "base: {kind: static, degree: 1}\n", "two-model.yaml")
+    assert models_of(bench.desk, folder / run) == [line]
+    about = (folder / other / "run.yaml").read_text(encoding="utf-8")
+    (folder / other / "run.yaml").write_text(about.replace("name: c1", "name: p9"), encoding="utf-8")
+    assert models_of(bench.desk, folder / run) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("base: {kind: static, degree: 1}\n", ""),
+        ("base: {kind: python, file: mine.py}\n", ""),
+        (CREEP % "c3", "model.yaml is for chamber c3; the rig has chambers c1, c2"),
+        (
+            "base: {kind: simulator, rig: rig.yaml}\n",
+            "model.yaml is for chambers a, b; the rig has chambers c1, c2",
+        ),
+        ("base: {kind: fmu, file: x.fmu, inputs: {a: u}, outputs: {}}\n", "is for chamber a"),
+        (
+            "base: {kind: static, degree: 1}\neffects:\n- {name: tilt, parameters: {at: {value: [1.0], per: [k.x]}}}\n",
+            "model.yaml is for observable k.x, which the rig does not have",
+        ),
+        ("base: {kind: nonsense}\n", ""),
+    ],
+)
+def test_what_a_file_says_is_held_against_the_run(tmp_path: Path, text: str, why: str) -> None:
+    """Chambers and observables by name, of effects, of a simulator's rig, of another tool's inputs; else nothing."""
+    rig = {"name": "other", "chambers": [{"name": "a"}, {"name": "b"}]}
+    (tmp_path / "rig.yaml").write_text(yaml.safe_dump(rig), encoding="utf-8")
+    found = misfit(_model(tmp_path, text), RUN)
+    assert why in found
+    assert bool(found) == bool(why)
+
+
+def test_the_model_that_a_run_was_planned_for_is_first(bench: Any, make_run: Any, tmp_path: Path) -> None:
+    """A run of the set-points of RUN/MODEL/next.yaml is offered that model, wherever it lies, before all others."""
+    run, folder = make_run("runs-of-today", captures=4), bench.desk.folder
+    points = [{"pressure_kpa": {"c1": 10.0}, "hold_s": 4.0, "label": "steps"}, {"pressure_kpa": {}}]
+    results = folder / "demo" / "run" / "simulated"
+    results.mkdir(parents=True)
+    content = {"procedure": "programme", "points": points}
+    (results / "next.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
+    planned = _model(folder / "demo", "base: {kind: static, degree: 1}\n", "simulated.yaml")
+    beside = _model(folder / "demo", "base: {kind: static, degree: 2}\n", "other.yaml")
+    assert models_of(bench.desk, folder / run) == [folder / "model.yaml"]
+    full = [{"settle_s": 1.0, "hold_s": 4.0, "label": "", **point} for point in points]
+    about = yaml.safe_load((folder / run / "run.yaml").read_text(encoding="utf-8"))
+    about |= {"procedure": "programme", "parameters": {"points": full}}
+    (folder / run / "run.yaml").write_text(yaml.safe_dump(about), encoding="utf-8")
+    assert models_of(bench.desk, folder / run) == [planned, folder / "model.yaml", beside]
+    shutil.rmtree(results)
+    assert models_of(bench.desk, folder / run) == [folder / "model.yaml"]
