@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis import SURE, Calibration, _verdict
+from labrig.diagnosis import SURE, Calibration, _verdict, diagnose
 from labrig.diagnosis._verdict import Answer, decide
+from labrig.effects import get, rows_of
 from labrig.model import Model
 from tests.naming import verdict_of
 
@@ -38,6 +39,24 @@ def test_a_sag_that_two_effects_make_is_one_of_both(make_lab, seed: int) -> None
     found = verdict_of(lab.dataset(place + lab.noise()), Model.load(lab.folder / "model.yaml"))
     assert found.verdict in {"identified", "confounded"}
     assert {*found.effects, *found.rivals} & {"gravity", "rest_shape"}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_tip_that_is_off_beside_places_that_are_held_is_no_gravity_alone(make_lab, seed: int) -> None:
+    """A marker glued elsewhere on a tip that moves, two that are fixed: another rest shape, or gravity; neither is sure
+    where the poses do not tell, and the formula of either takes it off.
+    """
+    lab = make_lab(chambers=3, markers=3, captures=60, rows_s=(3.0, 4.0, 5.0), seed=seed, repeats=False)
+    lab.reach[:6] *= 0.0
+    data = lab.dataset(lab.predict(lab.u) + np.r_[np.zeros(6), 1.2, 0.5, -0.3] + lab.noise(0.3, 0.0))
+    data = data.drop_vars("rest_mm")  # nobody says where the markers are at rest
+    summary = diagnose(data, lab.model()).summary
+    calls = {c["effect"]: c["call"] for c in summary["effects_considered"]}
+    assert calls["gravity"] != "sure"
+    assert calls["rest_shape"] in {"possible", "sure"}
+    assert summary["error"]["model"] < 1.2 * summary["error"]["floor"]
+    forms = {v.form for v in get("gravity").variants(lab.model().context(rows_of(data)))}
+    assert "own weight along x" in forms
 
 
 @pytest.mark.parametrize(("beside", "verdict"), [(2.3, "confounded"), (1.7, "identified")])

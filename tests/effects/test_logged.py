@@ -1,8 +1,10 @@
-"""What follows a temperature that was logged is drift, whatever the temperature was when the model was right."""
+"""What follows something that was logged for an effect is that effect: a temperature, drift; a tilt, gravity."""
 
 import numpy as np
 import pytest
 
+from labrig.diagnosis import prepared, rows_from
+from labrig.diagnosis._diagnose import laid_out, verdict_on
 from labrig.effects import Covariate, get, rows_of
 from tests.naming import calls_of
 
@@ -44,3 +46,31 @@ def test_its_forms_begin_at_the_first_temperature_or_at_the_mean(make_lab) -> No
     assert isinstance(rows.covariates["room"], Covariate)
     variants = get("drift").variants(lab.model().context(rows))
     assert {v.shape["reference"] for v in variants if "reference" in v.shape} == {20.0, 25.0}
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("tilt", "deg"), ("mount tilt", "deg"), ("tilt_x", "rad"), ("IMU pitch", "deg")]
+)
+def test_what_follows_a_tilt_is_gravity(make_lab, name: str, unit: str) -> None:
+    """A cantilever's sag by the sine of the tilt, more where it is soft, whatever else the tilt's name says."""
+    lab = make_lab(captures=N, markers=6, repeats=False, seed=2)
+    tilt_deg = lab.random.choice([-30.0, -15.0, 0.0, 15.0, 30.0], N)
+    reach = np.linspace(0.2, 1.0, 6) ** 2 * (3 - np.linspace(0.2, 1.0, 6)) / 2
+    sag = np.sin(np.deg2rad(tilt_deg))[:, None, None] * np.repeat(reach, 3) * np.tile([1.2, 0.0, 0.0], 6)
+    soft = 1 + 0.02 * lab.u.mean(axis=2, keepdims=True)
+    logged = tilt_deg if unit == "deg" else np.deg2rad(tilt_deg)
+    data = lab.dataset(lab.predict(lab.u) + sag * soft + lab.noise(), {name: (unit, logged)})
+    calls = calls_of(data, lab.model())
+    assert calls.pop("gravity") == "sure"
+    assert "sure" not in calls.values()
+
+
+def test_what_follows_a_tilt_has_no_name_where_gravity_is_left_out(make_lab) -> None:
+    """Without the effect that it was logged for, it is something else that was recorded."""
+    lab = make_lab(captures=N, markers=6, repeats=False)
+    turn = np.sin(np.arange(N) * 0.9)
+    moved = 0.8 * turn[:, None, None] * np.cos(5 * np.arange(18))
+    run = lab.dataset(lab.predict(lab.u) + moved + lab.noise(), {"tilt": ("rad", turn)})
+    effects = {n: e for n, e in lab.model().library().items() if n != "gravity"}
+    verdict = verdict_on(*laid_out(prepared(rows_from(run), lab.model()), effects), effects)
+    assert (verdict.verdict, verdict.carried_by) == ("unknown", "what was recorded beside")
