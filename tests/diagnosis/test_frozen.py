@@ -45,7 +45,7 @@ def test_a_marker_that_was_never_seen_to_move(make_lab) -> None:
     """
     lab = make_lab(markers=4)
     lab.reach[:6] = 0.0
-    values = np.round(lab.predict(lab.u) + lab.noise(), 3)
+    values = np.round(lab.predict(lab.u) + lab.noise(), 2)  # what trembles comes again and again
     places(lab, values)[:, :, 1] = lab.rest_mm[1]
     rows = cleaned(lab, values)
     assert left_out(lab, rows) == {1: list(range(60))}

@@ -200,7 +200,7 @@ def test_all_x_then_all_y_then_all_z(make_lab) -> None:
 def test_a_quaternion_in_another_order(make_lab, by: int, words: str) -> None:
     """One of both has w first, the other last: the line says so, and none where they have the same order."""
     lab = make_lab(captures=40)
-    turn = Rotation.from_rotvec(0.012 * lab.u.reshape(-1, 3) + [0.2, 0.1, 0.0]).as_quat()
+    turn = Rotation.from_rotvec(0.02 * lab.u.reshape(-1, 3) - 0.6).as_quat()
     run = lab.dataset(lab.predict(lab.u)).drop_vars(["position_mm", "rest_mm"])
     read = turn.reshape(40, -1, 4) + 0.002 * lab.random.normal(size=(40, lab.u.shape[1], 4))
     run = run.assign(observed=(("capture", "time", "observable"), read))
@@ -210,7 +210,7 @@ def test_a_quaternion_in_another_order(make_lab, by: int, words: str) -> None:
     )
 
     def model(u: np.ndarray) -> np.ndarray:
-        return np.roll(Rotation.from_rotvec(0.012 * u + [0.2, 0.1, 0.0]).as_quat(), by, axis=1)
+        return np.roll(Rotation.from_rotvec(0.02 * u - 0.6).as_quat(), by, axis=1)
 
     lines = list(mixed_up(prepared(rows_from(run), Model.of(model)).context))
     assert len(lines) == bool(by)

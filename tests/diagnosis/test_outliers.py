@@ -99,6 +99,15 @@ def test_what_is_small_in_its_unit_is_not_compared_with_the_rest(make_lab, seed:
     assert gone.sum() <= 3 + 0.001 * gone.size
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_noisier_than_most_is_no_mistake(make_lab, seed: int) -> None:
+    """One of four markers with eight times the noise of the others: hardly one of its values is left out."""
+    lab = make_lab(captures=50, markers=4, rows_s=(3.0, 4.0, 5.0, 6.0), repeats=False, seed=seed)
+    noise = lab.random.normal(size=(50, 4, 12)) * np.repeat([0.05, 0.05, 0.05, 0.4], 3)
+    _, dropped = cleaned_of(lab, lab.predict(lab.u) + noise)
+    assert dropped <= 0.002 * noise.size
+
+
 def test_what_others_at_the_same_pressures_say_is_believed(make_lab) -> None:
     """A limit that a few captures meet, one here and one there, is no mistake of those captures; one halfway is."""
     lab = make_lab(captures=60, markers=1)

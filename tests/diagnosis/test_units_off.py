@@ -52,6 +52,16 @@ def test_one_file_in_another_unit(tmp_path: Path, scale: float, words: str) -> N
     assert line in compare(run, lab.model()).summary["warnings"]
 
 
+def test_two_captures_say_nothing_of_their_unit(tmp_path: Path) -> None:
+    """A day with two set-points side by side: that noise makes more of them than the model is no other unit."""
+    lab = Lab(tmp_path, captures=42, force=True, sessions=3, repeats=False)
+    lab.session[:] = np.repeat([0, 1, 2], [20, 2, 20])
+    lab.commanded[20], lab.commanded[21] = 30.0, 30.05
+    values = lab.predict(lab.u) + lab.noise()
+    values[20], values[21] = lab.predict(lab.u)[20] - 0.5, lab.predict(lab.u)[21] + 0.5
+    assert said_of(compare(lab.dataset(values), lab.model())) == []
+
+
 def test_a_day_on_which_half_of_the_way_was_gone_is_physics(tmp_path: Path) -> None:
     """What another day does otherwise, as rigs do, is no unit."""
     lab = Lab(tmp_path, sessions=2, force=True)

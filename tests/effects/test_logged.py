@@ -5,6 +5,7 @@ import pytest
 
 from labrig.diagnosis import prepared, rows_from
 from labrig.diagnosis._diagnose import laid_out, verdict_on
+from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import Covariate, get, rows_of
 from tests.naming import calls_of
 
@@ -28,6 +29,20 @@ def test_what_follows_a_temperature_is_drift(make_lab, name: str) -> None:
     calls = calls_of(lab.dataset(values, {"room": ("K", read)}), lab.model())
     assert calls.pop("drift") == "sure"
     assert "sure" not in calls.values()
+
+
+def test_what_follows_a_temperature_is_not_asked_without_a_name_as_well(make_lab) -> None:
+    """Drift says that a temperature is its own; what follows another thing that was logged stays without a name."""
+    lab = make_lab(captures=N, markers=4, repeats=False)
+    logged = {
+        "room": ("degC", 20.0 + COURSE["warmer"]),
+        "humidity": ("percent", 40.0 + COURSE["up and down"]),
+    }
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u), logged)))
+    assert [*get("drift").follows(context)] == ["room"]
+    for followed, names in (((), {"room", "humidity"}), (("room",), {"humidity"})):
+        (beside,) = [space for space in unnamed(context, followed) if space.spectrum == "beside"]
+        assert {f.name for f in beside.features} & {"room", "humidity"} == names
 
 
 def test_a_temperature_beside_noise_is_no_drift(make_lab) -> None:

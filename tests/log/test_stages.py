@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import labrig
 from labrig.log import guess_mapping
 
 RANDOM = np.random.default_rng(1)
@@ -59,6 +60,26 @@ def test_a_stage_beside_a_pressure_is_an_input_too(tmp_path: Path) -> None:
     assert found == {"pressure (kPa)", "length (mm)", "x stage (mm)", "y stage (mm)"}
     said = "column 'length (mm)' stands still in holds, and not where the inputs say: taken for an input, too"
     assert said in remarks
+
+
+@pytest.mark.parametrize("kind", ["few", "jumps"])
+def test_what_is_no_stage(tmp_path: Path, kind: str) -> None:
+    """A number of three specimens, and what jumps while the pressure is held, were not set with it."""
+    column = np.repeat([1.5, 2.5, 3.5], 60) if kind == "few" else np.roll(LENGTH, 1)
+    columns = {
+        "t_s": TIME,
+        "pressure (kPa)": VOLUME,
+        "gauge (mm)": column,
+        "force (N)": noisy(2 * VOLUME, 0.5),
+    }
+    assert inputs(tmp_path, columns)[0] == {"pressure (kPa)"}
+
+
+def test_inputs_of_two_units_have_both(tmp_path: Path) -> None:
+    """A pressure and a length are in kPa or mm, not both in the first one's."""
+    columns = {"p_set [kPa]": VOLUME, "L_set [mm]": LENGTH, "F [N]": noisy(2 * VOLUME, 0.5)}
+    run = labrig.import_table(pd.DataFrame(columns), tmp_path / "run")
+    assert run["commanded"].attrs["units"] == "kPa or mm"
 
 
 def test_a_table_without_noise_says_nothing_of_stages(tmp_path: Path) -> None:
