@@ -34,7 +34,8 @@ class Fall:
     @property
     def words(self) -> str:
         """By how much, and how much is needed, as root mean squares."""
-        return f"by {_rms(self.fall):.2g} {self.units}, needed {_rms(self.least):.2g} {self.units}"
+        unit = "" if self.units == "1" else f" {self.units}"
+        return f"by {_rms(self.fall):.2g}{unit}, needed {_rms(self.least):.2g}{unit}"
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> Fall:
