@@ -76,9 +76,10 @@ def _backward(context: Context) -> Iterator[str]:
     """What no marker sees, and goes the other way than the model says."""
     rows = context.rows
     for unit in dict.fromkeys(rows.unit):
-        own = np.flatnonzero((np.array(rows.unit) == unit) & (rows.marker < 0))
+        alone = (rows.marker < 0) & np.isfinite(rows.values).any(axis=0)
+        own = np.flatnonzero((np.array(rows.unit) == unit) & alone)
         measured, base = (
-            v[:, own] - np.nanmean(v[:, own], axis=0) if len(own) else np.zeros((1, 0))
+            v[:, own] - np.nanmean(v[:, own], axis=0)
             for v in (rows.values, np.where(np.isfinite(rows.values), context.base, np.nan))
         )
         now, left = (float(np.nansum((measured - sign * base) ** 2)) for sign in (1.0, -1.0))
