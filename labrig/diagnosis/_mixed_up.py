@@ -69,7 +69,8 @@ def _quaternions(context: Context) -> Iterator[str]:
 
 def _beside(measured: Floats, base: Floats) -> float:
     """How far quaternions (F, 4) are from those of a model, each on its side, in squares."""
-    return float(np.nansum(np.minimum((measured - base) ** 2, (measured + base) ** 2).sum(axis=1)))
+    either = [np.square(measured - sign * base).sum(axis=1) for sign in (1.0, -1.0)]
+    return float(np.nansum(np.minimum(*either)))
 
 
 def _backward(context: Context) -> Iterator[str]:

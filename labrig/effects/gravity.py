@@ -23,7 +23,7 @@ _PAYLOAD = {
 }
 """Units of a payload, in kg (of a force: of the mass that weighs so much)."""
 _WHERE_COMPLIANT = {"sag": "weight", "payload": "weight_per_kg", "tilt": "weight_by_tilt"}
-_TILTED = {"tilt", "orientation", "inclination", "pitch", "roll", "angle"}
+_TILTED = {"tilt", "orientation", "inclination", "pitch", "roll"}
 _SPACES = {"what gives": ("pressure", "field"), "anywhere": ("pattern",)}
 _FREE = 1.0
 """Prior variance of a sag whose shape over the body is free: weights may sit anywhere."""
@@ -186,8 +186,10 @@ class Gravity(Effect):
 
 
 def is_tilt(name: str) -> bool:
-    """Whether something that was logged says by its name how the rig was turned: tilt, mount tilt, tilt_x, pitch."""
-    return bool(_TILTED & set(re.findall("[a-z]+", name.lower())))
+    """Whether something that was logged says by its name how the rig was turned: tilt, mount tilt, tilt_x, pitch, or
+    just angle, but no valve's angle.
+    """
+    return name.lower() == "angle" or bool(_TILTED & set(re.findall("[a-z]+", name.lower())))
 
 
 def is_payload(name: str) -> bool:

@@ -118,7 +118,7 @@ class Model:
     def in_files(self) -> "Model":
         """The same model; raises `LabrigError` where its base is a function that stands in no file."""
         base = self.file.base
-        if isinstance(base, PythonBase) and base.given:
+        if isinstance(base, PythonBase) and base.given is not None:
             raise LabrigError(
                 f"the model's base is the function {base.function}, which stands in no file: write it to one (in a "
                 "notebook: %%writefile predict.py) and name it in model.yaml (base: {kind: python, file: predict.py})"

@@ -23,9 +23,10 @@ def load_function(path: Path, name: str) -> Callable[..., Any]:
 
 def function_of(spec: PythonBase, folder: Path) -> Callable[..., Any]:
     """The function of a base: as it was handed over, else in its file."""
-    return spec.given or load_function(folder / spec.file, spec.function)
+    return load_function(folder / spec.file, spec.function) if spec.given is None else spec.given
 
 
 def place_of(spec: PythonBase, folder: Path) -> str:
     """Where the function of a base stands, for messages."""
-    return f"the function {spec.function}" if spec.given else f"{folder / spec.file}:{spec.function}"
+    in_file = f"{folder / spec.file}:{spec.function}"
+    return in_file if spec.given is None else f"the function {spec.function}"

@@ -103,6 +103,22 @@ def test_a_function_is_a_model() -> None:
         assert labrig.compare(run, model).error["model"] == pytest.approx(in_file)
 
 
+def test_an_object_that_counts_as_nothing_is_a_model() -> None:
+    """A callable that is empty, as a network without layers of its own may be, is a function all the same."""
+
+    class Empty:
+        def __len__(self) -> int:
+            return 0
+
+        def __call__(self, actuation: np.ndarray) -> np.ndarray:
+            return predict(actuation)
+
+    run = labrig.import_table(frame(), "mine")
+    assert labrig.compare(run, Empty()).error == labrig.compare(run, predict).error
+    with pytest.raises(LabrigError, match="which stands in no file"):
+        labrig.Model.of(Empty()).save("model.yaml")
+
+
 def test_a_function_with_memory_is_a_model() -> None:
     """A step from a state, as in a model.yaml."""
     run = labrig.import_table(frame(), "mine")

@@ -72,12 +72,20 @@ def test_what_follows_a_tilt_is_gravity(make_lab, name: str, unit: str) -> None:
     tilt_deg = lab.random.choice([-30.0, -15.0, 0.0, 15.0, 30.0], N)
     reach = np.linspace(0.2, 1.0, 6) ** 2 * (3 - np.linspace(0.2, 1.0, 6)) / 2
     sag = np.sin(np.deg2rad(tilt_deg))[:, None, None] * np.repeat(reach, 3) * np.tile([1.2, 0.0, 0.0], 6)
-    soft = 1 + 0.02 * lab.u.mean(axis=2, keepdims=True)
+    soft = np.exp(lab.u.mean(axis=2, keepdims=True) / 60.0)  # as rubber does: no polynomial of the pressures
     logged = tilt_deg if unit == "deg" else np.deg2rad(tilt_deg)
     data = lab.dataset(lab.predict(lab.u) + sag * soft + lab.noise(), {name: (unit, logged)})
     calls = calls_of(data, lab.model())
     assert calls.pop("gravity") == "sure"
     assert "sure" not in calls.values()
+
+
+def test_the_angle_of_a_valve_is_no_tilt(make_lab) -> None:
+    """A word that says nothing of how the rig lies does not make gravity of what was logged; an angle alone may."""
+    lab = make_lab(captures=N, markers=4, repeats=False)
+    logged = {name: ("deg", np.arange(N, dtype=float)) for name in ("valve angle", "angle", "stage roll")}
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u), logged)))
+    assert [*get("gravity").follows(context)] == ["angle", "stage roll"]
 
 
 def test_what_follows_a_tilt_has_no_name_where_gravity_is_left_out(make_lab) -> None:
