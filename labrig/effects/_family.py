@@ -8,6 +8,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
+from labrig.effects._rows import Covariate
 
 FeatureKind = Literal["pressure", "field", "pattern"]
 
@@ -141,9 +142,13 @@ def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
 def temperatures(context: Context) -> Iterator[tuple[str, Floats]]:
     """Of each temperature that was logged its name, and by how much it is warmer than at first, share of its range."""
     for name, cov in context.rows.covariates.items():
-        warm = cov.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()
-        if warm and np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
+        if is_temperature(name, cov) and np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
             yield name, (cov.values - cov.values[0]) / np.ptp(cov.values)
+
+
+def is_temperature(name: str, logged: Covariate) -> bool:
+    """Whether something that was logged is one, by its unit or its name."""
+    return logged.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()
 
 
 def by_covariate(context: Context, name: str, values: Floats) -> list[Feature]:

@@ -13,6 +13,7 @@ from labrig.effects._family import (
     by_covariate,
     clocks,
     field,
+    is_temperature,
     motion_scale,
     pattern,
     pressure,
@@ -88,8 +89,11 @@ class Drift(Effect):
                 for tau in context.grid("tau_s", taus):
                     yield "warm-up over all sessions", -np.expm1(-whole / tau), "", {"tau_s": tau}
         for name, cov in context.rows.covariates.items():
-            warm = cov.unit in _CELSIUS or "temp" in name.lower()
-            if warm and np.isfinite(cov.values).all() and context.shows(np.ptp(cov.values) > 0):
+            if (
+                is_temperature(name, cov)
+                and np.isfinite(cov.values).all()
+                and context.shows(np.ptp(cov.values) > 0)
+            ):
                 zero, kelvin = _CELSIUS.get(cov.unit, (0.0, 1.0))
                 celsius = (cov.values - zero) * kelvin
                 for reference in context.grid(

@@ -111,7 +111,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
                 f"{pressures[0].column!r} trembles and {seeds[0].column!r} does not: the second is taken for what was "
                 "commanded"
             ]
-            return with_siblings(seeds[:1], rest, values), said
+            return with_siblings(quiet or pumps[:1], rest, values), said
     seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or steps or drives
     if still := [n for n in seeds if is_held(values[n.column])]:
         seeds = [n for n in seeds if n in still or not is_noisy(values[n.column])]

@@ -51,6 +51,13 @@ def test_a_valve_that_moves_all_the_time_drives_what_trembles(tmp_path: Path, na
     assert found == {name}
 
 
+def test_two_valves_that_move_all_the_time_are_both_inputs(tmp_path: Path) -> None:
+    """An inlet and an outlet, which have no name in common."""
+    other = (40 + 25 * np.sin(0.023 * np.arange(1200))).round(2)
+    columns = {"Time (s)": np.arange(1200) * 0.05, "inlet PWM (%)": SWING.round(2), "bleed duty (%)": other}
+    assert inputs(tmp_path, columns | {"p (kPa)": noisy(LAG, 1.0)})[0] == {"inlet PWM (%)", "bleed duty (%)"}
+
+
 def test_a_stage_beside_a_pressure_is_an_input_too(tmp_path: Path) -> None:
     """A length, and the places of a table, that no pressure says; what is read once a hold, and follows it, is none."""
     columns = {"t_s": TIME, "pressure (kPa)": VOLUME, "length (mm)": LENGTH}
