@@ -319,12 +319,24 @@ def is_held(values: Floats) -> bool:
 
 
 def is_noisy(values: Floats) -> bool:
-    """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held."""
+    """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held.
+
+    A ramp that was rounded is not: its second differences are no more than the last digit that was written.
+    """
     seen = _seen(values)
     if len(seen) < 8 or is_held(seen):
         return False
     second = np.diff(seen, n=2)
-    return bool((second[1:] * second[:-1] < 0).mean() > _NOISY)
+    second[np.abs(second) < 1.5 * _last_digit(seen)] = 0.0
+    products = second[1:] * second[:-1]
+    told = products[products != 0]
+    return len(told) > 8 and bool((told < 0).mean() > _NOISY)
+
+
+def _last_digit(seen: Floats) -> float:
+    """The size of the last decimal digit that numbers (n,) were written with; 0 where they have more than six."""
+    digits = (d for d in range(7) if np.allclose(seen, np.round(seen, d), rtol=0, atol=1e-9))
+    return 10.0 ** -next(digits, np.inf)
 
 
 def _seen(values: Floats) -> Floats:

@@ -51,6 +51,19 @@ def test_a_valve_that_moves_all_the_time_drives_what_trembles(tmp_path: Path, na
     assert found == {name}
 
 
+@pytest.mark.parametrize("digits", [1, 2])
+def test_a_valve_in_ramps_drives_what_trembles(tmp_path: Path, digits: int) -> None:
+    """What rounding does to a ramp is no noise; a gauge that trembles by its last digit does."""
+    corners = np.arange(0, 70, 10)
+    ramps = np.interp(np.arange(1200) * 0.05, corners, [3.1, 71.7, 12.3, 48.8, 0.9, 66.2, 20.4]).round(digits)
+    lag = np.convolve(3 * ramps, np.exp(-np.arange(100) / 20) / 20)[:1200]
+    gauge = (lag + RANDOM.normal(0, 0.1, 1200)).round(1)
+    found, _ = inputs(
+        tmp_path, {"Time (s)": np.arange(1200) * 0.05, "Valve PWM (%)": ramps, "p (kPa)": gauge}
+    )
+    assert found == {"Valve PWM (%)"}
+
+
 def test_two_valves_that_move_all_the_time_are_both_inputs(tmp_path: Path) -> None:
     """An inlet and an outlet, which have no name in common."""
     other = (40 + 25 * np.sin(0.023 * np.arange(1200))).round(2)
