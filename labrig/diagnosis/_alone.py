@@ -13,9 +13,9 @@ from labrig.arrays import Floats
 from labrig.diagnosis._observations import Observations
 from labrig.effects import Context, Feature, Space, acting
 
-_FEWEST = 3
+FEWEST = 3
 """Chambers from which on there are spaces of one alone: of two, two measures are hardly wider than one."""
-_MOST = 0.5
+MOST = 0.5
 """Share of what all chambers explain that one has to, else it is not one alone: it saves time where it is not."""
 
 
@@ -56,7 +56,7 @@ def _likeliest(observations: Observations) -> int | None:
     context, values = observations.context, observations.values
     C = len(context.rows.chambers)
     measured = values.any(axis=1)
-    if C < _FEWEST or not measured.any():
+    if C < FEWEST or not measured.any():
         return None
     Q, R = np.linalg.qr(observations.slopes)
     capture, values, own = observations.capture[measured], values[measured], _own(context)
@@ -67,7 +67,7 @@ def _likeliest(observations: Observations) -> int | None:
     apart = gram.reshape(C, len(gram) // C, C, -1)
     gains = [_explained(apart[c, :, c], product[c]) for c in range(C)]
     most = max(gains)
-    return int(np.argmax(gains)) if most > 0 and most >= _MOST * _explained(gram, product.ravel()) else None
+    return int(np.argmax(gains)) if most > 0 and most >= MOST * _explained(gram, product.ravel()) else None
 
 
 def _explained(gram: Floats, product: Floats) -> float:

@@ -1,7 +1,7 @@
 """The design matrix: every space as columns over the observations, under its own prior."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,8 +13,9 @@ from labrig.diagnosis._columns import Columns, gram
 from labrig.diagnosis._curves import MAP, curves, family_of
 from labrig.diagnosis._directions import directions
 from labrig.diagnosis._motions import MOTION, motions
-from labrig.diagnosis._names import by_kind, has_name
+from labrig.diagnosis._names import alike, by_kind, different, has_name
 from labrig.diagnosis._observations import Observations
+from labrig.diagnosis._one_sensor import SENSOR, of_one_sensor
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
 from labrig.effects import Effect, Feature, Space, motion_scale
@@ -86,9 +87,13 @@ def design_of(
     followed = {name for effect in effects.values() for name in effect.follows(context)}
     lonely = (space for space in unnamed(context, followed) if not has_name(space, named_by_kind))
     others = [("?" + space.spectrum, space) for space in lonely]
-    others += [("?" + MOTION, space) for space in motions(context)]
-    others += [("?" + MAP, space) for space in curves(named, effects, context)]
-    V, spread = directions(observations, _different(known))
+    more = {
+        MOTION: motions(context),
+        MAP: curves(named, effects, context),
+        SENSOR: of_one_sensor(observations),
+    }
+    others += [("?" + owner, space) for owner, spaces in more.items() for space in spaces]
+    V, spread = directions(observations, different(known))
     made: list[_Made] = []
     free: list[FreeBlock] = []
     layout = _Layout(observations, V)
@@ -100,7 +105,7 @@ def design_of(
             if G.shape[1]:
                 free.append(FreeBlock(owner, space, G))
             continue
-        if again := next((m for m in made if _alike(m.space, space)), None):
+        if again := next((m for m in made if alike(m.space, space)), None):
             again.owners.append((owner, space))
             continue
         acts = space.apart is None and all(f.kind == "pressure" for f in space.features)
@@ -173,25 +178,6 @@ def _side_by_side(made: list[_Made], rows: tuple[int, int], dtype: "np.dtype[Any
     while made:
         columns = made.pop(0).columns
         out[:, :, at : (at := at + columns.shape[2])] = columns
-    return out
-
-
-def _alike(one: Space, other: Space) -> bool:
-    """Whether two spaces are the same, of whatever owners: then they differ in nothing that the data could tell."""
-    if (one.spectrum, one.key) != (other.spectrum, other.key):
-        return False
-    both = zip(one.features, other.features, strict=False)
-    return len(one.features) == len(other.features) and all(
-        f.name == g.name and np.array_equal(f.values, g.values) for f, g in both
-    )
-
-
-def _different(spaces: Sequence[Space]) -> list[Space]:
-    """Spaces without those that are the same as one before, of another owner."""
-    out: list[Space] = []
-    for space in spaces:
-        if not any(_alike(before, space) for before in out):
-            out.append(space)
     return out
 
 

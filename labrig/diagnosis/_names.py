@@ -31,6 +31,25 @@ def by_kind(space: Space, rows: int = _ROWS_COMPARED) -> dict[str, Floats]:
     return out
 
 
+def alike(one: Space, other: Space) -> bool:
+    """Whether two spaces are the same, of whatever owners: then they differ in nothing that the data could tell."""
+    if (one.spectrum, one.key) != (other.spectrum, other.key):
+        return False
+    both = zip(one.features, other.features, strict=False)
+    return len(one.features) == len(other.features) and all(
+        f.name == g.name and np.array_equal(f.values, g.values) for f, g in both
+    )
+
+
+def different(spaces: Sequence[Space]) -> list[Space]:
+    """Spaces without those that are the same as one before, of another owner."""
+    out: list[Space] = []
+    for space in spaces:
+        if not any(alike(before, space) for before in out):
+            out.append(space)
+    return out
+
+
 def _within(columns: Floats, basis: Floats | None) -> bool:
     if basis is None or not columns.shape[1] <= basis.shape[1] <= len(basis) / 2:
         return False

@@ -14,6 +14,7 @@ from labrig.effects._skin import by_itself, by_place, by_sensor, lag_behind, per
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
+HOUR_S = 3600.0
 DECADE = 10.0
 CHAIN_S = (0.5, 1.5, 5.0)
 LINKS, STEP = 5, 4.0
@@ -21,6 +22,8 @@ LINKS, STEP = 5, 4.0
 SETTLE_S = 3.0
 LONG_HOLD = 5.0
 """Times the usual settling: from so long a hold on, creep shows within it."""
+FLOWS = 1000.0
+"""Times the run: a lag as slow as that never comes back, and is a flow."""
 SHORTEST_S = 3.0
 """A lag behind the settled shape that is shorter than this is a delay."""
 
@@ -48,6 +51,9 @@ class Creep(Effect):
         Parameter(
             "tau_s", "s", 0.3, 1e5, meaning="retardation time; of a chain the shortest, a decade apart"
         ),
+        Parameter(
+            "flow", "1/h", 0.0, meaning="what flows in an hour and never comes back, share of the response"
+        ),
         Parameter("known", "1", 0.0, 1.0, meaning="share of the delayed response that the base already has"),
     )
     reference = (
@@ -73,7 +79,11 @@ class Creep(Effect):
                     continue
                 change = strain - known * u
                 shape = {"tau_s": tau, "known": known}
-                yield Variant(name, (Term.common("amplitude", change),), shape)
+                delayed = Term.common("amplitude", change)
+                yield Variant(name, (delayed,), shape)
+                if context.shows(n == 1 and duration > 0):
+                    flow = Term.common("flow", _flow(context, duration) / HOUR_S)
+                    yield Variant("Burgers", (delayed, flow), shape)
                 if context.shows(not context.linear) and n != 2:
                     inside = np.mean([context.strained(t) for t in chain], axis=0)
                     inside = inside - known * context.deflection * context.span / context.deflection_slope
@@ -107,6 +117,8 @@ class Creep(Effect):
         taus = tuple(t for t in every if context.shows(t <= 1.5 * duration))
         out = lags(context, taus, 3.0)
         out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.02)]
+        if context.shows(duration > 0):
+            out.append(pressure("flow", _flow(context, duration) / context.span / duration, 0.3))
         square = context.rows.share(context.rows.event_actuation) ** 2
         for tau in (5.0, 50.0, 500.0):
             if tau in taus:
@@ -148,3 +160,9 @@ class Creep(Effect):
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS
+
+
+def _flow(context: Context, duration: float) -> Floats:
+    """The integral of the actuation over time, s, (F, C): a dashpot, which a lag of far more than the run is."""
+    slow = FLOWS * duration
+    return slow * (context.relaxed(slow) - context.vented)

@@ -250,6 +250,8 @@ def _share_of_all(summary: Summary) -> str:
 
 def carries(what: str) -> str:
     """What carries something without a name, as the end of a sentence about it."""
+    if what.endswith(" alone"):
+        return f"is in {what}: look at its calibration, its cable and its mount first"
     return _CARRIES.get(what, f"is carried by {what}")
 
 

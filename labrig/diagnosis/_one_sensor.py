@@ -1,0 +1,61 @@
+"""One sensor, or one marker, alone: what is wrong with its gain, its zero or its curve says nothing of the others.
+
+Without this such a fault is named after what comes nearest to it through the pressures, which moves them all.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.arrays import Ints
+from labrig.diagnosis._alone import FEWEST, MOST
+from labrig.diagnosis._observations import Observations
+from labrig.effects import Context, Feature, Space, acting, field, motion_scale
+
+SENSOR = "sensor"
+"""What one sensor, or one marker, has wrong in itself."""
+
+
+def of_one_sensor(observations: Observations) -> Iterator[Space]:
+    """Curves of the set-points in that sensor or marker in which most of what is missing is, if it is a half or more;
+    none where there are two or fewer.
+    """
+    context = observations.context
+    group = _sensors(context)
+    beyond = (observations.values**2 - observations.left[:, None]).sum(axis=0)
+    each = np.maximum(np.bincount(group, weights=beyond), 0.0)
+    seen = len(np.unique(group[observations.seen]))
+    most = int(each.argmax())
+    if seen < FEWEST or not each.any() or each[most] < MOST * each.sum():
+        return
+    own = np.flatnonzero(group == most)
+    yield Space(f"{_name(context, own)} alone", SENSOR, acting(list(_curves(context, own))), scanned=seen)
+
+
+def _sensors(context: Context) -> Ints:
+    """Which sensor each observable (K,) is of: those of one marker are one."""
+    marker = context.rows.marker
+    apart = marker.max(initial=-1) + 1 + np.arange(len(marker))
+    return np.unique(np.where(marker >= 0, marker, apart), return_inverse=True)[1]
+
+
+def _name(context: Context, own: Ints) -> str:
+    rows = context.rows
+    return rows.markers[rows.marker[own[0]]] if rows.marker[own[0]] >= 0 else rows.observables[own[0]]
+
+
+def _curves(context: Context, own: Ints) -> Iterator[Feature]:
+    """Its gain, and the square of what it says; its zero; each set-point and its square, in the size of its motion."""
+    x, moved = context.rows.fraction, context.displacement
+    scale = motion_scale(context)
+    for k in own:
+        size = scale[k] or 1.0
+        functions = {"gain": (moved[:, k] / size, 1.0), "bow": ((moved[:, k] / size) ** 2, 0.3)}
+        functions["zero"] = (np.ones(len(x)), 0.3)
+        for c in range(x.shape[1]):
+            functions[f"pressure {c}"] = (x[:, c], 0.3)
+            functions[f"pressure {c} square"] = (x[:, c] ** 2, 0.3)
+        for name, (values, weight) in functions.items():
+            out = np.zeros_like(moved)
+            out[:, k] = size * values
+            yield field(f"{name} of {k}", out, weight)

@@ -1,0 +1,78 @@
+"""One sensor, or one marker, that reads wrongly is no effect of the rig: it is found by its name."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import labrig
+from labrig.view._naming import carries
+from tests.naming import verdict_of
+
+RANDOM = np.random.default_rng(5)
+REACH = np.array([[4.0, 1.0, 0.5, 2.0], [0.5, 3.0, 1.0, 1.5]])
+"""Four sensors of two chambers, V at full pressure."""
+
+
+def predicted(u: np.ndarray) -> np.ndarray:
+    """Volts (F, 4) from kPa (F, 2): strain gauges of a body that stiffens."""
+    x = u / 100.0
+    return x * 1.4 / (1 + 0.4 * x) @ REACH
+
+
+def table(folder, read) -> pd.DataFrame:
+    """Fifty set-points of three rows each, as these sensors `read` them."""
+    u = np.repeat(RANDOM.uniform(0, 100, (50, 2)).round(1), 3, axis=0)
+    seen = read(predicted(u)) + RANDOM.normal(0, 0.03, (150, 4))
+    time = np.repeat(np.arange(50) * 8.0, 3) + np.tile([3.0, 4.0, 5.0], 50)
+    named = {f"gauge {k} (V)": seen[:, k].round(4) for k in range(4)}
+    return pd.DataFrame({"t (s)": time, "p1 set (kPa)": u[:, 0], "p2 set (kPa)": u[:, 1], **named})
+
+
+def one(read, which: int):
+    """A fault in one of the sensors."""
+
+    def of(volts: np.ndarray) -> np.ndarray:
+        out = volts.copy()
+        out[:, which] = read(volts[:, which])
+        return out
+
+    return of
+
+
+@pytest.mark.parametrize(
+    ("read", "which"),
+    [(lambda v: 1.06 * v, 0), (lambda v: 0.93 * v + 0.05, 1), (lambda v: v + 0.04 * v**1.5, 3)],
+)
+def test_a_sensor_that_reads_wrongly_is_said_by_name(tmp_path, read, which: int) -> None:
+    """Another gain, with a zero or without, or one that grows, in one of four gauges: that one, and no effect."""
+    run = labrig.import_table(table(tmp_path, one(read, which)), tmp_path / "run")
+    found = labrig.diagnose(run, predicted).summary
+    assert (found["verdict"], found["effects"]) == ("unknown", [])
+    assert found["carried_by"] == f"gauge {which} alone"
+
+
+def test_what_all_sensors_read_wrongly_is_not_in_one(tmp_path) -> None:
+    """Half of what is missing, or more, has to be in one."""
+    run = labrig.import_table(table(tmp_path, lambda volts: 1.06 * volts), tmp_path / "run")
+    found = labrig.diagnose(run, predicted).summary
+    assert not any(what.endswith("alone") for what in found["unnamed"])
+
+
+def test_a_marker_that_is_seen_too_large_is_said_by_name(make_lab) -> None:
+    """A marker of eight, with its three axes, that a worn lens shows farther out the farther out it is."""
+    lab = make_lab(markers=8, captures=60, seed=4)
+    positions = lab.predict(lab.u)
+    rest = lab.predict(0 * lab.u)
+    own = slice(15, 18)
+    moved = positions[..., own] - rest[..., own]
+    positions[..., own] += 0.25 * moved * np.linalg.norm(moved, axis=-1, keepdims=True) / np.abs(moved).max()
+    found = verdict_of(lab.dataset(positions + lab.noise()), lab.model())
+    assert (found.verdict, found.effects, found.carried_by) == ("unknown", (), "m5 alone")
+
+
+def test_where_to_look_is_said() -> None:
+    """A report says what to look at."""
+    assert (
+        carries("gauge 2 alone")
+        == "is in gauge 2 alone: look at its calibration, its cable and its mount first"
+    )
