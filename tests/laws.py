@@ -25,6 +25,17 @@ def power_law(lab: "Lab") -> np.ndarray:
     return out
 
 
+def dashpot(lab: "Lab") -> np.ndarray:
+    """What flows under load and never comes back, the faster the higher the load is.
+
+    F. H. Norton, The Creep of Steel at High Temperatures, 1929.
+    """
+    speed = 0.02 * HIGH_KPA * (lab.commanded / HIGH_KPA) ** 1.5 / 60.0
+    took = np.diff(lab.event_s, append=lab.event_s[-1])[:, None]
+    before = np.cumsum(speed * took, axis=0) - speed * took
+    return lab.u + before[:, None] + speed[:, None] * lab.hold_s[:, :, None]
+
+
 def orifice(lab: "Lab") -> np.ndarray:
     """The root of the pressure falls in a straight line: a pinhole."""
     return np.maximum(np.sqrt(lab.u) - 0.05 * lab.hold_s[:, :, None], 0.0) ** 2

@@ -274,6 +274,17 @@ class Context:
         at_start = solve_banded((1, 0), bands, (1 - decay)[:, None] * last, check_finite=False)
         return u[event] + (at_start[event] - u[event]) * np.exp(-self.elapsed_s / tau_s)[:, None]
 
+    def integrated(self) -> Floats:
+        """The integral over time of the actuation beyond what is vented, s, since its history began, (F, C)."""
+        excess, gap_s = self.rows.event_actuation - self.vented, np.diff(self.rows.event_time_s, prepend=0.0)
+        goes_on = self.started == np.arange(len(excess)) - 1
+        goes_on[:1] = False
+        steps = np.where(goes_on, np.maximum(gap_s, 0.0), 0.0)[:, None] * excess[self.started]
+        total = np.cumsum(steps, axis=0)
+        began = np.maximum.accumulate(np.where(goes_on, 0, np.arange(len(excess))))
+        at_start, event = total - total[began], self.rows.event
+        return at_start[event] + self.elapsed_s[:, None] * excess[event]
+
     def earlier(self, dead_s: float) -> Floats:
         """The actuation of so many seconds ago, (F, C), vented before a session's first; needs `has_time`.
 

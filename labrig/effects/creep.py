@@ -22,8 +22,6 @@ LINKS, STEP = 5, 4.0
 SETTLE_S = 3.0
 LONG_HOLD = 5.0
 """Times the usual settling: from so long a hold on, creep shows within it."""
-FLOWS = 1000.0
-"""Times the run: a lag as slow as that never comes back, and is a flow."""
 SHORTEST_S = 3.0
 """A lag behind the settled shape that is shorter than this is a delay."""
 
@@ -68,6 +66,11 @@ class Creep(Effect):
             return
         u, chambers = context.rows.actuation, context.rows.chambers
         duration = float(np.nanmax(context.elapsed_s) + np.ptp(context.rows.event_time_s))
+        flow = context.integrated() / HOUR_S
+        if context.shows(duration > 0):
+            yield Variant("flow", (Term.common("flow", flow),))
+            if len(chambers) > 1:
+                yield Variant("flow per chamber", (Term.per_chamber("flow", flow, chambers),))
         for (name, n), tau in product(ELEMENTS.items(), context.grid("tau_s", TAUS_S)):
             if not context.shows(tau <= duration):
                 continue
@@ -82,8 +85,7 @@ class Creep(Effect):
                 delayed = Term.common("amplitude", change)
                 yield Variant(name, (delayed,), shape)
                 if context.shows(n == 1 and duration > 0):
-                    flow = Term.common("flow", _flow(context, duration) / HOUR_S)
-                    yield Variant("Burgers", (delayed, flow), shape)
+                    yield Variant("Burgers", (delayed, Term.common("flow", flow)), shape)
                 if context.shows(not context.linear) and n != 2:
                     inside = np.mean([context.strained(t) for t in chain], axis=0)
                     inside = inside - known * context.deflection * context.span / context.deflection_slope
@@ -118,7 +120,8 @@ class Creep(Effect):
         out = lags(context, taus, 3.0)
         out += [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.02)]
         if context.shows(duration > 0):
-            out.append(pressure("flow", _flow(context, duration) / context.span / duration, 0.3))
+            likely = 0.3 * (HOUR_S / max(duration, 1.0)) ** 2  # over the whole run
+            out.append(pressure("flow", context.integrated() / HOUR_S / context.span, likely))
         square = context.rows.share(context.rows.event_actuation) ** 2
         for tau in (5.0, 50.0, 500.0):
             if tau in taus:
@@ -160,9 +163,3 @@ class Creep(Effect):
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS
-
-
-def _flow(context: Context, duration: float) -> Floats:
-    """The integral of the actuation over time, s, (F, C): a dashpot, which a lag of far more than the run is."""
-    slow = FLOWS * duration
-    return slow * (context.relaxed(slow) - context.vented)

@@ -16,6 +16,7 @@ from labrig.tables._mapping import (
     check_mapping,
     read_mapping,
 )
+from labrig.tables._names import take_apart
 from labrig.tables._opened import opened
 from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
@@ -62,6 +63,7 @@ __all__ = [
     "read_table",
     "seconds",
     "sniff",
+    "take_apart",
     "unseen",
     "why_back",
 ]

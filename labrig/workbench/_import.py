@@ -7,13 +7,13 @@ import time
 from pathlib import Path
 from typing import Any, TypedDict
 
-import yaml
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, failed, says
+from labrig.workbench._columns import Meaning, changed, fault_of, mapping_of, meanings, text_of
 from labrig.workbench._desk import OWN, Desk
 from labrig.workbench._run import is_model
 
@@ -38,6 +38,7 @@ class _LookedAt(_Named):
 
     rows: list[list[str]]
     mapping: str
+    columns: list[Meaning]
     remarks: list[str]
 
 
@@ -46,9 +47,12 @@ _SHOWN = 8
 
 
 def routes(desk: Desk) -> list[Route]:
-    """`/api/drop` takes a file and says what it may be; `/api/import` makes a run of it."""
+    """`/api/drop` takes a file and says what it may be; `/api/columns` puts what was chosen for its columns into its
+    mapping, and `/api/import` makes a run of it.
+    """
     return [
         Route("/api/drop", _drop(desk), methods=["POST"]),
+        Route("/api/columns", answering(_chosen), methods=["POST"]),
         Route("/api/import", answering(lambda request: _import(desk, request)), methods=["POST"]),
     ]
 
@@ -93,14 +97,14 @@ def _looked_at(desk: Desk, path: Path) -> _LookedAt | _Model:
     said: _Named = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
     if path.suffix.lower() == ".mcap" and (captures := _captures(path)) is not None:
         remark = f"a log of labrig's with {captures} captures"
-        return {**said, "log": True, "rows": [], "mapping": "", "remarks": [remark]}
+        return {**said, "log": True, "rows": [], "mapping": "", "columns": [], "remarks": [remark]}
     try:
         mapping, rows, remarks = desk.worker.ask(guessed, str(path))
     except LabrigError as error:
         shutil.rmtree(path.parent, ignore_errors=True)
         raise LabrigError(str(error).replace(str(path), path.name)) from None
-    text = yaml.safe_dump(mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=100)
-    return {**said, "mapping": text, "rows": rows, "remarks": remarks}
+    columns = meanings(mapping, rows[0])
+    return {**said, "mapping": text_of(mapping), "columns": columns, "rows": rows, "remarks": remarks}
 
 
 def _taken(desk: Desk, path: Path) -> _Model:
@@ -171,6 +175,17 @@ def _import(desk: Desk, request: Request) -> Any:
     mapping.write_text(str(asked.get("mapping", "")), encoding="utf-8")
     words = ["import", desk.name(table), "--mapping", desk.name(mapping), "-o", run.name]
     return {"run": run.name, "job": desk.jobs.start(words, f"import {table.name}", run.name).facts()}
+
+
+def _chosen(request: Request) -> Any:
+    """A mapping as text, what its columns mean, and what is wrong with it: as it was chosen, if anything was."""
+    asked = body_of(request)
+    mapping = mapping_of(str(asked.get("mapping", "")))
+    if asked.get("chosen"):
+        mapping = changed(mapping, asked["chosen"])
+    columns = meanings(mapping, [str(name) for name in asked.get("header") or []])
+    text = text_of(mapping) if asked.get("chosen") else str(asked["mapping"])
+    return {"mapping": text, "columns": columns, "fault": fault_of(mapping)}
 
 
 def _free(desk: Desk, stem: str, end: str = "") -> str:

@@ -21,6 +21,7 @@ def drop(tmp_path, table, table_mapping):
     def dropping(page, name, seed, **settings):
         page.goto(page.url.split("#")[0] + "#/choose")
         page.set_input_files("input[type=file]", table(tmp_path / f"{name}.csv", seed, **settings))
+        page.click("details.mapping summary")
         page.fill("textarea", table_mapping)
         page.click("[data-import]")
         _at(page, f"#/run/{name}/compare")

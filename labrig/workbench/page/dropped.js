@@ -1,5 +1,6 @@
 // A file dropped on the page: labrig guesses what its columns mean, shows it beside the first rows, and makes a run.
 
+import { columns } from "./columns.js";
 import { command, complain, fill, h, labrig } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { post, upload } from "./server.js";
@@ -61,6 +62,10 @@ function offer(found, place, context) {
   const mapping = h("textarea", { rows: 16, spellcheck: "false", "aria-label": "mapping" }, found.mapping);
   const name = h("input", { type: "text", value: found.name, "aria-label": "name of the run" });
   const said = h("div", { role: "alert" });
+  const wrong = (text) => {
+    fill(said, text ? h("p", { class: "warning" }, text) : null);
+    button.disabled = Boolean(text);
+  };
   const button = h("button", { type: "button", class: "main", data: { import: "" }, onclick: make }, "Make a run of it");
   const shown = found.table.split("/").pop();
   async function make() {
@@ -90,7 +95,8 @@ function offer(found, place, context) {
       { class: "card" },
       h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
       found.remarks.length ? h("ul", { class: "warning remarks" }, found.remarks.map((remark) => h("li", {}, remark))) : null,
-      h("div", { class: found.log ? "" : "mapping" }, found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), mapping), preview ? h("div", {}, h("h3", {}, "The first rows"), preview) : null),
+      found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), columns(found, mapping, wrong), h("details", { class: "mapping" }, h("summary", {}, "The same as text, and what else a mapping can say"), mapping)),
+      preview ? h("details", {}, h("summary", {}, "The first rows"), preview) : null,
       said,
       h("div", { class: "bar", style: "justify-content:flex-start;margin:12px 0 0" }, button, h("label", {}, "as the run ", name)),
       line,

@@ -1,0 +1,29 @@
+"""Creep that never comes back, a flow, is creep too: under a load of one sign it goes on much as the clock does."""
+
+import numpy as np
+import pytest
+
+from tests.conftest import HIGH_KPA
+from tests.laws import dashpot
+from tests.naming import calls_of
+
+LONG_S = (3.0, 10.0, 30.0, 60.0)
+
+
+@pytest.mark.parametrize("chambers", [1, 3])
+def test_a_flow_under_load_is_no_drift_for_sure(make_lab, chambers: int) -> None:
+    """The load, which was not always the same, is what it goes by: creep is among what may be missing."""
+    lab = make_lab(chambers=chambers, captures=80, long_s=LONG_S, seed=2)
+    calls = calls_of(lab.dataset(lab.predict(dashpot(lab)) + lab.noise()), lab.model())
+    assert calls["creep"] in {"sure", "possible"}
+    assert calls["drift"] != "sure"
+
+
+@pytest.mark.parametrize("chambers", [1, 3])
+def test_a_zero_that_drifts_is_no_flow_for_sure(make_lab, chambers: int) -> None:
+    """Nor the other way round: a gauge whose zero goes on with the logarithm of time, as one that settles does."""
+    lab = make_lab(chambers=chambers, captures=80, long_s=LONG_S, seed=2)
+    zero = 0.02 * HIGH_KPA * np.log1p(lab.time_s / 600.0)[:, :, None]
+    calls = calls_of(lab.dataset(lab.predict(lab.u + zero) + lab.noise()), lab.model())
+    assert calls["drift"] in {"sure", "possible"}
+    assert calls["creep"] != "sure"
