@@ -95,8 +95,14 @@ class Observations:
 
     @cached_property
     def to_explain(self) -> float:
-        """How much more than noise there is in the rows of what was seen, root mean square, in floors."""
-        return self.size_of(self.values, self.left)
+        """How much more than noise there is in the rows of what was seen, root mean square, in floors.
+
+        Of captures' means and of what changes within them, each by itself: noise that is less than was taken for it
+        within holds says nothing of the means.
+        """
+        beyond = (self.values[:, self.seen] ** 2).sum(axis=1) - self.left * self.seen.sum()
+        parts = np.split(self.counts_for * beyond, [self.n_captures])
+        return float(np.sqrt(sum(max(part.sum(), 0.0) for part in parts)))
 
     @property
     def within(self) -> float:

@@ -12,6 +12,8 @@ from labrig.diagnosis._alone import FEWEST, MOST
 from labrig.diagnosis._observations import Observations
 from labrig.effects import Context, Feature, Space, acting, field, motion_scale
 
+_WAVES = 4
+"""Half waves along a sensor's reach that its characteristic may have: two turns of a wheel that is out of true."""
 SENSOR = "sensor"
 """What one sensor, or one marker, has wrong in itself."""
 
@@ -45,13 +47,17 @@ def _name(context: Context, own: Ints) -> str:
 
 
 def _curves(context: Context, own: Ints) -> Iterator[Feature]:
-    """Its gain, and the square of what it says; its zero; each set-point and its square, in the size of its motion."""
+    """Its gain, its zero and its characteristic, waves along its reach; and each set-point and its square. All in the
+    size of its motion.
+    """
     x, moved = context.rows.fraction, context.displacement
     scale = motion_scale(context)
     for k in own:
-        size = scale[k] or 1.0
-        functions = {"gain": (moved[:, k] / size, 1.0), "bow": ((moved[:, k] / size) ** 2, 0.3)}
-        functions["zero"] = (np.ones(len(x)), 0.3)
+        size, reach = scale[k] or 1.0, float(np.ptp(moved[:, k]))
+        functions = {"gain": (moved[:, k] / size, 1.0), "zero": (np.ones(len(x)), 0.3)}
+        if reach > 0:
+            along = np.pi * (moved[:, k] - moved[:, k].min()) / reach
+            functions |= {f"wave {n}": (np.cos(n * along), 0.3) for n in range(1, _WAVES + 1)}
         for c in range(x.shape[1]):
             functions[f"pressure {c}"] = (x[:, c], 0.3)
             functions[f"pressure {c} square"] = (x[:, c] ** 2, 0.3)

@@ -12,6 +12,8 @@ _ROUNDS = 4
 """Rounds in which what was not seen is filled; numerical."""
 _NO_MORE = 1.25
 """What is left beside slow changes, as a part of the lesser of the two, up to which it is noise alone."""
+_TAILS = 3.0
+"""How many times the usual size a row counts for at most: of a normal distribution three of a thousand are larger."""
 _EACH = 3
 """Independent differences that there must be for each coefficient of what changes along holds."""
 
@@ -34,7 +36,15 @@ def noise_within(context: Context, deviation: Floats, capture: Ints, at: Ints, g
     each = np.ones(deviation.shape[1])
     if free and spread(left) < _NO_MORE * least:
         each = profile(left, free, groups)
-    return spread(values / each) * each
+    return _with_tails(values / each) * each
+
+
+def _with_tails(values: Floats) -> float:
+    """Their standard deviation, rows that are much larger than most among them, as captures' means have them, too;
+    none counts for more than three times what most are (P. J. Huber, Ann. Math. Statist. 35 (1964) 73).
+    """
+    most = _TAILS * spread(values)
+    return float(np.sqrt(np.nanmean(np.clip(values, -most, most) ** 2))) if most > 0 else 0.0
 
 
 def _bends(deviation: Floats, capture: Ints, hold_s: Floats) -> Floats:

@@ -51,6 +51,29 @@ def test_a_sensor_that_reads_wrongly_is_said_by_name(tmp_path, read, which: int)
     assert found["carried_by"] == f"gauge {which} alone"
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_wheel_that_is_out_of_true_is_found_beside_coarser_sensors(tmp_path, seed: int) -> None:
+    """An encoder that errs twice in a turn, by five times its noise; the forces beside it are coarse.
+
+    Noise within holds is taken to be as in the coarsest sensor: what the encoder has less of it hides no error.
+    """
+    random = np.random.default_rng(seed)
+    u = np.repeat(random.uniform(60, 320, (60, 2)).round(1), 4, axis=0)
+
+    def clean(u: np.ndarray) -> np.ndarray:
+        angle = 45 * np.tanh((u[:, 0] - u[:, 1]) / 300)
+        return np.stack([angle, 0.2 * u[:, 0] - 0.4 * angle, 0.2 * u[:, 1] + 0.4 * angle], axis=1)
+
+    seen = clean(u) + random.normal(0, [0.15, 0.7, 2.1], (240, 3))
+    seen[:, 0] += 1.1 * np.sin(np.deg2rad(4 * clean(u)[:, 0]) + 0.7)
+    columns = {"t (s)": np.repeat(np.arange(60) * 8.0, 4) + np.tile([2.0, 3.0, 4.0, 5.0], 60)}
+    columns |= {"P1 set (kPa)": u[:, 0], "P2 set (kPa)": u[:, 1], "joint (deg)": seen[:, 0].round(2)}
+    columns |= {"F1 (N)": seen[:, 1].round(1), "F2 (N)": seen[:, 2].round(1)}
+    run = labrig.import_table(pd.DataFrame(columns), tmp_path / "run")
+    found = labrig.diagnose(run, clean).summary
+    assert (found["verdict"], found["carried_by"]) == ("unknown", "joint alone")
+
+
 def test_what_all_sensors_read_wrongly_is_not_in_one(tmp_path) -> None:
     """Half of what is missing, or more, has to be in one."""
     run = labrig.import_table(table(tmp_path, lambda volts: 1.06 * volts), tmp_path / "run")
