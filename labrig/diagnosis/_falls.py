@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labrig.diagnosis._amount import amount
 from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square
 from labrig.diagnosis._constants import LEAST_FLOORS
 
@@ -34,8 +35,7 @@ class Fall:
     @property
     def words(self) -> str:
         """By how much, and how much is needed, as root mean squares."""
-        unit = "" if self.units == "1" else f" {self.units}"
-        return f"by {_rms(self.fall):.2g}{unit}, needed {_rms(self.least):.2g}{unit}"
+        return f"by {amount(_rms(self.fall), self.units)}, needed {amount(_rms(self.least), self.units)}"
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> Fall:
@@ -65,8 +65,9 @@ def much_left(names: Sequence[str], base: float, model: float, floor: float, uni
     if not names or model < max(_MUCH_LEFT * base, _TIMES_NOISE * floor):
         return []
     return [
-        f"with {' and '.join(names)} added, {model:.2g} of {base:.2g} {units} are left on captures that were left out, "
-        f"{model / floor:.2g} times the noise: the law is another one of its kind, or more is missing than was named"
+        f"with {' and '.join(names)} added, {model:.2g} of {amount(base, units)} are left on captures that were left "
+        f"out, {model / floor:.2g} times the noise: the law is another one of its kind, or more is missing than was "
+        "named"
     ]
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._amount import amount
 from labrig.diagnosis._candidates import Fit
 from labrig.diagnosis._falls import fall_of
 from labrig.diagnosis._floor import UNREPEATED
@@ -54,7 +55,7 @@ def _scatters(ready: Prepared) -> list[str]:
         return []
     unit = ready.regression.units
     return [
-        f"captures are off by {mean:.2g} {unit}, each by another amount, where rows of one hold differ by "
+        f"captures are off by {amount(mean, unit)}, each by another amount, where rows of one hold differ by "
         f"{within:.2g}: it counts as noise, and may as well be an error of each set-point (a regulator's steps, say); "
         "repeat some set-points, which tells"
     ]
@@ -63,14 +64,15 @@ def _scatters(ready: Prepared) -> list[str]:
 def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: str) -> list[str]:
     """What cannot be seen beside effects that are many floors large, and what is there beside more without a name."""
     out = [
-        f"{name} fits a part of it ({size * unit_size:.2g} {unit}), but more than that has no name"
+        f"{name} fits a part of it ({amount(size * unit_size, unit)}), but more than that has no name"
         for name, size in verdict.within.items()
     ]
     least = k.INEXACT * observations.to_explain
     if verdict.found and least >= 1:
         out.append(
-            f"beside {' and '.join(verdict.found)}, nothing that is smaller than about {least * unit_size:.2g} "
-            f"{unit} can be seen: add it to the model, then diagnose that one on the same run"
+            f"beside {' and '.join(verdict.found)}, nothing that is smaller than about "
+            f"{amount(least * unit_size, unit)} can be seen: add it to the model, then diagnose that one on the same "
+            "run"
         )
     return out
 
@@ -89,7 +91,7 @@ def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str
         return []
     unit = ready.regression.units
     return [
-        f"captures of one set-point with the same history differ by {differ:.2g} {unit}, too: what follows nothing "
+        f"captures of one set-point with the same history differ by {amount(differ, unit)}, too: what follows nothing "
         "that was recorded does not repeat, so look at what trembles (frame, supply, mount) before the physics"
     ]
 
@@ -133,12 +135,12 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     if verdict.verdict == "nothing_missing" and early > _EARLY * floor:
         out.append(
             f"in the first second after an actuation, which is left out (valves, inertia), what is measured is still "
-            f"{early:.2g} {rows.unit[int(counted[0])]} from where it settles: a lag so short is not looked at"
+            f"{amount(early, rows.unit[int(counted[0])])} from where it settles: a lag so short is not looked at"
         )
     if len(moved := np.flatnonzero(ready.floor.shakes)):
         size = float(np.sqrt(np.mean(ready.floor.shakes[moved] ** 2)))
         out.append(
-            f"all markers move together from capture to capture, by {size:.2g} {rows.unit[int(moved[0])]}, "
+            f"all markers move together from capture to capture, by {amount(size, rows.unit[int(moved[0])])}, "
             "and nothing that was recorded says why: it counts as noise, so look at the mounts of rig and cameras"
         )
     return [*out, *ready.left_out, *ready.not_quoted]

@@ -80,7 +80,8 @@ class Prepared:
             count[rows.markers[marker] if marker >= 0 else name] += values
         most = [f"{values} of {name}" for name, values in count.most_common(_NAMED) if values]
         more = ["..."] if sum(values > 0 for values in count.values()) > _NAMED else []
-        return [f"{self.dropped} outlying values were left out ({', '.join([*most, *more])})"]
+        what = "outlying value was" if self.dropped == 1 else "outlying values were"
+        return [f"{self.dropped} {what} left out ({', '.join([*most, *more])})"]
 
     @property
     def not_quoted(self) -> list[str]:

@@ -41,7 +41,8 @@ def unnamed(context: Context, followed: Collection[str] = ()) -> Iterator[Space]
         columns += [pattern(f"deflection2 {c}", d[:, c] ** 2, 0.3) for c in range(C)]
         columns += [pattern(f"pressure {c}", x[:, c], 0.3) for c in range(C)]
         yield Space(FORM, FORM, acting(columns))
-        yield Space("pressures together", "static", acting(list(_static(x))))
+        together = "pressures together" if C > 1 else "another curve of the pressure"
+        yield Space(together, "static", acting(list(_static(x))))
         yield from _lever(context)
         yield from _cross(x)
         yield from _history(context)

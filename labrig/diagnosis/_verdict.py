@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._amount import amount
 from labrig.diagnosis._calibration import shipped
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._parts import missed, sizes
@@ -240,8 +241,8 @@ def underpowered(
     least = detectable_floors(observations)
     if tolerance_floors and least > tolerance_floors:
         note = (
-            f"the smallest effect that these captures could show is {least * floor:.2g} {unit}, larger than the "
-            f"tolerance of {tolerance_floors * floor:.2g} {unit}: measure more, or repeat set-points"
+            f"the smallest effect that these captures could show is {amount(least * floor, unit)}, larger than the "
+            f"tolerance of {amount(tolerance_floors * floor, unit)}: measure more, or repeat set-points"
         )
         return Verdict("underpowered", (), k.SURE, (), considered, warnings=(note,))
     return None

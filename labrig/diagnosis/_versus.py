@@ -174,5 +174,6 @@ def _notes(both: Sequence[Prepared], models: Sequence[Model], names: Sequence[st
                 f"if the effects of “{name}” were fitted to this run, its error on a new run is larger"
             )
     if lost:
-        notes.append(f"{lost} outlying values were left out of both errors")
+        what = "outlying value was" if lost == 1 else "outlying values were"
+        notes.append(f"{lost} {what} left out of both errors")
     return notes

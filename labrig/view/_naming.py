@@ -26,6 +26,7 @@ _CARRIES = {
     "single set-points that a chamber missed": "is in single captures, in which a chamber did not do what it "
     "was told, and which are left out of these figures",
     "pressures together": "depends on several pressures together",
+    "another curve of the pressure": "is another curve of the pressure, in another pattern than the model has",
     "place": "is the same at all pressures",
     "time in hold": "changes within the holds",
     "time": "changes over the session",
