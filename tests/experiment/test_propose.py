@@ -166,7 +166,7 @@ def test_too_few_data_ask_for_more(make_lab) -> None:
 
 def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     """Nothing missing, or identified with no other effect near: said in one line."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model)
@@ -226,7 +226,7 @@ def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
 
 def test_what_says_too_little_is_not_proposed(make_lab) -> None:
     """A programme for which there is time, and after which the odds of a loop's two other names were as before."""
-    lab = make_lab(captures=30, rows_s=ROWS_S)
+    lab = make_lab(chambers=2, captures=30, rows_s=ROWS_S)
     model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, summary=open_between("tension", "stiffening"), minutes=0.4)
