@@ -187,7 +187,7 @@ def test_an_effect_below_the_tolerance_is_let_pass(make_lab) -> None:
 
 def test_the_same_input_gives_the_same_file(make_lab, tmp_path) -> None:
     """Twice the same numbers, to the last digit of the JSON."""
-    lab = make_lab(captures=24)
+    lab = make_lab(chambers=2, captures=24)
     data, model = lab.dataset(slipped(lab) + lab.noise()), lab.model()
     one, two = (as_json(diagnose(data.copy(deep=True), model), tmp_path) for _ in range(2))
     assert one == two
@@ -195,7 +195,7 @@ def test_the_same_input_gives_the_same_file(make_lab, tmp_path) -> None:
 
 def test_a_library_may_be_cut_down(make_lab) -> None:
     """An effect that is left out is neither considered nor named."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(slipped(lab) + lab.noise())
     result = diagnose(data, lab.model(), without=["marker_slip"])
     assert "marker_slip" not in {r["effect"] for r in result.summary["ranking"]}
@@ -205,7 +205,7 @@ def test_a_library_may_be_cut_down(make_lab) -> None:
 
 def test_a_curve_without_a_name(make_lab) -> None:
     """A static law that no effect in a cut-down library has: some answer, whatever it is, and no crash."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(lab.predict(lab.u * (1 + 0.2 * (lab.u / 60) ** 3)) + lab.noise())
     gone = ["stiffening", "contact", "tension", "regulator"]
     summary = diagnose(data, lab.model(), without=gone).summary
@@ -234,7 +234,7 @@ def test_fifteen_hundred_captures(make_lab) -> None:
 
 def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
     """Each unit has its own floor, so that numbers of another size do not drown the others."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(slipped(lab) + lab.noise())
     grip = 1000.0 * lab.u.mean(axis=2, keepdims=True) + 200.0 * lab.random.normal(size=(40, 3, 1))
     data["observed"] = (("capture", "time", "observable"), grip)
@@ -259,7 +259,7 @@ def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
 @pytest.mark.parametrize("share", [0.02, 0.4])
 def test_markers_out_of_sight(make_lab, share: float) -> None:
     """Few or many values missing, a marker never seen and a capture never seen, change nothing of the verdict."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     values = (slipped(lab) + lab.noise()).reshape(40, -1, 6, 3)
     values[lab.random.random(values.shape[:3]) < share] = np.nan
     values[:, :, 4] = np.nan
@@ -348,8 +348,8 @@ def test_the_last_run_alone_remembers_those_before(make_lab) -> None:
 
 def test_two_runs_are_diagnosed_together(make_lab) -> None:
     """Several runs of one rig make one diagnosis; each is its own session."""
-    one = make_lab(captures=24)
-    two = make_lab(captures=24, seed=1)
+    one = make_lab(chambers=2, captures=24)
+    two = make_lab(chambers=2, captures=24, seed=1)
     after = two.predict(two.u)
     after[:, :, 9:12] += 2.0
     data = [one.dataset(slipped(one) + one.noise()), two.dataset(after + two.noise())]
