@@ -49,7 +49,7 @@ def answer(result: Result) -> tuple[str, set[str]]:
 def slip(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, dict[str, Any]]:
     """A rig on which a marker slips, and what the diagnosis' file holds."""
     folder = tmp_path_factory.mktemp("slip")
-    lab = Lab(folder, captures=40, long_s=LONG_S)
+    lab = Lab(folder, chambers=2, captures=40, long_s=LONG_S)
     return lab, as_json(diagnose(lab.dataset(slipped(lab) + lab.noise()), lab.model()), folder)
 
 
@@ -115,7 +115,7 @@ def test_each_effect_is_considered(slip) -> None:
 
 def test_the_waterfall_falls(make_lab) -> None:
     """Base, each effect, ceiling, floor: held-out errors, the effects' steps downwards, ends as in `error`."""
-    lab = make_lab(captures=60)
+    lab = make_lab(chambers=2, captures=60)
     values = lab.predict(lab.looped(3.0))
     values[30:, :, 9:12] += 2.0
     result = diagnose(lab.dataset(values + lab.noise()), lab.model())
@@ -157,7 +157,7 @@ def test_one_slow_fall_has_two_explanations(make_lab) -> None:
 
 def test_what_no_effect_explains_is_unknown(make_lab) -> None:
     """With what could explain it left out of the library, something predictable is found, and what carries it."""
-    lab = make_lab(captures=60)
+    lab = make_lab(chambers=2, captures=60)
     data = lab.dataset(lab.predict(lab.looped(6.0)) + lab.noise())
     summary = diagnose(data, lab.model(), without=["hysteresis", "friction"]).summary
     assert summary["verdict"] == "unknown"
@@ -179,7 +179,7 @@ def test_a_tolerance_below_what_can_be_seen(make_lab) -> None:
 
 def test_an_effect_below_the_tolerance_is_let_pass(make_lab) -> None:
     """What is real but smaller than what matters is not claimed."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data, model = lab.dataset(slipped(lab) + lab.noise()), lab.model()
     assert answer(diagnose(data, model, tolerance=0.2)) == ("identified", {"marker_slip"})
     assert answer(diagnose(data, model, tolerance=50.0)) == ("nothing_missing", set())
