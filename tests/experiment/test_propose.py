@@ -58,7 +58,14 @@ def proposed(doubt) -> Experiment:
     return propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
 
 
-def test_what_is_proposed(doubt, proposed: Experiment) -> None:
+@pytest.fixture(scope="module")
+def short(doubt) -> Experiment:
+    """The same in half a minute."""
+    run, model, found = doubt
+    return propose_experiment(run, model, summary=found, limits=LIMITS, minutes=0.5)
+
+
+def test_what_is_proposed(doubt, proposed: Experiment, short: Experiment) -> None:
     """Every pair has an expectation, every probe its share; times add up, limits are kept, and it is the same twice."""
     run, model, found = doubt
     summary = proposed.summary
@@ -75,8 +82,8 @@ def test_what_is_proposed(doubt, proposed: Experiment) -> None:
     assert (pressures >= LIMITS.low).all()
     assert (pressures <= LIMITS.high).all()
     assert pressures == pytest.approx(np.array([p.share for p in proposed.points]) * LIMITS.high, abs=0.01)
-    again = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
-    assert again.programme() == proposed.programme()
+    again = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=0.5)
+    assert again.programme() == short.programme()
 
 
 def test_what_is_sure_stands_beside_each_that_is_possible(doubt) -> None:
@@ -120,10 +127,8 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     assert explanations(["hysteresis"], creep=0.002) == {}
 
 
-def test_more_time_tells_more(doubt, proposed: Experiment) -> None:
+def test_more_time_tells_more(proposed: Experiment, short: Experiment) -> None:
     """The weakest expectation does not fall when the programme may be longer."""
-    run, model, found = doubt
-    short = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=0.5)
     weakest = [min(e["log10_bayes"] for e in each.summary["expected"]) for each in (proposed, short)]
     assert weakest[0] > weakest[1]
 
