@@ -1,7 +1,4 @@
-"""Halton's sequence: the numbers of SciPy's, without SciPy."""
-
-import subprocess
-import sys
+"""Halton's sequence: the numbers of SciPy's, without SciPy (tests/test_lazy.py)."""
 
 import numpy as np
 import pytest
@@ -21,14 +18,3 @@ def test_its_numbers_are_those_of_scipy(dimensions: int) -> None:
     for points in (500, 3):  # the second time permuted otherwise, as the generator has gone on
         wanted = qmc.Halton(dimensions, scramble=True, rng=theirs).random(points)
         np.testing.assert_array_equal(halton(points, dimensions, rng=ours), wanted)
-
-
-def test_a_campaign_is_planned_without_scipy() -> None:
-    """Set-points that fill the range wait for no library of statistics."""
-    code = (
-        "import sys; import numpy as np; from labrig_procedures import _capture; "
-        "_capture._halton(40, 9, np.random.default_rng(0)); "
-        "print([name for name in sys.modules if name.startswith('scipy')])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"
