@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from xarray import Dataset
 
+    from labrig.arrays import Floats
+
 _AT_THE_END = 3
 """From so many captures without it at the end of a run on a marker is lost; one that is covered comes back."""
 _SHARE_AT_THE_END = 0.1
@@ -19,12 +21,18 @@ _NAMED = 4
 
 def lost_markers(run: "Dataset") -> list[str]:
     """A line for each marker, or group that went together, that a run lost: how often, and since which capture."""
-    if "position_mm" not in run or not run.sizes.get("capture", 0):
+    if "position_mm" not in run:
         return []
-    position = np.asarray(run["position_mm"].values, float)
-    seen = np.any(np.asarray(np.isfinite(position).all(axis=3)), axis=1)  # captures, markers
+    return lost_of(run["marker"].values.tolist(), np.asarray(run["position_mm"].values, float))
+
+
+def lost_of(markers: Sequence[str], position_mm: "Floats") -> list[str]:
+    """The same of the markers' names (M,), and their places, (n, T, M, 3) mm, NaN where they were not seen."""
+    if not len(position_mm):
+        return []
+    seen = np.any(np.asarray(np.isfinite(position_mm).all(axis=3)), axis=1)  # captures, markers
     groups: dict[bytes, list[str]] = {}
-    for name, own in zip(run["marker"].values, list(seen.T), strict=True):
+    for name, own in zip(markers, list(seen.T), strict=True):
         if _is_lost(own):
             groups.setdefault(own.tobytes(), []).append(str(name))
     return [_line(names, np.frombuffer(own, dtype=bool)) for own, names in groups.items()]

@@ -1,5 +1,6 @@
 """Packages whose public names are imported when they are first asked for."""
 
+import json
 import subprocess
 import sys
 from importlib import import_module
@@ -44,3 +45,26 @@ def test_the_server_of_the_workbench_computes_nothing(tmp_path):
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert done.stdout == "[]\n"
+
+
+def test_a_campaign_waits_for_nothing_that_computes(tmp_path):
+    """Its set-points are found, it is run, and what it lost is said, without what only a diagnosis needs."""
+    rig = {
+        "name": "bench",
+        "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
+        "pressure": {"kind": "simulated"},
+        "mocap": {"kind": "simulated"},
+        "simulated": {"surface": "membrane"},
+    }
+    (tmp_path / "rig.yaml").write_text(json.dumps(rig), encoding="utf-8")
+    code = (
+        "import sys; from labrig.cli import main\n"
+        "words = 'run capture --rig rig.yaml --captures 2 --repeated 0 --out run'\n"
+        "try:\n    main(words.split())\n"
+        "finally:\n    print([name for name in ('scipy', 'pandas', 'xarray', 'numba') if name in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "[]", done.stdout
+    assert "2 captures in " in done.stdout

@@ -3,7 +3,7 @@
 from labrig.log._find import find_runs, folders_below, run_id
 from labrig.log._import import dataset_from, import_guessed, import_table, mapping_beside
 from labrig.log._layout import Layout
-from labrig.log._open import open_run
+from labrig.log._open import marker_places, open_run
 from labrig.log._recover import recover
 from labrig.log._rig_dataset import RunSeries, Series, run_series
 from labrig.log._runs import RunSummary, summarise
@@ -43,6 +43,7 @@ __all__ = [
     "layout_of",
     "load_segments",
     "mapping_beside",
+    "marker_places",
     "open_run",
     "read_mapping",
     "read_run_yaml",

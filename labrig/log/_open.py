@@ -5,11 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from labrig._paths import path_of
-from labrig.log._dataset import to_dataset
+from labrig.arrays import Floats
+from labrig.log._dataset import CampaignArrays, to_dataset
 from labrig.log._find import run_id
 from labrig.log._rig_dataset import rig_arrays
-from labrig.log._segments import load_segments, sessions
+from labrig.log._segments import LoadedSegment, load_segments, sessions
 from labrig.log._table import table_arrays
 
 if TYPE_CHECKING:
@@ -31,10 +34,22 @@ def open_run(path: str | Path) -> xr.Dataset:
     """
     path = path_of(path, "a run", "a run folder's path, or an .mcap file's")
     segments, warnings = load_segments(path)
-    layout = segments[0].layout
-    arrays = table_arrays(segments[0]) if layout.table else rig_arrays(sessions(segments))
+    layout, arrays = segments[0].layout, _arrays(segments)
     remarks = list(layout.attributes.get("import_remarks", ()))
     attributes = {"run": str(path), "run_id": run_id(path), "warnings": warnings + remarks}
     if procedure := segments[0].run.get("procedure"):
         attributes["procedure"] = procedure
     return to_dataset(arrays, layout, attributes)
+
+
+def marker_places(path: str | Path) -> tuple[tuple[str, ...], Floats]:
+    """The names of a run's markers, (M,), and their places as `open_run` gives them, (n, T, M, 3) mm, without what it
+    takes to make a Dataset of them; none of a run without markers. Raises `LabrigError` as `open_run` does.
+    """
+    segments, _ = load_segments(Path(path))
+    position = _arrays(segments).position_mm
+    return ((), np.empty((0, 0, 0, 3))) if position is None else (segments[0].layout.markers, position)
+
+
+def _arrays(segments: list[LoadedSegment]) -> CampaignArrays:
+    return table_arrays(segments[0]) if segments[0].layout.table else rig_arrays(sessions(segments))

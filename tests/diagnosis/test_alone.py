@@ -78,9 +78,8 @@ def test_what_one_chamber_meets_is_no_other_effect_surely(make_lab) -> None:
 
 
 def observations_of(lab, values: np.ndarray) -> Observations:
-    """What a campaign says, as the diagnosis has it."""
-    model = lab.model()
-    return laid_out(prepared(rows_from(lab.dataset(values)), model), model.library())[1]
+    """What a campaign says, as the diagnosis has it; what effects would be asked of it is laid out by others."""
+    return laid_out(prepared(rows_from(lab.dataset(values)), lab.model()), {})[1]
 
 
 @pytest.mark.parametrize(("law", "force"), [(power_law, False), (orifice, True), (strut, False)])

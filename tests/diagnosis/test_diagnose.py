@@ -49,7 +49,7 @@ def answer(result: Result) -> tuple[str, set[str]]:
 def slip(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, dict[str, Any]]:
     """A rig on which a marker slips, and what the diagnosis' file holds."""
     folder = tmp_path_factory.mktemp("slip")
-    lab = Lab(folder, captures=40, long_s=LONG_S)
+    lab = Lab(folder, chambers=2, captures=40, long_s=LONG_S)
     return lab, as_json(diagnose(lab.dataset(slipped(lab) + lab.noise()), lab.model()), folder)
 
 
@@ -115,7 +115,7 @@ def test_each_effect_is_considered(slip) -> None:
 
 def test_the_waterfall_falls(make_lab) -> None:
     """Base, each effect, ceiling, floor: held-out errors, the effects' steps downwards, ends as in `error`."""
-    lab = make_lab(captures=60)
+    lab = make_lab(chambers=2, captures=60)
     values = lab.predict(lab.looped(3.0))
     values[30:, :, 9:12] += 2.0
     result = diagnose(lab.dataset(values + lab.noise()), lab.model())
@@ -157,7 +157,7 @@ def test_one_slow_fall_has_two_explanations(make_lab) -> None:
 
 def test_what_no_effect_explains_is_unknown(make_lab) -> None:
     """With what could explain it left out of the library, something predictable is found, and what carries it."""
-    lab = make_lab(captures=60)
+    lab = make_lab(chambers=2, captures=60)
     data = lab.dataset(lab.predict(lab.looped(6.0)) + lab.noise())
     summary = diagnose(data, lab.model(), without=["hysteresis", "friction"]).summary
     assert summary["verdict"] == "unknown"
@@ -179,7 +179,7 @@ def test_a_tolerance_below_what_can_be_seen(make_lab) -> None:
 
 def test_an_effect_below_the_tolerance_is_let_pass(make_lab) -> None:
     """What is real but smaller than what matters is not claimed."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data, model = lab.dataset(slipped(lab) + lab.noise()), lab.model()
     assert answer(diagnose(data, model, tolerance=0.2)) == ("identified", {"marker_slip"})
     assert answer(diagnose(data, model, tolerance=50.0)) == ("nothing_missing", set())
@@ -187,7 +187,7 @@ def test_an_effect_below_the_tolerance_is_let_pass(make_lab) -> None:
 
 def test_the_same_input_gives_the_same_file(make_lab, tmp_path) -> None:
     """Twice the same numbers, to the last digit of the JSON."""
-    lab = make_lab(captures=24)
+    lab = make_lab(chambers=2, captures=24)
     data, model = lab.dataset(slipped(lab) + lab.noise()), lab.model()
     one, two = (as_json(diagnose(data.copy(deep=True), model), tmp_path) for _ in range(2))
     assert one == two
@@ -195,7 +195,7 @@ def test_the_same_input_gives_the_same_file(make_lab, tmp_path) -> None:
 
 def test_a_library_may_be_cut_down(make_lab) -> None:
     """An effect that is left out is neither considered nor named."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(slipped(lab) + lab.noise())
     result = diagnose(data, lab.model(), without=["marker_slip"])
     assert "marker_slip" not in {r["effect"] for r in result.summary["ranking"]}
@@ -205,7 +205,7 @@ def test_a_library_may_be_cut_down(make_lab) -> None:
 
 def test_a_curve_without_a_name(make_lab) -> None:
     """A static law that no effect in a cut-down library has: some answer, whatever it is, and no crash."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(lab.predict(lab.u * (1 + 0.2 * (lab.u / 60) ** 3)) + lab.noise())
     gone = ["stiffening", "contact", "tension", "regulator"]
     summary = diagnose(data, lab.model(), without=gone).summary
@@ -234,7 +234,7 @@ def test_fifteen_hundred_captures(make_lab) -> None:
 
 def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
     """Each unit has its own floor, so that numbers of another size do not drown the others."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(slipped(lab) + lab.noise())
     grip = 1000.0 * lab.u.mean(axis=2, keepdims=True) + 200.0 * lab.random.normal(size=(40, 3, 1))
     data["observed"] = (("capture", "time", "observable"), grip)
@@ -259,7 +259,7 @@ def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
 @pytest.mark.parametrize("share", [0.02, 0.4])
 def test_markers_out_of_sight(make_lab, share: float) -> None:
     """Few or many values missing, a marker never seen and a capture never seen, change nothing of the verdict."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     values = (slipped(lab) + lab.noise()).reshape(40, -1, 6, 3)
     values[lab.random.random(values.shape[:3]) < share] = np.nan
     values[:, :, 4] = np.nan
@@ -348,8 +348,8 @@ def test_the_last_run_alone_remembers_those_before(make_lab) -> None:
 
 def test_two_runs_are_diagnosed_together(make_lab) -> None:
     """Several runs of one rig make one diagnosis; each is its own session."""
-    one = make_lab(captures=24)
-    two = make_lab(captures=24, seed=1)
+    one = make_lab(chambers=2, captures=24)
+    two = make_lab(chambers=2, captures=24, seed=1)
     after = two.predict(two.u)
     after[:, :, 9:12] += 2.0
     data = [one.dataset(slipped(one) + one.noise()), two.dataset(after + two.noise())]

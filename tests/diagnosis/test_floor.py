@@ -171,7 +171,7 @@ def test_means_of_captures_skip_what_was_not_seen() -> None:
 @pytest.mark.parametrize("step", [0.5, 2.0])
 def test_a_coarse_sensor_hides_nothing(make_lab, step) -> None:
     """Where repeats are alike to the last digit, the floor is what rounding to the recorded steps leaves."""
-    lab = make_lab(captures=60, seed=1, force=True)
+    lab = make_lab(chambers=2, captures=60, seed=1, force=True)
     values = lab.predict(lab.u) + 0.001 * lab.random.normal(size=(60, 3, 1))
     found = diagnose(lab.dataset(step * np.round(values / step)), lab.model())
     assert found.summary["verdict"] == "nothing_missing"

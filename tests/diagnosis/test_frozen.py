@@ -55,7 +55,7 @@ def test_a_marker_that_was_never_seen_to_move(make_lab) -> None:
 
 def test_an_effect_beside_a_frozen_marker_has_its_name(make_lab) -> None:
     """A marker whose last place is repeated in single captures is no slip, and hides no creep."""
-    lab = make_lab(markers=12, seed=41)
+    lab = make_lab(chambers=2, markers=8, seed=41)
     values = lab.predict(power_law(lab)) + lab.noise()
     for i in range(10, 60, 5):
         places(lab, values)[i, :, 3] = places(lab, values)[i - 1, 0, 3]

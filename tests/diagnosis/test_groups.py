@@ -59,7 +59,7 @@ def another_specimen(lab, day):
 )
 def test_what_is_another_every_day(make_lab, hidden, effect, parameter) -> None:
     """A frame, a gain, a zero or a rest shape of each day is named, fitted day by day, and nothing of it is left."""
-    lab = make_lab(captures=60, sessions=DAYS)
+    lab = make_lab(chambers=2, captures=60, sessions=DAYS)
     found = diagnose(lab.dataset(hidden(lab, lab.session) + lab.noise()), lab.model())
     assert [*found.summary["effects"], *found.summary["rivals"]] == [effect]
     assert found.improved is not None
@@ -87,7 +87,7 @@ def test_the_day_that_stands_apart_is_said_by_name(make_lab) -> None:
 
 def test_a_day_of_which_nothing_is_known(make_lab, tmp_path) -> None:
     """On a run with known and new days the known ones are taken off, nothing of the new one is, and that is said."""
-    lab = make_lab(captures=60, sessions=DAYS)
+    lab = make_lab(chambers=2, captures=60, sessions=DAYS)
     dataset = lab.dataset(another_supply(lab, lab.session) + lab.noise())
     known = dataset.isel(capture=lab.session < 3, event=lab.session < 3)
     found = diagnose(known, lab.model())

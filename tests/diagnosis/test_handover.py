@@ -21,7 +21,7 @@ def seen_by_two(lab: Any) -> np.ndarray:
 
 def test_other_cameras_have_no_name(make_lab) -> None:
     """A step of all markers that pass a border in space is unknown, not a frame, and what carries it is said."""
-    lab = make_lab(markers=10, captures=60)
+    lab = make_lab(chambers=2, markers=10, captures=60)
     found = verdict_of(lab.dataset(seen_by_two(lab) + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("unknown", ())
     assert found.carried_by == "a plane in space"

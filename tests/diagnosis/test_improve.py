@@ -131,7 +131,7 @@ def test_what_cannot_act_is_refused(make_lab) -> None:
 
 def test_from_measurements_to_a_better_model_by_commands(make_lab, labrig, monkeypatch) -> None:
     """compare, diagnose, improve, compare: files, tables and the same figures, as a person types it."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     monkeypatch.chdir(lab.folder)
     values = lab.predict(lab.u) + lab.noise()
     values[20:, :, 9:12] += 2.0

@@ -65,7 +65,7 @@ def test_a_wide_loop_is_no_exchange(make_lab, size_kpa: float) -> None:
 @pytest.mark.parametrize(("law", "effects"), [(None, []), (power_law, ["creep"])])
 def test_what_is_missing_beside_them(make_lab, law, effects: list[str]) -> None:
     """With an effect it is named; without, what single captures were left out for is why the verdict is unknown."""
-    lab = make_lab(markers=12, seed=2, repeats=False)
+    lab = make_lab(chambers=2, markers=8, seed=2, repeats=False)
     values = lab.predict(lab.u if law is None else law(lab)) + lab.noise()
     summary = diagnose(lab.dataset(exchanged(values)), lab.model()).summary
     assert summary["effects"] == effects

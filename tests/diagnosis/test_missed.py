@@ -76,7 +76,7 @@ def test_the_cause_is_said_with_its_captures(make_lab) -> None:
 
 def test_an_effect_beside_it_has_its_name(make_lab) -> None:
     """Four captures that are ten times as far off as the rest do not hide what all captures have."""
-    lab = make_lab(markers=12, seed=41)
+    lab = make_lab(chambers=2, markers=8, seed=41)
     lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
     summary = diagnose(lab.dataset(seen(lab, orifice, vented=(*LATE,))), lab.model()).summary
     assert (summary["verdict"], summary["effects"]) == ("identified", ["leak"])

@@ -27,14 +27,14 @@ def said(data, model) -> Verdict:
 @pytest.mark.parametrize("seed", [1, 17])
 def test_sensors_beside_markers_raise_no_alarm(make_lab, seed: int) -> None:
     """Five repeats say the noise of a single force badly: what little they say is no effect."""
-    lab = make_lab(captures=60, rows_s=LONGER, seed=seed)
+    lab = make_lab(chambers=2, captures=60, rows_s=LONGER, seed=seed)
     assert said(*beside_markers(lab, lab.predict(lab.u) + lab.noise(), lab.u)).verdict == "nothing_missing"
 
 
 @pytest.mark.parametrize("seen_by", ["markers", "sensors"])
 def test_an_effect_has_its_name_whoever_sees_it(make_lab, seen_by: str) -> None:
     """Creep by a power law is creep where only the markers, or only the sensors follow it."""
-    lab = make_lab(captures=60, rows_s=LONGER, seed=1)
+    lab = make_lab(chambers=2, captures=60, rows_s=LONGER, seed=1)
     u = power_law(lab)
     positions = lab.predict(lab.u if seen_by == "sensors" else u) + lab.noise()
     assert said(*beside_markers(lab, positions, lab.u if seen_by == "markers" else u)).effects == ("creep",)
@@ -42,7 +42,7 @@ def test_an_effect_has_its_name_whoever_sees_it(make_lab, seen_by: str) -> None:
 
 def test_the_noise_of_each_unit_comes_back(make_lab) -> None:
     """Whatever repeats said of two lone sensors beside a leak; markers keep theirs."""
-    lab = make_lab(captures=100, rows_s=LONGER)
+    lab = make_lab(chambers=2, captures=100, rows_s=LONGER)
     u = orifice(lab)
     data, model = beside_markers(lab, lab.predict(u) + lab.noise(), u)
     ready = prepared(rows_from(data), model)

@@ -26,7 +26,7 @@ def another_way(lab: Any) -> np.ndarray:
 
 def test_what_else_is_there_keeps_its_name(make_lab) -> None:
     """Beside a base whose motions go another way a loop (Bouc-Wen) is the only name; the rest is the base's."""
-    lab = make_lab(captures=80, markers=12)
+    lab = make_lab(chambers=2, captures=80, markers=8)
     values = lab.predict(lab.looped(4.0)) + another_way(lab).reshape(*lab.hold_s.shape, -1)
     found = verdict_of(lab.dataset(values + lab.noise()), lab.model())
     assert (*found.effects, *found.rivals) == ("hysteresis",)
@@ -38,7 +38,7 @@ def test_what_chambers_have_of_each_other_may_be_the_base_s(make_lab, loop_kpa: 
     """Of a base whose chambers lack what each gets of the next one coupling is possible, no more, alone and beside a
     loop (Bouc-Wen), which has its name.
     """
-    lab = make_lab(captures=80, markers=12)
+    lab = make_lab(chambers=2, captures=80, markers=8)
     got = 0.15 * np.tanh(1.3 * np.roll(lab.u, 1, axis=2) / lab.u.max()) * lab.u.max()
     values = (
         lab.predict(lab.looped(loop_kpa) if loop_kpa else lab.u)

@@ -46,7 +46,7 @@ def test_what_has_a_name_is_not_unnamed_as_well() -> None:
 
 def test_what_nothing_follows_is_unknown(make_lab) -> None:
     """An error by chance for each set-point, the same when it is repeated, is no noise and has no name."""
-    lab = make_lab(captures=60)
+    lab = make_lab(chambers=2, captures=60)
     values = lab.predict(lab.u)
     for i, u in enumerate(lab.commanded):
         seed = int(1000 * np.abs(u).sum())

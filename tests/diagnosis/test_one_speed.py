@@ -78,7 +78,7 @@ def test_set_points_that_are_seen_at_one_moment(make_lab) -> None:
         ((1.0, 3.0, 8.0), orifice, 0),
         ((3.0, 3.2), None, 0),
     ):
-        lab = make_lab(captures=60, rows_s=rows_s)
+        lab = make_lab(chambers=2, captures=60, rows_s=rows_s)
         values = lab.predict(law(lab) if law else lab.u) + lab.noise()
         said = diagnose(lab.dataset(values), lab.model()).summary["warnings"]
         lines = [

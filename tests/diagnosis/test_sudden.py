@@ -39,7 +39,7 @@ def lies_on_it(lab: Any) -> np.ndarray:
 )
 def test_what_happens_at_one_moment_has_no_name_but_a_time(make_lab, happens, when) -> None:
     """A seam that opens, and a thing that lies there for a while, are unknown; the captures are said to the number."""
-    lab = make_lab(markers=12, captures=60)
+    lab = make_lab(chambers=2, markers=8, captures=60)
     found = verdict_of(lab.dataset(happens(lab) + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("unknown", ())
     assert found.carried_by == when

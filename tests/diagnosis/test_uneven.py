@@ -49,7 +49,7 @@ def test_of_two_markers_the_noisier_one_has_more(make_lab, seed: int) -> None:
 
 def test_single_rows_may_be_uneven_by_axis(make_lab) -> None:
     """Where there is one row a set-point, and no repeats, each axis' spectrum says its noise."""
-    lab = make_lab(captures=60, markers=8, rows_s=(3.0,), repeats=False)
+    lab = make_lab(chambers=2, captures=60, markers=8, rows_s=(3.0,), repeats=False)
     values = lab.predict(lab.u) + lab.noise() * by("a deep axis", 8)
     assert verdict_of(lab.dataset(values), lab.model()).verdict == "nothing_missing"
 
@@ -59,7 +59,7 @@ def test_single_rows_may_be_uneven_by_axis(make_lab) -> None:
 )
 def test_an_effect_beside_uneven_noise_has_its_name(make_lab, kind: str, law, effect: str) -> None:
     """A leak, or creep, is named as it is beside even noise."""
-    lab = make_lab(captures=60, markers=8, rows_s=(1.0, 3.0, 8.0))
+    lab = make_lab(chambers=2, captures=60, markers=8, rows_s=(1.0, 3.0, 8.0))
     values = lab.predict(law(lab)) + lab.noise() * by(kind, 8)
     assert verdict_of(lab.dataset(values), lab.model()).effects == (effect,)
 
@@ -67,7 +67,7 @@ def test_an_effect_beside_uneven_noise_has_its_name(make_lab, kind: str, law, ef
 @pytest.mark.parametrize("trembles", [True, False])
 def test_what_does_not_repeat_is_said_to_tremble(make_lab, trembles: bool) -> None:
     """A frame that is elsewhere in each capture differs between repeats, too; an error of each set-point does not."""
-    lab = make_lab(captures=60, markers=8)
+    lab = make_lab(chambers=2, captures=60, markers=8)
     random = np.random.default_rng(4)
     shifts = random.normal(size=(60, 3))
     if not trembles:
@@ -145,7 +145,7 @@ def test_what_repeats_differ_by_is_said_where_it_is_more_than_noise(make_lab, re
     """A body that breathes anew in each capture is nothing that was recorded, and its repeats say so; one that breathes
     by its set-point, in no way that anything holds, repeats.
     """
-    lab = make_lab(captures=60, markers=8)
+    lab = make_lab(chambers=2, captures=60, markers=8)
     random = np.random.default_rng(4)
     breath = random.normal(size=60)
     if repeats:

@@ -47,7 +47,7 @@ def test_an_effect_of_your_own(labrig: Run, monkeypatch: pytest.MonkeyPatch, mak
     assert shown.startswith(
         "barometer (acts on pressure)\n\nThe pressure controller holds an absolute pressure"
     )
-    lab = make_lab(captures=60, sessions=6)
+    lab = make_lab(chambers=2, captures=60, sessions=6)
     weather_hpa = 1013 + 15 * lab.random.normal(size=6)[lab.session] + lab.random.normal(size=60)
     u = lab.u - 0.09 * (weather_hpa - weather_hpa[0])[:, None, None]
     data = lab.dataset(lab.predict(u) + lab.noise(), {"barometer": ("hPa", weather_hpa)})
@@ -89,7 +89,7 @@ def test_the_reference_has_the_verdicts_and_fields(make_lab) -> None:
     assert set(re.findall(r"^\| `(\w+)` \| .* \| .* \|$", page, re.MULTILINE)) == set(_VERDICTS)
     fields = set(re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \| .* \|$", page, re.MULTILINE))))
     assert fields >= {"effects_considered", "unnamed", "rivals", "ranking", "probability"}
-    lab = make_lab(captures=20)
+    lab = make_lab(chambers=2, captures=20)
     summary = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()).summary
     shown = next(t for language, t in blocks("reference/diagnosis.md") if language == "text")
     assert set(re.findall(r'"(\w+)":', shown)) >= set(summary)

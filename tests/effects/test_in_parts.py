@@ -103,6 +103,6 @@ def test_a_weight_is_not_taken_for_a_frame_that_was_moved_with_the_rig(
     make_lab, law: Callable[[Any, np.ndarray], np.ndarray], tilts: tuple[float, ...]
 ) -> None:
     """A weight that deforms the body by another law than those of labrig is named, and no frame."""
-    lab = make_lab(captures=48, sessions=4)
+    lab = make_lab(chambers=2, captures=48, sessions=4)
     found = calls_of(measured(lab, tilts, law), lab.model())
     assert (found["gravity"], found["frame"]) == ("sure", "not it")

@@ -68,7 +68,7 @@ def test_its_forms_begin_at_the_first_temperature_or_at_the_mean(make_lab) -> No
 )
 def test_what_follows_a_tilt_is_gravity(make_lab, name: str, unit: str) -> None:
     """A cantilever's sag by the sine of the tilt, more where it is soft, whatever else the tilt's name says."""
-    lab = make_lab(captures=N, markers=6, repeats=False, seed=2)
+    lab = make_lab(chambers=2, captures=N, markers=6, repeats=False, seed=2)
     tilt_deg = lab.random.choice([-30.0, -15.0, 0.0, 15.0, 30.0], N)
     reach = np.linspace(0.2, 1.0, 6) ** 2 * (3 - np.linspace(0.2, 1.0, 6)) / 2
     sag = np.sin(np.deg2rad(tilt_deg))[:, None, None] * np.repeat(reach, 3) * np.tile([1.2, 0.0, 0.0], 6)
@@ -90,7 +90,7 @@ def test_the_angle_of_a_valve_is_no_tilt(make_lab) -> None:
 
 def test_what_follows_a_tilt_has_no_name_where_gravity_is_left_out(make_lab) -> None:
     """Without the effect that it was logged for, it is something else that was recorded."""
-    lab = make_lab(captures=N, markers=6, repeats=False)
+    lab = make_lab(chambers=2, captures=N, markers=6, repeats=False)
     turn = np.sin(np.arange(N) * 0.9)
     moved = 0.8 * turn[:, None, None] * np.cos(5 * np.arange(18))
     run = lab.dataset(lab.predict(lab.u) + moved + lab.noise(), {"tilt": ("rad", turn)})

@@ -85,7 +85,7 @@ def test_what_an_own_effect_does_wrong_is_said(make_lab, body: str, said: str) -
 def test_a_diagnosis_goes_on_without_an_effect_that_fails(make_lab) -> None:
     """One file with a mistake does not keep the library from its answer; a warning says that it is left out."""
     written("raise KeyError('temperature')")
-    lab = make_lab(captures=12)
+    lab = make_lab(chambers=2, captures=12)
     found = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model())
     assert found.summary["verdict"] == "nothing_missing"
     line = next(w for w in found.summary["warnings"] if "boom" in w)

@@ -44,7 +44,7 @@ def test_a_wall_that_gives_way_half_way_is_none_of_them_surely(make_lab, bent) -
     """Walls that all give way within a tenth of their range, as if a fold opened: the data say no more than that it is
     a curve of each chamber's own pressure, on a rig that moves in proportion and on one that does not.
     """
-    lab = make_lab(captures=60, bent=bent)
+    lab = make_lab(chambers=2, captures=60, bent=bent)
     x = lab.u / 60.0
     opened = x + 0.06 * np.tanh((x - 0.45) / 0.06)
     found = verdict_of(lab.dataset(lab.predict(60.0 * opened) + lab.noise()), lab.model())

@@ -79,7 +79,7 @@ def corrugated_diaphragm(x: Floats) -> Floats:
 @pytest.mark.parametrize("law", [one_gauge, corrugated_diaphragm])
 def test_ordinary_errors_of_sensors_are_the_regulators(make_lab, law, seed: int) -> None:
     """Spans that are off by a few per cent, and sensors that bend between right ends (IEC 61298-2): no other."""
-    lab = make_lab(chambers=4, markers=10, captures=60, seed=seed)
+    lab = make_lab(chambers=4, captures=60, seed=seed)
     found = verdict_of(lab.dataset(lab.predict(60.0 * law(lab.u / 60.0)) + lab.noise()), lab.model())
     assert (*found.effects, *found.rivals) == ("regulator",)
 

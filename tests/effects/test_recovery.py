@@ -111,7 +111,7 @@ def test_hysteresis(make_lab) -> None:
 
 def test_creep(make_lab) -> None:
     """Power-law creep after every step: the response goes on growing, and fades after release."""
-    lab = make_lab(captures=60, long_s=LONG_S)
+    lab = make_lab(chambers=2, captures=60, long_s=LONG_S)
     u = lab.u
     steps = np.diff(lab.commanded, axis=0, prepend=0.0)
     since = np.maximum(lab.time_s[:, :, None] - lab.event_s, 0.0)
@@ -156,7 +156,7 @@ def test_coupling_through_a_wall(make_lab) -> None:
 
 def test_a_frame_moved_at_one_moment(make_lab) -> None:
     """From the thirtieth capture on all markers are seen turned about a foot beside the rig: when, and how far."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     values = lab.predict(lab.u).reshape(*lab.hold_s.shape, -1, 3)
     axis, turn = np.array([0.6, 0.0, 0.8]), 0.02
     arm = values - lab.rest_mm.mean(axis=0)
@@ -171,7 +171,7 @@ def test_a_frame_moved_at_one_moment(make_lab) -> None:
 
 def test_stiffening(make_lab) -> None:
     """A wall that stiffens as the exponential of the pressure's square: compliance at full pressure is lost."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     x = lab.u / 60.0
     u = lab.u * (1 - 0.1 * np.expm1(0.9 * x**2))
     _, values, _ = found(lab, lab.predict(u), "stiffening")
@@ -181,7 +181,7 @@ def test_stiffening(make_lab) -> None:
 
 def test_gravity(make_lab) -> None:
     """Payloads in grams pull the markers down, a little less than in proportion."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     payload = lab.random.choice([0.0, 50.0, 100.0], lab.captures)
     sag = -2.0 * np.tanh(payload / 120.0)[:, None] * np.linspace(0.5, 1.5, lab.markers)
     values = lab.predict(lab.u)
@@ -193,7 +193,7 @@ def test_gravity(make_lab) -> None:
 
 def test_drift(make_lab) -> None:
     """The cameras' mount warms up, with a slow wave on it: a shift that is the same for all markers."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     t = lab.time_s / np.nanmax(lab.time_s)
     warm = 1 - np.exp(-3 * t) + 0.1 * np.sin(5 * t)
     values = lab.predict(lab.u) + (warm[:, :, None] * np.tile([0.8, -0.4, 0.6], 6))
@@ -212,7 +212,7 @@ def test_contact(make_lab) -> None:
 
 def test_marker_slip(make_lab) -> None:
     """Marker 3 creeps away over three captures and stays 2 mm off."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     values = lab.predict(lab.u)
     gone = np.clip((np.arange(lab.captures) - 28) / 3, 0, 1)
     values[:, :, 9:12] += gone[:, None, None] * np.array([1.2, -1.0, 1.2])
@@ -229,7 +229,7 @@ def test_marker_slip(make_lab) -> None:
 
 def test_marker_slip_among_mistaken_positions(make_lab) -> None:
     """The step is found beside larger mistakes of other markers, the very first capture among them."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     values = lab.predict(lab.u)
     values[30:, :, 9:12] += np.array([1.2, -1.0, 1.2])
     for capture, marker in ((0, 5), (3, 5), (12, 1), (33, 2)):
@@ -244,7 +244,7 @@ def test_marker_slip_among_mistaken_positions(make_lab) -> None:
 
 def test_frame_of_another_scale(make_lab) -> None:
     """A wand that is 2 % too long, about a point far from the markers' centre: frame, with the scale."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     q = lab.predict(lab.u).reshape(*lab.hold_s.shape, -1, 3)
     pivot = q.mean(axis=(0, 1, 2)) + np.array([30.0, -20.0, 10.0])
     values = (pivot + 1.02 * (q - pivot)).reshape(*lab.hold_s.shape, -1)
@@ -254,7 +254,7 @@ def test_frame_of_another_scale(make_lab) -> None:
 
 def test_frame(make_lab) -> None:
     """A finite rotation by two degrees (Rodrigues) and a shift: both come back, in rad and mm."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     axis, angle = np.array([0.6, 0.0, 0.8]), np.radians(2.0)
     S = np.array([[0, -0.8, 0.0], [0.8, 0, -0.6], [0.0, 0.6, 0]])
     R = np.eye(3) + np.sin(angle) * S + (1 - np.cos(angle)) * S @ S
@@ -297,7 +297,7 @@ def test_friction(make_lab) -> None:
 
 def test_rest_shape(make_lab) -> None:
     """Every marker was glued somewhere else than drawn, by a millimetre or so."""
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     off = lab.random.normal(0, 1.0, 18)
     _, values, sd = found(lab, lab.predict(lab.u) + off, "rest_shape")
     assert within(values["offset"], off, sd["offset"], size=0.02)
@@ -331,7 +331,7 @@ def test_regulator_of_a_vented_chamber(make_lab) -> None:
 
 def test_tension(make_lab) -> None:
     """A membrane mounted a fifth tighter pushes back with its deflection: the pressure that it takes is missing."""
-    lab = make_lab(bent=2.0)
+    lab = make_lab(chambers=2, bent=2.0)
     x = lab.u / 60.0
     low, high = np.zeros_like(x), x.copy()
     for _ in range(50):

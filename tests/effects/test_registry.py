@@ -72,7 +72,7 @@ def test_a_new_effect_works_at_once(labrig, make_lab) -> None:
     assert out == f"{file}: edit its formula; labrig effects list shows it\n"
     code, out, err = labrig("effects", "list")
     assert "swelling" in out
-    lab = make_lab()
+    lab = make_lab(chambers=2)
     u = lab.u * (1 + 0.2 * (lab.u / 60) ** 3)
     data = lab.dataset(lab.predict(u) + lab.noise())
     result = diagnose(data, lab.model(), without=["stiffening", "contact", "tension", "regulator"])

@@ -58,7 +58,14 @@ def proposed(doubt) -> Experiment:
     return propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
 
 
-def test_what_is_proposed(doubt, proposed: Experiment) -> None:
+@pytest.fixture(scope="module")
+def short(doubt) -> Experiment:
+    """The same in half a minute."""
+    run, model, found = doubt
+    return propose_experiment(run, model, summary=found, limits=LIMITS, minutes=0.5)
+
+
+def test_what_is_proposed(doubt, proposed: Experiment, short: Experiment) -> None:
     """Every pair has an expectation, every probe its share; times add up, limits are kept, and it is the same twice."""
     run, model, found = doubt
     summary = proposed.summary
@@ -75,8 +82,8 @@ def test_what_is_proposed(doubt, proposed: Experiment) -> None:
     assert (pressures >= LIMITS.low).all()
     assert (pressures <= LIMITS.high).all()
     assert pressures == pytest.approx(np.array([p.share for p in proposed.points]) * LIMITS.high, abs=0.01)
-    again = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
-    assert again.programme() == proposed.programme()
+    again = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=0.5)
+    assert again.programme() == short.programme()
 
 
 def test_what_is_sure_stands_beside_each_that_is_possible(doubt) -> None:
@@ -120,10 +127,8 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     assert explanations(["hysteresis"], creep=0.002) == {}
 
 
-def test_more_time_tells_more(doubt, proposed: Experiment) -> None:
+def test_more_time_tells_more(proposed: Experiment, short: Experiment) -> None:
     """The weakest expectation does not fall when the programme may be longer."""
-    run, model, found = doubt
-    short = propose_experiment(run, model, summary=found, limits=LIMITS, minutes=0.5)
     weakest = [min(e["log10_bayes"] for e in each.summary["expected"]) for each in (proposed, short)]
     assert weakest[0] > weakest[1]
 
@@ -166,7 +171,7 @@ def test_too_few_data_ask_for_more(make_lab) -> None:
 
 def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     """Nothing missing, or identified with no other effect near: said in one line."""
-    lab = make_lab(captures=40)
+    lab = make_lab(chambers=2, captures=40)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model)
@@ -226,7 +231,7 @@ def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
 
 def test_what_says_too_little_is_not_proposed(make_lab) -> None:
     """A programme for which there is time, and after which the odds of a loop's two other names were as before."""
-    lab = make_lab(captures=30, rows_s=ROWS_S)
+    lab = make_lab(chambers=2, captures=30, rows_s=ROWS_S)
     model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, summary=open_between("tension", "stiffening"), minutes=0.4)

@@ -17,7 +17,7 @@ from .conftest import ROWS_S, leaking, looped, open_between
 
 def test_a_map_for_each_session_is_one_for_all_that_is_planned(make_lab) -> None:
     """A static base that is fitted in each session: the probes are one session together, and tell names apart."""
-    lab = make_lab(captures=60, rows_s=ROWS_S, sessions=2)
+    lab = make_lab(chambers=2, captures=40, rows_s=ROWS_S, sessions=2)
     path = lab.folder / "static.yaml"
     path.write_text("base: {kind: static, degree: 2, in_each_session: true}\n")
     summary = propose_experiment(

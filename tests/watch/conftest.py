@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -251,23 +252,30 @@ def _alive(note: Any) -> bool:
     return True
 
 
-@pytest.fixture
-def asked(tmp_path: Path) -> Iterator[Bench]:
-    """A workbench in this process, on a run of a simulated rig and two models, one a millimetre worse."""
-    rig = tmp_path / "rig.yaml"
-    rig.write_text(SMALL, encoding="utf-8")
-    labrig.run("capture", rig, out=tmp_path / "runs" / "run", captures=16)
-    run = labrig.open_run(tmp_path / "runs" / "run")
+@pytest.fixture(scope="session")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a run of a simulated rig and two models, one a millimetre worse; each test has a copy."""
+    folder = tmp_path_factory.mktemp("measured")
+    (folder / "rig.yaml").write_text(SMALL, encoding="utf-8")
+    labrig.run("capture", folder / "rig.yaml", out=folder / "runs" / "run", captures=16)
+    run = labrig.open_run(folder / "runs" / "run")
     position = run["position_mm"].mean("time").values.reshape(16, -1)
     pressure = np.hstack([np.ones((16, 1)), run["commanded"].values])
     slope = np.linalg.lstsq(pressure, position, rcond=None)[0].tolist()
     for name, off in (("better", 0.0), ("worse", 9.0)):
-        (tmp_path / f"{name}.py").write_text(MODEL.format(slope=slope, off=off), encoding="utf-8")
+        (folder / f"{name}.py").write_text(MODEL.format(slope=slope, off=off), encoding="utf-8")
         content = f"base: {{kind: python, file: {name}.py, function: predict}}\neffects: []\n"
-        (tmp_path / f"{name}.yaml").write_text(content, encoding="utf-8")
+        (folder / f"{name}.yaml").write_text(content, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def asked(tmp_path: Path, measured: Path) -> Iterator[Bench]:
+    """A workbench in this process, on a run of a simulated rig and two models, one a millimetre worse."""
     from labrig.workbench import open_desk, start
 
-    running = start(open_desk(tmp_path, rig))
+    folder = Path(shutil.copytree(measured, tmp_path / "desk"))
+    running = start(open_desk(folder, folder / "rig.yaml"))
     yield Bench.of(running)
     assert running.desk.jobs.wait(30)
     running.stop()
