@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
-from labrig._halton import halton
 from labrig.arrays import Floats
 from labrig.physics._shell import Shell, load_shell
 
@@ -35,8 +34,7 @@ def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) ->
     part of its full inflation that a chamber should have, so that pressures lie densest where the surface moves most.
     """
     at_corner = corners(len(shell.max_kpa), count, seed) * shell.max_kpa
-    fill = count - len(at_corner)
-    spread = halton(fill, len(shell.max_kpa), first=1 + seed * fill)  # the first of all is the origin
+    spread = _halton(count - len(at_corner), len(shell.max_kpa), seed)
     content = shell.changed(count=(_COARSE, _COARSE)).content()
     tasks = [(content, chamber) for chamber in range(len(shell.max_kpa))]
     pressures = np.empty_like(spread)
@@ -44,6 +42,15 @@ def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) ->
         rising = np.maximum.accumulate(inflation / inflation[-1])
         pressures[:, chamber] = np.interp(spread[:, chamber], rising, LEVELS) * shell.max_kpa[chamber]
     return np.concatenate([at_corner, pressures]), ["corner"] * len(at_corner) + ["halton"] * len(spread)
+
+
+def _halton(count: int, dimensions: int, seed: int) -> Floats:
+    """`count` points of the sequence (the first one of all, the origin, left out), (count, dimensions)."""
+    from scipy.stats import qmc
+
+    sequence = qmc.Halton(dimensions, scramble=False)
+    sequence.fast_forward(1 + seed * count)
+    return sequence.random(count)
 
 
 def inflation_curve(task: tuple[dict[str, Any], int]) -> Floats:

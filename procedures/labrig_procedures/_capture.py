@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from labrig._halton import halton
 from labrig.arrays import Floats
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
@@ -88,7 +87,9 @@ def _random(count: int, chambers: int, rng: np.random.Generator) -> Floats:
 
 
 def _halton(count: int, chambers: int, rng: np.random.Generator) -> Floats:
-    return halton(count, chambers, rng=rng)
+    from scipy.stats import qmc
+
+    return qmc.Halton(chambers, scramble=True, rng=rng).random(count)
 
 
 def _grid(count: int, chambers: int, rng: np.random.Generator) -> Floats:
