@@ -15,7 +15,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
-from labrig.diagnosis._falls import much_left
+from labrig.diagnosis._falls import falls_of, much_left
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
@@ -36,6 +36,7 @@ from labrig.diagnosis._verdict import (
     answers_of,
     decide,
     in_one_chamber,
+    less_sure,
     underpowered,
     with_unseen,
 )
@@ -198,6 +199,10 @@ def result_of(
     regression, context = ready.regression, ready.context
     found = alone(regression, context, verdict, effects)
     chosen = _chosen(ready, verdict, effects, found)
+    falls = falls_of(chosen, verdict.found)
+    if idle := {fall.effect for fall in falls if not fall.helps}:
+        verdict = less_sure(verdict, idle)
+        chosen = _chosen(ready, verdict, effects, found, idle)
     errors = _errors(ready, chosen)
     entries = (
         [entry_of(regression, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
@@ -227,7 +232,7 @@ def result_of(
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
         "warnings": [
-            *notes_on(ready, observations, verdict, chosen, unit_size),
+            *notes_on(ready, observations, verdict, chosen, falls, unit_size),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
         ],
     }
@@ -242,16 +247,20 @@ def result_of(
 
 
 def _chosen(
-    ready: Prepared, verdict: Verdict, effects: dict[str, Effect], found: Mapping[str, list[Candidate]]
+    ready: Prepared,
+    verdict: Verdict,
+    effects: dict[str, Effect],
+    found: Mapping[str, list[Candidate]],
+    idle: Collection[str] = (),
 ) -> Fit | None:
-    """The formulas of what is sure and, where one of several is, of the likeliest of them; forms that are `found` are
-    not looked for again.
+    """The formulas of what is sure and, where one of several is, of the likeliest of them, but for those that are
+    `idle`; forms that are `found` are not looked for again.
 
     A family can be wider than its formulas: an effect of which none can act on these runs is left out.
     """
     if verdict.verdict not in {"identified", "multiple", "confounded"}:
         return None
-    names = [*verdict.effects, *verdict.rivals[:1]]
+    names = [n for n in (*verdict.effects, *verdict.rivals[:1]) if n not in idle]
     known = {n: found.get(n) or forms_of(ready.regression, ready.context, effects[n]) for n in names}
     able = [effects[n] for n in names if known[n]]
     if not able:

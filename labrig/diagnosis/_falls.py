@@ -1,6 +1,6 @@
 """By how much an effect that was added lowers the held-out error, in the unit in which it lowers it most."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +36,11 @@ class Fall:
     def words(self) -> str:
         """By how much, and how much is needed, as root mean squares."""
         return f"by {amount(_rms(self.fall), self.units)}, needed {amount(_rms(self.least), self.units)}"
+
+
+def falls_of(chosen: Fit | None, names: Collection[str]) -> list[Fall]:
+    """The same of each of these effects that is in a fit, beside all others."""
+    return [fall_of(chosen, i) for i, name in enumerate(chosen.names) if name in names] if chosen else []
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> Fall:

@@ -1,11 +1,13 @@
 """What is said beside a verdict: of the run, of the noise, and of what the name is worth here."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._amount import amount
 from labrig.diagnosis._candidates import Fit
-from labrig.diagnosis._falls import fall_of
+from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._one_speed import one_moment, one_speed
@@ -28,17 +30,22 @@ _SCATTERS = 5.0
 
 
 def notes_on(
-    ready: Prepared, observations: Observations, verdict: Verdict, chosen: Fit | None, unit_size: float
+    ready: Prepared,
+    observations: Observations,
+    verdict: Verdict,
+    chosen: Fit | None,
+    falls: Sequence[Fall],
+    unit_size: float,
 ) -> list[str]:
-    """What a person should know beside the verdict, a line each; `unit_size` is how large a floor is, in the units of
-    the errors.
+    """What a person should know beside the verdict, a line each; `falls` are by how much what was found lowers the
+    held-out error, `unit_size` is how large a floor is, in the units of the errors.
     """
     named = {*verdict.effects, *verdict.rivals}
     return [
         *_warnings(ready, verdict),
         *_said(observations, verdict, unit_size, ready.regression.units),
         *_unrepeated(ready, verdict, unit_size),
-        *_doubted(chosen, verdict),
+        *_doubted(chosen, verdict, falls),
         *(one_speed(ready.context) if named else ()),
         *(one_moment(ready.context) if _AT_ONE_MOMENT & named else ()),
     ]
@@ -96,15 +103,10 @@ def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str
     ]
 
 
-def _doubted(chosen: Fit | None, verdict: Verdict) -> list[str]:
+def _doubted(chosen: Fit | None, verdict: Verdict, falls: Sequence[Fall]) -> list[str]:
     """Effects that were found by the evidence, without a formula, or with one that helps no more than chance where it
     was not fitted.
     """
-    falls = [
-        fall_of(chosen, i)
-        for i, name in enumerate(chosen.names if chosen else ())
-        if chosen and name in verdict.found
-    ]
     able = chosen.names if chosen else ()
     without = [
         f"no formula of {name} can act on these runs: it is named, and nothing is added to the model for it"
@@ -113,7 +115,7 @@ def _doubted(chosen: Fit | None, verdict: Verdict) -> list[str]:
     ]
     return without + [
         f"with {fall.effect} added, the held-out error falls no more than by chance ({fall.words}): no formula of it "
-        "follows what is seen, so doubt the name until another run says it again"
+        "follows what is seen, so it is not sure, and nothing is added for it"
         for fall in falls
         if not fall.helps
     ]

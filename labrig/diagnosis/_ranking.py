@@ -32,7 +32,7 @@ def drop_of(base: float, now: float, reachable: float) -> float:
     """Share of the explainable error (root mean squares) that is gone; never more than all of it, and none where less
     than the smallest effect that is worth a name could be explained.
     """
-    if base**2 - reachable**2 < (LEAST_FLOORS * reachable) ** 2:
+    if base <= np.hypot(1.0, LEAST_FLOORS) * reachable:
         return 0.0
     least = min(reachable, now)
     return float((base - now) / (base - least)) if base > least * (1 + 1e-9) else 0.0

@@ -215,6 +215,21 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
     return Verdict("unknown", (), 1 - some, (), considered, carried, beside)
 
 
+def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:
+    """The same where of these names one cannot be sure: each is as likely as not, at most."""
+    capped = (
+        replace(c, probability=min(c.probability, 0.5)) if c.effect in names else c
+        for c in verdict.considered
+    )
+    considered = tuple(sorted(capped, key=lambda c: -c.probability))
+    sure = tuple(name for name in verdict.effects if name not in names)
+    possible = tuple(c.effect for c in considered if c.call == "possible")
+    some = 1 - float(np.prod([1 - c.probability for c in considered if c.effect in possible]))
+    return replace(
+        verdict, verdict="confounded", effects=sure, rivals=possible, probability=some, considered=considered
+    )
+
+
 def with_unseen(verdict: Verdict, owners: Collection[str]) -> Verdict:
     """The same, where only these `owners` have anything that they could be seen by."""
     return replace(verdict, considered=tuple(replace(c, seen=c.effect in owners) for c in verdict.considered))

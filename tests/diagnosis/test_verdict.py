@@ -262,20 +262,32 @@ def test_a_drop_is_never_more_than_all(base: float, now: float, reachable: float
 
 
 @pytest.mark.parametrize(("hidden", "doubted"), [(0.0, True), (0.03, False)])
-def test_a_name_whose_formula_helps_nothing_is_doubted(make_lab, hidden: float, doubted: bool) -> None:
-    """A leak that the evidence is sure of is doubted where adding it lowers the held-out error no more than chance."""
+def test_a_name_whose_formula_helps_nothing_is_not_sure(make_lab, hidden: float, doubted: bool) -> None:
+    """A leak that the evidence is sure of is possible only where adding it lowers the held-out error no more than
+    chance, and is not added.
+    """
     lab = make_lab(captures=40, long_s=(3.0, 4.0, 6.0, 10.0, 20.0, 40.0))
     left = np.maximum(np.sqrt(lab.u) - hidden * lab.hold_s[:, :, None], 0.0) ** 2
     model = lab.model()
     ready = prepared(rows_from(lab.dataset(lab.predict(left) + lab.noise())), model)
     ready, observations, _ = laid_out(ready, model.library())
-    said = result_of(ready, observations, Verdict("identified", ("leak",), 1.0), model, model.library())
+    verdict = Verdict(
+        "identified", ("leak",), 0.9, considered=(Considered("leak", 0.9), Considered("creep", 0.1))
+    )
+    said = result_of(ready, observations, verdict, model, model.library())
+    found = said.summary
+    assert (found["verdict"], found["effects"]) == (
+        ("confounded", []) if doubted else ("identified", ["leak"])
+    )
+    assert found["rivals"] == (["leak", "creep"] if doubted else [])
+    assert found["effects_considered"][0]["probability"] == (0.5 if doubted else 0.9)
+    assert (said.improved is None) == doubted
     notes = [note for note in said.summary["warnings"] if note.startswith("with leak added")]
     assert bool(notes) == doubted
     if notes:
         assert re.fullmatch(
             r"with leak added, the held-out error falls no more than by chance \(by -?[\d.e-]+ mm, needed [\d.]+ mm\): "
-            r"no formula of it follows what is seen, so doubt the name until another run says it again",
+            r"no formula of it follows what is seen, so it is not sure, and nothing is added for it",
             notes[0],
         )
 
