@@ -68,3 +68,12 @@ def test_a_campaign_waits_for_nothing_that_computes(tmp_path):
     )
     assert done.stdout.splitlines()[-1] == "[]", done.stdout
     assert "2 captures in " in done.stdout
+
+
+def test_a_diagnosis_waits_for_no_statistics_that_it_does_not_use(tmp_path):
+    """SciPy's come with a hundred distributions, and take as long as all else that a diagnosis imports."""
+    code = "import sys, labrig.diagnosis; print('scipy.stats' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "False\n"

@@ -1,7 +1,7 @@
 """A frame that shakes: what all markers share in each capture as one rigid body, more than the noise of each."""
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from labrig.arrays import Floats
 from labrig.diagnosis._constants import FEWEST_OBSERVATIONS, POSSIBLE
@@ -76,7 +76,7 @@ def _repeat(differ: Floats, scale: Floats) -> bool:
     differ = differ[np.isfinite(differ).all(axis=1)]
     if not differ.size:
         return False
-    return bool(np.square(differ / scale).sum() / 2 < chi2.ppf(_CHANCE, differ.size))
+    return bool(np.square(differ / scale).sum() / 2 < chdtri(differ.size, 1 - _CHANCE))
 
 
 def _driven(observations: Observations) -> Floats:

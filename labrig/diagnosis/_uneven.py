@@ -5,7 +5,6 @@ Only more noise than most have is asked for. Less would make much of small error
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from labrig.arrays import Floats, Ints
 from labrig.effects import Rows, bulk_noise
@@ -104,8 +103,8 @@ def _from_most(log: Floats, variance: Floats) -> Floats:
     if known.sum() < 2:
         return np.zeros(len(log))
     off, v = np.where(known, log - _most(log[known]), 0.0)[:, None, None], variance[:, None, None]
-    alike = norm.logpdf(off, scale=np.sqrt(v))
-    apart = np.log(_SOME) + norm.logpdf(off, scale=np.sqrt(v + _BY**2))
+    alike = _log_density(off, v)
+    apart = np.log(_SOME) + _log_density(off, v + _BY**2)
     either = np.logaddexp(np.log(np.maximum(1 - _SOME, 1e-300)) + alike, apart)
     # of each way to be uneven, against all of them and none
     odds = np.log(_P_UNEVEN / _SOME.size) + (either - alike)[known].sum(axis=0)
@@ -126,3 +125,8 @@ def _slope(log: Floats, known: Floats) -> float:
         return 1.0
     x, y = known[use] - known[use].mean(), log[use] - log[use].mean()
     return float(np.clip((x @ y) / (x @ x), 0.0, 1.0)) if x.any() else 0.0
+
+
+def _log_density(values: Floats, variance: Floats) -> Floats:
+    """Of a normal distribution about zero, but for a constant that all share; SciPy's takes a second to be imported."""
+    return -0.5 * (values**2 / variance + np.log(variance))

@@ -7,7 +7,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from labrig import contents
 from labrig.arrays import Floats, Ints
@@ -109,7 +109,7 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[c
             continue
         mean = float(np.nanmean(part))
         numbers = len(np.unique(context.rows.capture[place.rows])) * part.shape[1]
-        chance = float(chi2.isf(_BY_CHANCE / in_group[place.group], numbers)) / numbers
+        chance = float(chdtri(numbers, _BY_CHANCE / in_group[place.group])) / numbers
         share = float(np.nansum(part - floor_square)) / excess if excess > 0 else 0.0
         out.append(
             {
