@@ -67,10 +67,6 @@ class Creep(Effect):
         u, chambers = context.rows.actuation, context.rows.chambers
         duration = float(np.nanmax(context.elapsed_s) + np.ptp(context.rows.event_time_s))
         flow = context.integrated() / HOUR_S
-        if context.shows(duration > 0):
-            yield Variant("flow", (Term.common("flow", flow),))
-            if len(chambers) > 1:
-                yield Variant("flow per chamber", (Term.per_chamber("flow", flow, chambers),))
         for (name, n), tau in product(ELEMENTS.items(), context.grid("tau_s", TAUS_S)):
             if not context.shows(tau <= duration):
                 continue

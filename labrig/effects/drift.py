@@ -69,7 +69,7 @@ class Drift(Effect):
             if context.shows(np.ptp(context.displacement) > 0):
                 gain = Term.field(f"gain{per}", context.displacement * clock[:, None])
                 yield Variant(f"{form}, gain", (gain,), shape)
-            if context.shows(context.moves):
+            if context.shows(context.moves) and len(context.rows.chambers) > 1:
                 zero = np.repeat(clock[:, None], len(context.rows.chambers), axis=1)
                 term = Term.per_chamber(f"pressure{per}", zero, context.rows.chambers)
                 yield Variant(f"{form}, pressure zero", (term,), shape)
