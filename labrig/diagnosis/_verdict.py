@@ -191,12 +191,13 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
         return float(sum(a.probability for a in answers if test(a)))
 
     unknown, nothing = share(lambda a: a.verdict == "unknown"), share(lambda a: not a.names and not a.unnamed)
+    named = share(lambda a: bool(a.names))
     beside: dict[str, float] = {}
     for a in answers:
         for owner, size in a.unnamed.items():
             beside[words[owner]] = beside.get(words[owner], 0.0) + a.probability * size
     carried = max(beside, key=lambda w: beside[w], default="")
-    if nothing >= max(unknown, 0.5) or not (unknown or sure or possible):
+    if nothing >= max(unknown, named) or not (unknown or sure or possible):
         return Verdict("nothing_missing", (), stated(nothing), (), considered, "", beside)
     if unknown >= 0.5:
         there = {n: share(lambda a, n=n: a.counts(n) >= a.least) for n in effects}

@@ -72,6 +72,19 @@ def test_nothing_missing() -> None:
     assert verdict.considered[0].effect == "creep"
 
 
+def test_nothing_is_said_to_be_missing_where_that_is_likelier_than_names(
+    as_evidence_says: Callable[..., None],
+) -> None:
+    """Names that are often right are no verdict by being many, where nothing at all is likelier than all of them."""
+    as_evidence_says(leak=1.5, creep=1.5, drift=1.5)
+    several = [answer(0.09, name) for name in ("leak", "creep", "drift")]
+    verdict = told(answer(0.42), *several, answer(0.31, beside="?form"))
+    assert verdict.verdict == "nothing_missing"
+    assert verdict.probability == pytest.approx(0.42)
+    assert 1 - np.prod([1 - c.probability for c in verdict.considered]) > 0.5
+    assert told(answer(0.22), *several, answer(0.51, beside="?form")).verdict == "unknown"
+
+
 def test_identified() -> None:
     """One effect in nearly all answers is it, as sure as that nothing else is; what may stand beside it is possible."""
     verdict = told(answer(0.83, "leak"), answer(0.14, "leak", "drift"), answer(0.03, "creep"))
