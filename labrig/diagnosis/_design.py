@@ -16,6 +16,7 @@ from labrig.diagnosis._motions import MOTION, motions
 from labrig.diagnosis._names import alike, by_kind, different, has_name
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._one_sensor import SENSOR, of_one_sensor
+from labrig.diagnosis._ripple import RIPPLE, ripple
 from labrig.diagnosis._spectra import factor, prior_of
 from labrig.diagnosis._unnamed import slow_noise, unnamed
 from labrig.effects import Effect, Feature, Space, motion_scale
@@ -117,6 +118,8 @@ def design_of(
     if calibrated is not None and calibrated.shape[2]:
         space = Space(DECLARED, DECLARED, ())
         made.append(_Made(space, layout.fields(calibrated), False, [(DECLARED, space)]))
+    if declared is None and context.learned and context.moves:
+        free.append(FreeBlock(RIPPLE.key, RIPPLE, observations.whiten @ ripple(context)))
     if declared is not None:
         G = observations.whiten @ declared
         keep = np.abs(G).max(axis=0) > 0

@@ -11,6 +11,7 @@ from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import NEGLIGIBLE
 from labrig.diagnosis._design import DECLARED, Design
 from labrig.diagnosis._freed import Taken
+from labrig.diagnosis._ripple import RIPPLE
 
 _PANEL = 256
 """How many rows of a matrix are mirrored at once: numerical, it changes no number."""
@@ -19,7 +20,7 @@ _MANY = 1 / 3
 _JITTER = 1e-12
 """Added to a unit diagonal against rounding; numerical, it decides nothing."""
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
-EVEN = (DECLARED, "?place")
+EVEN = (DECLARED, RIPPLE.key, "?place")
 """Free patterns that spread evenly over the observables, wherever the base moves them."""
 
 

@@ -9,7 +9,15 @@ from scipy.special import ndtr
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW
 from labrig.diagnosis._evidence import beside_free, free_fit, free_variances, unexplained
-from labrig.diagnosis._posterior import DECLARED_FLOORS, REST, Explanation, Search, is_name, split
+from labrig.diagnosis._posterior import (
+    ALWAYS_FLOORS,
+    DECLARED_FLOORS,
+    REST,
+    Explanation,
+    Search,
+    is_name,
+    split,
+)
 
 _SMALLEST = 1e-3
 """Floors that nothing is told apart by; numerical."""
@@ -62,7 +70,7 @@ def _left(search: Search, e: Explanation) -> Callable[[frozenset[str]], float]:
         for b in design.blocks
         if b.owner in (SLOW, DECLARED)
     ]
-    fixed = {f.owner: (DECLARED_FLOORS if f.owner == DECLARED else 0.0) for f in design.free}
+    fixed = {f.owner: ALWAYS_FLOORS.get(f.owner, 0.0) for f in design.free}
 
     @cache
     def left(keep: frozenset[str]) -> float:

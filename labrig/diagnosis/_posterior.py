@@ -23,6 +23,7 @@ from labrig.diagnosis._evidence import (
 )
 from labrig.diagnosis._freed import taken
 from labrig.diagnosis._motions import MOTION
+from labrig.diagnosis._ripple import RIPPLE, RIPPLE_FLOORS
 from labrig.diagnosis._signs import log_gain, log_gain_together
 from labrig.diagnosis._unnamed import FORM, LEVER
 
@@ -61,6 +62,8 @@ REST = "?rest"
 """What is more than noise and that no space follows."""
 DECLARED_FLOORS = 300.0
 """What a base calls its own may have any size; of a static map, far more floors than any rig moves. Numerical."""
+ALWAYS_FLOORS = {DECLARED: DECLARED_FLOORS, RIPPLE.key: RIPPLE_FLOORS}
+"""Free patterns that are there in every explanation, and how large."""
 _FAR = 10.0
 """By how many nats a form may be worse than the best one to be asked for its signs; numerical."""
 _HOPELESS = 30.0
@@ -78,7 +81,7 @@ class Search:
         for i, block in enumerate(design.blocks):
             self.blocks.setdefault(block.owner, []).append(i)
         self.slow_at = design.blocks[self.blocks[SLOW][0]].at
-        self.free = [f.owner for f in design.free if f.owner != DECLARED]
+        self.free = [f.owner for f in design.free if f.owner not in ALWAYS_FLOORS]
         self.free_shares = {f.owner: 1.0 / max(f.space.scanned, 1) for f in design.free}
         self.owners = [o for o in self.blocks if o not in (SLOW, DECLARED)]
         items = self.owners + self.free
@@ -110,7 +113,7 @@ class Search:
 
     def free_sizes(self, background: Raised) -> dict[str, float]:
         """The prior sd of each free pattern, floors, when those of a background are raised."""
-        sd = dict.fromkeys([*self.free, DECLARED], self.spike) | {DECLARED: DECLARED_FLOORS}
+        sd = dict.fromkeys(self.free, self.spike) | ALWAYS_FLOORS
         return sd | {owner: size for owner, _, size in background}
 
     def prior(self, raised: Raised) -> float:
