@@ -1,9 +1,11 @@
 """The noise floor: what repeats of the same set-point with the same history differ by."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from labrig.arrays import Floats, Ints
@@ -97,7 +99,7 @@ def noise_floor(
         groups = groups_of(rows, own)
         each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
         again = repeats_of(context, means[:, own], captures)
-        alike = np.array(again["same history"]).reshape(-1, len(each))
+        alike, told = _beside_drift(context, means[:, own], captures, own)
         even = profile_of_means(means[:, own], alike[: 0 if stream else None], each, groups)
         inside = float(np.sqrt(np.mean((each / even) ** 2)))
         pairs, same = len(alike), _spread(list(alike / even))
@@ -107,7 +109,7 @@ def noise_floor(
         if single and not np.isfinite(bulk) and (stream or same is None):
             found[_NEIGHBOURS] = _neighbours((means if at_full_rate is None else at_full_rate)[:, own])
         usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > none}
-        if len(usable) > 1 and (stream or pairs < _FEWEST_PAIRS):
+        if (len(usable) > 1 or inside > none) and (stream or pairs < _FEWEST_PAIRS):
             usable.pop(_REPEATS, None)
         if not usable:
             usable = {"the noise within a capture": inside}
@@ -121,7 +123,7 @@ def noise_floor(
         mean[own] = size * even
         within[own] = each
         hows.append(how if same is not None else f"{how} (no same-history repeats)")
-        freedom[own] = pairs * int(own.sum()) if how == _REPEATS else 0
+        freedom[own] = told * int(own.sum()) if how == _REPEATS else 0
         if not stream:
             upper[own] = _limit([d / even for kind in _ANY_HISTORY for d in again[kind]]) * even
         if number == 0:
@@ -150,11 +152,18 @@ def _neighbours(means: Floats) -> float:
 
 def repeats_of(context: Context, means: Floats, captures: Ints) -> dict[str, list[Floats]]:
     """What repeats of a set-point differ by, each (K,), per kind of history."""
+    kinds: dict[str, list[Floats]] = {"same history": [], "opposite history": [], "early against late": []}
+    for kind, a, b in _pairs(context, captures):
+        kinds[kind].append(means[b] - means[a])
+    return kinds
+
+
+def _pairs(context: Context, captures: Ints) -> Iterator[tuple[str, int, int]]:
+    """Which captures repeat each other, by number, and the kind of their history."""
     rows = context.rows
     first = np.searchsorted(rows.capture, captures)
     came_from = context.previous[rows.event[first]]
     tolerance = 0.02 * np.abs(context.span)
-    kinds: dict[str, list[Floats]] = {"same history": [], "opposite history": [], "early against late": []}
     labels: dict[str, list[int]] = {}
     for i, label in enumerate(_labels(context, captures)):
         if label:
@@ -162,10 +171,39 @@ def repeats_of(context: Context, means: Floats, captures: Ints) -> dict[str, lis
     for members in labels.values():
         for a, b in pairwise(members):
             alike = (np.abs(came_from[a] - came_from[b]) <= tolerance).all()
-            kinds["same history" if alike else "opposite history"].append(means[b] - means[a])
+            yield "same history" if alike else "opposite history", a, b
         if len(members) > 2:
-            kinds["early against late"].append(means[members[-1]] - means[members[0]])
-    return kinds
+            yield "early against late", members[0], members[-1]
+
+
+def _beside_drift(
+    context: Context, means: Floats, captures: Ints, own: NDArray[np.bool_]
+) -> tuple[Floats, int]:
+    """What repeats with the same history differ by, (P, k), beside a shift and a gain that go on with the time between
+    them, and how many of them say it: what was measured again at the end differs by all that drifted meanwhile.
+    """
+    rows = context.rows
+    pairs = [(a, b) for kind, a, b in _pairs(context, captures) if kind == "same history"]
+    both = np.array(pairs, dtype=int).reshape(-1, 2)
+    differ = means[both[:, 1]] - means[both[:, 0]]
+    if len(both) < _FEWEST_PAIRS:
+        return differ, 0
+    first = np.searchsorted(rows.capture, captures)
+    when = (
+        rows.time_s[first] if np.isfinite(rows.time_s[first]).all() else np.arange(len(captures), dtype=float)
+    )
+    gap = when[both[:, 1]] - when[both[:, 0]]
+    moved = context.displacement[first][both[:, 0]][:, own]
+    free = 2 if len(both) > _FEWEST_PAIRS else 1
+    out = np.empty_like(differ)
+    for k in range(differ.shape[1]):
+        known = np.isfinite(differ[:, k])
+        X = np.column_stack([gap, gap * moved[:, k]])[known, :free]
+        fit = X @ np.linalg.lstsq(X, differ[known, k], rcond=None)[0]
+        left = max(int(known.sum()) - free, 1)
+        out[:, k] = np.nan
+        out[known, k] = (differ[known, k] - fit) * np.sqrt(known.sum() / left)
+    return out, len(both) - free
 
 
 def _labels(context: Context, captures: Ints) -> list[str]:
