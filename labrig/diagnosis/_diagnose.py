@@ -19,7 +19,7 @@ from labrig.diagnosis._falls import falls_of, much_left
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
-from labrig.diagnosis._notes import NOTHING, notes_on
+from labrig.diagnosis._notes import NOTHING, learnt_below, notes_on
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import CURVE, REST, Search
@@ -233,6 +233,7 @@ def result_of(
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size),
+            *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
         ],
     }

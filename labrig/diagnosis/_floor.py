@@ -109,7 +109,7 @@ def noise_floor(
         if single and not np.isfinite(bulk) and (stream or same is None):
             found[_NEIGHBOURS] = _neighbours((means if at_full_rate is None else at_full_rate)[:, own])
         usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > none}
-        if (len(usable) > 1 or inside > none) and (stream or pairs < _FEWEST_PAIRS):
+        if len(usable) > 1 and (stream or pairs < _FEWEST_PAIRS):
             usable.pop(_REPEATS, None)
         if not usable:
             usable = {"the noise within a capture": inside}
@@ -180,14 +180,14 @@ def _beside_drift(
     context: Context, means: Floats, captures: Ints, own: NDArray[np.bool_]
 ) -> tuple[Floats, int]:
     """What repeats with the same history differ by, (P, k), beside a shift and a gain that go on with the time between
-    them, and how many of them say it: what was measured again at the end differs by all that drifted meanwhile.
+    them, and how many say it: what was measured again at the end differs by all that drifted meanwhile.
     """
     rows = context.rows
     pairs = [(a, b) for kind, a, b in _pairs(context, captures) if kind == "same history"]
     both = np.array(pairs, dtype=int).reshape(-1, 2)
     differ = means[both[:, 1]] - means[both[:, 0]]
-    if len(both) < _FEWEST_PAIRS:
-        return differ, 0
+    if len(both) < _FEWEST_PAIRS:  # too few to tell: a note says it where a learner knows better
+        return differ, len(both)
     first = np.searchsorted(rows.capture, captures)
     when = (
         rows.time_s[first] if np.isfinite(rows.time_s[first]).all() else np.arange(len(captures), dtype=float)

@@ -25,6 +25,8 @@ _ALIKE = 0.5
 """From which part of what is left on repeats differ by as much: five pairs may be off by a factor of two."""
 _MORE = 1.5
 """How many times the noise of a mean repeats differ by where they differ by more than that."""
+_LEARNT = 0.7
+"""Of the model's error and of the noise: what a learner leaves where much of both is no noise."""
 _SCATTERS = 5.0
 """How many times as noisy means are as rows within holds say, for that to be said where nothing was repeated."""
 
@@ -48,6 +50,19 @@ def notes_on(
         *_doubted(chosen, verdict, falls),
         *(one_speed(ready.context) if named else ()),
         *(one_moment(ready.context) if _AT_ONE_MOMENT & named else ()),
+    ]
+
+
+def learnt_below(verdict: Verdict, base: float, floor: float, ceiling: float, unit: str) -> list[str]:
+    """A line where nothing is said to be missing, and a learner predicts much of what was taken for noise (root mean
+    squares of the held-out errors).
+    """
+    if verdict.verdict != "nothing_missing" or ceiling > _LEARNT * min(base, floor):
+        return []
+    return [
+        f"a flexible learner predicts captures that were left out to {amount(ceiling, unit)}, where the model is off "
+        f"by {amount(base, unit)} and the noise was taken to be {amount(floor, unit)}: repeats may differ by what "
+        "drifted between them, or captures by what no effect follows, so repeat some set-points at once, too"
     ]
 
 

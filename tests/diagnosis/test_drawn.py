@@ -39,4 +39,5 @@ def test_the_verdict_is_right(
     )
     if verdict in ("identified", "multiple"):
         assert 0.8 < summary["drop"] <= 1
-    assert 0.6 < summary["error"]["floor"] / truth["floor"] < 2.2  # of a row, and of a capture's mean
+    # of a row, what bends at a delay among it, and of a capture's mean
+    assert 0.6 < summary["error"]["floor"] / truth["floor"] < 2.5

@@ -233,7 +233,11 @@ def twice(seed: int) -> tuple[Design, Design]:
     one = tiny(seed)
     W, first = one.W.whole, one.blocks[0].at
     observations = SimpleNamespace(
-        **vars(one.observations), counts_for=np.full(S, 1 / (S * R)), curves=np.zeros((S, 0))
+        **vars(one.observations),
+        capture=np.arange(S),
+        seen=np.ones(K, dtype=bool),
+        counts_for=np.full(S, 1 / (S * R)),
+        curves=np.zeros((S, 0)),
     )
     observations.size_of = lambda values, noise=0.0: float(np.sqrt(np.mean(values**2)))
     again = plain(np.concatenate([W, W[:, first]], axis=1), R)

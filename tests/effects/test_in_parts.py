@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis._design import _different
+from labrig.diagnosis._names import different
 from labrig.effects import Context, library
 from labrig.effects._in_parts import poses_of
 from labrig.effects._rows import rows_of
@@ -77,7 +77,7 @@ def test_what_two_effects_have_counts_once(make_lab) -> None:
     """The directions that are looked at follow each space once, however many effects have it."""
     context = context_of(make_lab(captures=48, sessions=4), OWN)
     frame, gravity = (list(library()[effect].family(context)) for effect in ("frame", "gravity"))
-    left = [space.key for space in _different([*frame, *gravity])]
+    left = [space.key for space in different([*frame, *gravity])]
     assert left.count("in each part") == 1
     assert len(left) == len(frame) + len(gravity) - 1
 
