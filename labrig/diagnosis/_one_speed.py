@@ -17,6 +17,10 @@ _MOMENT = 0.2
 """Times of rows that differ by no more than this, as a part of the longest, are one moment."""
 
 
+ALIKE = frozenset({"creep", "delay", "friction", "hysteresis"})
+"""What lags in time, and what depends on the way: one function of the other at one speed."""
+
+
 def one_speed(context: Context) -> list[str]:
     """A line where all chambers move at one speed each, in a record or by even steps at even times; none where nothing
     moves.
@@ -43,6 +47,11 @@ def one_speed(context: Context) -> list[str]:
         "depends on the way (hysteresis, friction) look alike at one speed, so the name may be the other's; measure at "
         f"another speed, too{'' if context.sample_s else ', or hold some set-points for long'}"
     ]
+
+
+def alike(context: Context) -> frozenset[str]:
+    """Effects of which none is sure by itself in a record whose inputs always move at one speed."""
+    return ALIKE if context.sample_s and one_speed(context) else frozenset()
 
 
 def one_moment(context: Context) -> list[str]:

@@ -4,6 +4,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
@@ -85,3 +86,29 @@ def test_set_points_that_are_seen_at_one_moment(make_lab) -> None:
             line for line in said if line.startswith("every row was taken 3.1 s after its set-point: what a")
         ]
         assert len(lines) == expected
+
+
+@pytest.mark.parametrize("speeds", [(4.0,), (1.0, 4.0, 16.0)])
+def test_a_loop_is_told_from_a_lag_at_several_speeds_only(tmp_path: Path, speeds: tuple[float, ...]) -> None:
+    """Dahl's friction in a record: where the input has one speed a lag in time would do the same, so it is a doubt."""
+    pressure = np.tile(ramps(speeds, noise=0.0), 3)
+    held, loop = 0.0, np.zeros(len(pressure))
+    for i, step in enumerate(np.diff(pressure), start=1):
+        held = np.sign(step) + (held - np.sign(step)) * np.exp(-abs(step) / 6.0)
+        loop[i] = held
+    seen = 0.3 * pressure - 0.5 * loop + np.random.default_rng(1).normal(0, 0.1, len(pressure))
+    table = {
+        "t (s)": 0.1 * np.arange(len(pressure)),
+        "p set (kPa)": pressure.round(3),
+        "force (N)": seen.round(3),
+    }
+    found = labrig.diagnose(
+        labrig.import_table(pd.DataFrame(table), tmp_path / "run"), lambda u: 0.3 * u
+    ).summary
+    sure, possible = set(found["effects"]), set(found["effects"]) | set(found["rivals"])
+    if len(speeds) > 1:
+        assert possible & {"hysteresis", "friction"}
+        assert not possible & {"delay", "creep"}
+    else:
+        assert not sure & {"hysteresis", "friction", "delay", "creep"}
+        assert possible & {"hysteresis", "friction", "delay", "creep"}
