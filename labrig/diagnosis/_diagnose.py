@@ -38,6 +38,7 @@ from labrig.diagnosis._verdict import (
     decide,
     in_one_chamber,
     less_sure,
+    taken_back,
     underpowered,
     with_unseen,
 )
@@ -156,6 +157,9 @@ def verdict_on(
     remembering = {name for name, effect in effects.items() if effect.remembers}
     verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design))
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
+    said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
+    if round_ := {name: words for name, words in said.items() if words}:
+        verdict = taken_back(verdict, round_)
     if verdict.verdict == "nothing_missing" and ready.astray:
         return replace(verdict, verdict="unknown", carried_by=ready.astray)
     if verdict.verdict == "nothing_missing":

@@ -216,6 +216,18 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
     return Verdict("unknown", (), 1 - some, (), considered, carried, beside)
 
 
+def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
+    """The same where these effects are not there, and what their words say carries what is missing instead."""
+    considered = tuple(replace(c, probability=0.0) if c.effect in names else c for c in verdict.considered)
+    considered = tuple(sorted(considered, key=lambda c: -c.probability))
+    sure = tuple(name for name in verdict.effects if name not in names)
+    possible = tuple(name for name in verdict.rivals if name not in names)
+    left = replace(verdict, effects=sure, rivals=possible, considered=considered)
+    if sure or possible:
+        return left
+    return replace(left, verdict="unknown", carried_by=next(iter(names.values())))
+
+
 def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:
     """The same where of these names one cannot be sure: each is as likely as not, at most."""
     capped = (

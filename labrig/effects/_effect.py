@@ -149,6 +149,10 @@ class Effect(ABC):
         """The covariates that were logged because of this effect: what follows one of them, in any way, is it."""
         return ()
 
+    def turned_round(self, context: Context) -> str:
+        """What carries the residual where that is this effect the other way round, which it cannot be; else empty."""
+        return ""
+
     def sign(self, context: Context, part: Part) -> Sign:
         """Its signature as the points of a plot: its own pattern against its covariate, unless it overrides this."""
         name, unit, x = self.covariate(context)

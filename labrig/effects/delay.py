@@ -12,6 +12,9 @@ from labrig.effects._sign import Part, Sign, of_step
 from labrig.effects._skin import by_itself, by_place, lag_behind, last_motion, per_sensor, settling
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
+AHEAD = "what is ahead of the input"
+_MOST_OF_IT = 0.5
+"""Share of the residual's square that is ahead, from which on it is that, and no part of something else."""
 SAMPLES = (1, 2, 3, 5, 8, 13, 21)
 """Lags and dead times of a record without holds, in samples."""
 
@@ -84,6 +87,22 @@ class Delay(Effect):
 
     def sign(self, context: Context, part: Part) -> Sign:
         return of_step(context, part)
+
+    def turned_round(self, context: Context) -> str:
+        """What is ahead of the input is no delay: the lag that has most of the residual has it the other way round."""
+        left = np.nan_to_num(context.residual)
+        left = left / np.maximum(np.sqrt((left**2).mean(axis=0)), 1e-300)
+        size = np.maximum(np.sqrt((np.nan_to_num(context.residual) ** 2).mean(axis=0)), 1e-300)
+        best, way = 0.0, 0.0
+        for tau in TAUS_S:
+            late = (
+                np.einsum("fkc,fc->fk", context.jacobian, context.relaxed(tau) - context.rows.actuation)
+                / size
+            )
+            along, square = float((left * late).sum()), float((late**2).sum())
+            if square > 0 and along**2 / square > best:
+                best, way = along**2 / square, along
+        return AHEAD if way < 0 and best > _MOST_OF_IT * float((left**2).sum()) else ""
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS

@@ -1,0 +1,62 @@
+"""A delay is late: what is measured ahead of the model is no delay, however well lags describe it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import labrig
+from labrig.view._naming import carries
+from tests.laws import stretched
+from tests.naming import verdict_of
+
+TIME_S = np.arange(0, 120, 0.1)
+
+
+def input_at(t: np.ndarray) -> np.ndarray:
+    """A pressure that never rests, kPa."""
+    return 25 + 8 * (np.sin(0.5 * t) + np.sin(1.13 * t + 1) + np.sin(1.9 * t + 2))
+
+
+def recorded(run: Path, force: np.ndarray) -> Any:
+    """What is said of a record of this force, N, of which the model says a fifth of the pressure."""
+    noise = np.random.default_rng(5).normal(0, 0.1, len(TIME_S))
+    columns = {
+        "t (s)": TIME_S.round(2),
+        "p set (kPa)": input_at(TIME_S).round(3),
+        "force (N)": (force + noise).round(3),
+    }
+    return labrig.diagnose(labrig.import_table(pd.DataFrame(columns), run), lambda u: 0.2 * u).summary
+
+
+@pytest.mark.parametrize("ahead_s", [0.1, 0.3])
+def test_a_clock_that_is_ahead_is_no_delay(tmp_path: Path, ahead_s: float) -> None:
+    """It is unknown, and said to be ahead; the same clock behind is a delay."""
+    found = recorded(tmp_path / "ahead", 0.2 * input_at(TIME_S + ahead_s))
+    assert (found["verdict"], found["effects"]) == ("unknown", [])
+    assert found["carried_by"] == "what is ahead of the input"
+    late = recorded(tmp_path / "late", 0.2 * input_at(TIME_S - ahead_s))
+    assert late["effects"] == ["delay"]
+
+
+def test_a_damper_is_no_delay(tmp_path: Path) -> None:
+    """A force in proportion to the speed leads what moves."""
+    speed = np.gradient(input_at(TIME_S), TIME_S)
+    assert (
+        recorded(tmp_path / "run", 0.2 * input_at(TIME_S) + 0.03 * speed)["carried_by"]
+        == "what is ahead of the input"
+    )
+
+
+def test_a_lag_in_holds_stays_a_delay(make_lab) -> None:
+    """A pressure that is late by a stretched exponential is not turned round."""
+    lab = make_lab(chambers=2, rows_s=(1.0, 1.5, 2.5, 5.0), captures=60)
+    found = verdict_of(lab.dataset(lab.predict(stretched(lab)) + lab.noise()), lab.model())
+    assert "delay" in found.effects
+
+
+def test_where_to_look_is_said() -> None:
+    """Clocks first."""
+    assert carries("what is ahead of the input").startswith("is ahead of the input: compare the clocks")
