@@ -66,5 +66,5 @@ export function columns(found, mapping, renewed) {
   mapping.addEventListener("change", () => ask());
   show();
   const names = h("tr", {}, h("th", {}, "column"), h("th", {}, "what it is"), Object.values(FIELDS).map((words) => h("th", {}, words)));
-  return h("div", { class: "scroll columns" }, h("table", {}, h("thead", {}, names), body));
+  return h("div", { class: "scroll meanings" }, h("table", {}, h("thead", {}, names), body));
 }
