@@ -21,7 +21,7 @@ from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, notes_on
 from labrig.diagnosis._observations import Observations, observe
-from labrig.diagnosis._one_speed import alike
+from labrig.diagnosis._one_speed import alike_at_one_speed
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -206,7 +206,7 @@ def result_of(
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
-    if doubted := idle | (alike(context) & set(verdict.effects)):
+    if doubted := idle | (alike_at_one_speed(context) & set(verdict.effects)):
         verdict = less_sure(verdict, doubted)
         chosen = _chosen(ready, verdict, effects, found, idle)
     errors = _errors(ready, chosen)

@@ -1,6 +1,6 @@
 """The noise floor: what repeats of the same set-point with the same history differ by."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,6 +13,8 @@ from labrig.diagnosis._uneven import groups_of, profile_of_means
 from labrig.diagnosis._within import noise_within
 from labrig.effects import Context, bulk_noise
 
+_Pair = tuple[str, int, int]
+"""The kind of their history, and two captures by number."""
 _MOST_TO_MATCH = 2000
 _FEWEST_PAIRS = 3
 _REPEATS = "repeats with the same history"
@@ -95,11 +97,12 @@ def noise_floor(
     repeats: dict[str, float | None] = {}
     hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
     upper = np.full(len(rows.unit), np.inf)
+    again_at = list(_pairs(context, captures))
     for number, own in enumerate(units.values()):
         groups = groups_of(rows, own)
         each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
-        again = repeats_of(context, means[:, own], captures)
-        alike, told = _beside_drift(context, means[:, own], captures, own)
+        again = _differences(again_at, means[:, own])
+        alike, told = _beside_drift(context, means[:, own], captures, again_at, own)
         even = profile_of_means(means[:, own], alike[: 0 if stream else None], each, groups)
         inside = float(np.sqrt(np.mean((each / even) ** 2)))
         pairs, same = len(alike), _spread(list(alike / even))
@@ -152,13 +155,17 @@ def _neighbours(means: Floats) -> float:
 
 def repeats_of(context: Context, means: Floats, captures: Ints) -> dict[str, list[Floats]]:
     """What repeats of a set-point differ by, each (K,), per kind of history."""
+    return _differences(_pairs(context, captures), means)
+
+
+def _differences(pairs: Iterable[_Pair], means: Floats) -> dict[str, list[Floats]]:
     kinds: dict[str, list[Floats]] = {"same history": [], "opposite history": [], "early against late": []}
-    for kind, a, b in _pairs(context, captures):
+    for kind, a, b in pairs:
         kinds[kind].append(means[b] - means[a])
     return kinds
 
 
-def _pairs(context: Context, captures: Ints) -> Iterator[tuple[str, int, int]]:
+def _pairs(context: Context, captures: Ints) -> Iterator[_Pair]:
     """Which captures repeat each other, by number, and the kind of their history."""
     rows = context.rows
     first = np.searchsorted(rows.capture, captures)
@@ -177,14 +184,13 @@ def _pairs(context: Context, captures: Ints) -> Iterator[tuple[str, int, int]]:
 
 
 def _beside_drift(
-    context: Context, means: Floats, captures: Ints, own: NDArray[np.bool_]
+    context: Context, means: Floats, captures: Ints, pairs: Iterable[_Pair], own: NDArray[np.bool_]
 ) -> tuple[Floats, int]:
     """What repeats with the same history differ by, (P, k), beside a shift and a gain that go on with the time between
     them, and how many say it: what was measured again at the end differs by all that drifted meanwhile.
     """
     rows = context.rows
-    pairs = [(a, b) for kind, a, b in _pairs(context, captures) if kind == "same history"]
-    both = np.array(pairs, dtype=int).reshape(-1, 2)
+    both = np.array([pair for kind, *pair in pairs if kind == "same history"], dtype=int).reshape(-1, 2)
     differ = means[both[:, 1]] - means[both[:, 0]]
     if len(both) < _FEWEST_PAIRS:  # too few to tell: a note says it where a learner knows better
         return differ, len(both)
@@ -195,13 +201,13 @@ def _beside_drift(
     gap = when[both[:, 1]] - when[both[:, 0]]
     moved = context.displacement[first][both[:, 0]][:, own]
     free = 2 if len(both) > _FEWEST_PAIRS else 1
-    out = np.empty_like(differ)
+    out = differ.copy()
     for k in range(differ.shape[1]):
         known = np.isfinite(differ[:, k])
+        if (left := int(known.sum()) - free) <= 0:
+            continue
         X = np.column_stack([gap, gap * moved[:, k]])[known, :free]
         fit = X @ np.linalg.lstsq(X, differ[known, k], rcond=None)[0]
-        left = max(int(known.sum()) - free, 1)
-        out[:, k] = np.nan
         out[known, k] = (differ[known, k] - fit) * np.sqrt(known.sum() / left)
     return out, len(both) - free
 

@@ -49,7 +49,7 @@ def one_speed(context: Context) -> list[str]:
     ]
 
 
-def alike(context: Context) -> frozenset[str]:
+def alike_at_one_speed(context: Context) -> frozenset[str]:
     """Effects of which none is sure by itself in a record whose inputs always move at one speed."""
     return ALIKE if context.sample_s and one_speed(context) else frozenset()
 

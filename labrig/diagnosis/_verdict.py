@@ -217,15 +217,24 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
 
 
 def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
-    """The same where these effects are not there, and what their words say carries what is missing instead."""
+    """The same where these effects are not there, and what their words say carries what is missing instead: unknown,
+    where no other name is left.
+    """
     considered = tuple(replace(c, probability=0.0) if c.effect in names else c for c in verdict.considered)
     considered = tuple(sorted(considered, key=lambda c: -c.probability))
     sure = tuple(name for name in verdict.effects if name not in names)
     possible = tuple(name for name in verdict.rivals if name not in names)
-    left = replace(verdict, effects=sure, rivals=possible, considered=considered)
-    if sure or possible:
-        return left
-    return replace(left, verdict="unknown", carried_by=next(iter(names.values())))
+    word = (
+        verdict.verdict
+        if possible
+        else ("unknown", "identified")[bool(sure)]
+        if len(sure) < 2
+        else "multiple"
+    )
+    carried = next(iter(names.values()))
+    return replace(
+        verdict, verdict=word, effects=sure, rivals=possible, considered=considered, carried_by=carried
+    )
 
 
 def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:

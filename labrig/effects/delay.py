@@ -13,8 +13,6 @@ from labrig.effects._skin import by_itself, by_place, lag_behind, last_motion, p
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
 AHEAD = "what is ahead of the input"
-_MOST_OF_IT = 0.5
-"""Share of the residual's square that is ahead, from which on it is that, and no part of something else."""
 SAMPLES = (1, 2, 3, 5, 8, 13, 21)
 """Lags and dead times of a record without holds, in samples."""
 
@@ -89,20 +87,19 @@ class Delay(Effect):
         return of_step(context, part)
 
     def turned_round(self, context: Context) -> str:
-        """What is ahead of the input is no delay: the lag that has most of the residual has it the other way round."""
+        """What is ahead is no delay: the lag that has most of the residual, more than the rest, has it turned round."""
         left = np.nan_to_num(context.residual)
-        left = left / np.maximum(np.sqrt((left**2).mean(axis=0)), 1e-300)
-        size = np.maximum(np.sqrt((np.nan_to_num(context.residual) ** 2).mean(axis=0)), 1e-300)
-        best, way = 0.0, 0.0
+        size = np.maximum(np.sqrt((left**2).mean(axis=0)), 1e-300)  # sensors of all units count alike
+        left, explained, way = left / size, 0.0, 0.0
         for tau in TAUS_S:
             late = (
                 np.einsum("fkc,fc->fk", context.jacobian, context.relaxed(tau) - context.rows.actuation)
                 / size
             )
             along, square = float((left * late).sum()), float((late**2).sum())
-            if square > 0 and along**2 / square > best:
-                best, way = along**2 / square, along
-        return AHEAD if way < 0 and best > _MOST_OF_IT * float((left**2).sum()) else ""
+            if square > 0 and along**2 / square > explained:
+                explained, way = along**2 / square, along
+        return AHEAD if way < 0 and explained > float((left**2).sum()) - explained else ""
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS

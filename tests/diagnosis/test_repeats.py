@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose
+from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis._floor import _beside_drift, _pairs, capture_means
 from tests.naming import verdict_of
 
 
@@ -54,3 +55,21 @@ def test_what_a_learner_knows_of_the_noise_is_said(make_lab, drift: bool) -> Non
     assert said["verdict"] == "nothing_missing" or not drift
     if notes:
         assert notes[0].endswith("so repeat some set-points at once, too")
+
+
+def test_what_was_hardly_seen_twice_keeps_its_differences(make_lab) -> None:
+    """Of a marker that few repeats saw a shift and a gain would take all that they differ by, and leave no noise."""
+    lab = make_lab(chambers=2, markers=4, captures=40, repeats=False, seed=3)
+    lab.commanded[-6:] = lab.commanded[:6]
+    values = lab.predict(lab.u) + lab.noise()
+    values[-4:, :, 3:6] = np.nan
+    context = prepared(rows_from(lab.dataset(values)), lab.model()).context
+    captures = np.unique(context.rows.capture)
+    means = capture_means(context.residual, context.rows.capture)[0]
+    pairs = list(_pairs(context, captures))
+    left, _ = _beside_drift(context, means, captures, pairs, np.ones(12, dtype=bool))
+    differ = np.array([means[b] - means[a] for kind, a, b in pairs if kind == "same history"])
+    seen = np.isfinite(differ[:, 3])
+    assert seen.sum() == 1
+    assert left[seen, 3] == pytest.approx(differ[seen, 3])
+    assert np.abs(left[:, 0]).min() > 0

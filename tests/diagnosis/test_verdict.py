@@ -23,6 +23,7 @@ from labrig.diagnosis._verdict import (
     Verdict,
     decide,
     detectable_floors,
+    taken_back,
     underpowered,
 )
 
@@ -83,6 +84,22 @@ def test_nothing_is_said_to_be_missing_where_that_is_likelier_than_names(
     assert verdict.probability == pytest.approx(0.42)
     assert 1 - np.prod([1 - c.probability for c in verdict.considered]) > 0.5
     assert told(answer(0.22), *several, answer(0.51, beside="?form")).verdict == "unknown"
+
+
+def test_a_name_that_is_taken_back_leaves_the_others() -> None:
+    """What cannot be a delay is none: what stays sure is said as it is, and where nothing stays it is unknown."""
+    words = {"leak": "what is ahead of the input"}
+    two = taken_back(told(answer(0.97, "leak", "creep"), answer(0.03, "leak")), words)
+    assert (two.verdict, two.effects, two.carried_by) == (
+        "identified",
+        ("creep",),
+        "what is ahead of the input",
+    )
+    assert chances(two) == pytest.approx({"creep": 0.97}, abs=1e-6)
+    one = taken_back(told(answer(0.97, "leak"), answer(0.03, "drift")), words)
+    assert (one.verdict, one.effects, one.rivals) == ("unknown", (), ())
+    doubt = taken_back(told(answer(0.5, "leak"), answer(0.5, "drift")), words)
+    assert (doubt.verdict, doubt.rivals) == ("confounded", ("drift",))
 
 
 def test_identified() -> None:
