@@ -89,8 +89,7 @@ def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float, float
     """How large each part of an explanation is in the joint fit, root mean square in floors, its sd, and how large what
     no curve of the set-points makes of it, by owner.
 
-    Of free patterns the size only; `REST` is what nothing follows, above the noise, with the sd by chance of the
-    logarithm of all that is left.
+    Of free patterns the size only; `REST` is what nothing follows, above the noise.
     """
     design = search.design
     background, raised = split(e.raised)
@@ -123,9 +122,5 @@ def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float, float
             out[free.owner] = (observations.size_of(part / design.counts @ design.V.T), 0.0, 0.0)
     explained = design.W.made(fitted.mean) + all_free
     left = observations.values - explained @ design.V.T
-    each = np.bincount(
-        observations.capture, observations.counts_for * (left[:, observations.seen] ** 2).sum(axis=1)
-    )
-    spread = 0.5 * float(np.sqrt(len(each)) * each.std() / max(each.sum(), 1e-300))
-    out[REST] = (observations.size_of(left, noise=1.0), spread, 0.0)
+    out[REST] = (observations.size_of(left, noise=1.0), 0.0, 0.0)
     return out

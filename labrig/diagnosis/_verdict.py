@@ -122,6 +122,9 @@ def answers_of(
     least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
     observations = search.design.observations
     shows = np.hypot(_found_among(observations.values.size), k.INEXACT * search.T)
+    doubt = np.sqrt(
+        np.expm1(2 * k.FLOOR_SPREAD)
+    )  # what is left when the noise is larger by one sd, about a floor
     kept = [
         (e, p)
         for e, p in zip(posterior.explanations, posterior.probability, strict=True)
@@ -143,10 +146,8 @@ def answers_of(
             unnamed = {o: size for o, size in unnamed.items() if size >= least}
             if (size := float(np.linalg.norm(curved))) >= least:
                 unnamed[CURVE] = size
-            rest, by_chance, _ = found[REST]
-            # what is left when the noise is larger by one sd, of how well it is known and of chance
-            if rest >= np.sqrt(np.expm1(2 * np.hypot(k.FLOOR_SPREAD, by_chance))):
-                unnamed[REST] = rest
+            if found[REST][0] >= doubt:
+                unnamed[REST] = found[REST][0]
             out.append(
                 Answer(
                     share * float(p / total), parts, unnamed, least, frozenset(remembering), shared, search.T

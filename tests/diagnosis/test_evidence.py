@@ -232,8 +232,9 @@ def twice(seed: int) -> tuple[Design, Design]:
     """A design in which two owners have the same space: with the same columns, and with columns of their own."""
     one = tiny(seed)
     W, first = one.W.whole, one.blocks[0].at
-    more = {"capture": np.arange(S), "seen": np.ones(K, dtype=bool), "curves": np.zeros((S, 0))}
-    observations = SimpleNamespace(**vars(one.observations), **more, counts_for=np.full(S, 1 / (S * R)))
+    observations = SimpleNamespace(
+        **vars(one.observations), counts_for=np.full(S, 1 / (S * R)), curves=np.zeros((S, 0))
+    )
     observations.size_of = lambda values, noise=0.0: float(np.sqrt(np.mean(values**2)))
     again = plain(np.concatenate([W, W[:, first]], axis=1), R)
     shared, own = (Block("c", space("a"), at) for at in (first, slice(7, 9)))

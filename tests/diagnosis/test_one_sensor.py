@@ -1,10 +1,15 @@
 """One sensor, or one marker, that reads wrongly is no effect of the rig: it is found by its name."""
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import labrig
+from labrig.diagnosis._observations import Observations
+from labrig.diagnosis._one_sensor import of_one_sensor
 from labrig.view._naming import carries
 from tests.naming import verdict_of
 
@@ -99,3 +104,30 @@ def test_where_to_look_is_said() -> None:
         carries("gauge 2 alone")
         == "is in gauge 2 alone: look at its calibration, its cable and its mount first"
     )
+
+
+@pytest.mark.parametrize("wrong", [(2,), (1, 2)])
+def test_a_sensor_is_asked_about_where_it_has_half_of_what_is_missing(wrong: tuple[int, ...]) -> None:
+    """Of three sensors, of which one is off, or two by as much: then none is asked about by itself."""
+    values = np.zeros((40, 3))
+    values[:, list(wrong)] = 4.0
+    rows = SimpleNamespace(
+        marker=np.full(3, -1), observables=("a", "b", "c"), fraction=np.ones((40, 1)), unit=("V",) * 3
+    )
+    context = SimpleNamespace(rows=rows, displacement=np.ones((40, 3)))
+    seen = SimpleNamespace(context=context, values=values, left=np.ones(40), seen=np.ones(3, dtype=bool))
+    values[:, wrong[0]] *= 0.98
+    assert [space.key for space in of_one_sensor(cast(Any, seen))] == (["c alone"] if wrong == (2,) else [])
+
+
+def test_what_is_less_than_noise_within_holds_hides_no_error_of_means() -> None:
+    """Means are off by two noises, and contrasts have a tenth of the noise that was taken for them."""
+    own = SimpleNamespace(
+        values=np.concatenate([np.full((10, 1), 2.0), np.full((20, 1), 0.1)]),
+        left=np.ones(30),
+        seen=np.ones(1, dtype=bool),
+        n_captures=10,
+        counts_for=np.full(30, 1 / 30),
+    )
+    to_explain = Observations.__dict__["to_explain"].func(own)
+    assert to_explain == pytest.approx(np.sqrt(10 * (2.0**2 - 1) / 30))

@@ -73,3 +73,17 @@ def test_what_was_hardly_seen_twice_keeps_its_differences(make_lab) -> None:
     assert seen.sum() == 1
     assert left[seen, 3] == pytest.approx(differ[seen, 3])
     assert np.abs(left[:, 0]).min() > 0
+
+
+def test_noise_is_as_large_beside_a_drift(make_lab) -> None:
+    """What a shift and a gain take of the noise of a few repeats is given back."""
+    lab = make_lab(chambers=2, markers=40, captures=30, repeats=False, seed=3)
+    lab.commanded[-6:] = lab.commanded[:6]
+    context = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model()).context
+    captures = np.unique(context.rows.capture)
+    means = capture_means(context.residual, context.rows.capture)[0]
+    pairs = list(_pairs(context, captures))
+    left, told = _beside_drift(context, means, captures, pairs, np.ones(120, dtype=bool))
+    assert told == len(left) - 2
+    differ = np.array([means[b] - means[a] for kind, a, b in pairs if kind == "same history"])
+    assert np.sqrt((left**2).mean()) == pytest.approx(np.sqrt((differ**2).mean()), rel=0.1)

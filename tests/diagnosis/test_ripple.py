@@ -73,6 +73,9 @@ def test_it_is_a_function_of_the_set_points_of_one_size(make_lab) -> None:
     context = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model()).context
     phi = ripple(context)
     assert phi.shape[1] <= 15
+    few = make_lab(captures=18)
+    short = prepared(rows_from(few.dataset(few.predict(few.u) + few.noise())), few.model()).context
+    assert ripple(short).shape[1] == 6
     assert (np.ptp(phi[context.rows.capture == 7], axis=0) < 1e-9).all()
     size = (phi**2).sum(axis=1)
     assert size.min() > 0.3

@@ -33,8 +33,6 @@ def design_of(weights: Floats) -> Design:
         values=seen,
         to_explain=float(np.sqrt(np.mean(seen**2))),
         worth=1.0,
-        capture=np.arange(S),
-        seen=np.ones(R, dtype=bool),
         counts_for=np.full(S, 1.0 / (S * R)),
         curves=np.zeros((S, 0)),
         size_of=lambda values, noise=0.0: float(np.sqrt(max(np.mean(values**2) - noise, 0.0))),

@@ -1,5 +1,6 @@
 """A delay is late: what is measured ahead of the model is no delay, however well lags describe it."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,8 @@ import pandas as pd
 import pytest
 
 import labrig
+from labrig.effects import rows_of
+from labrig.effects.delay import Delay
 from labrig.view._naming import carries
 from tests.laws import stretched
 from tests.naming import verdict_of
@@ -60,3 +63,19 @@ def test_a_lag_in_holds_stays_a_delay(make_lab) -> None:
 def test_where_to_look_is_said() -> None:
     """Clocks first."""
     assert carries("what is ahead of the input").startswith("is ahead of the input: compare the clocks")
+
+
+def test_what_is_ahead_by_less_than_the_rest_is_a_part_of_something(make_lab) -> None:
+    """A small lead beside something larger says nothing of a delay."""
+    lab = make_lab(chambers=2, rows_s=(1.0, 1.5, 2.5, 5.0), captures=60)
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
+    lead = np.einsum("fkc,fc->fk", context.jacobian, context.rows.actuation - context.relaxed(1.2))
+    other = np.random.default_rng(0).normal(size=lead.shape)
+    for share, said in ((0.5, ""), (2.0, "what is ahead of the input")):
+        residual = share * lead / lead.std(axis=0) + other
+        assert (
+            Delay().turned_round(
+                replace(context, rows=replace(context.rows, values=context.base + residual), _memo={})
+            )
+            == said
+        )
