@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from labrig.effects import rows_of
 from tests.conftest import HIGH_KPA
 from tests.laws import dashpot, power_law
 from tests.naming import calls_of
@@ -28,3 +29,15 @@ def test_a_zero_that_drifts_is_no_flow_for_sure(make_lab, chambers: int) -> None
     calls = calls_of(lab.dataset(lab.predict(lab.u + zero) + lab.noise()), lab.model())
     assert calls["drift"] in {"sure", "possible"}
     assert calls["creep"] != "sure"
+
+
+def test_the_integral_begins_anew_where_the_history_does(make_lab) -> None:
+    """Set-points times how long they were held, and no more of the session before: what rest did to it is not known."""
+    lab = make_lab(force=True, chambers=1, captures=10, sessions=2, rows_s=(2.0, 5.0))
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
+    expected = []
+    for i, hold_s in enumerate(lab.hold_s):
+        earlier = [j for j in range(i) if lab.session[j] == lab.session[i]]
+        took = np.diff(lab.event_s[[*earlier, i]])
+        expected += [float(took @ lab.commanded[earlier, 0] + s * lab.commanded[i, 0]) for s in hold_s]
+    assert context.integrated()[:, 0] == pytest.approx(np.array(expected))
