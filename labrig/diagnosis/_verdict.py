@@ -225,13 +225,7 @@ def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
     considered = tuple(sorted(considered, key=lambda c: -c.probability))
     sure = tuple(name for name in verdict.effects if name not in names)
     possible = tuple(name for name in verdict.rivals if name not in names)
-    word = (
-        verdict.verdict
-        if possible
-        else ("unknown", "identified")[bool(sure)]
-        if len(sure) < 2
-        else "multiple"
-    )
+    word = verdict.verdict if possible else ("unknown", "identified", "multiple")[min(len(sure), 2)]
     carried = next(iter(names.values()))
     return replace(
         verdict, verdict=word, effects=sure, rivals=possible, considered=considered, carried_by=carried
