@@ -1,50 +1,95 @@
-"""One chamber alone: what leaks, sticks or is worn is often a single one, and then says nothing of the others.
+"""One chamber, or one session, alone: what leaks, sticks or is worn is often a single one, and says nothing of others.
 
 A space in which each chamber has a measure of its own makes such a fault improbable, the more so the wider it is and
-the more chambers there are; a narrower space of another effect then takes its place.
+the more chambers there are; a narrower space of another effect then takes its place. A specimen that sticks among five
+that do not is a fifth of what it would be, and little more than noise.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.diagnosis._observations import Observations
-from labrig.effects import Context, Feature, Space, acting
+from labrig.effects import MOST_SESSIONS, Context, Feature, Space, acting
 
 FEWEST = 3
-"""Chambers from which on there are spaces of one alone: of two, two measures are hardly wider than one."""
+"""Chambers, or sessions, from which on there are spaces of one alone: of two, two measures are hardly wider than
+one."""
 MOST = 0.5
-"""Share of what all chambers explain that one has to, else it is not one alone: it saves time where it is not."""
+"""Share of what all chambers explain, or of what is missing in all sessions, that one has to, else it is not one alone:
+it saves time where it is not."""
+
+
+@dataclass(frozen=True)
+class _One:
+    """One of several chambers, or sessions: its name, which rows or chambers it is (True), and of how many."""
+
+    kind: Literal["chamber", "session"]
+    name: str
+    own: NDArray[np.bool_]
+    of: int
+
+    def within(self, feature: Feature) -> Feature:
+        """A feature there alone."""
+        own = self.own if self.kind == "chamber" else self.own.reshape(-1, *[1] * (feature.values.ndim - 1))
+        return replace(feature, values=np.where(own, feature.values, 0.0))
+
+    def has(self, space: Space) -> bool:
+        """Whether it may have such a space for itself: one that no scan found, in all observables as one; a chamber
+        one of changes of the pressures, a session none with a free shape.
+        """
+        kinds = {f.kind for f in space.features}
+        may = kinds <= {"pressure"} if self.kind == "chamber" else "pattern" not in kinds
+        return may and space.apart is None and not space.scanned
 
 
 def single(spaces: list[tuple[str, Space]], observations: Observations) -> list[tuple[str, Space]]:
-    """These spaces by owner, each followed by itself in that chamber alone that most speaks for."""
+    """These spaces by owner, each followed by itself in that chamber alone, and session, that most speaks for."""
+    ones = [one for one in (_chamber(observations), _session(observations)) if one is not None]
+    return [(owner, made) for owner, space in spaces for made in _with_single(space, ones)]
+
+
+def _with_single(space: Space, ones: list[_One]) -> Iterator[Space]:
+    """A space, and the same in one chamber or session each, where these may have it for themselves."""
+    found = []
+    for one in ones:
+        features = acting([one.within(f) for f in space.features]) if one.has(space) else ()
+        if features:
+            along = None if space.along is None else one.within(space.along)
+            name = one.name if one.kind == "chamber" else f"session {one.name}"
+            key = f"{space.key}, {name} alone"
+            made = replace(space, key=key, features=features, along=along, alone_in=name)
+            found.append((made, one.of))
+    whole = 1.0 + len(found)  # all have it, one chamber, or one session: each as likely
+    yield replace(space, rarer=whole)
+    yield from (replace(made, rarer=whole * of) for made, of in found)
+
+
+def _chamber(observations: Observations) -> _One | None:
+    """The chamber that most speaks for."""
     c = _likeliest(observations)
-    if c is None:
-        return spaces
-    name, of = observations.context.rows.chambers[c], len(observations.context.rows.chambers)
-    return [(owner, one) for owner, space in spaces for one in _with_single(space, c, name, of)]
+    names = observations.context.rows.chambers
+    return None if c is None else _One("chamber", names[c], np.arange(len(names)) == c, len(names))
 
 
-def _with_single(space: Space, c: int, name: str, of: int) -> Iterator[Space]:
-    """A space, and the same in one chamber, where it is one of changes of the pressures that no scan found."""
-    by_pressure = all(f.kind == "pressure" for f in space.features) and space.apart is None
-    features = acting([_within(f, c) for f in space.features]) if by_pressure and not space.scanned else ()
-    if features:
-        along = None if space.along is None else _within(space.along, c)
-        yield replace(space, alone=1)
-        yield replace(space, key=f"{space.key}, {name} alone", features=features, along=along, alone=of)
-    else:
-        yield space
-
-
-def _within(feature: Feature, c: int) -> Feature:
-    """A change of the pressures in one chamber alone."""
-    values = np.zeros_like(feature.values)
-    values[:, c] = feature.values[:, c]
-    return replace(feature, values=values)
+def _session(observations: Observations) -> _One | None:
+    """The session in which half of what is missing is, or more; None where there are few, or too many."""
+    rows = observations.context.rows
+    count = len(rows.sessions)
+    if not FEWEST <= count <= MOST_SESSIONS:
+        return None
+    beyond = (observations.values[:, observations.seen] ** 2).mean(axis=1) - observations.left
+    of_capture = rows.session[observations.first][observations.capture]
+    each = np.bincount(of_capture, weights=observations.counts_for * beyond, minlength=count)
+    each = np.maximum(each, 0.0)
+    s = int(np.argmax(each))
+    if not each.any() or each[s] < MOST * each.sum():
+        return None
+    return _One("session", rows.sessions[s], rows.session == s, count)
 
 
 def _likeliest(observations: Observations) -> int | None:

@@ -125,7 +125,7 @@ def design_of(
         keep = np.abs(G).max(axis=0) > 0
         free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
     made.sort(key=lambda m: not m.through)
-    count = Counter((owner, space.plain) for m in made for owner, space in m.owners if space.alone <= 1)
+    count = Counter((owner, space.plain) for m in made for owner, space in m.owners if not space.alone_in)
     blocks, start = [], 0
     for m in made:
         at = slice(start, start := start + m.columns.shape[2])
@@ -193,7 +193,7 @@ def _share(owner: str, space: Space, count: Mapping[tuple[str, bool], int]) -> f
         return 1.0 / space.scanned
     both = 1.0 + ((owner, not space.plain) in count)
     # one chamber's may be there where what all have was too little to be laid out
-    return 1.0 / both / max(count[owner, space.plain], 1) / (2 * space.alone or 1)
+    return 1.0 / both / max(count[owner, space.plain], 1) / space.rarer
 
 
 def _shown(L: Floats, shows: Floats) -> Floats:

@@ -36,7 +36,7 @@ from labrig.diagnosis._verdict import (
     Verdict,
     answers_of,
     decide,
-    in_one_chamber,
+    in_one_part,
     less_sure,
     taken_back,
     underpowered,
@@ -54,6 +54,8 @@ CUT_OFF = "curves that the fitted map lacks"
 """What carries what a polynomial that was fitted, or a map that was learnt, may lack."""
 BY_SET_POINT = "a curve of the set-points"
 """What carries what goes by the set-point alone, though only an effect that remembers would hold it."""
+_OF_CHAMBER = "look at its hose, valve, sensor and wall first"
+_OF_SESSION = "make a run of it alone, diagnose that, and look at what was another then"
 
 
 def diagnose(
@@ -164,17 +166,16 @@ def verdict_on(
         return replace(verdict, verdict="unknown", carried_by=ready.astray)
     if verdict.verdict == "nothing_missing":
         return few or verdict
-    if chamber := in_one_chamber(search):
-        line = (
-            f"most of what is missing is in {chamber} alone: look at its hose, valve, sensor and wall first"
-        )
+    if part := in_one_part(search):
+        look = _OF_CHAMBER if part in ready.context.rows.chambers else _OF_SESSION
+        line = f"most of what is missing is in {part} alone: {look}"
         return replace(verdict, warnings=(*verdict.warnings, line))
     return verdict
 
 
 def words_of(design: Design) -> dict[str, str]:
     """What carries each space without a name, in words, by owner."""
-    blocks = [b for b in (*design.blocks, *design.free) if b.space.alone <= 1]
+    blocks = [b for b in (*design.blocks, *design.free) if not b.space.alone_in]
     words = {b.owner: b.space.key for b in blocks if b.owner.startswith("?")}
     return words | {
         REST: NOTHING,

@@ -1,25 +1,25 @@
 """The noise floor: what repeats of the same set-point with the same history differ by."""
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.special import chdtri
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._repeats import (
+    FEWEST_PAIRS,
+    beside_drift,
+    differences_of,
+    limit_of,
+    odd_sessions,
+    pairs_of,
+    spread_of,
+)
 from labrig.diagnosis._uneven import groups_of, profile_of_means
 from labrig.diagnosis._within import noise_within
 from labrig.effects import Context, bulk_noise
 
-_Pair = tuple[str, int, int]
-"""The kind of their history, and two captures by number."""
-_MOST_TO_MATCH = 2000
-_FEWEST_PAIRS = 3
 _REPEATS = "repeats with the same history"
 _ANY_HISTORY = ("same history", "opposite history")
-_EFFICIENCY = 0.37
 _BULK = "the bulk of the residuals' spectrum"
 _NEIGHBOURS = "differences between neighbouring captures"
 
@@ -48,11 +48,14 @@ class Floor:
     upper: Floats
     """What the noise of captures' means is no larger than, (K,): the upper 97.5 % limit by all repeats of a set-point,
     whatever came before them; infinite where there are none."""
+    beside: float = 1.0
+    """How much of the square of the noise within holds a row has that its capture's mean has not: of n rows the mean
+    has an n-th."""
 
     @property
     def row(self) -> Floats:
         """Noise of one row: all together, (K,)."""
-        return np.sqrt(self.mean**2 + self.within**2 + self.shakes**2)
+        return np.sqrt(self.mean**2 + self.beside * self.within**2 + self.shakes**2)
 
     @property
     def shakes(self) -> Floats:
@@ -97,22 +100,22 @@ def noise_floor(
     repeats: dict[str, float | None] = {}
     hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
     upper = np.full(len(rows.unit), np.inf)
-    again_at = list(_pairs(context, captures))
     for number, own in enumerate(units.values()):
         groups = groups_of(rows, own)
         each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
-        again = _differences(again_at, means[:, own])
-        alike, told = _beside_drift(context, means[:, own], captures, again_at, own)
+        again_at = list(pairs_of(context, captures, odd_sessions(context, means[:, own], captures)))
+        again = differences_of(again_at, means[:, own])
+        alike, told = beside_drift(context, means[:, own], captures, again_at, own)
         even = profile_of_means(means[:, own], alike[: 0 if stream else None], each, groups)
         inside = float(np.sqrt(np.mean((each / even) ** 2)))
-        pairs, same = len(alike), _spread(list(alike / even))
+        pairs, same = len(alike), spread_of(list(alike / even))
         bulk = bulk_noise(means[:, own] / even, lost) if len(captures) >= 12 else float("nan")
         none = _tiny(residual[:, own])  # repeats that are alike to the last digit
         found = {_REPEATS: same, _BULK: bulk}
         if single and not np.isfinite(bulk) and (stream or same is None):
             found[_NEIGHBOURS] = _neighbours((means if at_full_rate is None else at_full_rate)[:, own])
         usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > none}
-        if len(usable) > 1 and (stream or pairs < _FEWEST_PAIRS):
+        if len(usable) > 1 and (stream or pairs < FEWEST_PAIRS):
             usable.pop(_REPEATS, None)
         if not usable:
             usable = {"the noise within a capture": inside}
@@ -128,13 +131,15 @@ def noise_floor(
         hows.append(how if same is not None else f"{how} (no same-history repeats)")
         freedom[own] = told * int(own.sum()) if how == _REPEATS else 0
         if not stream:
-            upper[own] = _limit([d / even for kind in _ANY_HISTORY for d in again[kind]]) * even
+            upper[own] = limit_of([d / even for kind in _ANY_HISTORY for d in again[kind]]) * even
         if number == 0:
             rows_differ = float(np.sqrt(np.mean(each**2)))
             repeats = {"within a capture": rows_differ if rows_differ > 0 else None}
-            repeats |= {kind: _spread(differences) for kind, differences in again.items()}
+            repeats |= {kind: spread_of(differences) for kind, differences in again.items()}
     none_shaken = np.zeros((len(mean), 0))
-    return Floor(mean, within, "; ".join(dict.fromkeys(hows)), repeats, freedom, none_shaken, upper)
+    beside = float(np.mean(1 - 1 / np.bincount(index)[index]))
+    how = "; ".join(dict.fromkeys(hows))
+    return Floor(mean, within, how, repeats, freedom, none_shaken, upper, beside)
 
 
 def _tiny(residual: Floats) -> float:
@@ -151,100 +156,3 @@ def _neighbours(means: Floats) -> float:
     bends = means[2:] - 2 * means[1:-1] + means[:-2]
     good = np.abs(bends[np.isfinite(bends)])
     return float(1.4826 * np.median(good) / np.sqrt(6.0)) if len(good) else float("nan")
-
-
-def repeats_of(context: Context, means: Floats, captures: Ints) -> dict[str, list[Floats]]:
-    """What repeats of a set-point differ by, each (K,), per kind of history."""
-    return _differences(_pairs(context, captures), means)
-
-
-def _differences(pairs: Iterable[_Pair], means: Floats) -> dict[str, list[Floats]]:
-    kinds: dict[str, list[Floats]] = {"same history": [], "opposite history": [], "early against late": []}
-    for kind, a, b in pairs:
-        kinds[kind].append(means[b] - means[a])
-    return kinds
-
-
-def _pairs(context: Context, captures: Ints) -> Iterator[_Pair]:
-    """Which captures repeat each other, by number, and the kind of their history."""
-    rows = context.rows
-    first = np.searchsorted(rows.capture, captures)
-    came_from = context.previous[rows.event[first]]
-    tolerance = 0.02 * np.abs(context.span)
-    labels: dict[str, list[int]] = {}
-    for i, label in enumerate(_labels(context, captures)):
-        if label:
-            labels.setdefault(label, []).append(i)
-    for members in labels.values():
-        for a, b in pairwise(members):
-            alike = (np.abs(came_from[a] - came_from[b]) <= tolerance).all()
-            yield "same history" if alike else "opposite history", a, b
-        if len(members) > 2:
-            yield "early against late", members[0], members[-1]
-
-
-def _beside_drift(
-    context: Context, means: Floats, captures: Ints, pairs: Iterable[_Pair], own: NDArray[np.bool_]
-) -> tuple[Floats, int]:
-    """What repeats with the same history differ by, (P, k), beside a shift and a gain that go on with the time between
-    them, and how many say it: what was measured again at the end differs by all that drifted meanwhile.
-    """
-    rows = context.rows
-    both = np.array([pair for kind, *pair in pairs if kind == "same history"], dtype=int).reshape(-1, 2)
-    differ = means[both[:, 1]] - means[both[:, 0]]
-    if len(both) < _FEWEST_PAIRS:  # too few to tell: a note says it where a learner knows better
-        return differ, len(both)
-    first = np.searchsorted(rows.capture, captures)
-    when = (
-        rows.time_s[first] if np.isfinite(rows.time_s[first]).all() else np.arange(len(captures), dtype=float)
-    )
-    gap = when[both[:, 1]] - when[both[:, 0]]
-    moved = context.displacement[first][both[:, 0]][:, own]
-    free = 2 if len(both) > _FEWEST_PAIRS else 1
-    out = differ.copy()
-    for k in range(differ.shape[1]):
-        known = np.isfinite(differ[:, k])
-        if (left := int(known.sum()) - free) <= 0:
-            continue
-        X = np.column_stack([gap, gap * moved[:, k]])[known, :free]
-        fit = X @ np.linalg.lstsq(X, differ[known, k], rcond=None)[0]
-        out[known, k] = (differ[known, k] - fit) * np.sqrt(known.sum() / left)
-    return out, len(both) - free
-
-
-def _labels(context: Context, captures: Ints) -> list[str]:
-    """Which captures repeat each other: as labelled, else those with equal actuation and covariates."""
-    rows = context.rows
-    given = [rows.repeat[c] for c in captures]
-    if any(given) or len(captures) > _MOST_TO_MATCH:
-        return given
-    first = np.searchsorted(rows.capture, captures)
-    known = [rows.fraction[first], *(cov.values[first, None] for cov in rows.covariates.values())]
-    keys = [",".join(f"{v:.4g}" for v in row) for row in np.concatenate(known, axis=1)]
-    return [key if keys.count(key) > 1 else "" for key in keys] if len(set(keys)) > 1 else given
-
-
-def _spread(differences: list[Floats]) -> float | None:
-    """Standard deviation of one of two captures from their differences, by the median over the pairs.
-
-    The median of a mean of k squares lies below its expectation (Wilson and Hilferty 1931), most for k = 1.
-    """
-    if not differences:
-        return None
-    d = np.array(differences)
-    d = d[np.isfinite(d).any(axis=1)]
-    if not len(d):
-        return None
-    k = np.isfinite(d).sum(axis=1)
-    return float(np.sqrt(np.median(np.nanmean(d**2, axis=1) / (1 - 2 / (9 * k)) ** 3) / 2))
-
-
-def _limit(differences: list[Floats]) -> float:
-    """The largest standard deviation that such differences (K,) leave room for, by the chi-square distribution; of
-    their squares the median is worth `_EFFICIENCY` (F. R. Hampel, J. Am. Stat. Assoc. 69 (1974) 383).
-    """
-    size = _spread(differences)
-    if not size:
-        return np.inf
-    n = _EFFICIENCY * sum(int(np.isfinite(d).sum()) for d in differences)
-    return float(size * np.sqrt(n / chdtri(n, 0.975)))

@@ -102,7 +102,7 @@ def everything(design: Design, captures: Ints, V: Floats) -> Floats:
     those of all chambers.
     """
     W, n = design.W.some(captures), len(captures)
-    blocks = [b for b in design.blocks if b.space.alone <= 1]
+    blocks = [b for b in design.blocks if not b.space.alone_in]
     owners = [b.owner for b in blocks]
     columns = []
     for block in blocks:

@@ -122,7 +122,7 @@ def _doubted(chosen: Fit | None, verdict: Verdict, falls: Sequence[Fall]) -> lis
     """Effects that were found by the evidence, without a formula, or with one that helps no more than chance where it
     was not fitted.
     """
-    able = chosen.names if chosen else ()
+    able = {*(chosen.names if chosen else ()), *(fall.effect for fall in falls)}
     without = [
         f"no formula of {name} can act on these runs: it is named, and nothing is added to the model for it"
         for name in verdict.found

@@ -125,16 +125,15 @@ class Observations:
 
     @cached_property
     def curves(self) -> Floats:
-        """Smooth curves of the set-points, orthonormal as observations count, (S, q): polynomials of the pressures up
-        to the third degree, no more than a third of the captures.
+        """Curves of the set-points, orthonormal as observations count, (S, q): polynomials of the pressures up to the
+        third degree, and of a programme of levels any function of each chamber's; no more than a third of the captures.
         """
         x = self.context.rows.fraction
         columns = [np.ones(len(x))]
-        for degree in (1, 2, 3):
-            more = [np.prod(x[:, c], axis=1) for c in _products(x.shape[1], degree)]
-            if len(columns) + len(more) > self.n_captures / 3:
-                break
-            columns += more
+        sets = [[np.prod(x[:, c], axis=1) for c in _products(x.shape[1], degree)] for degree in (1, 2, 3)]
+        for more in (sets[0], list(_levels(x)), *sets[1:]):
+            if len(columns) + len(more) <= self.n_captures / 3:
+                columns += more
         U, size, _ = svd(np.sqrt(self.counts_for)[:, None] * (self.whiten @ np.stack(columns, axis=1)))
         return U[:, size > 1e-9 * size.max(initial=0.0)]
 
@@ -259,6 +258,12 @@ def observe(context: Context, residual: Floats, floor: Floor, fitted: Floats | N
     seen = still.of(whiten @ values)
     whole = _whole(residual, index)
     return Observations(context, floor, unit, seen, whiten, np.array(owner), index, left, whole, still)
+
+
+def _levels(fraction: Floats) -> Iterator[Floats]:
+    """For each chamber at which of its levels each row is, (F,) of 0 and 1, but for the first two."""
+    for x in np.round(fraction, 3).T:
+        yield from ((x == level).astype(float) for level in np.unique(x)[2:])
 
 
 def _whole(residual: Floats, index: Ints) -> NDArray[np.bool_]:

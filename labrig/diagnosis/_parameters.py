@@ -40,7 +40,8 @@ def entry_of(
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
         value = value if own.given or own.per != "one" else _round(value)
-        called = {"chamber": context.rows.chambers, "marker": context.rows.markers}.get(name)
+        numbered = {"chamber": context.rows.chambers, "marker": context.rows.markers}
+        called = numbered.get("marker" if re.fullmatch(r"marker_\d", name) else name)
         which = [called[int(value)]] if called else None
         parameters[name] = Value(value=value, unit=_unit(context, own.unit), per=which)
     return EffectEntry(

@@ -117,13 +117,14 @@ def last_of(runs: "Sequence[Dataset]") -> Rows:
 def prepared(rows: Rows, model: Model) -> Prepared:
     """Predict, clean, and estimate the floor; of very long records every n-th row."""
     predictor = model.predictor(rows)
-    context = as_the_model_turns(without_dead(predictor.context(rows)))
+    own = predictor.declared(rows)
+    context = as_the_model_turns(without_dead(predictor.context(rows), own is not None))
     context = without_swapped(without_frozen(context))
     keep, astray = np.arange(len(rows.capture)), ""
     for what, without in ASTRAY.items():
-        context, own = without(context)
-        if not own.all():
-            context, keep, astray = context.thin(np.flatnonzero(own)), keep[own], what
+        context, sound = without(context)
+        if not sound.all():
+            context, keep, astray = context.thin(np.flatnonzero(sound)), keep[sound], what
     began = transients(context) if context.sample_s and rows.between_sessions == "unknown" else None
     at_full_rate = context.residual
     if len(keep) > MOST_ROWS:
@@ -131,8 +132,7 @@ def prepared(rows: Rows, model: Model) -> Prepared:
         context, keep = context.thin(some), keep[some]
         began = None if began is None else began[some]
     declared, calibrated = (
-        None if whole is None else whole[keep]
-        for whole in (predictor.declared(rows), predictor.calibrated(rows))
+        None if whole is None else whole[keep] for whole in (own, predictor.calibrated(rows))
     )
     residual, dropped = clean(context)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))

@@ -6,9 +6,9 @@ from scipy.special import chdtri
 from labrig.arrays import Floats
 from labrig.diagnosis._constants import FEWEST_OBSERVATIONS, POSSIBLE
 from labrig.diagnosis._design import Design
-from labrig.diagnosis._floor import repeats_of
 from labrig.diagnosis._noise_scale import along, everything, log_evidence
 from labrig.diagnosis._observations import Observations
+from labrig.diagnosis._repeats import repeats_of
 from labrig.effects import frame_modes
 
 _COORDINATES = 9

@@ -167,19 +167,18 @@ def _without_the_rest(
     return {o: size for o, size in fitted.items() if o in stay}
 
 
-def in_one_chamber(search: Search) -> str:
-    """The chamber that the largest part of what is missing is in alone, whatever it is; empty where none is, surely."""
+def in_one_part(search: Search) -> str:
+    """The chamber, or session, that the largest part of what is missing is in alone, whatever it is; empty where none
+    is, surely.
+    """
     posterior, blocks = search.posterior(), search.design.blocks
-    spaces, total = [], 0.0
+    total: dict[str, float] = {}
     for e, p in zip(posterior.explanations, posterior.probability, strict=True):
         _, block, _ = max(e.raised, key=lambda part: part[2], default=("", -1, 0.0))
-        if block >= 0 and blocks[block].space.alone > 1:
-            spaces.append(blocks[block].space)
-            total += float(p)
-    if stated(total) < k.SURE:
-        return ""
-    (c,) = np.flatnonzero(spaces[0].features[0].values.any(axis=0))
-    return search.design.observations.context.rows.chambers[c]
+        if block >= 0 and (part := blocks[block].space.alone_in):
+            total[part] = total.get(part, 0.0) + float(p)
+    most = max(total, key=lambda part: total[part], default="")
+    return most if most and stated(total[most]) >= k.SURE else ""
 
 
 def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str]) -> Verdict:

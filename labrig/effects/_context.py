@@ -331,12 +331,18 @@ class Context:
 
     @cached_property
     def measured_error(self) -> Floats | None:
-        """Measured minus commanded pressure at the beginning of each hold, (F, C); None if not measured."""
-        excess = self.rows.measured - self.rows.actuation
+        """Measured minus commanded pressure at the beginning of each hold, (F, C), which goes on while the set-point
+        stays, since what holds a chamber need not fill it again; None if not measured."""
+        rows = self.rows
+        excess = rows.measured - rows.actuation
         if not np.isfinite(excess).all() or excess.shape[1] == 0:
             return None
-        first = np.unique(self.rows.capture, return_index=True)
-        return excess[first[1]][np.searchsorted(first[0], self.rows.capture)]
+        captures, first = np.unique(rows.capture, return_index=True)
+        stays = (np.diff(rows.actuation[first], axis=0) == 0).all(axis=1) & (
+            np.diff(rows.session[first]) == 0
+        )
+        begun = np.maximum.accumulate(np.where(np.append(False, stays), 0, np.arange(len(first))))
+        return excess[first[begun]][np.searchsorted(captures, rows.capture)]
 
     @cached_property
     def measured_fall(self) -> Floats | None:

@@ -50,8 +50,11 @@ class Space:
     """Whether it is one form alone: all of these together are as likely as the family's spaces together."""
     apart: Floats | None = None
     """Groups of observables (n, K), 1 or 0, in each of which it acts by itself; None where it acts in all as one."""
-    alone: int = 0
-    """Of how many chambers it is about one alone; 1 where it is about all and stands beside such a one, 0 elsewhere."""
+    alone_in: str = ""
+    """The chamber, or session, that it is about alone; empty where it is about all."""
+    rarer: float = 1.0
+    """How many times less probable it is than a space of its kind, as it stands for one of several: itself in all
+    chambers and sessions, or in any single one of them."""
     along: Feature | None = None
     """What its change can only go along, never against, as a whole: a stop holds back. Of the kind of its features,
     pressures or fields; None where it may go either way.

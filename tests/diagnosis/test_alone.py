@@ -54,9 +54,8 @@ def test_one_or_all_are_even_odds(make_lab) -> None:
     whole = share["in the skin"]
     assert share["play"] == pytest.approx(whole / 2)
     assert share["play, c3 alone"] == pytest.approx(whole / 2 / 4)
-    assert sum(b.share * max(b.space.alone, 1) for b in blocks if b.owner == "hysteresis") == pytest.approx(
-        1.0
-    )
+    held = [b.share * (4 if b.space.alone_in else 1) for b in blocks if b.owner == "hysteresis"]
+    assert sum(held) == pytest.approx(1.0)
 
 
 def test_what_has_no_name_is_carried_by_a_name_of_its_own(make_lab) -> None:
@@ -127,8 +126,8 @@ def test_a_space_and_its_single_one(make_lab) -> None:
         ("regulator", Space("of c1", "of c1", (pressure("x", x * [1, 0, 0, 0]),))),
     ]
     both, of_c4, found, of_c1 = single(given, observations)
-    assert (both[0], both[1].key, both[1].alone) == ("contact", "limit", 1)
-    assert (of_c4[0], of_c4[1].key, of_c4[1].alone) == ("contact", "limit, c4 alone", 4)
+    assert (both[0], both[1].key, both[1].rarer) == ("contact", "limit", 2)
+    assert (of_c4[0], of_c4[1].key, of_c4[1].rarer) == ("contact", "limit, c4 alone", 8)
     for own in (of_c4[1].features[0], of_c4[1].along):
         assert own is not None
         assert np.array_equal(own.values, x * [0, 0, 0, 1])
@@ -137,5 +136,5 @@ def test_a_space_and_its_single_one(make_lab) -> None:
 
 def test_one_chamber_where_all_of_them_show_nothing() -> None:
     """Where the space of all chambers is too small to be laid out, that of one has its share all the same."""
-    alone = Space("in c1", "leak", (pressure("leak", np.ones((4, 3))),), alone=3)
+    alone = Space("in c1", "leak", (pressure("leak", np.ones((4, 3))),), alone_in="c1", rarer=6)
     assert _share("leak", alone, Counter()) == pytest.approx(1 / 6)

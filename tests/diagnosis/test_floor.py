@@ -29,10 +29,18 @@ def test_white_noise_is_found(make_lab) -> None:
     floor = floor_of(lab, lab.predict(lab.u) + lab.noise(row=0.2, capture=0.3))
     assert floor.mean == pytest.approx(np.full(18, np.hypot(0.3, 0.2 / 2)), rel=0.15)
     assert floor.within == pytest.approx(np.full(18, 0.2), rel=0.25)
-    assert floor.row == pytest.approx(np.hypot(floor.mean, floor.within))
+    assert floor.row == pytest.approx(np.full(18, np.hypot(0.3, 0.2)), rel=0.15)
     assert floor.repeats["same history"] == pytest.approx(0.316, rel=0.4)
     assert floor.repeats["within a capture"] == pytest.approx(0.2, rel=0.25)
     assert floor.repeats["early against late"] is not None
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 6])
+def test_the_noise_of_a_row_is_counted_once(make_lab, rows: int) -> None:
+    """What a capture's mean has of the noise of its rows is not added to it again."""
+    lab = make_lab(captures=200, rows_s=tuple(3.0 + 0.5 * np.arange(rows)))
+    floor = floor_of(lab, lab.predict(lab.u) + lab.noise(row=0.2, capture=0.05))
+    assert np.sqrt(np.mean(floor.row**2)) == pytest.approx(np.hypot(0.2, 0.05), rel=0.06)
 
 
 @pytest.mark.parametrize("rows", [2, 3, 4])

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, prepared, rows_from
-from labrig.diagnosis._floor import _beside_drift, _pairs, capture_means
+from labrig.diagnosis._floor import capture_means
+from labrig.diagnosis._repeats import beside_drift, pairs_of
 from tests.naming import verdict_of
 
 
@@ -66,8 +67,8 @@ def test_what_was_hardly_seen_twice_keeps_its_differences(make_lab) -> None:
     context = prepared(rows_from(lab.dataset(values)), lab.model()).context
     captures = np.unique(context.rows.capture)
     means = capture_means(context.residual, context.rows.capture)[0]
-    pairs = list(_pairs(context, captures))
-    left, _ = _beside_drift(context, means, captures, pairs, np.ones(12, dtype=bool))
+    pairs = list(pairs_of(context, captures))
+    left, _ = beside_drift(context, means, captures, pairs, np.ones(12, dtype=bool))
     differ = np.array([means[b] - means[a] for kind, a, b in pairs if kind == "same history"])
     seen = np.isfinite(differ[:, 3])
     assert seen.sum() == 1
@@ -82,8 +83,8 @@ def test_noise_is_as_large_beside_a_drift(make_lab) -> None:
     context = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model()).context
     captures = np.unique(context.rows.capture)
     means = capture_means(context.residual, context.rows.capture)[0]
-    pairs = list(_pairs(context, captures))
-    left, told = _beside_drift(context, means, captures, pairs, np.ones(120, dtype=bool))
+    pairs = list(pairs_of(context, captures))
+    left, told = beside_drift(context, means, captures, pairs, np.ones(120, dtype=bool))
     assert told == len(left) - 2
     differ = np.array([means[b] - means[a] for kind, a, b in pairs if kind == "same history"])
     assert np.sqrt((left**2).mean()) == pytest.approx(np.sqrt((differ**2).mean()), rel=0.1)

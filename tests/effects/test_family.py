@@ -14,9 +14,9 @@ from labrig.effects._registry import shipped
 from labrig.model import base_context, build_base
 
 LONG_S = (3.0, 5.0, 10.0, 20.0, 60.0)
-FREER = ("wall at", "plane", "pattern")
+FREER = ("wall at", "plane", "pattern", "two steps", "three steps")
 """Forms that the families do not hold: walls where hardly a marker goes, planes between the directions that are looked
-at, products with a pattern for each pair."""
+at, products with a pattern for each pair; several markers that slipped, each in a space of its own."""
 
 
 def context_of(lab: Any, values: np.ndarray | None = None, **extra: Any) -> Context:
