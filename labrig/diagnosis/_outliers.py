@@ -103,7 +103,7 @@ def _far(values: Floats, at: Moments) -> tuple[NDArray[np.bool_], NDArray[np.boo
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
         far = _far_from_neighbours(values, spread)
-        return far, far
+        return far & ~_of_most(far, at)[:, None], far
     usual = np.array([np.median(spread[at.unit == unit]) for unit in at.unit])
     usual[usual == 0] = 1.0
     off = np.abs(values / usual - _smooth(values / usual))
@@ -121,6 +121,18 @@ def _far(values: Floats, at: Moments) -> tuple[NDArray[np.bool_], NDArray[np.boo
         return far, bad
     beside = _far_from_neighbours(values, spread)
     return far | beside & ~is_body(beside)[:, None], bad | beside
+
+
+def _of_most(far: NDArray[np.bool_], at: Moments) -> NDArray[np.bool_]:
+    """Where a whole capture is far in most sensors, in two at least, (n,): what spoils one spoils no other for so long,
+    so it is the body that is elsewhere.
+    """
+    owners, owner = np.unique(at.owner, return_inverse=True)
+    of_owner = far @ (owner[:, None] == np.arange(len(owners)))
+    rows = np.bincount(at.index)
+    whole = np.stack([np.bincount(at.index, own > 0) for own in of_owner.T], axis=1) == rows[:, None]
+    most = whole.sum(axis=1) > max(len(owners) / 2, 1)
+    return most[at.index]
 
 
 def _far_in_hold(values: Floats, index: Ints) -> NDArray[np.bool_]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._repeats import SAME
 from labrig.effects import Context
 
 Mask = NDArray[np.bool_]
@@ -18,6 +19,8 @@ Mask = NDArray[np.bool_]
 _NEAREST = 8
 _WITNESSES = 3
 _NEAR = 0.1
+_LEANS = 0.25
+"""Share of what is far that those nearest to it must be off by, the same way, for it to be but the farthest of them."""
 _DECADE = 2.3
 _BY_CHANCE = 0.01
 """Share of campaigns, at each look, in which mistakes that come anywhere may seem to come at certain places only."""
@@ -96,7 +99,8 @@ def borne_out(values: Floats, far: Mask, at: Moments, unusual: Mask | None = Non
         return _said_again(values, far, at)
     said, asked = _said_by_others(values, far, at)
     placed = far & _at_one_place(far if unusual is None else far | unusual, at)
-    return said | _said_again(values, far & ~asked, at) | placed
+    found = said | _said_again(values, far & ~asked, at) | placed | _repeated(values, far, at)
+    return found | _leant(values, far & ~found, at)
 
 
 def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
@@ -155,6 +159,38 @@ def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
             away = np.abs(coordinate[others] - coordinate[i])
             near = np.argsort(away, kind="stable")[:_NEAREST]
             out[i, k] |= (alike[near] & (away[near] <= _NEAR)).sum() >= _WITNESSES
+    return out
+
+
+def _repeated(values: Floats, far: Mask, at: Moments) -> Mask:
+    """Which say what most rows of other captures of the same set-point say: a mistake would not come again there."""
+    off = values - np.nanmedian(values, axis=0)
+    out = np.zeros_like(far)
+    for i in np.flatnonzero(far.any(axis=1)):
+        same = (np.abs(at.pressure - at.pressure[i]) <= SAME).all(axis=1) & (at.index != at.index[i])
+        alike = off[same] * np.sign(off[i]) > 0.5 * np.abs(off[i])
+        out[i] = far[i] & (2 * alike.sum(axis=0) > same.sum())
+    return out
+
+
+def _leant(values: Floats, far: Mask, at: Moments) -> Mask:
+    """Which are but the farthest of what those are that are nearest to them in place, or at a pressure, and not far: a
+    law is continuous, and a mistake is not.
+    """
+    off = values - np.nanmedian(values, axis=0)
+    out = np.zeros_like(far)
+    for k in np.flatnonzero(far.any(axis=0)):
+        known = np.isfinite(off[:, k]) & ~far[:, k]
+        coordinates = np.column_stack([at.place[:, at.owner == at.owner[k]], at.pressure])
+        for i in np.flatnonzero(far[:, k]):
+            others = np.flatnonzero(known & (at.index != at.index[i]))
+            if len(others) <= _NEAREST:
+                continue
+            for coordinate in coordinates.T:
+                near = np.argsort(np.abs(coordinate[others] - coordinate[i]), kind="stable")[:_NEAREST]
+                lean = off[others[near], k] * np.sign(off[i, k])
+                sd = lean.std(ddof=1) / np.sqrt(_NEAREST)
+                out[i, k] |= bool(lean.mean() > max(_LEANS * abs(off[i, k]), _CERTAIN * sd))
     return out
 
 

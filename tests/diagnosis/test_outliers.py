@@ -12,6 +12,7 @@ from labrig.diagnosis import prepared, rows_from
 from labrig.diagnosis._outliers import clean
 from labrig.effects import rows_of
 from labrig.model import Model
+from tests.sensors import model_of_both, two_sensors
 
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 FINGER = ((20.0, 0.6), (55.0, 4.0), (90.0, 9.0))
@@ -190,3 +191,21 @@ def test_two_rows_cannot_tell_which_of_them_is_wrong(make_lab, rows_s: tuple[flo
     values = lab.predict(lab.u) + lab.noise(row=0.02, capture=0.2)
     values[7, -1, 4] += 0.8
     assert cleaned_of(lab, values)[1] == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_most_sensors_see_for_a_whole_capture_is_no_mistake(make_lab, seed: int) -> None:
+    """A force and an angle that stop at once are a wall; of two that are far one alone, or for a row, is mistaken."""
+    lab = make_lab(force=True, chambers=2, captures=40, seed=seed)
+    first, second = (lab.predict(lab.u) + lab.noise() for _ in range(2))
+    met = [6, 17, 31]
+    for one in (first, second):
+        one[met] -= 9.0
+        one[24, 1] += 9.0
+    first[12] += 9.0
+    context = model_of_both(lab).context(rows_of(two_sensors(lab, first, second)))
+    gone = np.isnan(clean(context)[0]).reshape(40, 3, 2)
+    assert not gone[met].any()
+    assert gone[24, 1].all()
+    assert gone[12, :, 0].all()
+    assert not gone[12, :, 1].any()

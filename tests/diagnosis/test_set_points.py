@@ -128,3 +128,28 @@ def test_rows_that_are_left_out_are_looked_at(make_lab) -> None:
         summary = diagnose(lab.dataset(lab.predict(u) + lab.noise()), lab.model()).summary
         lines = [line for line in summary["warnings"] if "a lag so short is not looked at" in line]
         assert (summary["verdict"], len(lines)) == (verdict, expected)
+
+
+def on_levels(make_lab, seed: int):
+    """A force of two chambers whose set-points are on five levels each, in random order."""
+    lab = make_lab(force=True, chambers=2, captures=60, rows_s=(1.0, 3.0, 8.0), repeats=False, seed=seed)
+    lab.commanded[:] = np.random.default_rng(seed).choice([0.0, 12.5, 25.0, 37.5, 50.0], lab.commanded.shape)
+    return lab
+
+
+def test_curves_of_levels_are_any_function_of_each_chambers(make_lab) -> None:
+    """On a programme of levels whatever a chamber does from one to the next is a curve of the set-points."""
+    lab = on_levels(make_lab, 0)
+    _, seen, _ = laid_out(prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model()), {})
+    x, weight = seen.context.rows.fraction, np.sqrt(seen.counts_for)
+    waves = weight * (seen.whiten @ np.sin(2 * np.pi * 1.6 * x).sum(axis=1))
+    assert seen.curves @ (seen.curves.T @ waves) == pytest.approx(waves, abs=1e-9)
+    assert seen.curves.shape[1] <= seen.n_captures / 3
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_loop_on_a_programme_of_levels_keeps_its_name(make_lab, seed: int) -> None:
+    """Captures of the same levels differ by what came before them."""
+    lab = on_levels(make_lab, seed)
+    data = lab.dataset(lab.predict(lab.looped(1.5)) + lab.noise())
+    assert {"hysteresis", "friction"} & set(verdict_of(data, lab.model()).effects)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis._outliers import _clean, clean
-from labrig.diagnosis._witnesses import Moments, _at_one_place
+from labrig.diagnosis._witnesses import Moments, _at_one_place, _leant
 from labrig.effects import rows_of
 from tests.naming import verdict_of
 
@@ -140,3 +140,60 @@ def test_a_wall_that_two_chambers_meet_together_stays(seed: int) -> None:
     gone = np.isnan(cleaned).any(axis=1)
     assert gone[beyond > 0].sum() <= 2
     assert gone[beyond == 0].sum() <= 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_comes_again_at_a_set_point_stays(make_lab, seed: int) -> None:
+    """One marker that is far off in both of two captures of one set-point meets something there; in one, it may be
+    mistaken.
+    """
+    lab = make_lab(captures=60, markers=12, rows_s=ROWS_S, repeats=False, seed=seed)
+    lab.commanded[41] = lab.commanded[8]
+    lab.commanded[50] = lab.commanded[20]
+    values = lab.predict(lab.u) + lab.noise()
+    values[[8, 41], :, 17] -= 6.0
+    values[20, :, 17] -= 6.0
+    gone = gone_of(lab, values)
+    assert not gone[[8, 41], :, 17].any()
+    assert gone[20, :, 17].all()
+
+
+def test_the_most_of_what_its_neighbours_are_off_by_stays(make_lab) -> None:
+    """A marker that stops at a wall is held back the more the farther out it would be: the farthest are no mistakes."""
+    kept = []
+    for seed in range(6):
+        lab = make_lab(captures=80, markers=12, rows_s=ROWS_S, reach_mm=30.0, repeats=False, seed=seed)
+        values = lab.predict(lab.u) + lab.noise(row=0.03, capture=0.05)
+        out = values[:, 0, 17].copy()
+        held = 2 * np.maximum(out - np.quantile(out, 0.9), 0.0)
+        values[:, :, 17] -= held[:, None]
+        kept.append(1 - gone_of(lab, values)[held > 0.3 * held.max(), :, 17].mean())
+    assert np.mean(kept) > 0.5
+
+
+def in_a_row(values: list[float]) -> tuple[np.ndarray, Moments]:
+    """One sensor's errors in captures of ever more pressure, which it follows; and what is known of them."""
+    n = len(values)
+    along = np.linspace(0, 1, n)[:, None]
+    one, none = np.zeros(1, dtype=np.int64), np.zeros((n, 1))
+    slopes = np.ones((n, 1, 1))
+    at = Moments(along, none, np.zeros(n), slopes, along, one, one, np.arange(n))
+    return np.array(values)[:, None], at
+
+
+@pytest.mark.parametrize(
+    ("near", "stays"),
+    [([1.0] * 8, True), ([0.2] * 8, False), ([8.0] + [0.0] * 7, False), ([-1.0] * 8, False)],
+    ids=["as its neighbours", "much farther than they", "as one of them", "the other way"],
+)
+def test_the_farthest_is_told_by_its_neighbours(near: list[float], stays: bool) -> None:
+    """They are off by a quarter as much or more, most of them, and the same way."""
+    values, at = in_a_row([0.0] * 20 + near + [3.5])
+    far = np.arange(len(values))[:, None] == len(values) - 1
+    assert _leant(values, far, at)[-1, 0] == stays
+
+
+def test_mistakes_do_not_bear_each_other_out() -> None:
+    """Neighbours that are far themselves are no witnesses."""
+    values, at = in_a_row([0.0] * 20 + [9.0] * 9)
+    assert not _leant(values, values > 5.0, at).any()
