@@ -101,6 +101,17 @@ def distortions(context: Context) -> list[tuple[str, Floats]]:
     return [(n, v / s) for (n, v), (_, s) in zip(out, size, strict=True) if s > 1e-3]
 
 
+def travel_of_all(context: Context) -> Floats:
+    """How far everything has come out together, (F, 1): the root mean square of what each unit's observables are off
+    from the vented position, as a share of the most.
+    """
+    unit, square = np.array(context.rows.unit), np.zeros(len(context.base))
+    for name in dict.fromkeys(context.rows.unit):
+        own = (context.displacement[:, unit == name] ** 2).mean(axis=1)
+        square += own / max(float(own.max(initial=0.0)), 1e-300)
+    return np.sqrt(square / max(float(square.max(initial=0.0)), 1e-300))[:, None]
+
+
 def smooth_places(context: Context) -> Floats:
     """Smooth fields over the body at rest, (K, q): polynomials of degree 0 to 2 of the place, along each axis.
 

@@ -90,19 +90,26 @@ class Delay(Effect):
         """What is ahead is no delay: the lag that has most of the residual, more than the rest, has it turned round."""
         left = np.nan_to_num(context.residual)
         size = np.maximum(np.sqrt((left**2).mean(axis=0)), 1e-300)  # sensors of all units count alike
-        left, explained, way = left / size, 0.0, 0.0
-        for tau in TAUS_S:
-            late = (
-                np.einsum("fkc,fc->fk", context.jacobian, context.relaxed(tau) - context.rows.actuation)
-                / size
-            )
-            along, square = float((left * late).sum()), float((late**2).sum())
+        left, explained, ahead = left / size, 0.0, False
+        for change, late in _late_and_early(context):
+            moved = np.einsum("fkc,fc->fk", context.jacobian, change) / size
+            along, square = float((left * moved).sum()), float((moved**2).sum())
             if square > 0 and along**2 / square > explained:
-                explained, way = along**2 / square, along
-        return AHEAD if way < 0 and explained > float((left**2).sum()) - explained else ""
+                explained, ahead = along**2 / square, (along > 0) != late
+        return AHEAD if ahead and explained > float((left**2).sum()) - explained else ""
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS
+
+
+def _late_and_early(context: Context) -> Iterator[tuple[Floats, bool]]:
+    """Changes of the pressures (F, C) by lags, which are late, and in a record by what is yet to come, which is not."""
+    u = context.rows.actuation
+    for tau in TAUS_S:
+        yield context.relaxed(tau) - u, True
+    for n in SAMPLES if context.sample_s else ():
+        yield context.earlier(n * context.sample_s) - u, True
+        yield context.earlier(-n * context.sample_s) - u, False
 
 
 def _seen_late(context: Context) -> Iterator[Space]:

@@ -67,9 +67,9 @@ class Frame(Effect):
         if (context.rows.axis >= 0).sum() >= 3:
             rigid = Term("shift", "frame", np.ones(len(context.base)))
             yield Variant("rigid", (rigid,))
-            yield Variant(
-                "rigid, and of another scale", (rigid, Term.field("scale", scale_mode(context)[..., None]))
-            )
+            scale = Term.field("scale", scale_mode(context))
+            yield Variant("of another scale", (scale,), centred=True)
+            yield Variant("rigid, and of another scale", (rigid, scale))
 
             if (each := in_sessions(context)) is not None:
                 modes = frame_modes(context)[..., None, :] * each[:, None, :, None]
@@ -98,6 +98,7 @@ class Frame(Effect):
             return
         scale, whole = motion_scale(context), list(affine(context))
         yield Space("always", "frame", acting(whole))
+        yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
         if bent:
             yield Space("distorted", "frame distorted", acting([*whole, *bent]))

@@ -1,4 +1,4 @@
-"""Marker slip: one marker moves on the surface, at one moment."""
+"""Marker slip: a marker moves on the surface, at one moment, or a few markers, each at its own."""
 
 from collections.abc import Collection, Iterator
 
@@ -14,8 +14,21 @@ from labrig.effects._slips import errors_by_capture, moment, slips
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
+_FORMS = ("step", "two steps", "three steps")
+"""Forms by how many markers slipped, each once; more of them, or one that slips again, is the family's."""
 _SLOW = 7
 """Slow motions over the run, cosines, that a loose marker may make beside its steps: a grid."""
+_OF_WHICH = ("", ", of a second marker", ", of a third one")
+_WHICH = (
+    ("marker", "1", 0.0, "which marker, counted from 0"),
+    ("since_s", "s", -np.inf, "when it slipped, since the run began"),
+    ("since", "1", 0.0, "first capture after it, where times are unknown"),
+)
+
+
+def _nth(name: str, n: int) -> str:
+    """What a parameter is called for the n-th marker: `marker`, `since_s`, then `marker_2`, `since_2_s`."""
+    return name if n == 0 else f"{name.removesuffix('_s')}_{n + 1}" + "_s" * name.endswith("_s")
 
 
 class MarkerSlip(Effect):
@@ -28,9 +41,11 @@ class MarkerSlip(Effect):
     remembers = True
     parameters = (
         Parameter("slip", "place", per="marker", meaning="where the marker went, along x, y, z"),
-        Parameter("marker", "1", 0.0, meaning="which marker, counted from 0", given=True),
-        Parameter("since_s", "s", meaning="when it slipped, since the run began", given=True),
-        Parameter("since", "1", 0.0, meaning="first capture after it, where times are unknown", given=True),
+        *(
+            Parameter(_nth(name, n), unit, low, meaning=meaning + _OF_WHICH[n], given=True)
+            for n in range(len(_FORMS))
+            for name, unit, low, meaning in _WHICH
+        ),
     )
     reference = (
         "E. S. Page, Continuous inspection schemes, Biometrika 41 (1954) 100-115 (the change is found so)"
@@ -47,37 +62,49 @@ class MarkerSlip(Effect):
             yield from self._step(context, timed=False)
 
     def _step(self, context: Context, timed: bool) -> Iterator[Variant]:
-        rows = context.rows
-        name, form = ("since_s", "step") if timed else ("since", "step at a capture")
-        pinned = context.grid("marker", ()), context.grid(name, ())
-        if all(pinned) or context.saved:
-            marker, since = (float(p[0]) if p else 0.0 for p in pinned)
+        rows, when = context.rows, "since_s" if timed else "since"
+        if context.saved or context.grid("marker", ()):
+            pinned = context.pinned
+            saved = [n for n in range(len(_FORMS)) if n == 0 or _nth("marker", n) in pinned]
+            forms = [[(pinned.get(_nth("marker", n), 0.0), pinned.get(_nth(when, n), 0.0)) for n in saved]]
         else:
-            found = self.find(context)
-            if found is None:
-                return
-            marker, since = found[0], moment(rows, found[1]) if timed else float(found[1])
-        after = context.run_time_s >= since if timed else rows.capture >= since
-        own = np.flatnonzero(rows.marker == marker)
-        change = np.zeros((*context.base.shape, len(own)))
-        change[np.ix_(after, own)] = np.eye(len(own))
-        term = Term.field("slip", change, tuple(rows.observables[k] for k in own))
-        yield Variant(form, (term,), {"marker": float(marker), name: since})
+            found = [
+                (float(m), moment(rows, c) if timed else float(c))
+                for m, c in self.find(context)[: len(_FORMS)]
+            ]
+            forms = [found[: n + 1] for n in range(len(found))]
+        for slipped in filter(None, forms):
+            change = np.zeros((*context.base.shape, 0))
+            labels: tuple[str, ...] = ()
+            for marker, since in slipped:
+                after = context.run_time_s >= since if timed else rows.capture >= since
+                own = np.flatnonzero(rows.marker == marker)
+                one = np.zeros((*context.base.shape, len(own)))
+                one[np.ix_(after, own)] = np.eye(len(own))
+                change = np.concatenate([change, one], axis=2)
+                labels += tuple(rows.observables[k] for k in own)
+            shape = {
+                _nth(name, n): value
+                for n, each in enumerate(slipped)
+                for name, value in zip(("marker", when), each, strict=True)
+            }
+            form = _FORMS[len(slipped) - 1] + ("" if timed else " at a capture")
+            yield Variant(form, (Term.field("slip", change, labels),), shape)
 
     @staticmethod
-    def find(context: Context) -> tuple[int, int] | None:
-        """The marker and the capture of the clearest step, or None when there are too few captures."""
+    def find(context: Context) -> list[tuple[int, int]]:
+        """Markers and the capture of the clearest step of each, the clearest first; none with too few captures."""
         rows = context.rows
         captures = np.unique(rows.capture)
         markers = np.unique(rows.marker[rows.marker >= 0])
         if len(captures) < 8 or len(markers) < 4:
-            return None
+            return []
         error = np.stack([_mean(context.residual[rows.capture == c]) for c in captures])
         for a in range(3):
             own = rows.axis == a
             if own.any():
                 error[:, own] -= _median(error[:, own])[:, None]
-        best, where = 0.0, None
+        out = []
         for m in markers:
             e = error[:, rows.marker == m]
             seen = np.isfinite(e).all(axis=1)
@@ -90,9 +117,9 @@ class MarkerSlip(Effect):
             gain = (np.cumsum(e, axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
             gain[:3] = gain[-3:] = 0.0
             i = int(np.argmax(gain))
-            if gain[i] / noise > best:
-                best, where = float(gain[i] / noise), (int(m), int(at[i + 1]))
-        return where
+            if gain[i] > 0:
+                out.append((float(gain[i] / noise), int(m), int(at[i + 1])))
+        return [(m, at) for _, m, at in sorted(out, key=lambda one: -one[0])]
 
     def family(self, context: Context) -> Iterator[Space]:
         """A step of one marker at one moment: the three clearest steps that a scan over markers and moments finds."""

@@ -50,19 +50,22 @@ class RestShape(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """A constant offset of each observable; offsets that are smooth over the body are more probable.
 
-        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least; and one
-        that is off the more the farther it moves: where it is held it can't be, and there may be markers, too.
+        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least, or bent
+        as a whole, to a dome or a saddle; and one that is off the more the farther it moves: where it is held it can't
+        be, and there may be markers, too.
         """
         smooth = [motion_scale(context) * shape for shape in smooth_places(context).T]
+        always = np.ones(len(context.base))
+
+        def bent(name: str, there: Floats) -> list[Feature]:
+            return [field(f"smooth {i}{name}", there[:, None] * shape, 0.1) for i, shape in enumerate(smooth)]
 
         def shapes(name: str, there: Floats) -> list[Feature]:
-            whole = [
-                field(f"smooth {i}{name}", there[:, None] * shape, 0.1) for i, shape in enumerate(smooth)
-            ]
-            return [pattern(f"rest{name}", there, 0.2), *whole]
+            return [pattern(f"rest{name}", there, 0.2), *bent(name, there)]
 
-        yield Space("shape", "rest_shape", tuple(shapes("", np.ones(len(context.base)))))
+        yield Space("shape", "rest_shape", tuple(shapes("", always)))
         yield from _strained(context)
+        yield Space("bent", "rest_shape bent", tuple(bent("", always)))
         if (free := _where_free(context)) is not None:
             yield free
         if (each := in_sessions(context)) is not None:
@@ -110,15 +113,20 @@ def _strained(context: Context) -> Iterator[Space]:
     scale = motion_scale(context)
     for name, centre in (("middle", rest.mean(axis=0)), ("foot", rest[still].mean(axis=0))):
         place = rest - centre
-        out = []
-        for a in range(3):
-            for b in range(a + 1):
-                strain = np.zeros((3, 3))
-                strain[a, b] = strain[b, a] = 1.0
-                less = np.zeros(len(rows.marker))
-                less[own] = (place @ strain)[rows.marker[own], rows.axis[own]]
-                size = float(np.sqrt((less[own] ** 2).mean()))
-                if size > 1e-6 * (1e-9 + np.abs(place).max()):
-                    there = np.tile(scale * less / size, (len(context.base), 1))
-                    out.append(field(f"strain {'xyz'[b]}{'xyz'[a]}", there))
-        yield Space(f"strained about its {name}", "rest_shape strained", acting(out))
+
+        def strained(of: str, strain: Floats, place: Floats = place) -> Feature:
+            less = np.zeros(len(rows.marker))
+            less[own] = (place @ strain)[rows.marker[own], rows.axis[own]]
+            size = float(np.sqrt((less[own] ** 2).mean()))
+            flat = size <= 1e-6 * (1e-9 + np.abs(place).max())
+            there = scale * (0.0 if flat else less / size)
+            return field(f"strain {of}", np.tile(there, (len(context.base), 1)))
+
+        E = np.eye(3)
+        each = [
+            strained("xyz"[b] + "xyz"[a], np.maximum(np.outer(E[a], E[b]), np.outer(E[b], E[a])))
+            for a in range(3)
+            for b in range(a + 1)
+        ]
+        yield Space(f"strained about its {name}", "rest_shape strained", acting(each))
+        yield Space(f"of another size about its {name}", "rest_shape sized", acting([strained("all", E)]))

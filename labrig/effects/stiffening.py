@@ -8,6 +8,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
+from labrig.effects._fields import travel_of_all
 from labrig.effects._inside import inside
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._sign import Part, Sign, by_chamber
@@ -76,13 +77,16 @@ class Stiffening(Effect):
             pressure("wall fifth", d**5 / slope, 0.5),
             pressure("all", x * x.mean(axis=1, keepdims=True), 0.5),
         ]
-        if far > 0:
-            share = context.travel / far
-            out += [
+        travelling, together = (
+            [
                 field(f"travel {n}", context.displacement * share**n, w)
                 for n, w in ((1, 0.5), (2, 0.5), (4, 0.25))
             ]
-        yield Space("compliance", "stiffening", acting(out), 0.8)
+            for share in (context.travel / (far or 1.0), travel_of_all(context))
+        )
+        yield Space("compliance", "stiffening", acting([*out, *travelling]), 0.8)
+        yield Space("as it travels", "stiffening by travel", acting(travelling))
+        yield Space("as all travel", "stiffening by all travel", acting(together))
         yield any_curve(context)
 
     def sign(self, context: Context, part: Part) -> Sign:

@@ -8,6 +8,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
+from labrig.effects._fields import travel_of_all
 from labrig.effects._inside import inside
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
@@ -53,7 +54,9 @@ class Tension(Effect):
             yield Variant("fading", (Term.field("fading", held),), {"half_at": half})
 
     def family(self, context: Context) -> Iterator[Space]:
-        """A restoring force on the walls: proportional to their travel, limited, or fading with it."""
+        """A restoring force on the walls: proportional to their travel, limited, or fading with it; with that of each
+        place, or of all, since a membrane is as tight all over.
+        """
         far = float(context.travel.max())
         if not context.moves or far <= 0:
             return
@@ -68,11 +71,16 @@ class Tension(Effect):
                     pressure(f"string {r}", context.deflection / np.hypot(context.deflection, r), 0.5),
                     pressure(f"fabric {r}", context.deflection / (1 + (context.deflection / r) ** 2), 0.5),
                 ]
-        for s in (0.1, 0.2, 0.4):
-            out.append(
-                field(f"fading {s}", context.displacement / (1 + (context.travel / (s * far)) ** 2), 0.5)
-            )
-        yield Space("pre-stretch", "tension", acting(out), 0.95)
+        fading, together = (
+            [
+                field(f"fading {s}", context.displacement / (1 + (share / s) ** 2), 0.5)
+                for s in (0.1, 0.2, 0.4)
+            ]
+            for share in (context.travel / far, travel_of_all(context))
+        )
+        yield Space("pre-stretch", "tension", acting([*out, *fading]), 0.95)
+        yield Space("fading", "tension fading", acting(fading))
+        yield Space("fading as all travel", "tension fading together", acting(together))
         yield any_curve(context)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:

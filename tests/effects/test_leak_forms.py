@@ -1,10 +1,12 @@
 """The formula of a leak: which chamber, and by what law of the pressure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from labrig.diagnosis import improve
-from labrig.effects import TRANSIENT_S
+from labrig.effects import TRANSIENT_S, rows_of
 
 HOLD_S = (1.5, 4.0, 8.0, 15.0)
 
@@ -37,3 +39,23 @@ def test_chambers_that_leak_alike_leak_alike(make_lab) -> None:
     result = improve(lab.dataset(lab.predict(u) + 0.3 * lab.noise()), lab.model(), ["leak"])
     (entry,) = result.improved.file.effects
     assert entry.form == "exponential"
+
+
+def test_a_hold_that_goes_on_at_one_set_point_has_one_beginning(make_lab) -> None:
+    """What has leaked from a chamber that is commanded the same once more is not filled again, and is gone since it was
+    filled: a leak as it was measured says so, and an error of the regulator is as it was at first.
+    """
+    lab = make_lab(chambers=2, captures=20, rows_s=(1.0, 3.0, 6.0), repeats=False, sessions=4)
+    lab.commanded[11] = lab.commanded[10]
+    lab.commanded[5] = lab.commanded[4]  # of another session, which begins anew
+    data = lab.dataset(lab.predict(lab.u) + lab.noise())
+    lost = 0.1 * np.nan_to_num(lab.hold_s)
+    lost[[5, 11]] += 0.6
+    measured = lab.u - lost[:, :, None] + 0.5
+    rows = replace(rows_of(data), measured=measured.reshape(-1, 2))
+    context = lab.model().context(rows)
+    fall, error = (v.reshape(20, 3, 2) for v in (context.measured_fall, context.measured_error))
+    assert fall[11] == pytest.approx(np.array([[-0.6], [-0.8], [-1.1]]).repeat(2, axis=1))
+    assert fall[12] == pytest.approx(np.array([[0.0], [-0.2], [-0.5]]).repeat(2, axis=1))
+    assert error[11] == pytest.approx(error[10])
+    assert fall[5] == pytest.approx(fall[12])
