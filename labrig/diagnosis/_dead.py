@@ -12,9 +12,9 @@ _STILL = 1e-9
 """Change of a prediction, as a share of its size, that is rounding."""
 
 
-def without_dead(context: Context) -> Context:
-    """The campaign without observables that never change where the model says that they do; the rows' warnings name
-    them, and chambers whose set-point never changes.
+def without_dead(context: Context, fitted: bool = False) -> Context:
+    """The campaign without observables that never change where the model says that they do, or sensors where the model
+    is `fitted` to them; the rows' warnings name them, and chambers whose set-point never changes.
     """
     rows = context.rows
     seen = np.isfinite(rows.values)
@@ -24,6 +24,7 @@ def without_dead(context: Context) -> Context:
         for v in (rows.values, context.base)
     )
     moves = base > _STILL * np.abs(context.base).max(axis=0, initial=0.0)
+    moves |= fitted & (rows.marker < 0)
     dead = (measured == 0) & moves & (seen.sum(axis=0) > 1)
     said = [
         f"chamber {name} is at {rows.event_actuation[0, c]:.3g} {rows.actuation_unit} all the time: nothing can be "
@@ -34,9 +35,10 @@ def without_dead(context: Context) -> Context:
     said += _together(rows)
     if dead.all() or not dead.any():
         return replace(context, rows=replace(rows, warnings=(*rows.warnings, *said))) if said else context
+    where = "" if fitted else ", where the model says that it changes"
     said += [
-        f"{rows.observables[k]} is {rows.values[seen[:, k], k][0]:.3g} {rows.unit[k]} all the time, where the model "
-        "says that it changes: it is left out; is its sensor connected?"
+        f"{rows.observables[k]} is {rows.values[seen[:, k], k][0]:.3g} {rows.unit[k]} all the time{where}: it is left "
+        "out; is its sensor connected?"
         for k in np.flatnonzero(dead)
     ]
     values = np.where(dead, np.nan, rows.values)

@@ -34,8 +34,11 @@ class Fall:
 
     @property
     def words(self) -> str:
-        """By how much, and how much is needed, as root mean squares."""
-        return f"by {amount(_rms(self.fall), self.units)}, needed {amount(_rms(self.least), self.units)}"
+        """By how much, and how much is needed, as root mean squares; or how uncertain that is, where that matters."""
+        by = f"by {amount(_rms(self.fall), self.units)}, "
+        if self.fall < self.least:
+            return f"{by}needed {amount(_rms(self.least), self.units)}"
+        return f"{by}with a standard error of {amount(_rms(self.se), self.units)}"
 
 
 def falls_of(chosen: Fit | None, names: Collection[str]) -> list[Fall]:

@@ -1,6 +1,7 @@
 """The fitted values of an effect in words: names, units, which chamber, how fast."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,7 @@ _FEW = 4
 ROTATION = "about "
 _CLEAR = 2.0  # standard deviations from nothing
 _MINUTE_S = 60.0
+_NUMBERED = re.compile(r"^(marker|since)_\d(_s)?$")  # of a second marker: `marker_2`, `since_2_s`
 _MOMENTS = {"since_s": "since", "until_s": "until"}
 _CLOCK = ((3600.0, "h"), (_MINUTE_S, "min"), (1.0, "s"))
 _LOST = 0.005  # of the full pressure: less is not spoken of
@@ -81,7 +83,8 @@ def value_lines(result: "Result") -> list[str]:
 def values_words(parameters: Mapping[str, Any]) -> str:
     """`amplitude 0.210 ± 0.010, tau 12.0 ± 1.5 s`; of one for each chamber the largest by name."""
     shown = []
-    for name, entry in list(parameters.items())[:_SHOWN]:
+    for numbered, entry in list(parameters.items())[:_SHOWN]:
+        name = _NUMBERED.sub(r"\1\2", numbered)
         unit = str(entry.get("unit", ""))
         if name in _MOMENTS:
             shown.append(f"{_MOMENTS[name]} {_moment(flat(entry.get('value'))[0])} after the start")

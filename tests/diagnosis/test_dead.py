@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import compare, diagnose
+from labrig.model import Model
 from labrig.view._report import report_html
 from tests.sensors import model_of_both, two_sensors
 
@@ -26,6 +27,15 @@ def test_a_sensor_that_is_not_connected_is_left_out(make_lab) -> None:
         in found.summary["warnings"]
     )
     assert "<html" in report_html(found)
+
+
+def test_a_sensor_that_stands_still_beside_a_fitted_map_is_left_out(make_lab, tmp_path) -> None:
+    """A map that is fitted to it says that it does not change, and no model is needed to see that it is dead."""
+    lab = make_lab(force=True, chambers=2, captures=60)
+    data = two_sensors(lab, lab.predict(lab.u) + lab.noise(), 1.2)
+    (tmp_path / "fitted.yaml").write_text("base: {kind: static, degree: 2}\n")
+    said = compare(data, Model.load(tmp_path / "fitted.yaml")).summary
+    assert "voltage is 1.2 V all the time: it is left out; is its sensor connected?" in said["warnings"]
 
 
 def test_what_never_changes_and_need_not_is_kept(make_lab) -> None:

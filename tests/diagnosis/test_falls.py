@@ -2,7 +2,7 @@
 
 import pytest
 
-from labrig.diagnosis._falls import much_left
+from labrig.diagnosis._falls import Fall, much_left
 
 
 def test_what_is_left_beside_a_name_is_said() -> None:
@@ -20,3 +20,11 @@ def test_what_is_left_beside_a_name_is_said() -> None:
 def test_little_is_not_said(names: tuple[str, ...], model: float, floor: float) -> None:
     """Nothing where nothing was named, where a fifth is left, and where the noise is as large."""
     assert much_left(names, base=4.3, model=model, floor=floor, units="px") == []
+
+
+def test_what_a_fall_lacks_is_said() -> None:
+    """How much is needed, where it is too small; how uncertain it is, where that is the matter."""
+    little = Fall("creep", fall=0.01**2, se=0.001**2, least=0.03**2, units="mm")
+    unsure = Fall("creep", fall=0.09**2, se=0.1**2, least=0.03**2, units="mm")
+    assert (little.helps, little.words) == (False, "by 0.01 mm, needed 0.03 mm")
+    assert (unsure.helps, unsure.words) == (False, "by 0.09 mm, with a standard error of 0.1 mm")

@@ -140,3 +140,15 @@ def test_each_value_of_a_frame_has_its_own_unit() -> None:
     said = values_words(values).replace("\u00a0", " ")
     assert "mm, rad" not in said
     assert "x 1.500 ± 0.020 mm, y -0.500 ± 0.040 mm, about x 0.0160 ± 0.0010 rad" in said
+
+
+def test_only_markers_and_moments_lose_their_number() -> None:
+    """Of a second marker its name and moment are said as of the first; what an own effect counts keeps its number."""
+    said = values_words(
+        {
+            "marker_2": {"value": 7.0, "per": ["m8"]},
+            "since_2_s": {"value": 90.0, "unit": "s"},
+            "k_2": {"value": 3.0, "sd": 0.1},
+        }
+    )
+    assert said.replace("\xa0", " ") == "marker m8, since 90 s after the start, k 2 3.00 ± 0.10"
