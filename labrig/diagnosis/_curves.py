@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from labrig.arrays import Ints
-from labrig.diagnosis._names import by_kind, has_name
+from labrig.diagnosis._names import has_name, spans
 from labrig.effects import Context, Effect, Space, plain_forms
 
 MAP = "map"
@@ -37,7 +37,7 @@ def curves(
         return []
     shuffled, back = in_any_order(context)
     there = {
-        (name, space.key): by_kind(_rows(space, back), _ROWS_COMPARED)
+        (name, space.key): spans(_rows(space, back), _ROWS_COMPARED)
         for name, space in family_of(effects, shuffled)
     }
     return [

@@ -13,7 +13,7 @@ from labrig.diagnosis._columns import Columns, gram
 from labrig.diagnosis._curves import MAP, curves, family_of
 from labrig.diagnosis._directions import directions
 from labrig.diagnosis._motions import MOTION, motions
-from labrig.diagnosis._names import alike, by_kind, different, has_name
+from labrig.diagnosis._names import alike, different, has_name, spans
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._one_sensor import SENSOR, of_one_sensor
 from labrig.diagnosis._ripple import RIPPLE, ripple
@@ -84,9 +84,9 @@ def design_of(
     context = observations.context
     named = family_of(effects, context)
     known = [space for _, space in named]
-    named_by_kind = [by_kind(space) for space in known]
+    spanned = [spans(space) for space in known]
     followed = {name for effect in effects.values() for name in effect.follows(context)}
-    lonely = (space for space in unnamed(context, followed) if not has_name(space, named_by_kind))
+    lonely = (space for space in unnamed(context, followed) if not has_name(space, spanned))
     others = [("?" + space.spectrum, space) for space in lonely]
     more = {
         MOTION: motions(context),

@@ -1,9 +1,11 @@
 """Whether one space holds what another does."""
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.effects import Space
 
@@ -12,15 +14,32 @@ _NEARLY_ALIKE = 0.1
 _ROWS_COMPARED = 50
 
 
-def has_name(space: Space, named: Sequence[Mapping[str, Floats]], rows: int = _ROWS_COMPARED) -> bool:
+class Span(NamedTuple):
+    """What so many functions span: an orthonormal `basis` (n, q) over n numbers."""
+
+    functions: int
+    basis: Floats
+
+
+def has_name(space: Space, named: Sequence[Mapping[str, Span]], rows: int = _ROWS_COMPARED) -> bool:
     """Whether one space with a name, of which so many rows are known, holds nearly all that this one does: what has a
     name is not unnamed as well.
     """
-    own = by_kind(space, rows)
+    own = _by_kind(space, rows)
     return any(all(_within(f, known.get(kind)) for kind, f in own.items()) for known in named)
 
 
-def by_kind(space: Space, rows: int = _ROWS_COMPARED) -> dict[str, Floats]:
+def spans(space: Space, rows: int = _ROWS_COMPARED) -> dict[str, Span]:
+    """What the features of a space span, by their kind, over about so many rows."""
+    out = {}
+    for kind, columns in _by_kind(space, rows).items():
+        U, s, _ = svd(columns)
+        heard = s > max(columns.shape) * np.finfo(s.dtype).eps * s.max(initial=0.0)
+        out[kind] = Span(columns.shape[1], U[:, heard])
+    return out
+
+
+def _by_kind(space: Space, rows: int) -> dict[str, Floats]:
     """The features of a space by their kind, about so many rows of each, as unit columns."""
     out = {}
     for kind in {f.kind for f in space.features}:
@@ -50,8 +69,8 @@ def different(spaces: Sequence[Space]) -> list[Space]:
     return out
 
 
-def _within(columns: Floats, basis: Floats | None) -> bool:
-    if basis is None or not columns.shape[1] <= basis.shape[1] <= len(basis) / 2:
+def _within(columns: Floats, known: Span | None) -> bool:
+    if known is None or not columns.shape[1] <= known.functions <= len(known.basis) / 2:
         return False
-    left = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
+    left = columns - known.basis @ (known.basis.T @ columns)
     return bool(np.linalg.norm(left, axis=0).max() < _NEARLY_ALIKE)
