@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from labrig.diagnosis._candidates import Candidate, square_of
+from labrig.diagnosis._candidates import Candidate
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._regression import Regression
 from labrig.effects import Context, Effect, is_family
@@ -53,4 +53,5 @@ class ByFormula:
         return {name: of(name) for name in self.effects}
 
     def _square(self, predicted: np.ndarray) -> float:
-        return square_of(self.regression, self.regression.residual - predicted)
+        """What is left, by the noise of each observable: of several units all count."""
+        return float(self.regression.square(self.regression.residual - predicted).sum())

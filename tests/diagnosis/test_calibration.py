@@ -71,4 +71,4 @@ def test_what_is_shipped_counts_every_effect() -> None:
     assert set(shipped.effects) == set(library())
     assert 0 < shipped.odds < 1
     assert shipped.share > 0
-    assert shipped.ahead > 0
+    assert shipped.ahead >= 0

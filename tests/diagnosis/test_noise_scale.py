@@ -11,7 +11,7 @@ from labrig.diagnosis import diagnose
 from labrig.diagnosis._constants import FLOOR_SPREAD
 from labrig.diagnosis._design import design_of
 from labrig.diagnosis._diagnose import laid_out, verdict_of
-from labrig.diagnosis._names import by_kind, has_name
+from labrig.diagnosis._names import has_name, spans
 from labrig.diagnosis._noise_scale import _SCALES, _SIZES, everything, noise_of_few, noise_scale
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
@@ -38,7 +38,7 @@ def test_a_floor_that_is_wrong_is_put_right(make_lab, wrong: float) -> None:
 def test_what_has_a_name_is_not_unnamed_as_well() -> None:
     """A space in another's span is left out; one with a direction of its own, or of another kind, stays."""
     t = np.linspace(0, 1, 200)
-    named = [by_kind(Space("named", "named", (pattern("one", np.ones(200)), pattern("two", t))))]
+    named = [spans(Space("named", "named", (pattern("one", np.ones(200)), pattern("two", t))))]
     assert has_name(Space("a", "a", (pattern("tilted", 3 - 2 * t),)), named)
     assert not has_name(Space("b", "b", (pattern("wave", np.cos(9 * t)),)), named)
     assert not has_name(Space("c", "c", (pressure("pressure", np.ones((200, 1))),)), named)
