@@ -15,7 +15,7 @@ from labrig._executor import Executor
 from labrig.arrays import Floats
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
-from labrig.diagnosis import Calibration, considered, counted_ahead, log_odds
+from labrig.diagnosis import Calibration, considered, log_odds
 from labrig.model import Model
 
 UNLEARNT = ("eighth", "ninth", "tenth", "eleventh")
@@ -39,7 +39,6 @@ class Said:
     effect: str
     by_evidence: float
     share: float
-    ahead: float
     there: bool
 
 
@@ -66,7 +65,7 @@ def said_of(task: tuple[str, int, str]) -> list[Said]:
         model = Model.load(write_model(campaign, Path(folder)))
         found = considered(campaign.dataset, model, truth["without"])
     return [
-        Said(task[2], c.effect, c.by_evidence, c.share, c.ahead, c.effect in truth["effects"])
+        Said(task[2], c.effect, c.by_evidence, c.share, c.effect in truth["effects"])
         for c in found
         if c.probability > 0 and c.effect not in (truth.get("also") or ())
     ]
@@ -76,12 +75,11 @@ def fitted(said: Sequence[Said]) -> Calibration:
     """The logistic regression of what was there on what was said, with what effects add shrunk towards nothing."""
     effects = sorted({one.effect for one in said})
     columns = [
-        [1.0, log_odds(one.by_evidence), one.share, counted_ahead(one.ahead)]
-        + [float(one.effect == e) for e in effects]
+        [1.0, log_odds(one.by_evidence), one.share, *(float(one.effect == e) for e in effects)]
         for one in said
     ]
     A, y = np.array(columns), np.array([one.there for one in said], dtype=float)
-    sd = np.array([_LOOSE] * 4 + [_SPREAD] * len(effects))
+    sd = np.array([_LOOSE] * 3 + [_SPREAD] * len(effects))
 
     def cost(w: Floats) -> tuple[float, Floats]:
         z = A @ w
@@ -89,8 +87,8 @@ def fitted(said: Sequence[Said]) -> Calibration:
         return float(value), A.T @ (expit(z) - y) + w / sd**2
 
     w = minimize(cost, np.zeros(len(sd)), jac=True, method="L-BFGS-B").x
-    always, odds, share, ahead, *own = (round(float(x), 3) for x in w)
-    return Calibration(always, odds, share, ahead, dict(zip(effects, own, strict=True)))
+    always, odds, share, *own = (round(float(x), 3) for x in w)
+    return Calibration(always, odds, share, dict(zip(effects, own, strict=True)))
 
 
 def surprise(said: Sequence[Said]) -> tuple[float, float]:
@@ -101,7 +99,7 @@ def surprise(said: Sequence[Said]) -> tuple[float, float]:
         for one in (one for one in said if one.half == half):
             sign = 1.0 if one.there else -1.0
             alone += float(np.logaddexp(0, -sign * log_odds(one.by_evidence)))
-            p = learnt.of_name(one.effect, one.by_evidence, one.share, one.ahead)
+            p = learnt.of_name(one.effect, one.by_evidence, one.share)
             calibrated -= float(np.log(p if one.there else 1 - p))
     return alone, calibrated
 

@@ -20,25 +20,23 @@ def drawn(count: int, seed: int = 0) -> list[Said]:
     random, out = np.random.default_rng(seed), []
     for i in range(count):
         effect, p, share = random.choice(list(TRUE)), expit(random.uniform(-6, 6)), random.uniform(0.1, 1)
-        ahead = random.uniform(-0.5, 1)
-        there = random.random() < expit(TRUE[effect] - 1 + 0.4 * logit(p) + 1.5 * share + 2 * ahead)
-        out.append(Said(UNLEARNT[i % 4], str(effect), float(p), float(share), ahead, bool(there)))
+        there = random.random() < expit(TRUE[effect] - 1 + 0.4 * logit(p) + 1.5 * share)
+        out.append(Said(UNLEARNT[i % 4], str(effect), float(p), float(share), bool(there)))
     return out
 
 
 def test_what_names_are_worth_comes_back() -> None:
-    """Of many names the law that they were drawn by is found: evidence, share, formula, and each effect."""
+    """Of many names the law that they were drawn by is found: evidence, share, and each effect."""
     found = fitted(drawn(6000))
     assert found.odds == pytest.approx(0.4, abs=0.05)
     assert found.share == pytest.approx(1.5, abs=0.3)
-    assert found.ahead == pytest.approx(2.0, abs=0.3)
     own = {name: found.always + more for name, more in found.effects.items()}
     assert own == pytest.approx({name: more - 1 for name, more in TRUE.items()}, abs=0.3)
 
 
 def test_of_few_names_effects_are_alike() -> None:
     """An effect that was seen twice is taken for nearly an average one, whatever was seen."""
-    few = [*drawn(400), *[Said("ninth", "leak", 0.99, 0.9, 0.0, False)] * 2]
+    few = [*drawn(400), *[Said("ninth", "leak", 0.99, 0.9, False)] * 2]
     assert -1.5 < fitted(few).effects["leak"] < 0
 
 
@@ -73,7 +71,7 @@ def test_a_campaign_says_what_evidence_says(tmp_path: Path) -> None:
     write_calibration([*drawn(60), *said], tmp_path / "calibration.json", "how")
     written = json.loads((tmp_path / "calibration.json").read_text())
     assert (written["how"], written["names"]) == ("how", 60 + len(said))
-    assert set(written) == {"how", "names", "always", "odds", "share", "ahead", "effects"}
+    assert set(written) == {"how", "names", "always", "odds", "share", "effects"}
 
 
 def test_names_that_the_base_may_go_by_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,7 +81,7 @@ def test_names_that_the_base_may_go_by_are_not_counted(monkeypatch: pytest.Monke
     assert also
     rows = [
         Considered(also[0], 0.9, by_evidence=0.9, share=0.5),
-        Considered("leak", 0.2, by_evidence=0.1, share=0.3, ahead=0.2),
+        Considered("leak", 0.2, by_evidence=0.1, share=0.3),
     ]
     monkeypatch.setattr(_calibrate, "considered", lambda *_: (*rows, Considered("delay", 0.0)))
-    assert _calibrate.said_of(task) == [Said("ninth", "leak", 0.1, 0.3, 0.2, False)]
+    assert _calibrate.said_of(task) == [Said("ninth", "leak", 0.1, 0.3, False)]

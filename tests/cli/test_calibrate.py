@@ -22,8 +22,8 @@ def test_it_writes_what_was_learnt_and_says_how_well(
         assert len(todo) == 20 * len(UNLEARNT)
         for _, seed, half in todo:
             yield [
-                Said(half, "creep", 0.999, 0.9, 0.2, seed % 4 > 0),
-                Said(half, "frame", 0.999, 0.9, 0.2, seed % 4 == 0),
+                Said(half, "creep", 0.999, 0.9, seed % 4 > 0),
+                Said(half, "frame", 0.999, 0.9, seed % 4 == 0),
             ]
 
     monkeypatch.setattr("labrig.bench.run_calibrate", drawn)

@@ -64,12 +64,12 @@ def test_the_probability_is_that_of_these_effects_and_nothing_else(
     monkeypatch: pytest.MonkeyPatch, beside: float, verdict: str
 ) -> None:
     """Creep is there for sure; a leak beside it, probably or not: whichever is more probable is the verdict."""
-    monkeypatch.setattr(_verdict, "shipped", lambda: Calibration(0.0, 1.0, 0.0, 0.0, {}))
+    monkeypatch.setattr(_verdict, "shipped", lambda: Calibration(0.0, 1.0, 0.0, {}))
     sizes = {"creep": (5.0, 0.5, 5.0), "leak": (beside, 0.5, beside)}
     answer = Answer(1.0, sizes, {}, 2.0)
     creep, leak = answer.worth("creep"), answer.worth("leak")
     assert (0.5 < leak < SURE) if verdict == "confounded" else (0.1 < leak < 0.5)
-    found = decide([answer], ("creep", "leak"), {}, {})
+    found = decide([answer], ("creep", "leak"), {})
     assert (found.verdict, found.effects) == (verdict, ("creep",))
     assert found.rivals == (("leak",) if verdict == "confounded" else ())
     alone = creep * (1 - leak)
