@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 
-def wait_for(condition: Callable[[], Any], what: str = "it never happened", seconds: float = 60.0) -> Any:
+def wait_for(condition: Callable[[], Any], what: str = "it never happened", seconds: float = 180.0) -> Any:
     """Wait until a condition holds, and give back what it gave; fails with `what` after so many seconds.
 
     It looks often at first, so that what is quick is not waited for, then every 50 ms.

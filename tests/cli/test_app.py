@@ -37,7 +37,7 @@ def test_the_version(labrig: Run) -> None:
 def test_it_is_a_module(tmp_path: Path) -> None:
     """`python -m labrig` is the command line, under the same name."""
     command = [sys.executable, "-m", "labrig", "show"]
-    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=180, check=False)
     assert (ran.returncode, ran.stdout) == (2, "")
     assert ran.stderr == "labrig: Missing argument 'RUN'. (see labrig show --help)\n"
 

@@ -69,7 +69,7 @@ def test_without_a_screen(tmp_path):
         env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path)},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=180,
         check=False,
     )
     assert (ran.returncode, ran.stdout, ran.stderr) == (
@@ -94,5 +94,5 @@ def test_no_viewer_is_left_behind(tmp_path, name):
         assert viewers
         serving.send_signal(getattr(signal, name))
         assert (serving.wait(60), serving.stderr.read()) == (0, "")
-    _, left = psutil.wait_procs(viewers, timeout=30)
+    _, left = psutil.wait_procs(viewers, timeout=180)
     assert left == []

@@ -84,12 +84,12 @@ def test_the_worker_ends_with_its_parent():
     )
     psutil = pytest.importorskip("psutil")
     ran = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=180, check=False
     )
     assert ran.returncode in (-signal.SIGTERM, signal.SIGTERM)
     worker = int(ran.stdout)
     if psutil.pid_exists(worker):
-        psutil.wait_procs([psutil.Process(worker)], timeout=20)
+        psutil.wait_procs([psutil.Process(worker)], timeout=180)
     assert not psutil.pid_exists(worker)
 
 

@@ -29,7 +29,7 @@ def rrd(*arguments):
     """Ask rerun's own tool about a recording."""
     command = [str(viewer_path()), "rrd", *map(str, arguments)]
     ran = subprocess.run(
-        command, capture_output=True, text=True, timeout=60, check=True, env=quiet_environment()
+        command, capture_output=True, text=True, timeout=180, check=True, env=quiet_environment()
     )
     return ran.stdout + ran.stderr
 

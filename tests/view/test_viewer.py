@@ -30,7 +30,7 @@ def test_it_listens_on_this_machine_only(web_viewer):
 
 def test_the_page_may_not_call_home(web_viewer):
     """The browser is told to let the page connect to this machine alone."""
-    with urllib.request.urlopen(web_viewer.page, timeout=10) as answer:
+    with urllib.request.urlopen(web_viewer.page, timeout=180) as answer:
         assert answer.headers["Content-Security-Policy"] == POLICY
         assert b"<html" in answer.read()
     assert "connect-src 'self' data: blob: http://127.0.0.1:* ws://127.0.0.1:*" in POLICY
@@ -39,7 +39,7 @@ def test_the_page_may_not_call_home(web_viewer):
 def test_a_missing_page_is_missing(web_viewer):
     """What the viewer does not have is an ordinary 404."""
     with pytest.raises(urllib.error.HTTPError, match="404"):
-        urllib.request.urlopen(web_viewer.page.split("?")[0] + "nothing.js", timeout=10)
+        urllib.request.urlopen(web_viewer.page.split("?")[0] + "nothing.js", timeout=180)
 
 
 def test_stop_ends_it(web_viewer):

@@ -114,7 +114,7 @@ class Bench:
         data = None if body is None else json.dumps(body).encode()
         request = urllib.request.Request(self.origin + path, data=data, headers=headers)
         try:
-            with urllib.request.urlopen(request, timeout=30) as answer:
+            with urllib.request.urlopen(request, timeout=180) as answer:
                 return answer.status, json.loads(answer.read())
         except urllib.error.HTTPError as error:
             return error.code, json.loads(error.read())
@@ -154,13 +154,13 @@ class Bench:
     def stop(self) -> str:
         """Ctrl-C; what it said."""
         self.process.send_signal(signal.SIGINT)
-        return self.process.communicate(timeout=30)[0]
+        return self.process.communicate(timeout=180)[0]
 
 
 def press(address: str) -> str:
     """Press the vent button, and look until it has said how that ended; gives what it says."""
     posted = urllib.request.Request(address + "vent", data=b"", method="POST")
-    with urllib.request.urlopen(posted, timeout=30) as answer:
+    with urllib.request.urlopen(posted, timeout=180) as answer:
         text = answer.read().decode()
     end = time.monotonic() + SLOW_S
     while "venting" in text and time.monotonic() < end:
@@ -171,7 +171,7 @@ def press(address: str) -> str:
 
 def said_at(address: str) -> str:
     """What the vent button at an address says now of the last vent."""
-    with urllib.request.urlopen(address + "said", timeout=30) as answer:
+    with urllib.request.urlopen(address + "said", timeout=180) as answer:
         return str(answer.read().decode())
 
 
@@ -214,7 +214,7 @@ def bench(rig: Rig) -> Iterator[Bench]:
         with contextlib.suppress(ProcessLookupError):
             process.send_signal(getattr(signal, "SIGCONT", signal.SIGTERM))
         process.terminate()
-        process.communicate(timeout=30)
+        process.communicate(timeout=180)
     if process.stdout is not None:
         process.stdout.close()
     _end_runs(folder)

@@ -196,7 +196,7 @@ def test_simulate_ends_on_sigterm(simulated):
     """A terminated simulation lets its ports go and ends without an error."""
     _, process = simulated()
     os.kill(process.pid, signal.SIGTERM)
-    assert process.wait(timeout=20) == 0
+    assert process.wait(timeout=180) == 0
 
 
 def test_check_of_a_dead_rig_has_exit_code_3(tmp_path):

@@ -190,7 +190,7 @@ def test_vicons_own_client_reads_the_twin(shared, closing, plant, up):
         [sys.executable, "-c", CONFORMANCE, f"127.0.0.1:{server.port}"],
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=180,
         check=True,
     )
     name, *numbers = done.stdout.split()

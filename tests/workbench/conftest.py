@@ -78,7 +78,7 @@ class Asker:
         self, path: str, body: Any = None, *, token: str | None = "right", **headers: str
     ) -> tuple[int, Any]:
         """Status and content; a POST where there is a body."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.running.port, timeout=60)
+        connection = http.client.HTTPConnection("127.0.0.1", self.running.port, timeout=180)
         given = {name.replace("_", "-"): value for name, value in headers.items()}
         if token is not None:
             given["x-labrig-token"] = self.running.desk.token if token == "right" else token
@@ -174,7 +174,7 @@ def open_page(browser: "Browser", bench: Running) -> "Iterator[Callable[[], Page
 
     def opening() -> "Page":
         context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
-        context.set_default_timeout(40_000)
+        context.set_default_timeout(180_000)  # a diagnosis on a slow computer that does four things at once
         contexts.append(context)
         page = context.new_page()
         page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)

@@ -82,7 +82,7 @@ def test_a_job_is_cancelled_between_its_start_and_that_of_its_command(tmp_path):
         "subprocess.Popen = pressed; _child.main()"
     )
     words = ["workbench", ".", "--no-browser"]
-    subprocess.run([sys.executable, "-c", code, tmp_path, *words], cwd=tmp_path, check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code, tmp_path, *words], cwd=tmp_path, check=True, timeout=180)
     assert json.loads((tmp_path / "ended.json").read_text())["code"] != 0
 
 
@@ -115,7 +115,7 @@ def test_a_job_outlives_its_server(tmp_path, desk):
         "import sys; from pathlib import Path; from labrig.workbench import open_desk; "
         "open_desk(Path(sys.argv[1])).jobs.start(['workbench', '.', '--no-browser'], 'long'); import os; os._exit(0)"
     )
-    subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True, timeout=180)
     (job,) = desk.jobs.all()
     wait_for(lambda: "http://" in job.output())
     assert job.state == "running"
