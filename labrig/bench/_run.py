@@ -1,6 +1,5 @@
 """One blind campaign after another: draw, diagnose, judge; many at a time, and again where it was left."""
 
-import json
 import os
 import tempfile
 import time
@@ -18,6 +17,7 @@ from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._halves import DRAWN_FROM
 from labrig.bench._judge import is_false_alarm, is_near, is_right, wrongly_sure
+from labrig.bench._lines import adding_lines, read_lines
 from labrig.bench.records import Answer, Answered, Fresh, Judged, Record, Truth
 from labrig.contents import Errors
 
@@ -206,17 +206,7 @@ def read_records(folder: Path) -> list[Record]:
     """The campaigns that are done; a last line that was cut, and records of the benchmark before it had halves, are
     left out.
     """
-    path = folder / RECORDS
-    records = []
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            try:
-                record = json.loads(line)
-            except json.JSONDecodeError:
-                continue
-            if "half" in record["truth"]:
-                records.append(record)
-    return records
+    return [record for record in read_lines(folder / RECORDS) if "half" in record["truth"]]
 
 
 def run_blind(
@@ -239,14 +229,12 @@ def run_blind(
         raise LabrigError(
             f"{folder / RECORDS} holds {len(done)} campaigns: add --resume, or take another --out"
         )
-    folder.mkdir(parents=True, exist_ok=True)
     left = [one for one in todo if key_of(*one) not in done]
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
     tasks = [(name, seed, half, baselines, without) for half, name, seed in left]
-    with Executor(jobs, cluster) as executor, (folder / RECORDS).open("a", encoding="utf-8") as file:
+    with Executor(jobs, cluster) as executor, adding_lines(folder / RECORDS) as add:
         for _, record in executor.map(_run_task, tasks):
-            file.write(json.dumps(record) + "\n")
-            file.flush()
+            add(record)
             yield record
 
 

@@ -1,6 +1,5 @@
 """How long it takes to settle a confounded pair: with set-points chosen, at random, and spread out evenly."""
 
-import json
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +11,7 @@ from labrig.arrays import Floats
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._judge import is_right
+from labrig.bench._lines import adding_lines, read_lines
 from labrig.bench._programmes import Plan
 from labrig.bench.records import SettleRecord, SettleTruth, Settling, WholeTruth
 from labrig.contents import Summary
@@ -153,12 +153,8 @@ def _model(campaign: Campaign, folder: Path) -> "Model":
 def run_settle(folder: Path, first_seed: int, count: int, minutes: float = MINUTES) -> Iterator[SettleRecord]:
     """Every strategy on `count` campaigns that leave a doubt; each record is written as it is done, and skipped if
     it is there already."""
-    from labrig._json import plain
-
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / RECORDS
     done = {(r["seed"], r["strategy"]) for r in settle_records(folder)}
-    with path.open("a", encoding="utf-8") as file:
+    with adding_lines(folder / RECORDS) as add:
         for seed, campaign in unsettled_campaigns(first_seed, count):
             for strategy in STRATEGIES:
                 if (seed, strategy) in done:
@@ -170,18 +166,10 @@ def run_settle(folder: Path, first_seed: int, count: int, minutes: float = MINUT
                 }
                 found = settle(campaign, strategy, seed, minutes)
                 record: SettleRecord = {"seed": seed, "truth": truth, **found}
-                file.write(json.dumps(plain(record)) + "\n")
-                file.flush()
+                add(record)
                 yield record
 
 
 def settle_records(folder: Path) -> list[SettleRecord]:
     """The records that are done; a last line that was cut is left out."""
-    path = folder / RECORDS
-    out = []
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
-        try:
-            out.append(json.loads(line))
-        except json.JSONDecodeError:
-            continue
-    return out
+    return read_lines(folder / RECORDS)

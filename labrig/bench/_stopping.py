@@ -3,7 +3,6 @@
 Every campaign is looked at all the way to its end, so that any stopping rule can be tried on the same records.
 """
 
-import json
 import os
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -15,6 +14,7 @@ import numpy as np
 from labrig._executor import Executor
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
+from labrig.bench._lines import adding_lines, read_lines
 from labrig.bench._run import key_of
 from labrig.bench.records import StoppingRecord
 
@@ -87,25 +87,17 @@ def watch(half: str, name: str, seed: int, captures: int = CAPTURES) -> Stopping
 
 def stopping_records(folder: Path) -> list[StoppingRecord]:
     """The records that are done; a last line that was cut is left out."""
-    path, found = folder / RECORDS, []
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
-        try:
-            found.append(json.loads(line))
-        except json.JSONDecodeError:
-            continue
-    return found
+    return read_lines(folder / RECORDS)
 
 
 def run_stopping(todo: list[tuple[str, str, int]], folder: Path, jobs: int = 1) -> Iterator[StoppingRecord]:
     """Watch campaigns, `jobs` at a time; each record is written as it is done, and skipped if it is there already."""
-    folder.mkdir(parents=True, exist_ok=True)
     done = {record["key"] for record in stopping_records(folder)}
     left = [one for one in todo if key_of(*one) not in done]
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
-    with Executor(jobs) as executor, (folder / RECORDS).open("a", encoding="utf-8") as file:
+    with Executor(jobs) as executor, adding_lines(folder / RECORDS) as add:
         for _, record in executor.map(_watch, left):
-            file.write(json.dumps(record) + "\n")
-            file.flush()
+            add(record)
             yield record
 
 
