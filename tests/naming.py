@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from labrig.diagnosis import prepared, rows_from
-from labrig.diagnosis._diagnose import laid_out, verdict_on
+from labrig.diagnosis import _diagnose, prepared, rows_from
 from labrig.diagnosis._verdict import Verdict
 from labrig.model import Model
 
@@ -13,8 +12,7 @@ if TYPE_CHECKING:
 
 def verdict_of(data: "Dataset", model: Model) -> Verdict:
     """What `diagnose` says is missing, without formulas, errors and places."""
-    effects = model.library()
-    return verdict_on(*laid_out(prepared(rows_from(data), model), effects), effects)
+    return _diagnose.verdict_of(prepared(rows_from(data), model), model.library())
 
 
 def calls_of(data: "Dataset", model: Model) -> dict[str, str]:
