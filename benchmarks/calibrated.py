@@ -24,8 +24,9 @@ from labrig.bench.records import Answer as Told
 from labrig.diagnosis import Calibration, _verdict, prepared, rows_from
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._by_formula import ByFormula
-from labrig.diagnosis._diagnose import TRIED, laid_out, words_of
+from labrig.diagnosis._diagnose import laid_out, words_of
 from labrig.diagnosis._posterior import Search
+from labrig.diagnosis._ranking import SHOWN
 from labrig.diagnosis._verdict import Answer, answers_of, decide, likeliest
 from labrig.model import Model
 
@@ -64,7 +65,7 @@ def weighed(name: str, seed: int, half: str) -> Weighed:
         own, _, design = laid_out(prepared(rows_from(campaign.dataset), model), effects)
         assert design is not None
         answers = answers_of(Search(design).run(), 0.0, {n for n, e in effects.items() if e.remembers})
-        ahead = ByFormula(own.regression, own.context, effects).ahead(likeliest(answers)[:TRIED])
+        ahead = ByFormula(own.regression, own.context, effects).ahead(likeliest(answers)[:SHOWN])
     return Weighed(half, dict(campaign.truth), answers, tuple(effects), words_of(design), ahead)
 
 

@@ -18,8 +18,8 @@ from scipy.special import expit, logit
 
 from labrig.diagnosis._constants import NEGLIGIBLE
 
-LEAST_AHEAD, MOST_AHEAD = -0.5, 1.0
-"""Behind or ahead of the others by more says no more: a small effect beside a large one is far behind it."""
+MOST_AHEAD = 1.0
+"""Ahead of the others, or behind them, by more says no more: a small effect beside a large one is far behind it."""
 FILE = Path(__file__).with_name("calibration.json")
 
 
@@ -56,8 +56,8 @@ class Calibration:
 
 
 def counted_ahead(ahead: float) -> float:
-    """How far ahead a formula is, as far as that counts."""
-    return min(max(ahead, LEAST_AHEAD), MOST_AHEAD)
+    """How far ahead a formula is, or behind, as far as that counts."""
+    return min(max(ahead, -MOST_AHEAD), MOST_AHEAD)
 
 
 def log_odds(probability: float) -> float:

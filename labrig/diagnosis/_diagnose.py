@@ -27,7 +27,7 @@ from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
-from labrig.diagnosis._ranking import alone, drop_of, ranking_of
+from labrig.diagnosis._ranking import SHOWN, alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result, told
 from labrig.diagnosis._shaken import shaken
 from labrig.diagnosis._track_record import track_record
@@ -56,8 +56,6 @@ CUT_OFF = "curves that the fitted map lacks"
 """What carries what a polynomial that was fitted, or a map that was learnt, may lack."""
 BY_SET_POINT = "a curve of the set-points"
 """What carries what goes by the set-point alone, though only an effect that remembers would hold it."""
-TRIED = 5
-"""Of how many effects, the likeliest by evidence, formulas are compared: the others have next to no probability."""
 _OF_CHAMBER = "look at its hose, valve, sensor and wall first"
 _OF_SESSION = "make a run of it alone, diagnose that, and look at what was another then"
 
@@ -170,7 +168,7 @@ def verdict_on(
         ) from None
     remembering = {name for name, effect in effects.items() if effect.remembers}
     answers = answers_of(search, least, remembering)
-    ahead = by_formula.ahead(likeliest(answers)[:TRIED])
+    ahead = by_formula.ahead(likeliest(answers)[:SHOWN])
     verdict = decide(answers, tuple(effects), words_of(design), ahead)
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}

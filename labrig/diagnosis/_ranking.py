@@ -12,12 +12,13 @@ from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._verdict import Verdict
 
-_SHOWN = 5
+SHOWN = 5
+"""Of how many effects, the likeliest, formulas are compared and shown: the others have next to no probability."""
 
 
 def alone(by_formula: ByFormula, verdict: Verdict) -> dict[str, list[Candidate]]:
     """The forms of the likeliest effects, each fitted by itself, best first."""
-    found = {c.effect: by_formula.forms(c.effect) for c in verdict.considered[:_SHOWN]}
+    found = {c.effect: by_formula.forms(c.effect) for c in verdict.considered[:SHOWN]}
     return {name: forms for name, forms in found.items() if forms}
 
 

@@ -25,7 +25,7 @@ def test_more_evidence_and_a_better_formula_make_a_name_more_probable(
 
 def test_a_formula_that_is_behind_the_others_is_worth_less() -> None:
     """Of the same evidence; but by how far it is behind counts to a limit: what is small beside another effect is."""
-    behind, far_behind, ahead = (PLAIN.of_name("frame", 0.99, x) for x in (-0.5, -5.0, 0.5))
+    behind, far_behind, ahead = (PLAIN.of_name("frame", 0.99, x) for x in (-1.0, -5.0, 0.5))
     assert ahead > behind + 0.1
     assert far_behind == behind
 
