@@ -23,11 +23,9 @@ from labrig.bench._judge import calibration_error, is_right
 from labrig.bench.records import Answer as Told
 from labrig.diagnosis import Calibration, _verdict, prepared, rows_from
 from labrig.diagnosis import _constants as k
-from labrig.diagnosis._by_formula import ByFormula
 from labrig.diagnosis._diagnose import laid_out, words_of
 from labrig.diagnosis._posterior import Search
-from labrig.diagnosis._ranking import SHOWN
-from labrig.diagnosis._verdict import Answer, answers_of, decide, likeliest
+from labrig.diagnosis._verdict import Answer, answers_of, decide
 from labrig.model import Model
 
 LIMITS = (0.6, 0.65, 0.7, 0.75, 0.8, 0.85)
@@ -42,15 +40,14 @@ class Weighed:
     answers: Sequence[Answer]
     effects: tuple[str, ...]
     words: dict[str, str]
-    ahead: dict[str, float]
 
     def said(self) -> list[Said]:
         """What the evidence says of each name, and whether it is there."""
-        found = decide(self.answers, self.effects, self.words, self.ahead).considered
+        found = decide(self.answers, self.effects, self.words).considered
         also = self.truth.get("also") or ()
         there = self.truth["effects"]
         return [
-            Said(self.half, c.effect, c.by_evidence, c.ahead, c.effect in there)
+            Said(self.half, c.effect, c.by_evidence, c.share, c.effect in there)
             for c in found
             if c.probability > 0 and c.effect not in also
         ]
@@ -62,11 +59,10 @@ def weighed(name: str, seed: int, half: str) -> Weighed:
     with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         model = Model.load(write_model(campaign, Path(folder)))
         effects = {n: e for n, e in model.library().items() if n not in campaign.truth["without"]}
-        own, _, design = laid_out(prepared(rows_from(campaign.dataset), model), effects)
+        _, _, design = laid_out(prepared(rows_from(campaign.dataset), model), effects)
         assert design is not None
         answers = answers_of(Search(design).run(), 0.0, {n for n, e in effects.items() if e.remembers})
-        ahead = ByFormula(own.regression, own.context, effects).ahead(likeliest(answers)[:SHOWN])
-    return Weighed(half, dict(campaign.truth), answers, tuple(effects), words_of(design), ahead)
+    return Weighed(half, dict(campaign.truth), answers, tuple(effects), words_of(design))
 
 
 def judged(campaigns: Iterable[Weighed], learnt: dict[str, Calibration], limit: float) -> Counter:
@@ -77,7 +73,7 @@ def judged(campaigns: Iterable[Weighed], learnt: dict[str, Calibration], limit: 
     try:
         for one in campaigns:
             _verdict.shipped = lambda one=one: learnt[one.half]
-            found = decide(one.answers, one.effects, one.words, one.ahead)
+            found = decide(one.answers, one.effects, one.words)
             told: Told = {
                 "verdict": found.verdict,
                 "effects": list(found.effects),
@@ -107,7 +103,7 @@ def report(campaigns: Sequence[Weighed]) -> list[str]:
     halves = sorted({c.half for c in campaigns})
     learnt = {h: fitted([one for one in said if one.half != h]) for h in halves}
     alone, left_out = surprise(said)
-    p = np.array([learnt[one.half].of_name(one.effect, one.by_evidence, one.ahead) for one in said])
+    p = np.array([learnt[one.half].of_name(one.effect, one.by_evidence, one.share) for one in said])
     there = [one.there for one in said]
     raw = [one.by_evidence for one in said]
     out = [

@@ -22,7 +22,7 @@ from labrig.bench._files import write_model
 from labrig.bench._intervals import wilson
 from labrig.bench._judge import is_right, wrongly_sure
 from labrig.bench._report import write_section
-from labrig.diagnosis._diagnose import verdict_of
+from labrig.diagnosis._diagnose import laid_out, verdict_on
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.effects import Context, Effect, Space, field
 from labrig.model import Model
@@ -50,7 +50,7 @@ class Knowing:
 
 def judged(campaign: Campaign, ready: Prepared, effects: dict[str, Effect]) -> tuple[bool, bool]:
     """Whether the verdict is right, and whether a wrong name is sure."""
-    verdict = verdict_of(ready, effects)
+    verdict = verdict_on(*laid_out(ready, effects), effects)
     answer: Any = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),

@@ -63,7 +63,6 @@ class Considered(TypedDict):
     seen: NotRequired[bool]
     by_evidence: NotRequired[float]
     share: NotRequired[float]
-    ahead: NotRequired[float]
     size: NotRequired[float]
     size_sd: NotRequired[float]
     size_floors: NotRequired[float]

@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from labrig.diagnosis import _diagnose, prepared, rows_from
+from labrig.diagnosis import prepared, rows_from
+from labrig.diagnosis._diagnose import laid_out, verdict_on
 from labrig.diagnosis._verdict import Verdict
 from labrig.model import Model
 
@@ -12,7 +13,8 @@ if TYPE_CHECKING:
 
 def verdict_of(data: "Dataset", model: Model) -> Verdict:
     """What `diagnose` says is missing, without formulas, errors and places."""
-    return _diagnose.verdict_of(prepared(rows_from(data), model), model.library())
+    effects = model.library()
+    return verdict_on(*laid_out(prepared(rows_from(data), model), effects), effects)
 
 
 def calls_of(data: "Dataset", model: Model) -> dict[str, str]:

@@ -11,13 +11,11 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from labrig._errors import LabrigError
 from labrig._executor import Executor
 from labrig.arrays import Floats
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
-from labrig.bench._lines import adding_lines, read_lines
-from labrig.diagnosis import Calibration, considered, counted_ahead, log_odds
+from labrig.diagnosis import Calibration, considered, log_odds
 from labrig.model import Model
 
 UNLEARNT = ("eighth", "ninth", "tenth", "eleventh")
@@ -40,7 +38,7 @@ class Said:
     half: str
     effect: str
     by_evidence: float
-    ahead: float
+    share: float
     there: bool
 
 
@@ -49,24 +47,11 @@ def calibration_plan(count: int, seed: int, halves: Sequence[str] = UNLEARNT) ->
     return [(MIX[i % len(MIX)], seed + i, half) for i in range(count) for half in halves]
 
 
-def run_calibrate(
-    todo: Sequence[tuple[str, int, str]], names: Path, jobs: int = 2, resume: bool = False
-) -> Iterator[list[Said]]:
-    """Draw and weigh each campaign, `jobs` at a time; yield what is said of its names as it is done and written to the
-    file of `names`, a line for each campaign.
-
-    With `resume`, campaigns that are in the file already are yielded first, as they were. Raises `LabrigError` if there
-    is such a file and `resume` is not set: it may be of another release.
-    """
-    known = {tuple(task): [Said(**one) for one in said] for task, said in read_lines(names)}
-    if known and not resume:
-        raise LabrigError(f"{names} holds the names of {len(known)} campaigns: add --resume, or remove it")
-    yield from (known[task] for task in todo if task in known)
+def run_calibrate(todo: Sequence[tuple[str, int, str]], jobs: int = 2) -> Iterator[list[Said]]:
+    """Draw and weigh each campaign, `jobs` at a time; yield what is said of its names as it is done."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
-    left = [task for task in todo if task not in known]
-    with Executor(jobs) as executor, adding_lines(names) as add:
-        for k, said in executor.map(said_of, left):
-            add([left[k], [asdict(one) for one in said]])
+    with Executor(jobs) as executor:
+        for _, said in executor.map(said_of, todo):
             yield said
 
 
@@ -80,7 +65,7 @@ def said_of(task: tuple[str, int, str]) -> list[Said]:
         model = Model.load(write_model(campaign, Path(folder)))
         found = considered(campaign.dataset, model, truth["without"])
     return [
-        Said(task[2], c.effect, c.by_evidence, c.ahead, c.effect in truth["effects"])
+        Said(task[2], c.effect, c.by_evidence, c.share, c.effect in truth["effects"])
         for c in found
         if c.probability > 0 and c.effect not in (truth.get("also") or ())
     ]
@@ -90,7 +75,7 @@ def fitted(said: Sequence[Said]) -> Calibration:
     """The logistic regression of what was there on what was said, with what effects add shrunk towards nothing."""
     effects = sorted({one.effect for one in said})
     columns = [
-        [1.0, log_odds(one.by_evidence), counted_ahead(one.ahead)] + [float(one.effect == e) for e in effects]
+        [1.0, log_odds(one.by_evidence), one.share, *(float(one.effect == e) for e in effects)]
         for one in said
     ]
     A, y = np.array(columns), np.array([one.there for one in said], dtype=float)
@@ -102,8 +87,8 @@ def fitted(said: Sequence[Said]) -> Calibration:
         return float(value), A.T @ (expit(z) - y) + w / sd**2
 
     w = minimize(cost, np.zeros(len(sd)), jac=True, method="L-BFGS-B").x
-    always, odds, ahead, *own = (round(float(x), 3) for x in w)
-    return Calibration(always, odds, ahead, dict(zip(effects, own, strict=True)))
+    always, odds, share, *own = (round(float(x), 3) for x in w)
+    return Calibration(always, odds, share, dict(zip(effects, own, strict=True)))
 
 
 def surprise(said: Sequence[Said]) -> tuple[float, float]:
@@ -114,7 +99,7 @@ def surprise(said: Sequence[Said]) -> tuple[float, float]:
         for one in (one for one in said if one.half == half):
             sign = 1.0 if one.there else -1.0
             alone += float(np.logaddexp(0, -sign * log_odds(one.by_evidence)))
-            p = learnt.of_name(one.effect, one.by_evidence, one.ahead)
+            p = learnt.of_name(one.effect, one.by_evidence, one.share)
             calibrated -= float(np.log(p if one.there else 1 - p))
     return alone, calibrated
 

@@ -1,6 +1,6 @@
 """Diagnosis: the noise floor, where a model fails, what it lacks, and how sure that is."""
 
-from labrig.diagnosis._calibration import Calibration, counted_ahead, log_odds, shipped
+from labrig.diagnosis._calibration import Calibration, log_odds, shipped
 from labrig.diagnosis._calibration import shipped as calibration
 from labrig.diagnosis._candidates import square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
@@ -44,7 +44,6 @@ __all__ = [
     "clean",
     "compare",
     "considered",
-    "counted_ahead",
     "covariates",
     "diagnose",
     "drop_of",

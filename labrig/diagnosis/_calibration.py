@@ -1,8 +1,8 @@
 """How probable a name is, given what the evidence says: learnt from campaigns whose laws are in no spectrum.
 
 Evidence takes for granted that each law is of one of the families, which no law quite is, so it says too much, and of
-some names more than of others: what holds many functions holds other effects' laws too. Where an effect is there, its
-formula alone is mostly ahead of all other formulas. Both were counted, and a logistic regression says what they make of
+some names more than of others: what holds many functions holds other effects' laws too, and a small part of what there
+is to explain is often what is left of another part. Both were counted, and a logistic regression says what they make of
 the odds (J. Platt 1999; with an intercept for each effect, shrunk towards a common one, as in A. Gelman, J. Hill, Data
 Analysis Using Regression and Multilevel/Hierarchical Models, 2007, ch. 14).
 """
@@ -18,46 +18,37 @@ from scipy.special import expit, logit
 
 from labrig.diagnosis._constants import NEGLIGIBLE
 
-MOST_AHEAD = 1.0
-"""Ahead of the others, or behind them, by more says no more: a small effect beside a large one is far behind it."""
 FILE = Path(__file__).with_name("calibration.json")
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, and `ahead` times how far its
-    formula is ahead of all others.
-    """
+    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, `share` times its share."""
 
     always: float
     odds: float
-    ahead: float
+    share: float
     effects: Mapping[str, float]
     """What is added for each effect; nothing for one that was not counted, such as one's own."""
 
-    def of_name(self, effect: str, by_evidence: float, ahead: float) -> float:
-        """Probability that an effect is there to which evidence gives a probability, and whose formula is ahead of all
-        others by so much (`ByFormula.ahead`); zero where evidence is negligible, and never more than a half where
-        evidence says less, nor more than evidence where that says more.
+    def of_name(self, effect: str, by_evidence: float, share: float) -> float:
+        """Probability that an effect is there to which evidence gives a probability, and which would be missed by a
+        share (root mean square) of what there is to explain; zero where evidence is negligible, and never more than a
+        half where evidence says less, nor more than evidence where that says more.
         """
         if by_evidence < NEGLIGIBLE:
             return 0.0
         own = self.always + self.effects.get(effect, 0.0)
-        found = expit(own + self.odds * log_odds(by_evidence) + self.ahead * counted_ahead(ahead))
+        found = expit(own + self.odds * log_odds(by_evidence) + self.share * share)
         return min(float(found), max(by_evidence, 0.5))
 
     def at_most(self, effect: str) -> float:
-        """How probable a name can be, whatever the evidence, where the formula of another effect does as well."""
-        return self.of_name(effect, 1 - NEGLIGIBLE, 0.0)
+        """How probable a name can be at all, whatever the evidence, where nothing else is there."""
+        return self.of_name(effect, 1 - NEGLIGIBLE, 1.0)
 
     def stated(self, probability: float) -> float:
         """A probability of anything else as it is stated: its odds count as much as those of a name do."""
         return 0.0 if probability < NEGLIGIBLE else float(expit(self.odds * log_odds(probability)))
-
-
-def counted_ahead(ahead: float) -> float:
-    """How far ahead a formula is, or behind, as far as that counts."""
-    return min(max(ahead, -MOST_AHEAD), MOST_AHEAD)
 
 
 def log_odds(probability: float) -> float:
@@ -69,4 +60,4 @@ def log_odds(probability: float) -> float:
 def shipped() -> Calibration:
     """What was learnt (`labrig bench calibrate`)."""
     content = json.loads(FILE.read_text(encoding="utf-8"))
-    return Calibration(content["always"], content["odds"], content["ahead"], content["effects"])
+    return Calibration(content["always"], content["odds"], content["share"], content["effects"])

@@ -11,13 +11,12 @@ from labrig.arrays import Floats
 from labrig.contents import Errors, Next, Summary
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
-from labrig.diagnosis._by_formula import ByFormula
 from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
 from labrig.diagnosis._falls import falls_of, much_left
-from labrig.diagnosis._formula import fit_named
+from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, notes_on
@@ -27,7 +26,7 @@ from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
-from labrig.diagnosis._ranking import SHOWN, alone, drop_of, ranking_of
+from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result, told
 from labrig.diagnosis._shaken import shaken
 from labrig.diagnosis._track_record import track_record
@@ -39,7 +38,6 @@ from labrig.diagnosis._verdict import (
     decide,
     in_one_part,
     less_sure,
-    likeliest,
     taken_back,
     underpowered,
     with_unseen,
@@ -83,9 +81,8 @@ def diagnose(
     def attempt(failing: Collection[str]) -> Result:
         effects = {n: e for n, e in library.items() if n not in without and n not in failing}
         own, observations, design = laid_out(ready, effects)
-        by_formula = ByFormula(own.regression, own.context, effects)
-        verdict = verdict_on(own, observations, design, by_formula, tolerance)
-        return result_of(own, observations, verdict, model, by_formula)
+        verdict = verdict_on(own, observations, design, effects, tolerance)
+        return result_of(own, observations, verdict, model, effects)
 
     result, failed = without_failing(attempt, {entry.name for entry in model.file.effects})
     result.summary["warnings"] += failed
@@ -102,15 +99,9 @@ def considered(
 
     def attempt(failing: Collection[str]) -> tuple[Considered, ...]:
         effects = {n: e for n, e in library.items() if n not in without and n not in failing}
-        return verdict_of(ready, effects).considered
+        return verdict_on(*laid_out(ready, effects), effects).considered
 
     return without_failing(attempt, {entry.name for entry in model.file.effects})[0]
-
-
-def verdict_of(ready: Prepared, effects: dict[str, Effect]) -> Verdict:
-    """Which effects are missing, without the formulas, errors and pictures of a `Result`."""
-    own, observations, design = laid_out(ready, effects)
-    return verdict_on(own, observations, design, ByFormula(own.regression, own.context, effects))
 
 
 def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations, Design | None]:
@@ -144,13 +135,12 @@ def verdict_on(
     ready: Prepared,
     observations: Observations,
     design: Design | None,
-    by_formula: ByFormula,
+    effects: dict[str, Effect],
     tolerance: float | None = None,
 ) -> Verdict:
     """Which effects are missing, by the evidence of everything that these observations, as they were `laid_out`, might
     say.
     """
-    effects = by_formula.effects
     floor = float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
     least = (tolerance or 0.0) / floor if floor > 0 else 0.0
     few = underpowered(observations, tuple(effects), least, ready.regression.units, floor)
@@ -167,9 +157,7 @@ def verdict_on(
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
     remembering = {name for name, effect in effects.items() if effect.remembers}
-    answers = answers_of(search, least, remembering)
-    ahead = by_formula.ahead(likeliest(answers)[:SHOWN])
-    verdict = decide(answers, tuple(effects), words_of(design), ahead)
+    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design))
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
     if round_ := {name: words for name, words in said.items() if words}:
@@ -211,17 +199,17 @@ class _Errors:
 
 
 def result_of(
-    ready: Prepared, observations: Observations, verdict: Verdict, model: Model, by_formula: ByFormula
+    ready: Prepared, observations: Observations, verdict: Verdict, model: Model, effects: dict[str, Effect]
 ) -> Result:
     """The verdict with everything that its report shows: formulas, errors, where, the improved model."""
     regression, context = ready.regression, ready.context
-    found = alone(by_formula, verdict)
-    chosen = _chosen(verdict, by_formula)
+    found = alone(regression, context, verdict, effects)
+    chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
     if doubted := idle | (alike_at_one_speed(context) & set(verdict.effects)):
         verdict = less_sure(verdict, doubted)
-        chosen = _chosen(verdict, by_formula, idle)
+        chosen = _chosen(ready, verdict, effects, found, idle)
     errors = _errors(ready, chosen)
     entries = (
         [entry_of(regression, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
@@ -246,7 +234,7 @@ def result_of(
         "where": places,
         "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
         "ranking": ranking_of(regression, found, verdict, errors.base, max(errors.floor, errors.ceiling)),
-        "next_experiment": _next_experiment(verdict, by_formula.effects),
+        "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
@@ -266,20 +254,26 @@ def result_of(
     )
 
 
-def _chosen(verdict: Verdict, by_formula: ByFormula, idle: Collection[str] = ()) -> Fit | None:
+def _chosen(
+    ready: Prepared,
+    verdict: Verdict,
+    effects: dict[str, Effect],
+    found: Mapping[str, list[Candidate]],
+    idle: Collection[str] = (),
+) -> Fit | None:
     """The formulas of what is sure and, where one of several is, of the likeliest of them, but for those that are
-    `idle`.
+    `idle`; forms that are `found` are not looked for again.
 
     A family can be wider than its formulas: an effect of which none can act on these runs is left out.
     """
     if verdict.verdict not in {"identified", "multiple", "confounded"}:
         return None
     names = [n for n in (*verdict.effects, *verdict.rivals[:1]) if n not in idle]
-    able = [by_formula.effects[n] for n in names if by_formula.forms(n)]
+    known = {n: found.get(n) or forms_of(ready.regression, ready.context, effects[n]) for n in names}
+    able = [effects[n] for n in names if known[n]]
     if not able:
         return None
-    forms = {effect.name: by_formula.forms(effect.name) for effect in able}
-    return fit_named(by_formula.regression, by_formula.context, able, forms=lambda effect: forms[effect.name])
+    return fit_named(ready.regression, ready.context, able, forms=lambda effect: known[effect.name])
 
 
 def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Candidate]]) -> dict[str, Fit]:
@@ -317,7 +311,7 @@ def _waterfall(ready: Prepared, chosen: Fit | None, errors: _Errors) -> list[tup
     return [*steps, ("ceiling", errors.ceiling), ("floor", errors.floor)]
 
 
-def _next_experiment(verdict: Verdict, effects: Mapping[str, Effect]) -> Next | None:
+def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> Next | None:
     """What to measure next, in words, where the verdict is open."""
     if verdict.verdict not in {"confounded", "unknown", "underpowered"} or verdict.carried_by in ASTRAY:
         return None

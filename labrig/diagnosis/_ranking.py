@@ -5,21 +5,27 @@ from collections.abc import Mapping
 import numpy as np
 
 from labrig.contents import Ranked
-from labrig.diagnosis._by_formula import ByFormula
 from labrig.diagnosis._candidates import Candidate, square_of
 from labrig.diagnosis._constants import LEAST_FLOORS
+from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._verdict import Verdict
+from labrig.effects import Context, Effect
 
-SHOWN = 5
-"""Of how many effects, the likeliest, formulas are compared and shown: the others have next to no probability."""
+_SHOWN = 5
 
 
-def alone(by_formula: ByFormula, verdict: Verdict) -> dict[str, list[Candidate]]:
+def alone(
+    regression: Regression, context: Context, verdict: Verdict, effects: Mapping[str, Effect]
+) -> dict[str, list[Candidate]]:
     """The forms of the likeliest effects, each fitted by itself, best first."""
-    found = {c.effect: by_formula.forms(c.effect) for c in verdict.considered[:SHOWN]}
-    return {name: forms for name, forms in found.items() if forms}
+    found = {}
+    for considered in verdict.considered[:_SHOWN]:
+        forms = forms_of(regression, context, effects[considered.effect])
+        if forms:
+            found[considered.effect] = forms
+    return found
 
 
 def drop_of(base: float, now: float, reachable: float) -> float:

@@ -83,7 +83,6 @@ def told(c: Considered, unit_size: float) -> Told:
         "call": c.call,
         "by_evidence": c.by_evidence,
         "share": c.share,
-        "ahead": c.ahead,
         "size": c.size_floors * unit_size,
         "size_sd": c.size_sd_floors * unit_size,
         "size_floors": c.size_floors,

@@ -27,8 +27,6 @@ class Considered:
     """The probability by the evidence alone, which takes for granted that the law is of one of the families."""
     share: float = 0.0
     """How much would be missed without it, root mean square, of what there is to explain."""
-    ahead: float = 0.0
-    """How far its formula alone is ahead of all others on captures that were left out (`ByFormula.ahead`)."""
     seen: bool = True
     """Whether these runs could show it: else nobody knows whether it is there."""
 
@@ -183,23 +181,9 @@ def in_one_part(search: Search) -> str:
     return most if most and stated(total[most]) >= k.SURE else ""
 
 
-def likeliest(answers: Sequence[Answer]) -> list[str]:
-    """The effects that evidence does not rule out, those first that it says most of."""
-    total: dict[str, float] = {}
-    for a in answers:
-        for name in a.sizes:
-            total[name] = total.get(name, 0.0) + a.probability * a.worth(name)
-    return sorted((name for name, p in total.items() if p >= k.NEGLIGIBLE), key=lambda name: -total[name])
-
-
-def decide(
-    answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str], ahead: Mapping[str, float]
-) -> Verdict:
-    """Read the verdict off the answers; `words` says what carries each unnamed owner, `ahead` how far the formula of
-    each effect is ahead of all others (`ByFormula.ahead`).
-    """
-    each = (_considered(name, answers, ahead.get(name, 0.0)) for name in effects)
-    considered = tuple(sorted(each, key=lambda c: -c.probability))
+def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str]) -> Verdict:
+    """Read the verdict off the answers; `words` says what carries each unnamed owner."""
+    considered = tuple(sorted((_considered(name, answers) for name in effects), key=lambda c: -c.probability))
     sure = tuple(c.effect for c in considered if c.call == "sure")
     possible = tuple(c.effect for c in considered if c.call == "possible")
 
@@ -312,7 +296,7 @@ def stated(probability: float) -> float:
     return shipped().stated(probability)
 
 
-def _considered(name: str, answers: Sequence[Answer], ahead: float) -> Considered:
+def _considered(name: str, answers: Sequence[Answer]) -> Considered:
     own = [
         (a.probability * a.worth(name), *a.sizes[name][:2], a.counts(name) / max(a.whole, k.LEAST_FLOORS))
         for a in answers
@@ -323,5 +307,5 @@ def _considered(name: str, answers: Sequence[Answer], ahead: float) -> Considere
     p, size, sd, share = np.array(own).T
     by_evidence, mean, part = float(p.sum()), float(p @ size / p.sum()), float(p @ share / p.sum())
     spread = float((p * (sd**2 + (size - mean) ** 2)).sum() / p.sum())
-    probability = shipped().of_name(name, by_evidence, ahead)
-    return Considered(name, probability, mean, float(np.sqrt(spread)), by_evidence, part, ahead)
+    probability = shipped().of_name(name, by_evidence, part)
+    return Considered(name, probability, mean, float(np.sqrt(spread)), by_evidence, part)

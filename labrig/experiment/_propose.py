@@ -236,7 +236,7 @@ def _named(
         else f"{weakest['other']} would miss what {weakest['true']} predicts by {weakest['floors']:.2g} noise floors"
     )
     warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, minutes)]
-    warnings += _seldom_sure(names, effects)
+    warnings += _never_sure(names, effects)
     return _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
 
 
@@ -255,12 +255,12 @@ def _may_not_settle(expected: Sequence[Expected], minutes: float) -> str:
     return f"may not be enough to tell {', '.join(open_)} within {minutes:g} min: allow more, or repeat it"
 
 
-def _seldom_sure(names: Sequence[str], effects: Mapping[str, Effect]) -> list[str]:
-    """A line for each name that is not sure where another formula does as well: what confirms it is to look."""
+def _never_sure(names: Sequence[str], effects: Mapping[str, Effect]) -> list[str]:
+    """A line for each name that a diagnosis does not call sure, whatever is measured: what confirms it is to look."""
     most = {name: shipped().at_most(name) for name in names if name in effects}
     return [
-        f"{name} is sure only where its formula predicts better than all others ({100 * p:.0f} % at most where another "
-        f"does as well); to confirm it: {effects[name].experiment}"
+        f"{name} is never called sure ({100 * p:.0f} % at most): set-points show what else it is not; to confirm it: "
+        f"{effects[name].experiment}"
         for name, p in most.items()
         if p < SURE
     ]

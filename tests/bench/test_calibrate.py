@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from labrig._errors import LabrigError
 from labrig.bench import _calibrate, calibration_plan, run_calibrate, surprise, write_calibration
 from labrig.bench._calibrate import MIX, UNLEARNT, Said, fitted
 from labrig.diagnosis._verdict import Considered
@@ -20,25 +19,24 @@ def drawn(count: int, seed: int = 0) -> list[Said]:
     """Names that are there as often as a logistic law says, of four portions."""
     random, out = np.random.default_rng(seed), []
     for i in range(count):
-        effect, p = random.choice(list(TRUE)), expit(random.uniform(-6, 6))
-        ahead = random.uniform(-0.5, 1)
-        there = random.random() < expit(TRUE[effect] - 1 + 0.4 * logit(p) + 2 * ahead)
-        out.append(Said(UNLEARNT[i % 4], str(effect), float(p), ahead, bool(there)))
+        effect, p, share = random.choice(list(TRUE)), expit(random.uniform(-6, 6)), random.uniform(0.1, 1)
+        there = random.random() < expit(TRUE[effect] - 1 + 0.4 * logit(p) + 1.5 * share)
+        out.append(Said(UNLEARNT[i % 4], str(effect), float(p), float(share), bool(there)))
     return out
 
 
 def test_what_names_are_worth_comes_back() -> None:
-    """Of many names the law that they were drawn by is found: evidence, formula, and each effect."""
+    """Of many names the law that they were drawn by is found: evidence, share, and each effect."""
     found = fitted(drawn(6000))
     assert found.odds == pytest.approx(0.4, abs=0.05)
-    assert found.ahead == pytest.approx(2.0, abs=0.3)
+    assert found.share == pytest.approx(1.5, abs=0.3)
     own = {name: found.always + more for name, more in found.effects.items()}
     assert own == pytest.approx({name: more - 1 for name, more in TRUE.items()}, abs=0.3)
 
 
 def test_of_few_names_effects_are_alike() -> None:
     """An effect that was seen twice is taken for nearly an average one, whatever was seen."""
-    few = [*drawn(400), *[Said("ninth", "leak", 0.99, 0.0, False)] * 2]
+    few = [*drawn(400), *[Said("ninth", "leak", 0.99, 0.9, False)] * 2]
     assert -1.5 < fitted(few).effects["leak"] < 0
 
 
@@ -65,35 +63,15 @@ def test_campaigns_are_of_all_classes_and_portions() -> None:
 
 
 def test_a_campaign_says_what_evidence_says(tmp_path: Path) -> None:
-    """A drawn campaign is diagnosed: what is hidden in it is among its names, with its evidence."""
-    (said,) = run_calibrate([("single", 94_000_000, "eleventh")], tmp_path / "names.jsonl", 1)
+    """A drawn campaign is diagnosed: what is hidden in it is among its names, with share and evidence."""
+    (said,) = run_calibrate([("single", 94_000_000, "eleventh")], 1)
     assert [one.half for one in said] == ["eleventh"] * len(said)
     assert sum(one.there for one in said) == 1
-    assert all(0 < one.by_evidence <= 1 + 1e-9 for one in said)
+    assert all(0 < one.by_evidence <= 1 + 1e-9 and 0 < one.share <= 1.01 for one in said)
     write_calibration([*drawn(60), *said], tmp_path / "calibration.json", "how")
     written = json.loads((tmp_path / "calibration.json").read_text())
     assert (written["how"], written["names"]) == ("how", 60 + len(said))
-    assert set(written) == {"how", "names", "always", "odds", "ahead", "effects"}
-
-
-def test_a_count_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With `resume` what was counted is not counted again, and says the same; without it the file is refused."""
-    asked: list[tuple[str, int, str]] = []
-
-    def said_of(task: tuple[str, int, str]) -> list[Said]:
-        asked.append(task)
-        return [Said(task[2], "creep", 0.9, 0.1, there=True)]
-
-    monkeypatch.setattr(_calibrate, "said_of", said_of)
-    todo, names = calibration_plan(2, 7), tmp_path / "names.jsonl"
-    first = list(run_calibrate(todo[:5], names, 1))
-    again = list(run_calibrate(todo, names, 1, resume=True))
-    assert asked == todo
-    assert again[:5] == first
-    assert len(again) == len(todo)
-    with pytest.raises(LabrigError) as raised:
-        next(run_calibrate(todo, names, 1))
-    assert str(raised.value) == f"{names} holds the names of 8 campaigns: add --resume, or remove it"
+    assert set(written) == {"how", "names", "always", "odds", "share", "effects"}
 
 
 def test_names_that_the_base_may_go_by_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,7 +81,7 @@ def test_names_that_the_base_may_go_by_are_not_counted(monkeypatch: pytest.Monke
     assert also
     rows = [
         Considered(also[0], 0.9, by_evidence=0.9, share=0.5),
-        Considered("leak", 0.2, by_evidence=0.1, share=0.3, ahead=0.2),
+        Considered("leak", 0.2, by_evidence=0.1, share=0.3),
     ]
     monkeypatch.setattr(_calibrate, "considered", lambda *_: (*rows, Considered("delay", 0.0)))
-    assert _calibrate.said_of(task) == [Said("ninth", "leak", 0.1, 0.2, False)]
+    assert _calibrate.said_of(task) == [Said("ninth", "leak", 0.1, 0.3, False)]

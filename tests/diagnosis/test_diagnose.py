@@ -101,10 +101,7 @@ def test_each_effect_is_considered(slip) -> None:
     )
     for c in considered:
         sizes = {"size", "size_sd", "size_floors", "size_sd_floors"}
-        assert (
-            set(c)
-            == {"effect", "probability", "call", "by_evidence", "share", "ahead", "track_record"} | sizes
-        )
+        assert set(c) == {"effect", "probability", "call", "by_evidence", "share", "track_record"} | sizes
         assert (c["track_record"] is None) == (c["call"] != "sure")
         assert 0 <= c["probability"] <= 1
         assert c["call"] in {"sure", "possible", "not it"}

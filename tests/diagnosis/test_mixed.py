@@ -7,7 +7,7 @@ import pytest
 
 from labrig.diagnosis import observe, prepared, rows_from
 from labrig.diagnosis._design import design_of
-from labrig.diagnosis._diagnose import verdict_of
+from labrig.diagnosis._diagnose import laid_out, verdict_on
 from labrig.diagnosis._directions import directions
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._verdict import Verdict
@@ -20,7 +20,8 @@ FORCE, VOLTAGE = 0.1, 0.01
 
 def said(data, model) -> Verdict:
     """The verdict on a campaign."""
-    return verdict_of(prepared(rows_from(data), model), model.library())
+    effects = model.library()
+    return verdict_on(*laid_out(prepared(rows_from(data), model), effects), effects)
 
 
 @pytest.mark.parametrize("seed", [1, 17])

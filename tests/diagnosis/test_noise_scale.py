@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 from labrig.diagnosis import diagnose
 from labrig.diagnosis._constants import FLOOR_SPREAD
 from labrig.diagnosis._design import design_of
-from labrig.diagnosis._diagnose import laid_out, verdict_of
+from labrig.diagnosis._diagnose import laid_out, verdict_on
 from labrig.diagnosis._names import has_name, spans
 from labrig.diagnosis._noise_scale import _SCALES, _SIZES, everything, noise_of_few, noise_scale
 from labrig.diagnosis._observations import observe
@@ -92,11 +92,11 @@ def test_each_unit_has_a_noise_of_its_own(make_lab) -> None:
     noise = float(np.hypot(0.05, 0.1))
     model = model_of_both(lab)
     ready = prepared(rows_from(two_sensors(lab, force, voltage)), model)
-    again, _, _ = laid_out(ready, model.library())
+    again, observations, design = laid_out(ready, model.library())
     assert ready.floor.mean[0] > 10 * noise
     assert again.floor.mean[0] < 0.5 * ready.floor.mean[0]
     assert again.floor.mean[1] == pytest.approx(noise, rel=0.3)
-    verdict = verdict_of(ready, model.library())
+    verdict = verdict_on(again, observations, design, model.library())
     assert verdict.verdict != "nothing_missing"
 
 

@@ -69,7 +69,7 @@ def test_the_probability_is_that_of_these_effects_and_nothing_else(
     answer = Answer(1.0, sizes, {}, 2.0)
     creep, leak = answer.worth("creep"), answer.worth("leak")
     assert (0.5 < leak < SURE) if verdict == "confounded" else (0.1 < leak < 0.5)
-    found = decide([answer], ("creep", "leak"), {}, {})
+    found = decide([answer], ("creep", "leak"), {})
     assert (found.verdict, found.effects) == (verdict, ("creep",))
     assert found.rivals == (("leak",) if verdict == "confounded" else ())
     alone = creep * (1 - leak)

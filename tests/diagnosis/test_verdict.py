@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from labrig.diagnosis import Calibration, _verdict, diagnose
 from labrig.diagnosis import _constants as k
-from labrig.diagnosis._by_formula import ByFormula
 from labrig.diagnosis._diagnose import laid_out, result_of
-from labrig.diagnosis._problem import Prepared, prepared, rows_from
+from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._verdict import (
     Answer,
@@ -27,7 +26,6 @@ from labrig.diagnosis._verdict import (
     taken_back,
     underpowered,
 )
-from labrig.model import Model
 
 EFFECTS = ("leak", "creep", "drift", "hysteresis")
 WORDS = {"?form": "each chamber by itself", "?history": "history", "?time": "time"}
@@ -47,12 +45,7 @@ def answer(
 
 def told(*answers: Answer) -> Verdict:
     """The verdict on these answers."""
-    return decide(answers, EFFECTS, WORDS, {})
-
-
-def by_formula_of(ready: Prepared, model: Model) -> ByFormula:
-    """The formulas of every effect, on these runs."""
-    return ByFormula(ready.regression, ready.context, model.library())
+    return decide(answers, EFFECTS, WORDS)
 
 
 def chances(verdict: Verdict) -> dict[str, float]:
@@ -311,7 +304,7 @@ def test_a_name_whose_formula_helps_nothing_is_not_sure(make_lab, hidden: float,
     verdict = Verdict(
         "identified", ("leak",), 0.9, considered=(Considered("leak", 0.9), Considered("creep", 0.1))
     )
-    said = result_of(ready, observations, verdict, model, by_formula_of(ready, model))
+    said = result_of(ready, observations, verdict, model, model.library())
     found = said.summary
     assert (found["verdict"], found["effects"]) == (
         ("confounded", []) if doubted else ("identified", ["leak"])
@@ -340,7 +333,7 @@ def test_a_name_without_a_formula_on_these_runs_is_still_named(make_lab) -> None
     ready, observations, _ = laid_out(ready, model.library())
     for names, kept in ((("marker_slip", "leak"), ["leak"]), (("marker_slip",), [])):
         verdict = Verdict("multiple" if kept else "identified", names, 1.0)
-        said = result_of(ready, observations, verdict, model, by_formula_of(ready, model))
+        said = result_of(ready, observations, verdict, model, model.library())
         assert said.summary["effects"] == list(names)
         assert ([entry.name for entry in said.improved.file.effects] if said.improved else []) == kept
         assert (

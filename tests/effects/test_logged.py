@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import prepared, rows_from
-from labrig.diagnosis._diagnose import verdict_of
+from labrig.diagnosis._diagnose import laid_out, verdict_on
 from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import Covariate, get, rows_of
 from tests.naming import calls_of
@@ -95,5 +95,5 @@ def test_what_follows_a_tilt_has_no_name_where_gravity_is_left_out(make_lab) -> 
     moved = 0.8 * turn[:, None, None] * np.cos(5 * np.arange(18))
     run = lab.dataset(lab.predict(lab.u) + moved + lab.noise(), {"tilt": ("rad", turn)})
     effects = {n: e for n, e in lab.model().library().items() if n != "gravity"}
-    verdict = verdict_of(prepared(rows_from(run), lab.model()), effects)
+    verdict = verdict_on(*laid_out(prepared(rows_from(run), lab.model()), effects), effects)
     assert (verdict.verdict, verdict.carried_by) == ("unknown", "what was recorded beside")
