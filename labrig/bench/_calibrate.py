@@ -11,10 +11,12 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
+from labrig._errors import LabrigError
 from labrig._executor import Executor
 from labrig.arrays import Floats
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
+from labrig.bench._lines import adding_lines, read_lines
 from labrig.diagnosis import Calibration, considered, log_odds
 from labrig.model import Model
 
@@ -47,11 +49,24 @@ def calibration_plan(count: int, seed: int, halves: Sequence[str] = UNLEARNT) ->
     return [(MIX[i % len(MIX)], seed + i, half) for i in range(count) for half in halves]
 
 
-def run_calibrate(todo: Sequence[tuple[str, int, str]], jobs: int = 2) -> Iterator[list[Said]]:
-    """Draw and weigh each campaign, `jobs` at a time; yield what is said of its names as it is done."""
+def run_calibrate(
+    todo: Sequence[tuple[str, int, str]], names: Path, jobs: int = 2, resume: bool = False
+) -> Iterator[list[Said]]:
+    """Draw and weigh each campaign, `jobs` at a time; yield what is said of its names as it is done and written to the
+    file of `names`, a line for each campaign.
+
+    With `resume`, campaigns that are in the file already are yielded first, as they were. Raises `LabrigError` if there
+    is such a file and `resume` is not set: it may be of another release.
+    """
+    known = {tuple(task): [Said(**one) for one in said] for task, said in read_lines(names)}
+    if known and not resume:
+        raise LabrigError(f"{names} holds the names of {len(known)} campaigns: add --resume, or remove it")
+    yield from (known[task] for task in todo if task in known)
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
-    with Executor(jobs) as executor:
-        for _, said in executor.map(said_of, todo):
+    left = [task for task in todo if task not in known]
+    with Executor(jobs) as executor, adding_lines(names) as add:
+        for k, said in executor.map(said_of, left):
+            add([left[k], [asdict(one) for one in said]])
             yield said
 
 

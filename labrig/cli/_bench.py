@@ -150,8 +150,11 @@ def calibrate(
     count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of each portion.")] = 150,
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on where it was left.")] = False,
 ) -> None:
-    """Count how often names were there, of the laws in no spectrum, and learn how probable that makes them."""
+    """Count how often names were there, of the laws in no spectrum, and learn how probable that makes them; what is
+    said of each campaign's names is kept beside the file (calibration.jsonl).
+    """
     from rich.progress import track
 
     from labrig.bench import calibration_plan, run_calibrate, surprise, write_calibration
@@ -160,7 +163,8 @@ def calibrate(
     check_file(out, "--out")
     todo, said = calibration_plan(count, seed), []
     console = new_console(highlight=False)
-    for names in track(run_calibrate(todo, jobs), "campaigns", len(todo), console=console, transient=True):
+    counted = run_calibrate(todo, out.with_suffix(".jsonl"), jobs, resume)
+    for names in track(counted, "campaigns", len(todo), console=console, transient=True):
         said += names
     write_calibration(said, out, f"labrig bench calibrate --n {count} --seed {seed}")
     alone, left_out = surprise(said)

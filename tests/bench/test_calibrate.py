@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
+from labrig._errors import LabrigError
 from labrig.bench import _calibrate, calibration_plan, run_calibrate, surprise, write_calibration
 from labrig.bench._calibrate import MIX, UNLEARNT, Said, fitted
 from labrig.diagnosis._verdict import Considered
@@ -64,7 +65,7 @@ def test_campaigns_are_of_all_classes_and_portions() -> None:
 
 def test_a_campaign_says_what_evidence_says(tmp_path: Path) -> None:
     """A drawn campaign is diagnosed: what is hidden in it is among its names, with share and evidence."""
-    (said,) = run_calibrate([("single", 94_000_000, "eleventh")], 1)
+    (said,) = run_calibrate([("single", 94_000_000, "eleventh")], tmp_path / "names.jsonl", 1)
     assert [one.half for one in said] == ["eleventh"] * len(said)
     assert sum(one.there for one in said) == 1
     assert all(0 < one.by_evidence <= 1 + 1e-9 and 0 < one.share <= 1.01 for one in said)
@@ -72,6 +73,26 @@ def test_a_campaign_says_what_evidence_says(tmp_path: Path) -> None:
     written = json.loads((tmp_path / "calibration.json").read_text())
     assert (written["how"], written["names"]) == ("how", 60 + len(said))
     assert set(written) == {"how", "names", "always", "odds", "share", "effects"}
+
+
+def test_a_count_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With `resume` what was counted is not counted again, and says the same; without it the file is refused."""
+    asked: list[tuple[str, int, str]] = []
+
+    def said_of(task: tuple[str, int, str]) -> list[Said]:
+        asked.append(task)
+        return [Said(task[2], "creep", 0.9, 0.5, there=True)]
+
+    monkeypatch.setattr(_calibrate, "said_of", said_of)
+    todo, names = calibration_plan(2, 7), tmp_path / "names.jsonl"
+    first = list(run_calibrate(todo[:5], names, 1))
+    again = list(run_calibrate(todo, names, 1, resume=True))
+    assert asked == todo
+    assert again[:5] == first
+    assert len(again) == len(todo)
+    with pytest.raises(LabrigError) as raised:
+        next(run_calibrate(todo, names, 1))
+    assert str(raised.value) == f"{names} holds the names of 8 campaigns: add --resume, or remove it"
 
 
 def test_names_that_the_base_may_go_by_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,8 +17,8 @@ def test_it_writes_what_was_learnt_and_says_how_well(
     """The file says by which command; the line how much less of a surprise calibrated names are, portions left out."""
     monkeypatch.chdir(tmp_path)
 
-    def drawn(todo: list[tuple[str, int, str]], jobs: int) -> Iterator[list[Said]]:
-        assert jobs == 1
+    def drawn(todo: list[tuple[str, int, str]], names: Path, jobs: int, resume: bool) -> Iterator[list[Said]]:
+        assert (names, jobs, resume) == (Path("c.jsonl"), 1, True)
         assert len(todo) == 20 * len(UNLEARNT)
         for _, seed, half in todo:
             yield [
@@ -27,7 +27,9 @@ def test_it_writes_what_was_learnt_and_says_how_well(
             ]
 
     monkeypatch.setattr("labrig.bench.run_calibrate", drawn)
-    code, out, err = labrig("bench", "calibrate", "-o", "c.json", "--n", 20, "--seed", 7, "--jobs", 1)
+    code, out, err = labrig(
+        "bench", "calibrate", "-o", "c.json", "--n", 20, "--seed", 7, "--jobs", 1, "--resume"
+    )
     assert (code, err) == (0, "")
     assert "160 names of 80 campaigns; minus log likelihood of what was there 553 by" in " ".join(out.split())
     written = json.loads(Path("c.json").read_text(encoding="utf-8"))
