@@ -204,8 +204,28 @@ def _with_figures(one: Called, units: str) -> str:
 
 
 def share_of_all(summary: Summary) -> str:
-    """How probable the answer is as a whole, and how often such a verdict was right; empty where nothing is known."""
-    return " ".join(filter(None, (_share_of_all(summary), _counted(summary))))
+    """How probable the answer is as a whole, why what evidence is sure of is not, and how often such a verdict was
+    right; empty where nothing is known.
+    """
+    return " ".join(filter(None, (_share_of_all(summary), _less_than_evidence(summary), _counted(summary))))
+
+
+def _less_than_evidence(summary: Summary) -> str:
+    """Why a name is possible only that evidence alone is sure of."""
+    from labrig.diagnosis import SURE
+
+    said = []
+    for row in summary.get("effects_considered") or ():
+        by_evidence = row.get("by_evidence", 0.0)
+        if row["call"] == "possible" and by_evidence >= SURE:
+            behind = (
+                ", with another effect's formula as good as its own," if row.get("ahead", 1.0) <= 0 else ""
+            )
+            said.append(
+                f"Evidence alone makes {word(row['effect'])} {percent(by_evidence)}, but such names{behind} were there "
+                "less often, on laws that nothing was learnt from."
+            )
+    return " ".join(said)
 
 
 def _counted(summary: Summary) -> str:
