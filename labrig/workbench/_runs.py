@@ -1,11 +1,11 @@
-"""Choose: the runs of the folder as the catalogue lists them, and their tags."""
+"""Choose: the runs of the folder as the catalogue lists them, and what people say of them: tags and notes."""
 
 from typing import Any
 
 from starlette.requests import Request
 from starlette.routing import Route
 
-from labrig.catalogue import list_runs, tag
+from labrig.catalogue import list_runs, note, tag
 from labrig.workbench._ahead import ahead
 from labrig.workbench._answers import answering, body_of
 from labrig.workbench._compare import view
@@ -13,10 +13,11 @@ from labrig.workbench._desk import Desk
 
 
 def routes(desk: Desk) -> list[Route]:
-    """`/api/runs`, `/api/tag`."""
+    """`/api/runs`, `/api/tag`, `/api/note`."""
     return [
         Route("/api/runs", answering(lambda request: _runs(desk, request))),
         Route("/api/tag", answering(lambda request: _tag(desk, request)), methods=["POST"]),
+        Route("/api/note", answering(lambda request: _note(desk, request)), methods=["POST"]),
     ]
 
 
@@ -34,3 +35,9 @@ def _tag(desk: Desk, request: Request) -> Any:
     words = [str(word) for word in asked.get("tags", [])]
     kept = tag(run, words, remove=bool(asked.get("remove")))
     return {"run": desk.name(run), "tags": kept.tags}
+
+
+def _note(desk: Desk, request: Request) -> Any:
+    asked = body_of(request)
+    run = desk.existing(str(asked.get("run", "")))
+    return {"run": desk.name(run), "notes": note(run, str(asked.get("text", ""))).notes}

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from labrig._yaml import read_yaml
+from labrig.catalogue import read_notes
 
 pytestmark = pytest.mark.usefixtures("browser")
 
@@ -117,3 +118,21 @@ def test_runs_are_searched_and_tagged(open_page, make_run, bench):
     page.click("[data-run=monday] .tag")
     page.wait_for_selector("text=0 of 2 runs")
     assert "good" not in (bench.desk.folder / "monday" / "notes.yaml").read_text()
+
+
+def test_a_note_is_written_and_found(open_page, make_run, bench, ask):
+    """A note that is typed stands with its run and is searched; Escape writes none; one without words is refused."""
+    run = make_run(captures=10)
+    page = open_page()
+    page.click(f"[aria-label='note on {run}']")
+    page.keyboard.type("never mind")
+    page.keyboard.press("Escape")
+    page.click(f"[aria-label='note on {run}']")
+    page.keyboard.type("chamber 3 <hisses>")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(f"[data-run={run}] .note >> text=chamber 3 <hisses>")
+    page.fill("input[type=search]", "hisses")
+    page.wait_for_selector("text=1 run")
+    assert read_notes(bench.desk.folder / run).notes == ["chamber 3 <hisses>"]
+    status, said = ask("/api/note", {"run": run, "text": " "})
+    assert (status, said["error"].split(";")[0]) == (400, "the note is empty")

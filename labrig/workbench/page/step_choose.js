@@ -1,4 +1,4 @@
-// Choose: the runs of the folder, the newest first; search and tags; a file dropped in becomes a run.
+// Choose: the runs of the folder, the newest first; search, tags and notes; a file dropped in becomes a run.
 
 import { command, complain, duration, empty, fill, h, labrig, number, withUnit } from "./dom.js";
 import { dropZone } from "./dropped.js";
@@ -48,19 +48,12 @@ export async function show(root, context) {
 function line(run, context) {
   const address = context.address("compare", {}, run.run);
   const tagged = (word, remove) => post("/api/tag", { run: run.run, tags: [word], remove }).then(context.again, complain);
-  const adding = h("button", { type: "button", class: "quiet", "aria-label": `tag ${run.run}`, title: "tag this run", onclick: () => {
-    const field = h("input", { type: "text", size: 10, "aria-label": "new tag", onkeydown: (event) => {
-      if (event.key === "Enter" && field.value.trim()) tagged(field.value.trim(), false);
-      if (event.key === "Escape") field.replaceWith(adding);
-    } });
-    adding.replaceWith(field);
-    field.focus();
-  } }, "+");
+  const noted = (text) => post("/api/note", { run: run.run, text }).then(context.again, complain);
   const value = (number_) => (number_ === null ? "" : withUnit(number(number_), run.units));
   return h(
     "tr",
     { class: run.state.startsWith("unreadable") ? "dim" : "", data: { run: run.run } },
-    h("td", {}, h("a", { href: address }, run.run), run.notes ? h("small", { class: "note" }, run.notes) : null),
+    h("td", {}, h("a", { href: address }, run.run), typed("✎", `note on ${run.run}`, "write a note on this run", "new note", 40, noted), run.notes ? h("small", { class: "note" }, run.notes) : null),
     h("td", {}, run.started.slice(0, 16)),
     h("td", {}, run.rig),
     h("td", { class: "number" }, run.captures === null ? "" : run.planned && run.planned !== run.captures ? `${run.captures} of ${run.planned}` : String(run.captures)),
@@ -68,6 +61,19 @@ function line(run, context) {
     h("td", {}, run.verdict ? h("span", { class: `verdict ${run.verdict}` }, run.verdict.replaceAll("_", " ")) : h("span", { class: "muted" }, run.state === "completed" ? "" : run.state)),
     h("td", { class: "number" }, value(run.error)),
     h("td", { class: "number" }, value(run.floor)),
-    h("td", {}, run.tags.map((word) => h("button", { type: "button", class: "tag", title: "take the tag off", onclick: () => tagged(word, true) }, `${word} ×`)), adding),
+    h("td", {}, run.tags.map((word) => h("button", { type: "button", class: "tag", title: "take the tag off", onclick: () => tagged(word, true) }, `${word} ×`)), typed("+", `tag ${run.run}`, "tag this run", "new tag", 10, (word) => tagged(word, false))),
   );
+}
+
+// A button that becomes a field: Enter hands over what was typed, Escape makes it a button again.
+function typed(sign, label, title, asked, size, done) {
+  const button = h("button", { type: "button", class: "quiet", "aria-label": label, title, onclick: () => {
+    const field = h("input", { type: "text", size, "aria-label": asked, placeholder: asked, onkeydown: (event) => {
+      if (event.key === "Enter" && field.value.trim()) done(field.value.trim());
+      if (event.key === "Escape") field.replaceWith(button);
+    } });
+    button.replaceWith(field);
+    field.focus();
+  } }, sign);
+  return button;
 }
