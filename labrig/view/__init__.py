@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
     from labrig.view._figures import Figure
-    from labrig.view._history_figures import history_pictures
+    from labrig.view._history_figures import changed_pictures, history_pictures
     from labrig.view._history_report import history_headline, history_notes, write_history
     from labrig.view._ik_report import write_ik_report
     from labrig.view._investigation_figures import investigation_pictures
@@ -83,7 +83,7 @@ _LAZY = {
     "write_forward_report": "_training_report",
     "write_sim2real_report": "_training_report",
     "Viewer": "_viewer",
-    "history_pictures": "_history_figures",
+    **dict.fromkeys(("changed_pictures", "history_pictures"), "_history_figures"),
     **dict.fromkeys(("history_headline", "history_notes", "write_history"), "_history_report"),
     "investigation_pictures": "_investigation_figures",
     "live_observers": "_live",
@@ -127,6 +127,7 @@ __all__ = [
     "at_one_moment",
     "capture_words",
     "chamber_outlines",
+    "changed_pictures",
     "cloud",
     "colour_legend",
     "difference_words",

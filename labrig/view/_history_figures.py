@@ -51,6 +51,15 @@ def history_pictures(content: HistoryContent) -> dict[str, Callable[[], Figure]]
     }
 
 
+def changed_pictures(content: HistoryContent) -> list[str]:
+    """Those of `history_pictures` in which something changed."""
+    return [
+        name
+        for name in history_pictures(content)
+        if any(curve["changes"] for curve in series_of(content, name))
+    ]
+
+
 def series_of(content: HistoryContent, name: str) -> list[Curve]:
     """The curves of a picture: `name`, `unit`, `date`, `y` and `sd` (None where unknown) of each, and its `changes`.
 

@@ -148,7 +148,7 @@ def _run(desk: Desk, request: Request) -> Any:
         "model": model,
         "models": models,
         "effects": {each: effects_in(desk.folder / each) for each in models},
-        "facts": _facts(_row(desk, run)),
+        "facts": _facts(row_of(desk, run)),
         "diagnosed": diagnosed,
         "stamp": stamp(pair.key) if pair is not None else "",
         "steps": {
@@ -170,7 +170,8 @@ def is_model(path: Path) -> bool:
         return False
 
 
-def _row(desk: Desk, run: Path) -> Row:
+def row_of(desk: Desk, run: Path) -> Row:
+    """What the catalogue says of a run."""
     name = desk.name(run)
     return next((row for row in list_runs(desk.folder) if row.run == name), Row(run=name))
 

@@ -24,7 +24,7 @@ from labrig.workbench._events import stream
 from labrig.workbench._guarded import LOOPBACK, Guarded
 from labrig.workbench._vent_button import VentButton
 
-PARTS = ("_run", "_runs", "_compare", "_where", "_which", "_add", "_import", "_watch", "_next")
+PARTS = ("_run", "_runs", "_compare", "_where", "_which", "_add", "_import", "_watch", "_next", "_history")
 """The modules behind the steps; each has `routes(desk)`."""
 PORT = 8765
 _PAGE = Path(__file__).with_name("page")

@@ -13,7 +13,7 @@ ERRORS = "e => e.data[0].marker.color"
 def test_before_and_after_are_turned_together(asked: Any, browser: Any) -> None:
     """Two surfaces in one scale of colours; who turns one turns both; a capture is shown by both, at an address."""
     page = browser.new_page(viewport={"width": 1280, "height": 900}, reduced_motion="reduce")
-    page.set_default_timeout(60_000)
+    page.set_default_timeout(180_000)
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.goto(asked.address)

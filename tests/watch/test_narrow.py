@@ -23,7 +23,7 @@ def test_what_acts_on_the_rig_is_in_sight(bench: Any, rig: Any, browser: Any) ->
     page.fill("#arguments", LONG)
     page.click("#show-plan")
     page.click("#start:not([disabled])")
-    page.wait_for_selector(".live-run", timeout=40_000)
+    page.wait_for_selector(".live-run", timeout=180_000)
     rig.wait_above(10.0)
     page.wait_for_timeout(500)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
@@ -35,7 +35,7 @@ def test_what_acts_on_the_rig_is_in_sight(bench: Any, rig: Any, browser: Any) ->
     assert _inside(button.bounding_box(), width, height)
     button.click()
     said = next(frame for frame in page.frames if "/said?theme=" in frame.url)
-    said.wait_for_selector("b.good", timeout=20_000)
+    said.wait_for_selector("b.good", timeout=180_000)
     assert _inside(said.locator("b.good").bounding_box(), width, height)
     assert said.evaluate("document.body.scrollWidth <= innerWidth")
     context.close()

@@ -18,7 +18,7 @@ effects:
 def page(asked: Any, browser: Any) -> Iterator[Any]:
     """A page that was opened for the rig; errors in its console fail the test."""
     context = browser.new_context(viewport={"width": 1280, "height": 900}, reduced_motion="reduce")
-    context.set_default_timeout(40_000)
+    context.set_default_timeout(180_000)
     page = context.new_page()
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))

@@ -1,9 +1,10 @@
-// Watch: the run that goes on; else what to measure next, its plan and its start; two models on one run.
+// Watch: the run that goes on; else what to measure next, its plan and its start; two models on one run; the rig over all its runs.
 
 import { complain, empty, fill, h } from "./dom.js";
 import { live } from "./live.js";
 import { answers, look } from "./rig.js";
 import { get, mayMoveRig, post } from "./server.js";
+import { history } from "./watch_history.js";
 import { next } from "./watch_next.js";
 import { plan } from "./watch_plan.js";
 import { versus } from "./watch_versus.js";
@@ -27,6 +28,7 @@ export async function show(root, context) {
   fill(root, cards);
   if (context.run) ends.push(await versus(cards, context));
   if (context.run && facts.rig) ends.push(await next(cards, context));
+  if (context.run) ends.push(await history(cards, context));
   if (facts.rig) ends.push(await plan(cards, context, facts));
   else cards.append(noRig(context));
   return () => ends.forEach((end) => end?.());
