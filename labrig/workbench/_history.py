@@ -52,13 +52,16 @@ def _asked(pair: Pair, rig: str) -> tuple[list[str], Path]:
 
 
 def _found(pair: Pair, rig: str, place: Path) -> Any:
+    """What the file says, if it is of this rig and model and can be read."""
     try:
         content: HistoryContent = json.loads((place / "history.json").read_text(encoding="utf-8"))
-        known, model = content["rig"], content["model"]
-    except (OSError, ValueError, KeyError, TypeError):
+        model = pair.desk.folder / str(content["model"])
+        return _shown(content) if content["rig"] == rig and model.resolve() == pair.model else None
+    except (OSError, ValueError, KeyError, TypeError, IndexError):
         return None
-    if known != rig or model is None or (pair.desk.folder / model).resolve() != pair.model:
-        return None
+
+
+def _shown(content: HistoryContent) -> dict[str, Any]:
     pictures = history_pictures(content)
     telling = dict.fromkeys([*changed_pictures(content), *pictures])
     return {

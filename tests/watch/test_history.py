@@ -83,7 +83,8 @@ def test_a_history_of_something_else_is_not_shown(asked: Any, wrong: dict[str, A
     found = asked.ask(query)[1]["found"]
     words = content("", "")["changes"][0]["words"]
     assert found["changes"] == [[words, "2026-02-06 08:00", True]]
-    for text in (json.dumps(content("small", "better.yaml") | wrong), '{"rig": "small"', "[]"):
+    missing = json.dumps({"rig": "small", "model": "better.yaml"})
+    for text in (json.dumps(content("small", "better.yaml") | wrong), '{"rig": "small"', "[]", missing):
         path.write_text(text, encoding="utf-8")
         assert asked.ask(query)[1]["found"] is None
 

@@ -28,9 +28,9 @@ export async function show(root, context) {
   fill(root, cards);
   if (context.run) ends.push(await versus(cards, context));
   if (context.run && facts.rig) ends.push(await next(cards, context));
-  if (context.run) ends.push(await history(cards, context));
   if (facts.rig) ends.push(await plan(cards, context, facts));
-  else cards.append(noRig(context));
+  if (context.run) ends.push(await history(cards, context));
+  if (!facts.rig) cards.append(noRig(context));
   return () => ends.forEach((end) => end?.());
 }
 

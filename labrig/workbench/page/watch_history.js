@@ -10,7 +10,7 @@ export async function history(place, context) {
   place.append(h("section", { class: "card", id: "history" }, h("h2", {}, "The rig over all its runs"), body));
   if (!context.info?.model) return void fill(body, h("p", { class: "muted" }, "There is no model beside this run yet."));
   const asked = { run: context.run, model: context.info.model };
-  const given = await get("/api/history", asked, context.signal);
+  const given = await get("/api/history", asked);
   if (!given.rig) return void fill(body, h("p", { class: "muted" }, `${context.run} does not say on which rig it was measured.`));
   const busy = jobs.running().find((job) => job.title === `history of ${given.rig}`);
   const button = h("button", { type: "button", id: "look-back", disabled: Boolean(busy) }, given.found ? "Look again" : `Look at all runs of ${given.rig}`);
@@ -21,35 +21,30 @@ export async function history(place, context) {
       complain(error);
     });
   });
-  const picture = h("div");
   fill(
     body,
-    given.found ? found(given.found, picture, context) : h("p", { class: "muted" }, `How ${given.rig} aged: effects, noise, leaks, sensors and markers over all its runs in this folder, held against ${asked.model}; and what changed, since when.`),
+    given.found ? found(given.found, context) : h("p", { class: "muted" }, `How ${given.rig} aged: effects, noise, leaks, sensors and markers over all its runs in this folder, held against ${asked.model}; and what changed, since when.`),
     h("div", { class: "bar" }, button, busy ? jobs.progress(busy) : null),
     command(given.command),
   );
-  if (given.found) await drawn(given.found, picture, context.query.get("picture"));
 }
 
-function found(it, picture, context) {
+function found(it, context) {
   const names = Object.keys(it.pictures);
-  const chosen = context.query.get("picture") || names[0];
+  const asked = context.query.get("picture");
+  const chosen = names.includes(asked) ? asked : names[0];
+  const picture = h("div");
+  const drawn = (name) => draw(picture, it.pictures[name]).then(() => (picture.dataset.drawn = name), complain);
   const choose = h("select", { "aria-label": "picture", onchange: (event) => {
     context.set({ picture: event.target.value }, true);
-    drawn(it, picture, event.target.value).catch(complain);
+    drawn(event.target.value);
   } }, names.map((name) => h("option", { value: name, selected: name === chosen }, name)));
   const rows = it.changes.map(([what, noticed, sinceFit]) => h("tr", {}, h("td", {}, what), h("td", {}, noticed.slice(0, 10)), h("td", {}, sinceFit ? "since the model was fitted" : "before the model was fitted")));
+  if (chosen) setTimeout(() => drawn(chosen)); // once it is on the page
   return [
     h("p", { id: "history-words" }, h("b", {}, it.headline), h("span", { class: "muted" }, ` ${it.runs} ${it.runs === 1 ? "run" : "runs"}, the last of ${it.last.slice(0, 16)}`)),
     rows.length ? h("table", {}, h("thead", {}, h("tr", {}, ["what changed", "noticed", ""].map((text) => h("th", {}, text)))), h("tbody", {}, rows)) : null,
     it.notes.map((text) => h("p", { class: "small muted" }, text)),
     names.length ? [h("div", { class: "bar" }, choose), picture] : null,
   ];
-}
-
-async function drawn(it, picture, name) {
-  const figure = it.pictures[name] || Object.values(it.pictures)[0];
-  if (!figure) return;
-  await draw(picture, figure);
-  picture.dataset.drawn = name || Object.keys(it.pictures)[0];
 }
