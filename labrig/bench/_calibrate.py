@@ -58,7 +58,7 @@ def run_calibrate(
     With `resume`, campaigns that are in the file already are yielded first, as they were. Raises `LabrigError` if there
     is such a file and `resume` is not set: it may be of another release.
     """
-    known = {tuple(task): [Said(**one) for one in said] for task, said in read_lines(names)}
+    known = _known(names)
     if known and not resume:
         raise LabrigError(f"{names} holds the names of {len(known)} campaigns: add --resume, or remove it")
     yield from (known[task] for task in todo if task in known)
@@ -68,6 +68,17 @@ def run_calibrate(
         for k, said in executor.map(said_of, left):
             add([left[k], [asdict(one) for one in said]])
             yield said
+
+
+def _known(names: Path) -> dict[tuple[str, int, str], list[Said]]:
+    """What a file says of the names of each campaign; raises `LabrigError` where another release wrote it."""
+    try:
+        return {
+            (name, seed, half): [Said(**one) for one in said]
+            for (name, seed, half), said in read_lines(names)
+        }
+    except (TypeError, ValueError):
+        raise LabrigError(f"{names} is of another release: remove it") from None
 
 
 def said_of(task: tuple[str, int, str]) -> list[Said]:

@@ -153,7 +153,7 @@ def calibrate(
     resume: Annotated[bool, typer.Option("--resume", help="Go on where it was left.")] = False,
 ) -> None:
     """Count how often names were there, of the laws in no spectrum, and learn how probable that makes them; what is
-    said of each campaign's names is kept beside the file (calibration.jsonl).
+    said of each campaign's names is kept beside the file (calibration.names.jsonl).
     """
     from rich.progress import track
 
@@ -163,7 +163,7 @@ def calibrate(
     check_file(out, "--out")
     todo, said = calibration_plan(count, seed), []
     console = new_console(highlight=False)
-    counted = run_calibrate(todo, out.with_suffix(".jsonl"), jobs, resume)
+    counted = run_calibrate(todo, out.with_name(f"{out.stem}.names.jsonl"), jobs, resume)
     for names in track(counted, "campaigns", len(todo), console=console, transient=True):
         said += names
     write_calibration(said, out, f"labrig bench calibrate --n {count} --seed {seed}")

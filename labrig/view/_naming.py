@@ -211,19 +211,19 @@ def share_of_all(summary: Summary) -> str:
 
 
 def _less_than_evidence(summary: Summary) -> str:
-    """Why a name is possible only that evidence alone is sure of."""
-    from labrig.diagnosis import SURE
+    """Why a name is possible only that evidence alone is sure of, where that is what such names were worth; of one
+    that is doubted for another reason a warning says why.
+    """
+    from labrig.diagnosis import SURE, calibration
 
     said = []
     for row in summary.get("effects_considered") or ():
-        by_evidence = row.get("by_evidence", 0.0)
-        if row["call"] == "possible" and by_evidence >= SURE:
-            behind = (
-                ", with another effect's formula as good as its own," if row.get("ahead", 1.0) <= 0 else ""
-            )
+        name, by_evidence = row["effect"], row.get("by_evidence", 0.0)
+        worth = calibration().of_name(name, by_evidence, row.get("share", 1.0))
+        if row["call"] == "possible" and by_evidence >= SURE > worth:
             said.append(
-                f"Evidence alone makes {word(row['effect'])} {percent(by_evidence)}, but such names{behind} were there "
-                "less often, on laws that nothing was learnt from."
+                f"Evidence alone makes {word(name)} {percent(by_evidence)}, but such names were there less often, on "
+                "laws that nothing was learnt from."
             )
     return " ".join(said)
 

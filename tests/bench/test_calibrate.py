@@ -93,6 +93,10 @@ def test_a_count_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pytest.M
     with pytest.raises(LabrigError) as raised:
         next(run_calibrate(todo, names, 1))
     assert str(raised.value) == f"{names} holds the names of 8 campaigns: add --resume, or remove it"
+    names.write_text('[["single", 7, "ninth"], [{"effect": "creep", "ahead": 1.0}]]', encoding="utf-8")
+    with pytest.raises(LabrigError) as raised:
+        next(run_calibrate(todo, names, 1, resume=True))
+    assert str(raised.value) == f"{names} is of another release: remove it"
 
 
 def test_names_that_the_base_may_go_by_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:

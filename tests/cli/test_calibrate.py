@@ -18,7 +18,7 @@ def test_it_writes_what_was_learnt_and_says_how_well(
     monkeypatch.chdir(tmp_path)
 
     def drawn(todo: list[tuple[str, int, str]], names: Path, jobs: int, resume: bool) -> Iterator[list[Said]]:
-        assert (names, jobs, resume) == (Path("c.jsonl"), 1, True)
+        assert (names, jobs, resume) == (Path("c.names.jsonl"), 1, True)
         assert len(todo) == 20 * len(UNLEARNT)
         for _, seed, half in todo:
             yield [

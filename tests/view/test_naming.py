@@ -263,13 +263,20 @@ def test_what_is_astray_is_called_alike_by_diagnosis_and_words(make_summary):
     assert not astray(make_summary("unknown", 0.99, {"carried_by": "history"}))
 
 
-@pytest.mark.parametrize(("by_evidence", "said"), [(0.99, True), (0.6, False)])
-def test_why_what_evidence_is_sure_of_is_not(make_summary, by_evidence: float, said: bool) -> None:
-    """Beside a possible name that evidence alone is sure of stands why it is not; of others nothing is said."""
-    summary = make_summary("confounded", 0.6, frame=0.6, creep=0.03)
-    summary["effects_considered"][0]["by_evidence"] = by_evidence
+@pytest.mark.parametrize(
+    ("effect", "by_evidence", "said"),
+    [("frame", 0.99, True), ("frame", 0.6, False), ("marker_slip", 0.999, False)],
+)
+def test_why_what_evidence_is_sure_of_is_not(
+    make_summary, effect: str, by_evidence: float, said: bool
+) -> None:
+    """Beside a possible name that evidence alone is sure of stands why it is not; of others nothing is said, nor of one
+    that such evidence makes sure, which is doubted for another reason.
+    """
+    summary = make_summary("confounded", 0.5, **{effect: 0.5, "creep": 0.03})
+    summary["effects_considered"][0] |= {"by_evidence": by_evidence, "share": 1.0}
     why = "Evidence alone makes frame 99 %, but such names were there less often, on laws that nothing was learnt from."
     assert summary_words(summary).whole == (why if said else "")
     sure = make_summary("identified", 0.9, frame=0.9)
-    sure["effects_considered"][0]["by_evidence"] = 0.99
+    sure["effects_considered"][0] |= {"by_evidence": 0.99, "share": 1.0}
     assert "Evidence alone" not in summary_words(sure).whole
