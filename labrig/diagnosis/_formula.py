@@ -59,7 +59,7 @@ def fit_named(
             if len(own) > 1:
                 options = [fit([*chosen.parts[:i], c, *chosen.parts[i + 1 :]]) for c in own]
                 last = each == rounds
-                chosen = _plainest(options, best) if last else max(options, key=lambda f: f.score.gain)
+                chosen = _plainest(options, own, best) if last else max(options, key=_gain)
     for i, effect in enumerate(effects):
         if start is None and effect.name != "marker_slip":
             chosen = refined(regression, context, chosen, i)
@@ -91,7 +91,7 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     bounded, best = found[0]
     forms = [c for _, c in found]
     alike = [c for ok, c in found if ok == bounded]
-    plain = _plainest(alike, best)
+    plain = _plainest(alike, alike, best)
     narrower = [c for c in alike if c.columns.width < plain.columns.width]
     if narrower:  # off the search's grid a plainer one may be good enough
         plainest, likeliest = min(narrower, key=lambda c: c.columns.width), narrower[0]
@@ -102,12 +102,22 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     return [plain, *(c for c in forms if c is not plain)]
 
 
-def _plainest(options: Sequence[_Fitted], best: _Fitted) -> _Fitted:
-    """The narrowest of those that are good enough beside `best`, of equally narrow ones the best."""
+def _plainest(options: Sequence[_Fitted], own: Sequence[Candidate], best: _Fitted) -> _Fitted:
+    """The narrowest of those that are good enough beside `best`, of equally narrow ones the best.
+
+    `own` are the forms in which the options differ: a family says nothing plainer by fewer functions, so only the best
+    of those counts.
+    """
+    weighted = [one for one, form in zip(options, own, strict=True) if is_family(form.variant.form)]
+    passed = {id(one) for one in weighted} - {id(max(weighted, key=_gain, default=None))}
     for one in sorted(options, key=lambda f: (f.columns.width, -f.score.gain)):
-        if one is best or _good_enough(one, best):
+        if id(one) not in passed and (one is best or _good_enough(one, best)):
             return one
     return best
+
+
+def _gain(one: Candidate | Fit) -> float:
+    return one.score.gain
 
 
 def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:

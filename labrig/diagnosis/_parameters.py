@@ -10,7 +10,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._design_matrix import coefficients, columns_of, order_of
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.effects import Context, Effect, Term, Variant, centre_of
+from labrig.effects import Context, Effect, Term, Variant, centre_of, is_family, yardsticks_of
 from labrig.model import EffectEntry, FittedOn, Value
 
 _ROUNDS = 9
@@ -58,12 +58,14 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
     turns = effect.name == "frame" or any(term.kind == "frame" for term in variant.terms)
     centred = turns or variant.centred
     dated = "since_s" in variant.shape and np.isfinite(rows.start_s)
+    measures = yardsticks_of(effect, context, variant.form) if is_family(variant.form) else {}
     return FittedOn(
         chambers=list(rows.chambers),
         low=rows.low.tolist(),
         high=rows.high.tolist(),
         centre_mm=centre_of(context).tolist() if centred else None,
         start_s=rows.start_s if dated else None,
+        yardsticks={name: value.tolist() for name, value in measures.items()} or None,
     )
 
 

@@ -26,7 +26,17 @@ from labrig.effects._slips import errors_by_capture
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._stretches import Stretch, stretch_of
 from labrig.effects._template import write_template
-from labrig.effects._weights import form_of, is_family, labels_of, made_of, pressures_of, weighable, weighted
+from labrig.effects._weights import (
+    fields_of,
+    form_of,
+    is_family,
+    labels_of,
+    pressures_of,
+    term_of,
+    weighable,
+    weighted,
+    yardsticks_of,
+)
 
 __all__ = [
     "FEW_OBSERVABLES",
@@ -59,6 +69,7 @@ __all__ = [
     "ends",
     "errors_by_capture",
     "field",
+    "fields_of",
     "fill",
     "form_of",
     "frame_modes",
@@ -67,7 +78,6 @@ __all__ = [
     "join_rows",
     "labels_of",
     "library",
-    "made_of",
     "motion_scale",
     "pattern",
     "plain_forms",
@@ -77,10 +87,12 @@ __all__ = [
     "rows_of",
     "scale_mode",
     "stretch_of",
+    "term_of",
     "to_rows",
     "weighable",
     "weighted",
     "without_failing",
     "without_value",
     "write_template",
+    "yardsticks_of",
 ]

@@ -45,8 +45,9 @@ class Context:
     for another range.
 
     Where a model's saved effect is evaluated, `saved` is true, `centre` (3,) is the point that its rotations are
-    about, and `began_s` when the run began that its moments are counted from, if they are known. `displaced` (F, K) is
-    how far the base alone moves the observables, where `base` has the model's effects in it.
+    about, `began_s` when the run began that its moments are counted from, and `yardsticks` are that run's (see
+    `yardstick`), if they are known. `displaced` (F, K) is how far the base alone moves the observables, where `base`
+    has the model's effects in it.
     """
 
     rows: Rows
@@ -66,6 +67,7 @@ class Context:
     saved: bool = False
     centre: Floats | None = None
     began_s: float = float("nan")
+    yardsticks: dict[str, Floats] = field(default_factory=dict, repr=False, compare=False)
     _memo: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def pin(self, shape: dict[str, float]) -> "Context":
@@ -81,6 +83,16 @@ class Context:
     def grid(self, name: str, values: Sequence[float]) -> Sequence[float]:
         """The values to try for what is not linear in an effect; a pinned value replaces them all."""
         return (self.pinned[name],) if name in self.pinned else values
+
+    def yardstick(self, name: str, of_this_run: Callable[[], Floats]) -> Floats:
+        """What functions are measured by that differs from run to run: how far it goes, the way that it goes most.
+
+        Where a saved effect is evaluated, it is that of the run which the effect was fitted to, so that its weights
+        mean the same on every run.
+        """
+        if not self.saved or name not in self.yardsticks:
+            self.yardsticks[name] = np.asarray(of_this_run(), dtype=float)
+        return self.yardsticks[name]
 
     def shows(self, seen: bool | np.bool_) -> bool:
         """Whether a form is worth yielding: this run shows it, or a saved effect has it, shown or not."""

@@ -163,7 +163,9 @@ class Effect(ABC):
         return context
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
-        """What a saved form needs and `context` has not, in words; empty where nothing is lacking."""
+        """What a saved form needs and `context` has not, in words; empty where nothing is lacking. `parameters` are the
+        names of its parameters, of a family those of its functions.
+        """
         return ""
 
     @classmethod

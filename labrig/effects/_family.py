@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
@@ -45,7 +47,7 @@ class Space:
     scanned: int = 0
     """Among how many places this one was found by a scan of the residuals; 0 where none was."""
     absolute: bool = True
-    """Whether its functions of the pressures mean the same on every run, whatever else that one has."""
+    """Whether its functions mean the same on every run, by the yardsticks of the one that they were fitted to."""
     plain: bool = False
     """Whether it is one form alone: all of these together are as likely as the family's spaces together."""
     apart: Floats | None = None
@@ -74,13 +76,14 @@ def motion_scale(context: Context) -> Floats:
         lambda: (context.jacobian * context.span).sum(axis=2),  # asked for by few rigs, and large
         lambda: np.nan_to_num(context.residual),
     )
+
+    def of(own: NDArray[np.bool_]) -> Floats:
+        each = (np.sqrt((size()[:, own] ** 2).mean()) for size in sizes)
+        return np.array(next((value for value in each if value > 0), 1.0))
+
     for name in dict.fromkeys(context.rows.unit):
         own = unit == name
-        for size in sizes:
-            value = float(np.sqrt((size()[:, own] ** 2).mean()))
-            if value > 0:
-                break
-        scale[own] = value or 1.0
+        scale[own] = context.yardstick(f"motion, {name}", partial(of, own))
     return scale
 
 

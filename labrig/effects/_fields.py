@@ -1,6 +1,7 @@
 """From an effect's coefficients to the change of the observables that they make."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -77,7 +78,7 @@ def distortions(context: Context) -> list[tuple[str, Floats]]:
     if len(own) < 9:
         return []
     place = _places(context)
-    place = place / max(float(np.sqrt((place**2).mean())), 1e-12)
+    place = place / np.maximum(context.yardstick("body", lambda: np.sqrt((place**2).mean())), 1e-12)
     x, y, z = np.moveaxis(place, 2, 0)
     r2 = (place**2).sum(axis=2)
     out = []
@@ -97,8 +98,8 @@ def distortions(context: Context) -> list[tuple[str, Floats]]:
     radial = np.zeros_like(context.base)
     radial[:, own] = (place * r2[..., None])[:, rows.marker[own], rows.axis[own]]
     out.append(("radial", radial))
-    size = [(n, float(np.sqrt((v**2).mean()))) for n, v in out]
-    return [(n, v / s) for (n, v), (_, s) in zip(out, size, strict=True) if s > 1e-3]
+    size = context.yardstick("distortions", lambda: np.array([np.sqrt((v**2).mean()) for _, v in out]))
+    return [(n, v / s) for (n, v), s in zip(out, size, strict=True) if s > 1e-3]
 
 
 def travel_of_all(context: Context) -> Floats:
@@ -108,8 +109,14 @@ def travel_of_all(context: Context) -> Floats:
     unit, square = np.array(context.rows.unit), np.zeros(len(context.base))
     for name in dict.fromkeys(context.rows.unit):
         own = (context.displacement[:, unit == name] ** 2).mean(axis=1)
-        square += own / max(float(own.max(initial=0.0)), 1e-300)
-    return np.sqrt(square / max(float(square.max(initial=0.0)), 1e-300))[:, None]
+        square += own / np.maximum(context.yardstick(f"farthest, {name}", partial(_most, own)), 1e-300)
+    return np.sqrt(square / np.maximum(context.yardstick("farthest", partial(_most, square)), 1e-300))[
+        :, None
+    ]
+
+
+def _most(values: Floats) -> Floats:
+    return values.max(initial=0.0)
 
 
 def smooth_places(context: Context) -> Floats:

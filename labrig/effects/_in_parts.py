@@ -25,7 +25,7 @@ def affine(context: Context) -> Iterator[Feature]:
     modes = np.concatenate(
         [frame_modes(context), scale_mode(context)[:, :, None], strain_modes(context)], axis=2
     )
-    size = np.sqrt((modes**2).mean(axis=(0, 1)))
+    size = context.yardstick("motions of all", lambda: np.sqrt((modes**2).mean(axis=(0, 1))))
     modes = modes / np.where(size > 0, size, 1.0) * motion_scale(context)[None, :, None]
     for j, (name, weight) in enumerate(zip(_AFFINE, _LIKELY, strict=True)):
         yield field(name, modes[:, :, j], weight)
@@ -54,13 +54,13 @@ def in_each(part: Ints, features: Iterable[Feature]) -> tuple[Feature, ...]:
 
 def another_in_each(context: Context, part: Ints) -> Space:
     """Another affine motion of all markers in each part (F,) of a run, whoever has it."""
-    return Space("in each part", "affine in each part", in_each(part, affine(context)))
+    return Space("in each part", "affine in each part", in_each(part, affine(context)), absolute=False)
 
 
 def another_bend_in_each(context: Context, pose: Ints) -> Space:
     """The same and smooth bends, which a body has under its weight and a frame has not."""
     both = in_each(pose, [*affine(context), *bends(context)])
-    return Space("bent in each pose", "bent in each pose", both)
+    return Space("bent in each pose", "bent in each pose", both, absolute=False)
 
 
 def poses_of(pulls: list[Floats]) -> Ints | None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +43,7 @@ def obstacles(context: Context) -> Iterator[Space]:
     if (rows.axis >= 0).sum() < 3 or not (rows.marker >= 0).any():
         return
     places = Places(context)
-    far = float(context.travel.max())
+    far = float(context.yardstick("farthest travel", context.travel.max))
     for share in (0.3, 0.5, 0.7, 0.85):
         past = np.maximum(places.length - share * far, 0)
         stop = field("stop", to_rows(context, -past[..., None] * places.way))
@@ -56,20 +57,25 @@ def _ends(context: Context) -> Iterator[Space]:
     """The body as a whole, in one of its two main motions, runs against a stop."""
     scale = motion_scale(context)
     moved = context.displacement / scale
-    _, size, modes = svd(moved[:: max(1, len(moved) // 400)])
-    for j, mode in enumerate(modes[:2]):
-        if size[j] < 0.2 * size[0]:
-            break
-        mode = mode * np.sign(mode[np.abs(mode).argmax()])  # whichever way it was found
+    modes = context.yardstick("main ways", lambda: _main_ways(moved))
+    for j, mode in enumerate(modes):
         for side in (1.0, -1.0):
             along = side * (moved @ mode)
-            top = float(along.max())
-            if top < 0.3 * np.abs(moved @ modes[0]).max():
+            top = float(context.yardstick(f"farthest {side:+.0f} along way {j}", along.max))
+            if not context.shows(top >= 0.3 * np.abs(moved @ modes[0]).max()):
                 continue
             past = [(level, np.maximum(along - level * top, 0.0)) for level in (0.35, 0.5, 0.65, 0.8, 0.9)]
             out = [field(f"end {level}", -p[:, None] * side * mode * scale) for level, p in past]
             key = f"end of motion {'+' if side > 0 else '-'}{j}"
             yield one_way(Space(key, "contact end", acting(out)))
+
+
+def _main_ways(moved: Floats) -> Floats:
+    """The two ways that rows (F, K) go most, or one where they hardly go another, (n, K)."""
+    _, size, ways = svd(moved[:: max(1, len(moved) // 400)])
+    main = ways[:2][size[:2] >= 0.2 * size[0]]
+    most = np.take_along_axis(main, np.abs(main).argmax(axis=1)[:, None], axis=1)
+    return main * np.sign(most)  # whichever way they were found
 
 
 @dataclass(frozen=True)
@@ -188,7 +194,8 @@ class Places:
             ):
                 radial = away * shape
                 far = np.linalg.norm(radial, axis=2)
-                wide = far.max() - (far.max() - far.min()) * (1 - share)
+                least, most = self.context.yardstick(f"{name} around", partial(_ends_of, far))
+                wide = most - (most - least) * (1 - share)
                 past = np.maximum(far - wide, 0.0) / np.maximum(far, 1e-9)
                 out.append(field(name, to_rows(self.context, -past[..., None] * radial)))
             yield one_way(Space(f"cage {share}", "contact cage", acting(out)))
@@ -224,6 +231,10 @@ class Places:
                     out.append(field(f"neighbour {n} {level}", to_rows(self.context, alone)))
             key = f"post before {self.context.rows.markers[m]}"
             yield one_way(Space(key, "contact post", acting(out), scanned=len(top)))
+
+
+def _ends_of(values: Floats) -> Floats:
+    return np.array([values.min(), values.max()])
 
 
 def beside_markers(rows: Rows) -> Floats:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,8 +70,10 @@ def by_place(context: Context, name: str, values: Floats) -> list[Feature]:
     for a, z in enumerate(_places(context)):
         own, gain = values * z, context.displacement * z
         square = float((gain**2).sum())
-        if square > 0:
-            out.append(field(f"{name} by place {a}", own - float((own * gain).sum()) / square * gain))
+        if context.shows(square > 0):
+            as_gain = partial(lambda own, gain, square: (own * gain).sum() / square, own, gain, square)
+            whole = f"{name} by place {a}"
+            out.append(field(whole, own - context.yardstick(f"{whole}, as a gain", as_gain) * gain))
     return out
 
 
@@ -98,7 +101,8 @@ def felt(context: Context, changes: dict[str, Floats]) -> list[Feature]:
     slopes, alone = context.jacobian * context.span, np.flatnonzero(_seen_alone(context.rows))
     if not len(alone) or len(alone) > FEW_OBSERVABLES:
         return []
-    if np.ptp(slopes[:, alone], axis=0).max() <= _EVEN * np.abs(slopes[:, alone]).max():
+    even = np.ptp(slopes[:, alone], axis=0).max() <= _EVEN * np.abs(slopes[:, alone]).max()
+    if not context.shows(not even):
         return []
     return _each(context, changes, alone)
 
@@ -167,7 +171,7 @@ def _places(context: Context) -> Floats:
     """Where each observable is at rest along the ways in which the body is long, (n, K), of unit spread; and which of
     few sensors it is.
     """
-    return np.concatenate([_along(context.rows), _which(context.rows)])
+    return np.concatenate([_along(context), _which(context.rows)])
 
 
 def _which(rows: Rows) -> Floats:
@@ -184,13 +188,15 @@ def _seen_alone(rows: Rows) -> NDArray[np.bool_]:
     return (rows.marker < 0) & np.isfinite(rows.values).any(axis=0)
 
 
-def _along(rows: Rows) -> Floats:
+def _along(context: Context) -> Floats:
     """Where each marker's coordinates are at rest along the ways in which the body is long, (n, K), of unit spread."""
+    rows = context.rows
     out = np.zeros((3, len(rows.marker)))
     if rows.rest_mm is None or not np.isfinite(rows.rest_mm).all() or len(rows.rest_mm) < 3:
         return out[:0]
     away = rows.rest_mm - rows.rest_mm.mean(axis=0)
-    _, size, ways = svd(away)
+    ways = context.yardstick("long ways", lambda: svd(away)[2])
+    size = np.sqrt(((away @ ways.T) ** 2).sum(axis=0))
     own = np.flatnonzero(rows.marker >= 0)
     out[:, own] = (away @ ways.T / np.maximum(size, 1e-300) * np.sqrt(len(away))).T[:, rows.marker[own]]
     return out[size > _FLAT * size.max()]
@@ -229,5 +235,5 @@ def marker_behind(context: Context, width: float) -> Floats:
 def _main_way(context: Context) -> tuple[Floats, Floats]:
     """How far the body is along its main way at each event (E,), as a share of the whole motion, and that way (K,)."""
     drive, scale = at_events(context), motion_scale(context)
-    _, _, ways = svd(drive / scale)
-    return drive / scale @ ways[0] / np.sqrt(len(scale)), ways[0] * scale * np.sqrt(len(scale))
+    way = context.yardstick("main way", lambda: svd(drive / scale)[2][0])
+    return drive / scale @ way / np.sqrt(len(scale)), way * scale * np.sqrt(len(scale))

@@ -1,6 +1,7 @@
 """Contact: a limit is reached and the motion stops there."""
 
 from collections.abc import Collection, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -193,11 +194,11 @@ def _together(context: Context) -> Iterator[Space]:
     for name, load in (("pressures", x), ("walls", d)):
         length = np.abs(load).mean(axis=1)
         for share in (0.4, 0.6, 0.8):
-            top = np.quantile(length, share)
+            key = f"{name} together {share}"
+            top = context.yardstick(key, partial(np.quantile, length, share))
             lost = np.maximum(1 - top / np.maximum(length, 1e-9), 0.0)[:, None]
             out = [pressure("shared", -load * lost / (slope if load is d else 1.0))]
             out.append(
                 pressure("alike", -np.repeat(np.maximum(length - top, 0)[:, None], x.shape[1], axis=1), 0.3)
             )
-            key = f"{name} together {share}"
-            yield Space(key, "contact together", acting(out), 0.6, absolute=False, along=out[0])
+            yield Space(key, "contact together", acting(out), 0.6, along=out[0])

@@ -128,7 +128,7 @@ class Drift(Effect):
                 for j, likely in enumerate([1.0] * 3 + [0.3] * 4 + [0.1] * 5)
                 if j < 6 or "cosine" not in n  # what swells does it slowly
             ]
-            yield Space("rigid", "drift rigid", acting(out))
+            yield Space("rigid", "drift rigid", acting(out), absolute=False)
         if context.moves:
             out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
             yield Space("zero", "drift zero", acting(out), 0.5, absolute=False)

@@ -108,7 +108,7 @@ class Frame(Effect):
                 own = rows.axis == a
                 motion[:, own] += np.nanmean((context.residual - motion)[:, own])
             solved = field("turn", motion / np.sqrt((motion**2).mean(axis=0).mean()) * scale)
-            yield Space("turned", "frame turned", acting([solved, *whole]))
+            yield Space("turned", "frame turned", acting([solved, *whole]), absolute=False)
         if 1 < len(rows.sessions) < len(np.unique(rows.capture)):
             yield another_in_each(context, rows.session)
         if (moved := since_a_kick(context)) is not None:

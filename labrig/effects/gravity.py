@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from labrig.effects._fields import frame_modes
 from labrig.effects._in_parts import another_bend_in_each, another_in_each, poses_of
 from labrig.effects._inside import inside
 from labrig.effects._sign import Part, Sign, along_own, by_capture, held
+from labrig.effects._weights import is_family
 
 _NEWTON = 1 / 9.80665
 _PAYLOAD = {
@@ -95,6 +97,11 @@ class Gravity(Effect):
             yield Variant("own weight too, more where compliant", (*own, *more))
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
+        logged = context.rows.covariates
+        if is_family(form):  # the names of its functions say what it pulls by
+            loaded = any(n.startswith("load") for n in parameters) and not any(map(is_payload, logged))
+            turned = any("sine" in n for n in parameters) and not any(map(is_tilt, logged))
+            return " and ".join(["the payload"] * loaded + ["the tilt"] * turned)
         by = {"the payload": ("payload", "weight_per_kg"), "the tilt": ("tilt", "weight_by_tilt")}
         return " and ".join(what for what, names in by.items() if set(names) & set(parameters))
 
@@ -114,10 +121,11 @@ class Gravity(Effect):
             for m in np.unique(rows.marker[rows.marker >= 0]):
                 own = rows.marker == m
                 give[:, own] = give[:, own].mean(axis=1, keepdims=True)
-            give = give / np.sqrt((give**2).mean()) * scale
+            give = give / context.yardstick("give", partial(_size, give)) * scale
             ways = [("own", np.ones(len(give)), 1.0)] + [(n, v, 1.0) for n, v in loads]
             modes = frame_modes(context)
-            modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * scale[:, None]
+            size = context.yardstick("motions of the body", partial(_size, modes, (0, 1)))
+            modes = modes / (size + 1e-12) * scale[:, None]
             for way, factor, weight in ways[1:]:  # a motion as one body by the own weight is the frame's
                 out += [
                     field(f"{way} body {j}", modes[:, :, j] * factor[:, None], 0.25 * weight)
@@ -132,7 +140,7 @@ class Gravity(Effect):
         for name, kinds in _SPACES.items():
             some = [f for f in out if f.kind in kinds or "body" in f.name]
             if some:
-                yield Space(name, f"gravity {name}", acting(some), absolute=False)
+                yield Space(name, f"gravity {name}", acting(some))
         if context.moves and loads:
             yield from _lifted(context, loads)
             more = [f for name, values in loads for f in by_covariate(context, name, values)]
@@ -204,10 +212,10 @@ def _pulls(context: Context) -> list[tuple[str, Floats]]:
     """
     loads, tilts = [], []
     for name, cov in context.rows.covariates.items():
-        if not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
+        if not np.isfinite(cov.values).all() or not context.shows(np.ptp(cov.values) > 0):
             continue
         if is_payload(name):
-            loads.append(("load", cov.values / np.abs(cov.values).max()))
+            loads.append(("load", cov.values / context.yardstick("heaviest load", np.abs(cov.values).max)))
         if is_tilt(name):
             angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
             tilts += [("sine", np.sin(angle)), ("cosine", np.cos(angle))]
@@ -223,13 +231,16 @@ def _lifted(context: Context, loads: list[tuple[str, Floats]]) -> Iterator[Space
         "the whole way",
         "gravity the whole way",
         acting([field(name, pull[:, None] * context.displacement) for name, pull in loads]),
-        absolute=False,
     )
     walls = [("", np.tanh(x / _OPEN), 1.0), (" load", x, 1.0), (" square", x * np.abs(x), 0.3)]
     lifts = [
         pressure(f"{name}{how}", pull[:, None] * wall, w) for name, pull in loads for how, wall, w in walls
     ]
-    yield Space("what each wall lifts", "gravity lifted", acting(lifts), 0.5, absolute=False)
+    yield Space("what each wall lifts", "gravity lifted", acting(lifts), 0.5)
+
+
+def _size(values: Floats, axes: tuple[int, ...] | None = None) -> Floats:
+    return np.sqrt((values**2).mean(axis=axes))
 
 
 def _products(along: Floats, features: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """Rest shape: the unloaded geometry is not the model's."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -88,11 +89,12 @@ def _where_free(context: Context) -> Space | None:
     own = (rows.marker >= 0) & (rows.axis >= 0)
     if own.sum() < 3 or not context.moves:
         return None
-    reach = np.abs(context.jacobian * context.span).sum(axis=2).mean(axis=0)
+    each = partial(np.mean, np.abs(context.jacobian * context.span).sum(axis=2), axis=0)
+    reach = context.yardstick("reach", each).copy()
     for m in np.unique(rows.marker[own]):
         reach[rows.marker == m] = reach[rows.marker == m].mean()
     size = float(np.sqrt((reach[own] ** 2).mean()))
-    if reach[own].min() >= _HELD * reach[own].max():
+    if not context.shows(reach[own].min() < _HELD * reach[own].max()):
         return None
     scale, out = motion_scale(context), []
     for a in range(3):
@@ -110,8 +112,9 @@ def _strained(context: Context) -> Iterator[Space]:
     travel = np.zeros(len(rest))
     np.maximum.at(travel, rows.marker[own], np.abs(context.displacement[:, own]).max(axis=0))
     still = np.argsort(travel, kind="stable")[: max(3, len(rest) // _FOOT)]
+    foot = context.yardstick("foot", lambda: rest[still].mean(axis=0))
     scale = motion_scale(context)
-    for name, centre in (("middle", rest.mean(axis=0)), ("foot", rest[still].mean(axis=0))):
+    for name, centre in (("middle", rest.mean(axis=0)), ("foot", foot)):
         place = rest - centre
 
         def strained(of: str, strain: Floats, place: Floats = place) -> Feature:

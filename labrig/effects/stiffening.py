@@ -65,7 +65,7 @@ class Stiffening(Effect):
         if not context.moves:
             return
         x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
-        far = float(context.travel.max())
+        far = float(context.yardstick("farthest travel", context.travel.max))
         out = [
             pressure("square", x**2),
             pressure("cube", x**3),

@@ -57,7 +57,7 @@ class Tension(Effect):
         """A restoring force on the walls: proportional to their travel, limited, or fading with it; with that of each
         place, or of all, since a membrane is as tight all over.
         """
-        far = float(context.travel.max())
+        far = float(context.yardstick("farthest travel", context.travel.max))
         if not context.moves or far <= 0:
             return
         out = []

@@ -134,7 +134,7 @@ class FittedOn(_Strict):
 
     `low`, `high`: the range of each of `chambers` that fractions are of; `centre_mm`: the point that rotations and
     scales are about, and a plane's distance is from; `start_s`: when the run began that moments are counted from, by
-    the rig's clock.
+    the rig's clock; `yardsticks`: what the functions of a family are measured by, such as how far the rig went.
     """
 
     chambers: list[str] = Field(default_factory=list)
@@ -142,6 +142,7 @@ class FittedOn(_Strict):
     high: list[float] = Field(default_factory=list)
     centre_mm: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
     start_s: float | None = None
+    yardsticks: dict[str, Numbers] | None = None
 
     @model_validator(mode="after")
     def _each_chamber(self) -> "FittedOn":

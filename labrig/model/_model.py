@@ -291,6 +291,8 @@ def as_fitted(context: Context, entry: EffectEntry) -> Context:
         context = replace(context, centre=np.array(on.centre_mm, dtype=float))
     if on.start_s is not None:
         context = replace(context, began_s=on.start_s)
+    measures = {name: np.array(value, dtype=float) for name, value in (on.yardsticks or {}).items()}
+    context = replace(context, yardsticks=measures)
     low, high = context.rows.low.copy(), context.rows.high.copy()
     for chamber, below, above in zip(on.chambers, on.low, on.high, strict=True):
         if chamber in context.rows.chambers:
@@ -304,9 +306,9 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
     context = as_fitted(context, entry)
     linear = set(entry.parameters)
     if is_family(entry.form) and WEIGHTS.name in entry.parameters:
-        if lacking := effect.lacks(context, entry.form or "", entry.parameters):
-            raise LabrigError(_lacking(effect, lacking))
         labels = entry.parameters[WEIGHTS.name].per or ()
+        if lacking := effect.lacks(context, entry.form or "", labels):
+            raise LabrigError(_lacking(effect, lacking))
         return weighted(effect, context, entry.form or "", labels)
     if strange := sorted(linear - {p.name for p in effect.parameters}):
         raise LabrigError(f"effect {effect.name!r}: has no parameter {strange[0]!r}; {_OLDER}")

@@ -13,11 +13,20 @@ from labrig._errors import LabrigError
 from labrig.bench import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._learner import capture_error
-from labrig.diagnosis import Result, diagnose, forms_of, prepared, rows_from
+from labrig.diagnosis import Result, diagnose, forms_of, improve, prepared, rows_from
 from labrig.diagnosis._candidates import Candidate, fit, square_of
 from labrig.diagnosis._spectra import prior_of
 from labrig.diagnosis._weights import family_forms
-from labrig.effects import is_family, library, pressures_of, rows_of, weighable
+from labrig.effects import (
+    fields_of,
+    form_of,
+    is_family,
+    library,
+    motion_scale,
+    pressures_of,
+    rows_of,
+    weighable,
+)
 from labrig.model import Model
 
 
@@ -98,7 +107,7 @@ def test_a_family_is_weighted_by_its_principal_directions(make_lab: Callable[...
     lab = make_lab(captures=12)
     ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
     context, effect = ready.context, library()["hysteresis"]
-    (space,), (form,) = weighable(effect, context), family_forms(effect, context)
+    space, form = next(weighable(effect, context)), next(family_forms(effect, context))
     P = pressures_of(space, context)
     F, C, a = P.shape
     out = np.zeros((F, C, a * (1 + C)))
@@ -111,3 +120,72 @@ def test_a_family_is_weighted_by_its_principal_directions(make_lab: Callable[...
     made = made.reshape(F * C, -1)
     power = np.linalg.eigvalsh(shows @ covariance @ shows.T)[::-1][: made.shape[1]]
     np.testing.assert_allclose(made.T @ made, np.diag(power), atol=1e-6 * power[0])
+
+
+def test_functions_of_the_observables_are_weighted_likewise(make_lab: Callable[..., Any]) -> None:
+    """Also where the functions are those of the observables, alone or beside those of the pressures: in parts of the
+    rig's motion they are uncorrelated under the prior, largest first.
+    """
+    lab = make_lab(captures=12, bent=1.2)
+    ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
+    context = ready.context
+    J, C, scale = context.jacobian, len(context.span), motion_scale(context)[:, None]
+    for name, form in (("creep", "family, in the skin"), ("stiffening", "family, compliance")):
+        space = next(s for s in weighable(library()[name], context) if form_of(s) == form)
+        variant = next(v for v in family_forms(library()[name], context) if v.form == form)
+        P, fields = pressures_of(space, context), fields_of(space, context)
+        each = [J[:, :, c, None] * P[:, None, c] for c in range(C)]
+        whole = [np.sum(each, axis=0), *each, fields] if P.shape[2] else [fields]
+        shows = (np.concatenate(whole, axis=2) / scale).reshape(J.shape[0] * J.shape[1], -1)
+        prior, a = prior_of(space), P.shape[2]
+        covariance = np.zeros((shows.shape[1],) * 2)
+        shared = np.r_[np.arange(a), np.arange(shows.shape[1] - fields.shape[2], shows.shape[1])]
+        covariance[np.ix_(shared, shared)] = _positive(prior.shared)
+        for c in range(C if a else 0):
+            own = slice(a * (1 + c), a * (2 + c))
+            covariance[own, own] = _positive(prior.own)
+        (term,) = variant.terms
+        assert term.kind == "field"
+        made = (term.feature / scale).reshape(len(shows), -1)
+        power = np.linalg.eigvalsh(shows @ covariance @ shows.T)[::-1][: made.shape[1]]
+        np.testing.assert_allclose(made.T @ made, np.diag(power), atol=1e-6 * power[0])
+
+
+@pytest.mark.parametrize(
+    ("half", "seed", "law", "effect"),
+    [
+        ("eleventh", 99500032, "DirectLinearTransform", "frame"),
+        ("ninth", 99500012, "CrackInTheWhole", "leak"),
+        ("eighth", 99500014, "AgainstTheBench", "contact"),
+    ],
+)
+def test_what_acts_in_the_observables_is_weighted_too(
+    half: str, seed: int, law: str, effect: str, tmp_path: Path
+) -> None:
+    """A lens, a crack across the body and a stop of its whole motion move the observables, not one chamber each: the
+    weights of such functions, saved and read, take off four fifths of the error on another programme.
+    """
+    campaign = draw("single", seed, half)
+    assert campaign.truth["laws"] == [law]
+    model = Model.load(write_model(campaign, tmp_path))
+    result = improve(campaign.dataset, model, [effect])
+    assert result.improved is not None
+    (entry,) = result.improved.file.effects
+    assert is_family(entry.form)
+    result.improved.save(tmp_path / "better.yaml")
+    base, left = error(model, campaign.fresh), error(Model.load(tmp_path / "better.yaml"), campaign.fresh)
+    floor = float(np.hypot(campaign.truth["spoil"]["capture"], campaign.truth["spoil"]["row"]))
+    assert base - left > 0.8 * (base - floor)
+
+
+def test_a_sag_by_the_load_needs_the_load(tmp_path: Path) -> None:
+    """Weights of what a load does are refused on a run that logged none, not read as nothing."""
+    campaign = draw("single", 99500018, "ninth")
+    assert campaign.truth["laws"] == ["FilledWallsGiveLess"]
+    model = Model.load(write_model(campaign, tmp_path))
+    improved = improve(campaign.dataset, model, ["gravity"]).improved
+    assert improved is not None
+    assert is_family(improved.file.effects[0].form)
+    bare = campaign.fresh.drop_vars([v for v in campaign.fresh.data_vars if str(v).startswith("covariate")])
+    with pytest.raises(LabrigError, match=r"^effect 'gravity' needs the payload, which this run did not log"):
+        improved.context(rows_of(bare))
