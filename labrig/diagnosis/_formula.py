@@ -92,7 +92,9 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     forms = [c for _, c in found]
     alike = [c for ok, c in found if ok == bounded]
     plain = _plainest(alike, alike, best)
-    narrower = [c for c in alike if c.columns.width < plain.columns.width]
+    any_width = is_family(plain.variant.form)
+    formulas = [c for c in alike if not is_family(c.variant.form)]
+    narrower = [c for c in formulas if any_width or c.columns.width < plain.columns.width]
     if narrower:  # off the search's grid a plainer one may be good enough
         plainest, likeliest = min(narrower, key=lambda c: c.columns.width), narrower[0]
         for one in [plainest] if plainest is likeliest else [plainest, likeliest]:
@@ -105,13 +107,15 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
 def _plainest(options: Sequence[_Fitted], own: Sequence[Candidate], best: _Fitted) -> _Fitted:
     """The narrowest of those that are good enough beside `best`, of equally narrow ones the best.
 
-    `own` are the forms in which the options differ: a family says nothing plainer by fewer functions, so only the best
-    of those counts.
+    `own` are the forms in which the options differ. A family's weights say less than any formula, however few they are:
+    they come last, and of several families the best.
     """
-    weighted = [one for one, form in zip(options, own, strict=True) if is_family(form.variant.form)]
-    passed = {id(one) for one in weighted} - {id(max(weighted, key=_gain, default=None))}
-    for one in sorted(options, key=lambda f: (f.columns.width, -f.score.gain)):
-        if id(one) not in passed and (one is best or _good_enough(one, best)):
+    pairs = list(zip(options, own, strict=True))
+    formulas = [one for one, form in pairs if not is_family(form.variant.form)]
+    families = [one for one, form in pairs if is_family(form.variant.form)]
+    plain = sorted(formulas, key=lambda f: (f.columns.width, -f.score.gain))
+    for one in (*plain, *sorted(families, key=_gain, reverse=True)):
+        if one is best or _good_enough(one, best):
             return one
     return best
 
