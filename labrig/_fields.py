@@ -41,10 +41,18 @@ class Fault:
         return ": ".join([*self.names, self.what])
 
 
+class FieldError(LabrigError):
+    """A field of a file is wrong: `place` are the keys and numbers that lead there, `what` is wrong with it."""
+
+    def __init__(self, message: str, place: tuple[str | int, ...] = (), what: str = "") -> None:
+        super().__init__(message)
+        self.place, self.what = place, what
+
+
 def check_fields(
     kind: type[Checked], content: Mapping[str, Any], where: str, path: Path | None = None, section: str = ""
 ) -> Checked:
-    """The content as `kind` has it; raises `LabrigError` that names the file, the line of a YAML `path`, the field.
+    """The content as `kind` has it; raises `FieldError` that names the file, the line of a YAML `path`, the field.
 
     `section` is where in the file the content stands, if it is not all of it.
     """
@@ -58,7 +66,8 @@ def check_fields(
         line = None if path is None else line_of(path, place)
         others = f" (and {more} more)" if more else ""
         inside = f"{section}: " if section else ""
-        raise LabrigError(f"{where}{f', line {line}' if line else ''}: {inside}{fault}{others}") from None
+        said = f"{where}{f', line {line}' if line else ''}: {inside}{fault}{others}"
+        raise FieldError(said, place, fault.what) from None
 
 
 def first_fault(error: ValidationError, kind: type[BaseModel], content: Any) -> tuple[Fault, int]:

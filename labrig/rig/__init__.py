@@ -9,6 +9,7 @@ from labrig.rig._config import (
     FollowConfig,
     RigConfig,
     SafetyConfig,
+    check_rig,
     load_rig,
     parse_rig,
 )
@@ -36,6 +37,7 @@ __all__ = [
     "and_vented",
     "by_hand",
     "chamber_findings",
+    "check_rig",
     "check_unattended",
     "clock_of",
     "connect",

@@ -1,5 +1,7 @@
 """rig.yaml: which chambers, markers and devices a rig has, checked before anything is connected."""
 
+import math
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -128,6 +130,8 @@ class RigConfig(_Section):
 
 
 _SIMULATED = ("surface", "shell", "plant", "seed", "noise_mm", "repeatability_mm", "occlusion", "hidden")
+_NUMBERS = {"seed": math.inf, "noise_mm": 1000.0, "repeatability_mm": 1000.0, "occlusion": 1.0}
+"""Those that are numbers, from 0 to so much."""
 
 
 def _check_simulated(
@@ -141,6 +145,8 @@ def _check_simulated(
         if name not in _SIMULATED:
             hint = meant(name, _SIMULATED) or f"; there are {', '.join(_SIMULATED)}"
             raise ValueError(f"simulated: there is no such field as {name}{hint}")
+    for name, most in _NUMBERS.items():
+        _check_number(name, simulated.get(name), most)
     if "surface" in simulated:
         if "shell" in simulated:
             raise ValueError("simulated: either a surface (the reduced model) or a shell, not both")
@@ -161,6 +167,16 @@ def _check_simulated(
         raise ValueError(str(error).removeprefix("rig: ") + rest) from None
 
 
+def _check_number(name: str, value: Any, most: float) -> None:
+    """Raise `ValueError` for what is there and is no number from 0 on, or, as a seed, no whole one."""
+    kind = Integral if name == "seed" else Real
+    is_one = isinstance(value, kind) and not isinstance(value, bool)
+    if value is None or (is_one and 0 <= value <= most and value < math.inf):  # type: ignore[operator]
+        return
+    wanted = "whole number from 0 on" if name == "seed" else f"number from 0 to {most:g}"
+    raise ValueError(f"simulated.{name}: should be a {wanted}, not {value!r}")
+
+
 def load_rig(path: str | Path) -> RigConfig:
     """Read and check a rig.yaml.
 
@@ -174,11 +190,18 @@ def load_rig(path: str | Path) -> RigConfig:
         60.0
     """
     path = path_of(path, "a rig", "a rig.yaml's path")
-    content = {**read_yaml(path, "rig"), "folder": path.resolve().parent}
-    config = check_fields(RigConfig, content, str(path), path)
+    return check_rig(read_yaml(path, "rig"), str(path), path.resolve().parent, path)
+
+
+def check_rig(content: dict[str, Any], where: str, folder: Path, path: Path | None = None) -> RigConfig:
+    """What `load_rig` makes of the content of a file, which need not be written yet.
+
+    `path` is the file, if it is there, for its lines. Raises `FieldError`, a `LabrigError`.
+    """
+    config = check_fields(RigConfig, {**content, "folder": folder}, where, path)
     for role, device in config.devices.items():
         if device is not None and device.kind in SETTINGS:
-            check_fields(SETTINGS[device.kind], device.options, str(path), path, role)
+            check_fields(SETTINGS[device.kind], device.options, where, path, role)
     return config
 
 

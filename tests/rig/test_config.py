@@ -207,6 +207,18 @@ def test_rest_positions_come_from_the_file(tmp_path: Path) -> None:
             "simulated: there is no such field as noise; did you mean noise_mm?",
         ),
         (
+            "pressure: {kind: simulated}\nsimulated: {surface: membrane, noise_mm: much}",
+            "simulated.noise_mm: should be a number from 0 to 1000, not 'much'",
+        ),
+        (
+            "pressure: {kind: simulated}\nsimulated: {surface: membrane, seed: 0.5}",
+            "simulated.seed: should be a whole number from 0 on, not 0.5",
+        ),
+        (
+            "pressure: {kind: simulated}\nsimulated: {surface: membrane, occlusion: .nan}",
+            "simulated.occlusion: should be a number from 0 to 1, not nan",
+        ),
+        (
             "pressure: {kind: simulated}\nfollow: {on_mis: skip}",
             "follow: on_mis: there is no such field; did you mean on_miss?",
         ),
