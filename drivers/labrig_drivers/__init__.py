@@ -1,7 +1,8 @@
 """Devices: small protocols, the clock they run on, and one module per real device."""
 
-from labrig_drivers._build import KINDS, build_device
+from labrig_drivers._build import KINDS, build_device, set_together
 from labrig_drivers._check import Finding, State, check_devices
+from labrig_drivers._choices import register_maps, serial_ports
 from labrig_drivers._clock import Clock, RealClock, SimulatedClock
 from labrig_drivers._protocols import (
     Channel,
@@ -45,4 +46,7 @@ __all__ = [
     "VentReport",
     "build_device",
     "check_devices",
+    "register_maps",
+    "serial_ports",
+    "set_together",
 ]

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from labrig_drivers._clock import Clock
 from labrig_drivers._protocols import Channel, DeviceError
 
@@ -58,6 +60,29 @@ def build_device(
         return _vicon(checked, name, clock, marker_names, recorder)
     assert isinstance(checked, _settings.ArtecSettings)
     return _artec(checked, name, clock, base)
+
+
+def set_together(kind: str, settings: Mapping[str, Any], channels: Sequence[Channel]) -> str | None:
+    """Two chambers that a pressure controller gives one set-point, in a line; None where each has its own.
+
+    The settings are those that `build_device` takes.
+    """
+    from labrig_drivers import _settings
+
+    if kind != "openpneu":
+        return None
+    from labrig_drivers._openpneu import check_pairs
+
+    checked = _settings.OpenPneuSettings.model_validate(dict(settings))
+    if not _paired(checked):
+        return None
+    # of set-points that all differ, the first pair is named
+    check = check_pairs(_outputs(checked, kind, channels), [channel.name for channel in channels])
+    return check(np.arange(len(channels), dtype=float))
+
+
+def _paired(settings: "OpenPneuSettings") -> bool:
+    return settings.build == "published" and settings.dialect != "table"
 
 
 def _recorder(kind: str, name: str, record: Path | None) -> "Recorder | None":
@@ -120,8 +145,7 @@ def _openpneu(
         ),
         recorder,
     )
-    paired = settings.build == "published" and settings.dialect != "table"
-    check = check_pairs(outputs, names) if paired else lambda _: None
+    check = check_pairs(outputs, names) if _paired(settings) else lambda _: None
     return WiredPressure(
         name, "openpneu", channels, clock, wire, _pressure_options(settings), check, recorder
     )
