@@ -31,6 +31,17 @@ def write_whole(path: Path, text: str) -> None:
         partial.unlink(missing_ok=True)
 
 
+def write_new(path: Path, text: str) -> None:
+    """As `write_whole`, and never over a file that is there, whoever made it meanwhile: `FileExistsError`."""
+    with naming(path), path.open("x"):
+        pass  # the name is taken
+    try:
+        write_whole(path, text)
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+
+
 def sync_folder(folder: Path) -> None:
     """Make the names in a folder durable. POSIX only: Windows has no way to ask for it, and no need."""
     if os.name != "posix":

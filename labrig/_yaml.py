@@ -30,7 +30,10 @@ class _Loader(yaml.SafeLoader):
 
 def load_yaml(text: str) -> Any:
     """The content of YAML in which no key stands twice; raises `yaml.YAMLError` (`TwiceError` for such a key)."""
-    return yaml.load(text, Loader=_Loader)
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except RecursionError:
+        raise yaml.MarkedYAMLError(problem="it is nested too deeply") from None
 
 
 def read_yaml(path: Path, what: str, hint: str = "", begins: str = "name: ...") -> dict[str, Any]:

@@ -39,9 +39,11 @@ class Desk:
 
         Raises `LabrigError` for a name that leads out of it, by `..`, as an absolute path or by a link.
         """
+        if "\0" in relative:  # which no file's name has, and `resolve` does not take
+            raise LabrigError(f"{relative!r}: is no name of a file")
         parts = PurePosixPath(relative.replace("\\", "/"))
         found = (self.folder / parts).resolve()
-        if "\0" in relative or parts.is_absolute() or not found.is_relative_to(self.folder):
+        if parts.is_absolute() or not found.is_relative_to(self.folder):
             raise LabrigError(f"{relative}: lies outside the workbench's folder {self.folder}")
         return found
 

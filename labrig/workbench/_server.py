@@ -24,7 +24,10 @@ from labrig.workbench._events import stream
 from labrig.workbench._guarded import LOOPBACK, Guarded
 from labrig.workbench._vent_button import VentButton
 
-PARTS = ("_run", "_runs", "_compare", "_where", "_which", "_add", "_import", "_watch", "_next", "_history")
+PARTS = (
+    *("_run", "_runs", "_compare", "_where", "_which", "_add", "_import", "_watch", "_next", "_history"),
+    "_rig_setup",
+)
 """The modules behind the steps; each has `routes(desk)`."""
 PORT = 8765
 _PAGE = Path(__file__).with_name("page")
