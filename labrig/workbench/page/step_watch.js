@@ -1,12 +1,13 @@
 // Watch: the run that goes on; else what to measure next, its plan and its start; two models on one run; the rig over all its runs.
 
-import { complain, empty, fill, h } from "./dom.js";
+import { complain, fill, h } from "./dom.js";
 import { live } from "./live.js";
 import { answers, look } from "./rig.js";
 import { get, mayMoveRig, post } from "./server.js";
 import { history } from "./watch_history.js";
 import { next } from "./watch_next.js";
 import { plan } from "./watch_plan.js";
+import { noRig } from "./watch_setup.js";
 import { versus } from "./watch_versus.js";
 
 export async function show(root, context) {
@@ -30,7 +31,7 @@ export async function show(root, context) {
   if (context.run && facts.rig) ends.push(await next(cards, context));
   if (facts.rig) ends.push(await plan(cards, context, facts));
   if (context.run) ends.push(await history(cards, context));
-  if (!facts.rig) cards.append(noRig(context));
+  if (!facts.rig) await noRig(cards, context);
   return () => ends.forEach((end) => end?.());
 }
 
@@ -41,15 +42,6 @@ async function fitting(run) {
   } catch {
     return []; // it has just ended, which the page is told next
   }
-}
-
-function noRig(context) {
-  return empty(
-    "No rig is connected",
-    h("p", {}, "To measure from here, simulated or real, start the workbench with its rig file:"),
-    h("p", {}, h("code", {}, "labrig workbench --rig RIG.yaml")),
-    context.run ? null : h("p", {}, h("a", { href: "#/choose" }, "Choose a run"), " to compare two models on it."),
-  );
 }
 
 function resume(context, state) {
