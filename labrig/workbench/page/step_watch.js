@@ -31,7 +31,7 @@ export async function show(root, context) {
   if (context.run && facts.rig) ends.push(await next(cards, context));
   if (facts.rig) ends.push(await plan(cards, context, facts));
   if (context.run) ends.push(await history(cards, context));
-  if (!facts.rig) await noRig(cards, context);
+  if (!facts.rig) await noRig(cards, context).catch((error) => cards.append(h("p", { class: "wrong" }, error.message)));
   return () => ends.forEach((end) => end?.());
 }
 
