@@ -165,6 +165,8 @@ def _lost_words(weights: Mapping[str, Any], hold_s: float) -> str:
         kind, tau, *_ = (*name.split(), "")
         if kind == "lost":
             loss[chamber] = loss.get(chamber, 0.0) - value * math.expm1(-hold_s / float(tau))
+    if not loss:  # its functions are those of the surface
+        return "The surface sinks as a whole: no chamber stands out."
     common = loss.pop("", 0.0)
     each = {chamber: common + own for chamber, own in loss.items()} or {"Every chamber": common}
     most = sorted(each, key=lambda chamber: -each[chamber])[:_NAMED]

@@ -100,6 +100,10 @@ def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
     assert shorter.startswith(f"c1 loses {lost} %, ")
     assert " of its full pressure in 6 s. " in shorter
     assert plain_words("creep", {"weights": weights}).startswith("No formula follows it")
+    skin = {"value": [1.5, -0.2], "sd": [0.1, 0.1], "per": ["skin 600.0", "skin 600.0 load"], "unit": "1"}
+    assert plain_words("leak", {"weights": skin}).startswith(
+        "The surface sinks as a whole: no chamber stands out."
+    )
     nothing = weights | {"value": [0.0] * 6}
     assert plain_words("leak", {"weights": nothing}).startswith("No single chamber leaks clearly.")
 
