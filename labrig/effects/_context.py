@@ -11,13 +11,14 @@ from scipy.linalg import solve_banded
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.effects._rows import Rows
+from labrig.effects._speeds import speeds
 
 LINEAR = 0.03
 FEW_OBSERVABLES = 8
 """So many may each follow an effect in a measure of its own; of more, each has little to say of its own."""
 _DENSE = 100
 """Fewer moments than this are no record, but a table of set-points."""
-_LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
+LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
 _FORCES = {"N", "mN", "kN", "N*m", "N m", "Nm", "mN*m", "Pa", "kPa", "MPa", "bar"}
 MOMENTS = "the moments of its actuations"
 
@@ -42,7 +43,7 @@ class Context:
     event; `deflection_slope` (F, C) its derivative by the fraction of the range, 1 for a linear base; `inside`,
     for a simulator, the derivative (F, K) by each of its physical parameters. `reach` (K, C): the mean size of
     each observable's slope while a chamber alone goes over its range; `alone` works that and the deflections out
-    for another range.
+    for another range; `elsewhere` says what the base predicts at other set-points (n, C), if that is all that it needs.
 
     Where a model's saved effect is evaluated, `saved` is true, `centre` (3,) is the point that its rotations are
     about, `began_s` when the run began that its moments are counted from, and `yardsticks` are that run's (see
@@ -64,6 +65,7 @@ class Context:
     displaced: Floats | None = None
     reach: Floats | None = None
     alone: Callable[[Floats, Floats], Alone] | None = field(default=None, repr=False, compare=False)
+    elsewhere: Callable[[Floats], Floats] | None = field(default=None, repr=False, compare=False)
     saved: bool = False
     centre: Floats | None = None
     began_s: float = float("nan")
@@ -231,7 +233,7 @@ class Context:
     @cached_property
     def stretched(self) -> bool:
         """Whether a displacement is commanded and a force measured, so that what yields is seen as relaxation."""
-        return self.rows.actuation_unit in _LENGTHS and set(self.rows.unit) <= _FORCES
+        return self.rows.actuation_unit in LENGTHS and set(self.rows.unit) <= _FORCES
 
     @cached_property
     def linear(self) -> bool:
@@ -379,34 +381,8 @@ class Context:
     def motion(self) -> dict[str, tuple[Floats, float]]:
         """Logged covariates that are a position: name -> (its speed per s (F,), its range)."""
         if "motion" not in self._memo:
-            self._memo["motion"] = self._motion()
+            found = speeds(self.rows, LENGTHS)
+            self._memo["motion"] = {
+                n: (v, span) for n, (v, span) in found.items() if self.shows(np.ptp(v) > 0)
+            }
         return self._memo["motion"]
-
-    def _motion(self) -> dict[str, tuple[Floats, float]]:
-        out = {}
-        for name, cov in self.rows.covariates.items():
-            if cov.unit not in _LENGTHS or name.lower() in {
-                "tilt",
-                "orientation",
-            }:
-                continue
-            speed = np.zeros(len(cov.values))
-            for s in np.unique(self.rows.session):
-                own = np.flatnonzero(self.rows.session == s)
-                if len(own) > 4:
-                    t = self.rows.time_s[own]
-                    t = (
-                        t
-                        if np.isfinite(t).all() and (np.diff(t) > 0).all()
-                        else np.arange(len(own), dtype=float)
-                    )
-                    speed[own] = np.gradient(_smooth(cov.values[own]), t)
-            if np.isfinite(speed).all() and self.shows(np.ptp(speed) > 0):
-                out[name] = (speed, float(np.ptp(cov.values)))
-        return out
-
-
-def _smooth(x: Floats, half: int = 2) -> Floats:
-    """Running mean over `2 half + 1` samples, shorter at the ends."""
-    padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
-    return np.convolve(padded, np.ones(2 * half + 1) / (2 * half + 1), mode="valid")

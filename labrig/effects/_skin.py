@@ -21,7 +21,9 @@ _FLAT = 0.1
 
 
 def at_events(context: Context) -> Floats:
-    """The predicted displacement at each event (E, K): of its rows, else by the chambers' deflections."""
+    """The predicted displacement at each event (E, K): of its rows, else as the base predicts it, else by the chambers'
+    deflections.
+    """
     rows = context.rows
     E = len(rows.event_session)
     count = np.bincount(rows.event, minlength=E)
@@ -29,7 +31,9 @@ def at_events(context: Context) -> Floats:
     np.add.at(total, rows.event, context.displacement)
     out = total / np.maximum(count, 1)[:, None]
     alone = count == 0
-    if alone.any():
+    if alone.any() and context.elsewhere is not None:
+        out[alone] = context.elsewhere(rows.event_actuation[alone]) - context.base_vented
+    elif alone.any():
         by_chamber = np.linalg.lstsq(context.deflection, context.displacement, rcond=None)[0]
         out[alone] = context.event_deflection[alone] @ by_chamber
     return out

@@ -62,6 +62,7 @@ def carried(context: Context, turn_rad: Floats) -> Context:
     return replace(
         context,
         displaced=turn(context.displacement),
+        elsewhere=None,
         jacobian=np.moveaxis(turn(np.moveaxis(context.jacobian, 1, 2)), 2, 1),
         inside={name: turn(change) for name, change in context.inside.items()},
         _memo={},

@@ -111,6 +111,7 @@ class Remembering:
             inside=self.shape.inside(rows.actuation) if hasattr(self.shape, "inside") else {},
             reach=self._alone.reach,
             alone=partial(solo_deflection, base),
+            elsewhere=base.predict,
         )
 
     def _rows(self, path: Approach) -> "Rows":

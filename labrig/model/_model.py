@@ -249,6 +249,7 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
         inside=inside,
         reach=alone.reach,
         alone=partial(solo_deflection, base),
+        elsewhere=None if isinstance(base, MemoryModel | StaticModel) else base.predict,
     )
 
 

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labrig.effects import Context, Rows, rows_of
-from labrig.model import base_context
+from labrig.effects._skin import at_events
+from labrig.model import Model, base_context
 from labrig.model._bases import StaticModel
 from labrig.model._file import StaticBase
 
@@ -213,3 +214,19 @@ def test_captures_of_one_row_are_no_record() -> None:
     assert record.sample_s == 0.5
     line = np.interp(times - 0.7, times, path, left=0.0)
     assert record.earlier(0.7)[2:, 0] == pytest.approx(line[2:])
+
+
+def test_what_was_set_and_not_recorded_moved_the_surface_too(make_lab) -> None:
+    """Where a capture is left out, the surface was still where the base has it then, also where chambers help each
+    other: what remembers knows the way.
+    """
+
+    def base(u: np.ndarray) -> np.ndarray:
+        return lab.predict(u) + 0.02 * u[..., :1] * u[..., 1:2]
+
+    lab = make_lab(captures=20, bent=1.5)
+    rows = rows_of(lab.dataset(base(lab.u)))
+    context = Model.of(base).predictor(rows).context(rows)
+    some = context.thin(np.flatnonzero(rows.capture % 3 != 1))
+    assert at_events(some) == pytest.approx(at_events(context), abs=1e-9)
+    assert at_events(replace(some, elsewhere=None)) != pytest.approx(at_events(context), abs=0.1)

@@ -1,0 +1,37 @@
+"""How fast what was logged as a position moves."""
+
+from collections.abc import Collection
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.effects._rows import Rows
+
+_NO_MOTION = {"tilt", "orientation"}
+_FEWEST = 5
+
+
+def speeds(rows: Rows, units: Collection[str]) -> dict[str, tuple[Floats, float]]:
+    """Of each covariate in one of the units its speed per s (F,), and its range; none where it is not finite."""
+    out = {}
+    for name, cov in rows.covariates.items():
+        if cov.unit not in units or name.lower() in _NO_MOTION:
+            continue
+        speed = np.zeros(len(cov.values))
+        for s in np.unique(rows.session):
+            own = np.flatnonzero(rows.session == s)
+            if len(own) >= _FEWEST:
+                t = rows.time_s[own]
+                dated = np.isfinite(t).all() and (np.diff(t) > 0).all()
+                speed[own] = np.gradient(
+                    _smooth(cov.values[own]), t if dated else np.arange(len(own), dtype=float)
+                )
+        if np.isfinite(speed).all():
+            out[name] = (speed, float(np.ptp(cov.values)))
+    return out
+
+
+def _smooth(x: Floats, half: int = 2) -> Floats:
+    """Running mean over `2 half + 1` samples, shorter at the ends."""
+    padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
+    return np.convolve(padded, np.ones(2 * half + 1) / (2 * half + 1), mode="valid")
