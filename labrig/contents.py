@@ -134,6 +134,7 @@ class Summary(TypedDict, total=False):
     probability: float
     track_record: TrackRecord | None
     rivals: list[str]
+    together: list[str]
     effects_considered: list[Considered]
     units: Required[str]
     error: Required[Errors]

@@ -15,6 +15,7 @@ _VERDICTS = {
     "underpowered": "too few data, or an effect as small as the tolerance could not be seen",
 }
 _PERHAPS = "an effect is missing; one that labrig knows fits"
+_TOGETHER = "effects are missing that fit together, none of them surely"
 _ASTRAY = "some captures are mistaken, and left out; beside them nothing is missing"
 _WHERE_ROWS = 6
 _RANKING_ROWS = 5
@@ -22,13 +23,18 @@ _RANKING_ROWS = 5
 
 def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
-    from labrig.view import astray, at_one_moment, note, only_perhaps
+    from labrig.view import astray, at_one_moment, none_surely, note, only_perhaps
 
     console = new_console()
     units = summary["units"]
     error = summary["error"]
     if verdict := summary.get("verdict"):
-        meaning = _ASTRAY if astray(summary) else _PERHAPS if only_perhaps(summary) else _VERDICTS[verdict]
+        if astray(summary):
+            meaning = _ASTRAY
+        elif only_perhaps(summary):
+            meaning = _PERHAPS
+        else:
+            meaning = _TOGETHER if none_surely(summary) else _VERDICTS[verdict]
         console.print(f"verdict: {verdict} ({meaning})", highlight=False)
         _print_effects(console, summary)
     errors = Table(title=f"error, {units} rms")

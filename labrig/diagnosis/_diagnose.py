@@ -210,7 +210,7 @@ def result_of(
     if doubted := idle | (alike_at_one_speed(context) & set(verdict.effects)):
         verdict = less_sure(verdict, doubted)
         chosen = _chosen(ready, verdict, effects, found, idle)
-    errors = _errors(ready, chosen)
+    errors = _errors(ready, chosen, found)
     entries = (
         [entry_of(regression, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
         if chosen
@@ -228,6 +228,7 @@ def result_of(
         "probability": verdict.probability,
         "track_record": track_record(verdict.verdict),
         "rivals": list(verdict.rivals),
+        "together": list(verdict.together),
         "effects_considered": [told(c, unit_size) for c in verdict.considered],
         "units": regression.units,
         "error": errors.as_dict(),
@@ -261,14 +262,14 @@ def _chosen(
     found: Mapping[str, list[Candidate]],
     idle: Collection[str] = (),
 ) -> Fit | None:
-    """The formulas of what is sure and, where one of several is, of the likeliest of them, but for those that are
-    `idle`; forms that are `found` are not looked for again.
+    """The formulas of what is `Verdict.added`, but for those that are `idle`; forms that are `found` are not looked for
+    again.
 
     A family can be wider than its formulas: an effect of which none can act on these runs is left out.
     """
     if verdict.verdict not in {"identified", "multiple", "confounded"}:
         return None
-    names = [n for n in (*verdict.effects, *verdict.rivals[:1]) if n not in idle]
+    names = [n for n in verdict.added if n not in idle]
     known = {n: found.get(n) or forms_of(ready.regression, ready.context, effects[n]) for n in names}
     able = [effects[n] for n in names if known[n]]
     if not able:
@@ -286,7 +287,8 @@ def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Ca
     return shown
 
 
-def _errors(ready: Prepared, chosen: Fit | None) -> _Errors:
+def _errors(ready: Prepared, chosen: Fit | None, found: Mapping[str, Sequence[Candidate]]) -> _Errors:
+    """The errors; the lowest is that of the learner or of any model that was tried, each effect by itself too."""
     regression = ready.regression
     base_left = regression.residual - regression.nothing
     base = square_of(regression, base_left)
@@ -295,9 +297,10 @@ def _errors(ready: Prepared, chosen: Fit | None) -> _Errors:
     learner: Ceiling | None = max(
         ceiling(regression, ready.context, left).values(), key=lambda c: c.gain, default=None
     )
-    lowest = (
-        min(base, now) if learner is None else min(base, now, square_of(regression, left - learner.heldout))
-    )
+    tried = [square_of(regression, regression.residual - forms[0].alone.heldout) for forms in found.values()]
+    if learner is not None:
+        tried.append(square_of(regression, left - learner.heldout))
+    lowest = min(base, now, *tried)
     floor = float(np.mean(ready.floor.row[regression.counted] ** 2))
     return _Errors(*(float(np.sqrt(max(v, 0.0))) for v in (base, now, floor, lowest)))
 

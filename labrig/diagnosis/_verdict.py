@@ -53,6 +53,14 @@ class Verdict:
     warnings: tuple[str, ...] = ()
     within: Mapping[str, float] = field(default_factory=dict)
     """Effects that are there beside something larger without a name, where that is the verdict: their sizes, floors."""
+    together: tuple[str, ...] = ()
+    """Of the effects and rivals those that the likeliest explanation has together: partners, and no rivals."""
+
+    @property
+    def added(self) -> tuple[str, ...]:
+        """What is fitted for the model: what is sure, and of the rivals those that act together, else the likeliest."""
+        partners = tuple(name for name in self.rivals if name in self.together)
+        return (*self.effects, *(partners or self.rivals[:1]))
 
     @property
     def found(self) -> tuple[str, ...]:
@@ -212,7 +220,8 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
         word = "identified" if len(sure) == 1 else "multiple"
         return Verdict(word, sure, _exactly(sure, considered), (), considered, carried, beside)
     if some >= 0.5:
-        return Verdict("confounded", sure, some, possible, considered, carried, beside)
+        partners = _together(answers, (*sure, *possible))
+        return Verdict("confounded", sure, some, possible, considered, carried, beside, together=partners)
     return Verdict("unknown", (), 1 - some, (), considered, carried, beside)
 
 
@@ -227,7 +236,13 @@ def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
     word = verdict.verdict if possible else ("unknown", "identified", "multiple")[min(len(sure), 2)]
     carried = next(iter(names.values()))
     return replace(
-        verdict, verdict=word, effects=sure, rivals=possible, considered=considered, carried_by=carried
+        verdict,
+        verdict=word,
+        effects=sure,
+        rivals=possible,
+        considered=considered,
+        carried_by=carried,
+        together=tuple(name for name in verdict.together if name not in names),
     )
 
 
@@ -249,6 +264,17 @@ def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:
 def with_unseen(verdict: Verdict, owners: Collection[str]) -> Verdict:
     """The same, where only these `owners` have anything that they could be seen by."""
     return replace(verdict, considered=tuple(replace(c, seen=c.effect in owners) for c in verdict.considered))
+
+
+def _together(answers: Sequence[Answer], names: Sequence[str]) -> tuple[str, ...]:
+    """Those of these names, several, that evidence has together, more probably than not; else none."""
+    total: dict[frozenset[str], float] = {}
+    for a in answers:
+        own = frozenset(a.names) & frozenset(names)
+        total[own] = total.get(own, 0.0) + a.probability
+    likeliest = max(total, key=lambda own: total[own], default=frozenset[str]())
+    several = len(likeliest) > 1 and total[likeliest] >= 0.5  # even odds
+    return tuple(name for name in names if name in likeliest) if several else ()
 
 
 def _exactly(sure: Sequence[str], considered: Sequence[Considered]) -> float:

@@ -130,8 +130,19 @@ def added(summary: Summary) -> list[str]:
     """What the model of `error.model` has and the base has not: what is sure, else the likeliest beside it too."""
     effects = [str(name) for name in summary.get("effects") or []]
     if summary.get("verdict") == "confounded":
-        effects += [str(name) for name in (summary.get("rivals") or [])[:1]]
+        effects += partners(summary) or [str(name) for name in (summary.get("rivals") or [])[:1]]
     return list(dict.fromkeys(effects))
+
+
+def partners(summary: Summary) -> list[str]:
+    """Of the rivals those that the likeliest explanation has together, with what is sure."""
+    together = summary.get("together") or ()
+    return [str(name) for name in summary.get("rivals") or () if name in together]
+
+
+def none_surely(summary: Summary) -> list[str]:
+    """Those of them where there are several: they are no alternatives, and yet none is sure."""
+    return several if len(several := partners(summary)) > 1 else []
 
 
 def size_words(one: Called, units: str) -> str:
@@ -165,6 +176,8 @@ def naming(summary: Summary) -> str:
         )
         if only_perhaps(summary):
             parts.append(f"perhaps {shown}, or an effect that labrig does not know")
+        elif several := none_surely(summary):
+            parts.append(f"possible{beside}: {shown}; {listed(several)} fit together, none of them surely")
         else:
             parts.append(f"possible{beside}: {shown}; these data do not determine it")
     return "; ".join(parts)
@@ -223,9 +236,23 @@ def _less_than_evidence(summary: Summary) -> str:
         if row["call"] == "possible" and by_evidence >= SURE > worth:
             said.append(
                 f"Evidence alone makes {word(name)} {percent(by_evidence)}, but such names were there less often, on "
-                "laws that nothing was learnt from."
+                f"laws that nothing was learnt from.{_never_sure(name)}"
             )
     return " ".join(said)
+
+
+def _never_sure(name: str) -> str:
+    """That more measurements make a name no surer, and what would tell, where it is so."""
+    from labrig.diagnosis import SURE, calibration
+    from labrig.effects import library
+
+    most, effect = calibration().at_most(name), library().get(name)
+    if most >= SURE or effect is None:
+        return ""
+    return (
+        f" It is never called sure ({percent(most)} at most), however much is measured; what confirms it: "
+        f"{effect.experiment}."
+    )
 
 
 def _counted(summary: Summary) -> str:

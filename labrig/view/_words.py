@@ -11,6 +11,7 @@ from labrig.view._naming import (
     names,
     naming,
     naming_sentences,
+    none_surely,
     only_perhaps,
     possible,
     share_of_all,
@@ -116,6 +117,9 @@ def _headline(summary: Summary) -> str:
             perhaps = [name for name in names(possible(summary)) if name not in effects]
             if len(perhaps) == 1 and not effects:
                 return f"An effect is missing: perhaps {listed(perhaps)}, or one that labrig does not know."
+            several = none_surely(summary)
+            if not effects and several:
+                return f"Effects are missing that fit together, none of them surely: {listed(several)}."
             if not effects:
                 return f"An effect is missing, and these data do not determine which: {_either(perhaps)}."
             known = f"{capital(listed(effects))} {'is' if len(effects) == 1 else 'are'} missing"

@@ -9,6 +9,7 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig.contents import Summary
+from labrig.view import added as added_by
 from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key, opened, trial
@@ -100,7 +101,7 @@ def switches(key: Key, found: Summary) -> str:
                 for name in names
             ],
             "has": has,
-            "found": [*found["effects"], *found["rivals"][:1]],
+            "found": added_by(found),
             "shape": shape_of(compared),
             "captures": [str(name) for name in compared.fields["capture"].values],
         }

@@ -10,6 +10,7 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.view import added
 from labrig.workbench._answers import answering, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key, opened, trial
@@ -47,11 +48,8 @@ def _where(desk: Desk, request: Request) -> Any:
 
 
 def found_in(pair: Pair) -> tuple[str, ...]:
-    """The effects that are sure, and the likeliest of those that are alternatives; none without a diagnosis."""
-    if not pair.has("diagnosis.json"):
-        return ()
-    found = pair.diagnosis()
-    return (*found["effects"], *found["rivals"][:1])
+    """The effects that the diagnosis fitted for the model; none without a diagnosis."""
+    return tuple(added(pair.diagnosis())) if pair.has("diagnosis.json") else ()
 
 
 def series(key: Key, kind: str, name: str, effects: tuple[str, ...]) -> str:

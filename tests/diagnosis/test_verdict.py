@@ -145,6 +145,26 @@ def test_what_is_sure_stays_where_nothing_else_is_possible(as_evidence_says: Cal
     assert (verdict.verdict, verdict.effects, verdict.rivals) == ("identified", ("leak",), ())
 
 
+def test_partners_are_no_rivals(as_evidence_says: Callable[..., None]) -> None:
+    """Two effects that the evidence has together are both fitted, though neither name is sure; a third that stands in
+    for one of them is an alternative, and beside what is sure a single partner is one, too.
+    """
+    as_evidence_says(leak=-4.0, creep=-4.0)
+    both = (answer(0.96, "leak", "creep"), answer(0.03, "leak", "drift"), answer(0.01, "creep"))
+    verdict = told(*both)
+    assert (verdict.verdict, verdict.effects) == ("confounded", ())
+    assert set(verdict.together) == {"leak", "creep"}
+    assert set(verdict.added) == {"leak", "creep"}
+    as_evidence_says(creep=-6.0)
+    beside = told(answer(0.999, "leak", "creep"), answer(0.001, "leak"))
+    assert (beside.verdict, beside.effects, beside.rivals) == ("confounded", ("leak",), ("creep",))
+    assert beside.added == ("leak", "creep")
+    assert taken_back(beside, {"leak": "what is ahead"}).together == ("creep",)
+    as_evidence_says()
+    either = told(answer(0.55, "leak"), answer(0.45, "creep"))
+    assert (either.verdict, either.together, either.added) == ("confounded", (), ("leak",))
+
+
 def test_confounded() -> None:
     """Two effects, one in each of two likely answers, are rivals; so they are beside one that is sure."""
     verdict = told(answer(0.6, "leak"), answer(0.38, "creep"), answer(0.02, "drift"))

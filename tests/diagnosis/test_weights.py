@@ -15,6 +15,7 @@ from labrig.bench._files import write_model
 from labrig.bench._learner import capture_error
 from labrig.diagnosis import Result, diagnose, forms_of, improve, prepared, rows_from
 from labrig.diagnosis._candidates import Candidate, fit, square_of
+from labrig.diagnosis._diagnose import _errors
 from labrig.diagnosis._spectra import prior_of
 from labrig.diagnosis._weights import family_forms
 from labrig.effects import (
@@ -189,3 +190,13 @@ def test_a_sag_by_the_load_needs_the_load(tmp_path: Path) -> None:
     bare = campaign.fresh.drop_vars([v for v in campaign.fresh.data_vars if str(v).startswith("covariate")])
     with pytest.raises(LabrigError, match=r"^effect 'gravity' needs the payload, which this run did not log"):
         improved.context(rows_of(bare))
+
+
+def test_the_bound_is_what_any_effect_reached(lip: tuple[Campaign, Model, Result]) -> None:
+    """Where no learner comes as near as an effect by itself, though it is in no model, that effect is the bound."""
+    campaign, model, _ = lip
+    ready = prepared(rows_of(campaign.dataset), model)
+    forms = forms_of(ready.regression, ready.context, library()["leak"])
+    reached = float(np.sqrt(square_of(ready.regression, ready.regression.residual - forms[0].alone.heldout)))
+    assert _errors(ready, None, {}).ceiling > 1.05 * reached
+    assert _errors(ready, None, {"leak": forms}).ceiling == pytest.approx(reached)

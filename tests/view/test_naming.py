@@ -3,7 +3,8 @@
 import pytest
 
 from labrig.diagnosis._problem import ASTRAY
-from labrig.view import UNSEEN, astray, effect_rows, names_in_short, summary_words, unseen_words
+from labrig.effects import library
+from labrig.view import UNSEEN, added, astray, effect_rows, names_in_short, summary_words, unseen_words
 from labrig.view._naming import carries
 from labrig.view._words import note
 
@@ -257,6 +258,24 @@ def test_what_single_captures_were_left_out_for(make_summary, carried, why):
     assert why in carries(carried)
 
 
+def test_partners_are_not_called_alternatives(make_summary):
+    """Two effects that fit together, neither of them surely, are both said to be missing, and both are in the model."""
+    summary = make_summary("confounded", 0.9, creep=0.71, regulator=0.68, leak=0.2)
+    summary["together"] = ["creep", "regulator"]
+    words = summary_words(summary)
+    assert (
+        words.headline == "Effects are missing that fit together, none of them surely: creep and regulator."
+    )
+    assert words.named == (
+        "nothing is sure; possible: creep (71 %), regulator (68 %), leak (20 %); creep and regulator fit together, "
+        "none of them surely"
+    )
+    assert added(summary) == ["creep", "regulator"]
+    summary["together"] = []
+    assert added(summary) == ["creep"]
+    assert "do not determine" in summary_words(summary).headline
+
+
 def test_what_is_astray_is_called_alike_by_diagnosis_and_words(make_summary):
     """Whatever the diagnosis leaves single captures out for, the words know it."""
     assert all(astray(make_summary("unknown", 0.99, {"carried_by": why})) for why in ASTRAY)
@@ -275,7 +294,11 @@ def test_why_what_evidence_is_sure_of_is_not(
     """
     summary = make_summary("confounded", 0.5, **{effect: 0.5, "creep": 0.03})
     summary["effects_considered"][0] |= {"by_evidence": by_evidence, "share": 1.0}
-    why = "Evidence alone makes frame 99 %, but such names were there less often, on laws that nothing was learnt from."
+    why = (
+        "Evidence alone makes frame 99 %, but such names were there less often, on laws that nothing was learnt from. "
+        "It is never called sure (58 % at most), however much is measured; what confirms it: "
+        f"{library()['frame'].experiment}."
+    )
     assert summary_words(summary).whole == (why if said else "")
     sure = make_summary("identified", 0.9, frame=0.9)
     sure["effects_considered"][0] |= {"by_evidence": 0.99, "share": 1.0}
