@@ -7,7 +7,7 @@ from labrig._errors import LabrigError
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._floor import capture_means
-from labrig.diagnosis._witnesses import Moments, borne_out, moments_of
+from labrig.diagnosis._witnesses import Moments, borne_out, grown, moments_of
 from labrig.effects import Context, fill
 
 FORM = 0.03
@@ -57,18 +57,20 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
         return rows, dropped
     far, unusual = _far(residual, at)
     far = _passing(far, at.index)
-    borne = borne_out(residual, far, at, unusual)
+    borne = borne_out(residual, far, at, unusual) | grown(residual, far, at)
     rows = _without(residual, far & ~borne, at)
     means, _ = capture_means(rows, at.index)
     far = _far_in_hold(rows, at.index)
-    again = borne_out(rows - means[at.index], far, at)
+    again = borne_out(rows - means[at.index], far, at) | grown(rows, far, at)
     rows = _without(rows, far & ~again, at)
     if captures >= 6:
         means, _ = capture_means(np.where(borne | again, np.nan, rows), at.index)
         held = at.of_captures()
         far, unusual = _far(means, held)
         far = _passing(far, held.index)
-        kept = _without(means, far & ~borne_out(means, far, held, unusual), held)
+        came = np.zeros_like(far)
+        np.logical_or.at(came, at.index, grown(rows, far[at.index], at))
+        kept = _without(means, far & ~(came | borne_out(means, far, held, unusual)), held)
         rows = np.where((np.isfinite(means) & np.isnan(kept))[at.index], np.nan, rows)
     return rows, int((np.isfinite(residual) & ~np.isfinite(rows)).sum())
 

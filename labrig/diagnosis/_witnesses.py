@@ -26,6 +26,8 @@ _BY_CHANCE = 0.01
 """Share of campaigns, at each look, in which mistakes that come anywhere may seem to come at certain places only."""
 _FEWEST = 12
 """Captures up to which only the nearest are asked: the other witnesses were measured on campaigns of 60 and more."""
+_STEPS = 3
+"""Steps within a hold, at least, in which something comes by and by."""
 _CERTAIN = 3.0
 """Standard deviations that what the others say must be away from nothing."""
 _UNSEEN = 0.01
@@ -101,6 +103,27 @@ def borne_out(values: Floats, far: Mask, at: Moments, unusual: Mask | None = Non
     placed = far & _at_one_place(far if unusual is None else far | unusual, at)
     found = said | _said_again(values, far & ~asked, at) | placed | _repeated(values, far, at)
     return found | _leant(values, far & ~found, at)
+
+
+def grown(values: Floats, far: Mask, at: Moments) -> Mask:
+    """Which entries that are `far` came there step by step along their own hold, (n, K): a mistake comes at once.
+
+    From the first row of the hold on, in three steps or more, none of which is more than half of the way.
+    """
+    out = np.zeros_like(far)
+    off = values - np.nanmedian(values, axis=0)
+    for capture in np.unique(at.index[far.any(axis=1)]):
+        rows = np.flatnonzero(at.index == capture)
+        for k in np.flatnonzero(far[rows].any(axis=0)):
+            seen = rows[np.isfinite(off[rows, k])]
+            seen = seen[np.argsort(at.late[seen], kind="stable")]
+            v = off[seen, k]
+            for j in np.flatnonzero(far[seen, k]):
+                way = abs(v[j] - v[0])
+                steps = np.abs(np.diff(v[: j + 1]))
+                at_once = steps.max(initial=0.0) > way / 2 or abs(v[0]) > abs(v[j]) / 2
+                out[seen[j], k] = len(steps) >= _STEPS and not at_once
+    return out
 
 
 def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
