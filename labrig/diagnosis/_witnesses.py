@@ -122,8 +122,9 @@ def grown(values: Floats, far: Mask, at: Moments) -> Mask:
                 way = abs(v[j] - v[0])
                 steps = np.abs(np.diff(v[: j + 1]))
                 at_once = steps.max(initial=0.0) > way / 2 or abs(v[0]) > abs(v[j]) / 2
-                out[seen[j], k] = len(steps) >= _STEPS and not at_once
-    return out
+                if len(steps) >= _STEPS and not at_once:
+                    out[seen[: j + 1], k] = True
+    return out & far
 
 
 def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
