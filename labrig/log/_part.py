@@ -20,7 +20,9 @@ from labrig.tables import (
     Observable,
     Table,
     TableFile,
+    by_time,
     factor,
+    in_rows,
     is_length,
     join_tables,
     read_table,
@@ -48,6 +50,8 @@ class Part:
         self.remarks += [f"{self.table.path.name}: {line}" for line in self.table.said]
         self.n = len(self.table.frame)
         self.time_s = np.array(self._time())
+        if mapping.time is not None and mapping.time.sort:
+            self._sort()
         if mapping.join:
             self.table = join_tables(self.table, self.time_s, mapping.join, file.join, folder)
         self._only_joined()
@@ -83,6 +87,11 @@ class Part:
         if "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d":
             return self.table.numbers("time_s", "time")
         return np.arange(self.n, dtype=float)
+
+    def _sort(self) -> None:
+        """Put the rows in the order of their time."""
+        order = by_time(self.time_s, self._session())
+        self.table, self.time_s = in_rows(self.table, order), self.time_s[order]
 
     def _only_joined(self) -> None:
         """Leave out the rows for which a joined file has no input: before it began or after it ended."""
@@ -232,12 +241,20 @@ class Part:
             if labels[i] and seen.setdefault((self.session[i], labels[i]), i) != i:
                 raise LabrigError(
                     f"{self.table.at(i)}: capture {labels[i]!r} appears again "
-                    "after another one; rows of one capture must stand together"
+                    f"after another one; rows of one capture must stand together{self._if_shuffled()}"
                 )
         return out
 
+    def _if_shuffled(self) -> str:
+        back = np.flatnonzero(self._back())
+        return why_back(self.time_s, int(back[0]) + 1, dated=False) if len(back) else ""
+
+    def _back(self) -> NDArray[np.bool_]:
+        """Whether the clock goes back within a session, from each row to the next, (n - 1,)."""
+        return (np.diff(self.time_s) < 0) & (self.session[1:] == self.session[:-1])
+
     def _check_time(self) -> None:
-        back = (np.diff(self.time_s) < 0) & (self.session[1:] == self.session[:-1])
+        back = self._back()
         if back.any():
             i = int(np.flatnonzero(back)[0])
             time = self.mapping.time

@@ -18,6 +18,7 @@ from labrig.tables._mapping import (
 )
 from labrig.tables._names import take_apart
 from labrig.tables._opened import opened
+from labrig.tables._order import by_time, in_rows
 from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
 from labrig.tables._sniff import sniff
@@ -43,6 +44,7 @@ __all__ = [
     "Table",
     "TableFile",
     "beside",
+    "by_time",
     "check_clock",
     "check_limits",
     "check_mapping",
@@ -53,6 +55,7 @@ __all__ = [
     "guess_mapping",
     "guess_together",
     "held_share",
+    "in_rows",
     "is_length",
     "join_tables",
     "kind_of",

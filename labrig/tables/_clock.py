@@ -11,6 +11,8 @@ NUMBERED = {"excel days": (86400.0, 25569.0), "datenum": (86400.0, 719529.0), "t
 """Units of numbers that are dates: how many s one is, and the number of 1970."""
 _WRAPS_S = {2**32 / 1e3: "ms", 2**32 / 1e6: "us"}
 _HOUR_S = 3600.0
+SHUFFLED = 0.25
+"""Share of steps that go back from which on rows were shuffled: half of all, in the mean."""
 
 
 def seconds(table: Table, time: TimeColumn, what: str, remarks: list[str] | None = None) -> Floats:
@@ -57,17 +59,20 @@ def check_clock(time: TimeColumn, where: str) -> None:
 
 
 def why_back(time_s: Floats, row: int, *, dated: bool) -> str:
-    """What a clock (n,) that goes back before a row is likely to be: the end of a complaint, or nothing."""
+    """What a clock (n,) that goes back before a row is likely to be: the end of a complaint."""
+    sort = "; if the rows were shuffled, sort them by time: 'sort: true' under 'time:' does"
     step = time_s[row] - time_s[row - 1]
     usual = _usual(time_s)
     if dated and -_HOUR_S - 1e-6 <= step <= -_HOUR_S + max(1.0, 3 * usual):
         return "; time goes back an hour: summer time?"
+    if len(time_s) > 2 and (np.diff(time_s) <= 0).all():
+        return "; it runs backward through the whole file: sort its rows by time"
+    if (np.diff(time_s) < 0).mean() > SHUFFLED:
+        return sort
     for wrap, unit in _WRAPS_S.items():
         if -wrap <= step <= -wrap + max(1.0, 100 * usual):
             return f"; its counter of 32 bits began anew at 4294967295 {unit}: add what it lost to the later rows"
-    if len(time_s) > 2 and (np.diff(time_s) <= 0).all():
-        return "; it runs backward through the whole file: sort its rows by time"
-    return ""
+    return sort
 
 
 def _usual(time_s: Floats) -> float:

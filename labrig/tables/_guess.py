@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from labrig._errors import LabrigError
 from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
 from labrig.tables._names import Name, unit_of
+from labrig.tables._order import in_order
 from labrig.tables._rate import rate_above
 from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
@@ -139,10 +140,7 @@ def _sheet_format(path: Path, how: Format) -> Format:
 
 
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
-    read = [
-        (how, table, roles_of(table, _units_below(table.path, how, table), how.part or "", _rate(table, how)))
-        for how, table in tables
-    ]
+    read = [_read(how, table) for how, table in tables]
     as_one([roles for *_, roles in read])
     how, table, roles = max(read, key=lambda one: (_worth(one[2]), len(one[1].frame)))
 
@@ -175,6 +173,16 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
             "write a mapping, which may join the file of what was measured (docs/how-to/your-data.md)"
         )
     return Guess(mapping, table.frame.head(_PREVIEW), remarks)
+
+
+def _read(how: Format, table: Table) -> tuple[Format, Table, Roles]:
+    """A table, in the order of its time, with the roles of its columns."""
+    table, sorted_by = in_order(table)
+    roles = roles_of(table, _units_below(table.path, how, table), how.part or "", _rate(table, how))
+    if sorted_by is not None and roles.time is not None:
+        roles.time = replace(roles.time, sort=True)
+        roles.remarks.insert(0, f"the rows of the file are not in the order of {sorted_by!r}: sorted by time")
+    return how, table, roles
 
 
 def _units_below(path: Path, how: Format, table: Table) -> dict[str, str]:

@@ -9,6 +9,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables._clock import seconds, why_back
 from labrig.tables._mapping import Join
+from labrig.tables._order import by_time, in_rows
 from labrig.tables._read import read_file
 from labrig.tables._table import DATE, Table
 
@@ -32,6 +33,9 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
             )
         other = read_file(folder / file, join.format)
         clock = seconds(other, join.time, f"join {join.name}") * join.rate + join.offset_s
+        if join.time.sort:
+            order = by_time(clock)
+            other, clock = in_rows(other, order), clock[order]
         back = np.flatnonzero(np.diff(clock) < 0)
         if len(back):
             why = why_back(clock, int(back[0]) + 1, dated=DATE in join.time.units())

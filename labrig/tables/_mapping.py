@@ -28,7 +28,8 @@ class Column(_Strict):
 class TimeColumn(_Strict):
     """A clock: columns that are added, with their units (one for all, or one each), or `rate_hz` frames in a second.
 
-    Without a `column` the rows themselves are counted. Columns of dates and times are read together, as one text.
+    Without a `column` the rows themselves are counted. Columns of dates and times are read together, as one text. With
+    `sort` the rows may stand in any order: they are sorted by it.
     """
 
     column: str | int | list[str | int] | None = None
@@ -36,6 +37,7 @@ class TimeColumn(_Strict):
     unit: str | list[str] = "s"
     rate_hz: float | None = Field(None, gt=0)
     day_first: bool | None = None
+    sort: bool = False
 
     @model_validator(mode="after")
     def _one_of_both(self) -> "TimeColumn":

@@ -16,20 +16,24 @@ from labrig.tables._table import DATE
 @dataclass(frozen=True)
 class Clock:
     """The columns of a clock with their unit, one for all or one each, and whether dates begin with the day; with a
-    rate its column counts frames, or the rows are counted, so many a second.
+    rate its column counts frames, or the rows are counted, so many a second. With `sort` the rows of the file are not
+    in its order.
     """
 
     columns: tuple[str, ...]
     unit: str | list[str]
     day_first: bool | None = None
     rate_hz: float | None = None
+    sort: bool = False
 
     def entry(self, keys: list[Any]) -> dict[str, Any]:
         """What a mapping says of it, `keys` being its columns there."""
         if self.rate_hz is not None:
             return {**({"column": keys[0]} if keys else {}), "rate_hz": self.rate_hz}
         out: dict[str, Any] = {"column": keys if len(keys) > 1 else keys[0], "unit": self.unit}
-        return out if self.day_first is None else {**out, "day_first": self.day_first}
+        if self.day_first is not None:
+            out["day_first"] = self.day_first
+        return {**out, "sort": True} if self.sort else out
 
 
 _FINER = (

@@ -36,7 +36,7 @@ def counts_frames(name: Name, values: Floats) -> bool:
     """Whether a column (n,) counts the frames of a camera, from which row to row there may be more than one."""
     called = name.has(_FRAMES) and all(word in _FRAMES | names.COUNTER for word in name.words)
     whole = bool(np.all(values == np.round(values)))
-    return name.unit is None and called and whole and _rises(values)
+    return name.unit is None and called and whole and only_rises(values)
 
 
 def are_dates(table: Table, column: Any) -> bool:
@@ -56,7 +56,7 @@ def are_dates(table: Table, column: Any) -> bool:
         stamps = part.dates([column], "time")
     except LabrigError as error:
         return "frames" in str(error)
-    return written or (stamps.amounts and _rises(stamps.seconds))
+    return written or (stamps.amounts and only_rises(stamps.seconds))
 
 
 def find_clock(
@@ -73,7 +73,7 @@ def find_clock(
     numbers = year_to_second(parsed) or seconds_and_parts(parsed, values)
     if numbers is not None or written is not None:
         own = [n for n in parsed if n.unit is not None and like(n.unit, "s")]
-        if numbers is None and any(_rises(values[n.column]) for n in own if n.has(names.TIME)):
+        if numbers is None and any(only_rises(values[n.column]) for n in own if n.has(names.TIME)):
             numbers = find_time(table, parsed, values, remarks)
         return numbers or (written[0] if written else None)
     return find_time(table, parsed, values, remarks)
@@ -137,11 +137,10 @@ def find_time(
     what was assumed. Raises `LabrigError` if it runs backward through the whole file.
     """
     able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
-    called = [n for n in able if n.words[:1] and {n.words[0].strip("%#"), n.words[-1]} & _ALSO_TIME]
-    called += [n for n in able if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
-    rising = [n for n in called if _rises(values[n.column])]
+    called = called_times(parsed)
+    rising = [n for n in called if only_rises(values[n.column])]
     first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
-    if not rising and parsed and first_may and _rises(values[parsed[0].column]):
+    if not rising and parsed and first_may and only_rises(values[parsed[0].column]):
         first = values[parsed[0].column]
         if len(first) > 2 and np.std(np.diff(first)) < 0.2 * np.mean(np.diff(first)):
             rising = [_beside_a_counter(parsed, values, remarks)]
@@ -149,8 +148,10 @@ def find_time(
     if not rising:
         for n in called:
             _refuse_backward(table, n.column, values[n.column])
-        if called:
-            remarks.append(f"column {called[0].column!r} is called a time but goes back: left out")
+        for n in called:
+            if "hold" not in n.words:  # the time within a hold
+                remarks.append(f"column {n.column!r} is called a time but goes back: left out")
+                parsed.remove(n)
         remarks.append(NO_CLOCK)
         return None
     chosen = rising[0]
@@ -162,6 +163,13 @@ def find_time(
         unit = _time_unit(values[chosen.column], chosen)
         remarks.append(f"the unit of the time {chosen.column!r} is not said: taken as {unit}")
     return Clock((chosen.column,), unit)
+
+
+def called_times(parsed: list[Name]) -> list[Name]:
+    """The columns that are called a time, and have no unit of something else."""
+    able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
+    called = [n for n in able if n.words[:1] and {n.words[0].strip("%#"), n.words[-1]} & _ALSO_TIME]
+    return called + [n for n in able if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
 
 
 def _beside_a_counter(parsed: list[Name], values: Mapping[str, Floats], remarks: list[str]) -> Name:
@@ -187,7 +195,7 @@ def _refuse_backward(table: Table, column: str, values: Floats) -> None:
         )
 
 
-def _rises(values: Floats) -> bool:
+def only_rises(values: Floats) -> bool:
     """Whether values only go up, but for places where they begin anew."""
     if not np.isfinite(values).all() or len(values) < 2:
         return False

@@ -158,7 +158,12 @@ def test_a_wrong_mapping(desk: Path, labrig: Run, old: str, new: str, complaint:
             "2,b,inf,2.0",
             "t.csv, line 4: column 'p1' (actuation c1) holds inf, not a number",
         ),
-        ("1,a,10,1.1", "-1,a,10,1.1", "t.csv, line 3: time goes backward within session 't'"),
+        (
+            "1,a,10,1.1",
+            "-1,a,10,1.1",
+            "t.csv, line 3: time goes backward within session 't'; if the rows were shuffled, sort them by time: "
+            "'sort: true' under 'time:' does",
+        ),
         (
             "3,b,20,2.1",
             "3,a,20,2.1",
