@@ -20,6 +20,7 @@ from labrig.view._report_effects import considered, ranking, values
 from labrig.view._signature_figure import signature
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
 from labrig.view._text import amount, capital, counted, listed, number, percent, word
+from labrig.view._values import units_of
 from labrig.view._waterfall import waterfall_svg
 from labrig.view._words import fitted_anything, has_improved, meanings, note
 
@@ -65,7 +66,7 @@ def report_html(result: "Result") -> str:
     considered(page, result)
     values(page, result)
     _waterfall(page, result)
-    ranking(page, result.summary)
+    ranking(page, result.summary, units_of(result.fields))
     _surface(page, result)
     _where(page, result)
     _signatures(page, result)

@@ -1,5 +1,6 @@
 """The rooms of the report that go effect by effect: sure, possible or not it, and what each does by itself."""
 
+from collections.abc import Mapping
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -63,7 +64,8 @@ def values(page: Page, result: "Result") -> None:
     over = most_moved_by(result.fields)
     for one in shown:
         page.add(_values(one))
-        for kind, header, rows in place_tables(one.parameters, chambers.get(one.effect, {}), unit, over):
+        tables = place_tables(one.parameters, chambers.get(one.effect, {}), unit, over, one.units)
+        for kind, header, rows in tables:
             cells = [[escape(cell) for cell in row] for row in rows]
             names, classes = [escape(name) for name in header], ["", *["number"] * (len(header) - 1)]
             first = len(cells) if len(cells) <= FEW_ROWS else FIRST_ROWS
@@ -82,12 +84,15 @@ def _cells(row: tuple[str, ...]) -> list[str]:
 def _values(one: Fitted) -> str:
     form = f" ({one.form})" if one.form else ""
     said = f"{escape(one.plain)} " if one.plain else ""
-    values = f'<span class="parameters">{escape(capital(values_words(one.parameters)))}</span>'
+    values = f'<span class="parameters">{escape(capital(values_words(one.parameters, one.units)))}</span>'
     return f'<p class="values"><b>{escape(capital(word(one.effect)))}</b>{escape(form)}: {said}{values}</p>'
 
 
-def ranking(page: Page, summary: Summary) -> None:
-    """The likeliest effects, each by itself: the error with it alone, and its values."""
+def ranking(page: Page, summary: Summary, units_of_values: Mapping[str, str]) -> None:
+    """The likeliest effects, each by itself: the error with it alone, and its values.
+
+    `units_of_values` are those of the observables.
+    """
     rows = summary.get("ranking", [])
     if not rows:
         return
@@ -104,11 +109,12 @@ def ranking(page: Page, summary: Summary) -> None:
         share = "–" if drop is None else f"{100 * max(0.0, drop):.0f}"
         uncertainty = f" ± {max(1, round(100 * se))}" if (se := row.get("se")) is not None else ""
         form = f"{named}: " if (named := row.get("form")) else ""
+        words = form + values_words(row.get("parameters") or {}, units_of_values)
         return [
             escape(word(str(row.get("effect")))),
             number(row.get("heldout_error")),
             f"{bar(drop or 0.0, 90)} {share}{uncertainty} %",
-            f'<span class="parameters">{escape(form + values_words(row.get("parameters") or {}))}</span>',
+            f'<span class="parameters">{escape(words)}</span>',
         ]
 
     units = escape(str(summary.get("units", "")))

@@ -2,14 +2,17 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from labrig.view._naming import added
 from labrig.view._text import give_or_take, listed, number, percent, with_unit, word
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from labrig.diagnosis import Result
 
 _BY_PRESSURE = {"pressure", "per chamber", "one chamber"}
@@ -18,6 +21,11 @@ _SHOWN = 6  # parameters of one effect
 _NAMED = 3  # chambers, markers ... of one parameter, where it has more than _FEW
 _FEW = 4
 ROTATION = "about "
+_TURN = "rad"
+_SEVERAL = re.compile(
+    r"\([^()]* or [^()]*\)"
+)  # the unit of values that belong to observables of different kinds
+NO_UNITS: Mapping[str, str] = MappingProxyType({})
 _CLEAR = 2.0  # standard deviations from nothing
 _MINUTE_S = 60.0
 _NUMBERED = re.compile(r"^(marker|since)_\d(_s)?$")  # of a second marker: `marker_2`, `since_2_s`
@@ -31,7 +39,7 @@ class Fitted:
     """An effect as the improved model has it: its form, and its parameters (value, sd, unit, per).
 
     `longest_s` is how long the longest hold was that it was fitted to: nothing is said of longer ones. `ranges` of the
-    chambers are those that fractions are of, in `unit`.
+    chambers are those that fractions are of, in `unit`. `units` are those of the observables.
     """
 
     effect: str
@@ -40,6 +48,7 @@ class Fitted:
     longest_s: float
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     unit: str = ""
+    units: dict[str, str] = field(default_factory=dict)
 
     @property
     def plain(self) -> str:
@@ -64,10 +73,19 @@ def fitted(result: "Result") -> list[Fitted]:
             if (on := entry.fitted_on)
             else {},
             str(result.fields["commanded"].attrs.get("units", "")) if "commanded" in result.fields else "",
+            units_of(result.fields),
         )
         for entry in result.improved.file.effects
         if entry.name in new
     ]
+
+
+def units_of(fields: "xr.Dataset") -> dict[str, str]:
+    """The unit of each observable of a comparison, by name."""
+    if "unit" not in fields.coords:
+        return {}
+    names, units = fields["observable"].values.tolist(), fields["unit"].values.tolist()
+    return {str(name): str(unit) for name, unit in zip(names, units, strict=True)}
 
 
 def value_lines(result: "Result") -> list[str]:
@@ -75,13 +93,16 @@ def value_lines(result: "Result") -> list[str]:
     out = []
     for one in fitted(result):
         form = f" ({one.form})" if one.form else ""
-        said = " ".join(filter(None, [one.plain, values_words(one.parameters)]))
+        said = " ".join(filter(None, [one.plain, values_words(one.parameters, one.units)]))
         out.append(f"{word(one.effect)}{form}: {said}")
     return out
 
 
-def values_words(parameters: Mapping[str, Any]) -> str:
-    """`amplitude 0.210 ± 0.010, tau 12.0 ± 1.5 s`; of one for each chamber the largest by name."""
+def values_words(parameters: Mapping[str, Any], units: Mapping[str, str] = NO_UNITS) -> str:
+    """`amplitude 0.210 ± 0.010, tau 12.0 ± 1.5 s`; of one for each chamber the largest by name.
+
+    `units` are those of the observables: what belongs to one of them is said in its own.
+    """
     shown = []
     for numbered, entry in list(parameters.items())[:_SHOWN]:
         name = _NUMBERED.sub(r"\1\2", numbered)
@@ -89,7 +110,11 @@ def values_words(parameters: Mapping[str, Any]) -> str:
         if name in _MOMENTS:
             shown.append(f"{_MOMENTS[name]} {_moment(flat(entry.get('value'))[0])} after the start")
             continue
-        shown.append(f"{word(name.removesuffix(f'_{unit}'))} {_values(entry, unit)}")
+        if name == "known":  # of creep: what of it the base has
+            (share,) = flat(entry.get("value"))
+            shown += [f"{percent(share) if share < 1 else 'all'} of it in the base already"] * (share > 0)
+            continue
+        shown.append(f"{word(name.removesuffix(f'_{unit}'))} {_values(entry, unit, units)}")
     more = f", {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
     return ", ".join(shown) + more
 
@@ -100,7 +125,25 @@ def _moment(time_s: float) -> str:
     return with_unit(number(time_s / size), unit)
 
 
-def _values(entry: Mapping[str, Any], unit: str) -> str:
+def own_unit(unit: str, label: str, units: Mapping[str, str]) -> str:
+    """The unit of one of several values: of a turn, of a shift, or of an observable, whose `units` these are."""
+    if (of := label.rpartition(": ")[2]).startswith(ROTATION):  # day1: about x
+        return _TURN
+    if of in units:
+        unit = _SEVERAL.sub(lambda _: units[of], unit)
+    return unit.removesuffix(f", {_TURN}") if label else unit
+
+
+def _span(values: Sequence[float], units: Sequence[str]) -> str:
+    """From the least to the largest of several values, of each unit by itself."""
+    own = {
+        unit: [v for v, u in zip(values, units, strict=True) if u == unit] for unit in dict.fromkeys(units)
+    }
+    ends = {unit: list(dict.fromkeys([number(min(v)), number(max(v))])) for unit, v in own.items()}
+    return listed([with_unit(" to ".join(each), unit) for unit, each in ends.items()])
+
+
+def _values(entry: Mapping[str, Any], unit: str, units: Mapping[str, str]) -> str:
     values, sds = flat(entry.get("value")), flat(entry.get("sd"))
     if not values:
         return "–"
@@ -110,24 +153,24 @@ def _values(entry: Mapping[str, Any], unit: str) -> str:
         return with_unit(give_or_take(values[0], sds[0] if sds else None, 2), unit)
     per = [str(name) for name in entry.get("per") or []]
     if len(per) != len(values):
-        return with_unit(f"{number(min(values))} to {number(max(values))}", unit) + f" ({len(values)} values)"
-    if any(name.startswith(ROTATION) for name in per):  # the six motions of a frame
-        units = ["rad" if name.startswith(ROTATION) else unit.removesuffix(", rad") for name in per]
-        shown = zip(per, values, sds or [None] * len(values), units, strict=True)
-        return ", ".join(f"{name} {with_unit(give_or_take(v, sd, 2), u)}" for name, v, sd, u in shown)
+        rows = len(values) // max(len(units), 1)  # several of each observable
+        labels = [*units] * rows if rows * len(units) == len(values) else [""] * len(values)
+        return f"{_span(values, [own_unit(unit, name, units) for name in labels])} ({len(values)} values)"
+    own = [own_unit(unit, name, units) for name in per]
     order = list(range(len(values)))
     rest: list[int] = []
-    if len(values) > _FEW:
-        order.sort(key=lambda i: -abs(values[i]))
+    if len(values) > _FEW and not any(name.startswith(ROTATION) for name in per):  # a frame's six motions
+        most = {u: max(abs(v) for v, n in zip(values, own, strict=True) if n == u) for u in own}
+        order.sort(key=lambda i: -abs(values[i]) / (most[own[i]] or 1.0))
         order, rest = order[:_NAMED], order[_NAMED:]
     named = ", ".join(
-        f"{per[i]} {with_unit(give_or_take(values[i], sds[i] if len(sds) == len(values) else None, 2), unit)}"
+        f"{per[i]} {with_unit(give_or_take(values[i], sds[i] if len(sds) == len(values) else None, 2), own[i])}"
         for i in order
     )
     if not rest:
         return named
-    others = [values[i] for i in rest]
-    return f"{named}, {len(rest)} others {number(min(others))} to {with_unit(number(max(others)), unit)}"
+    others = _span([values[i] for i in rest], [own[i] for i in rest])
+    return f"{named}, {len(rest)} others {others}"
 
 
 def plain_words(effect: str, parameters: Mapping[str, Any], longest_s: float = _MINUTE_S) -> str:

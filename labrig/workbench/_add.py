@@ -138,9 +138,11 @@ def added(key: Key, names: tuple[str, ...], refine: bool) -> str:
                 {
                     "effect": one.effect,
                     "form": one.form,
-                    "words": values_words(one.parameters),
+                    "words": values_words(one.parameters, one.units),
                     "parameters": one.parameters,
-                    "tables": place_tables(one.parameters, by_chamber.get(one.effect, {}), unit, {}),
+                    "tables": place_tables(
+                        one.parameters, by_chamber.get(one.effect, {}), unit, {}, one.units
+                    ),
                 }
                 for one in fitted(result)
             ],

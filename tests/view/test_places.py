@@ -81,6 +81,33 @@ def test_values_of_sessions_are_called_so():
     assert (kind, [row[0] for row in rows]) == ("session", ["monday", "tuesday"])
 
 
+def test_each_cell_has_the_unit_of_its_row_where_they_differ():
+    """An angle and a resistance in one column have each their own unit, as shifts and turns of a frame have."""
+    units = {"angle": "deg", "r1": "ohm"}
+    pattern = {"value": [1.0, 2.0], "unit": "(deg or ohm)", "per": [*units]}
+    ((kind, header, rows),) = place_tables({"pattern": pattern}, {}, "kPa", {}, units)
+    assert (kind, header) == ("observable", ["observable", "pattern"])
+    assert rows == [["angle", "1\u00a0deg"], ["r1", "2\u00a0ohm"]]
+    shift = {"value": [1.0, 0.01], "unit": "mm, rad", "per": ["a: x", "a: about x"]}
+    ((_, header, rows),) = place_tables({"shift_in_session": shift}, {}, "kPa", {})
+    assert header == ["session", "shift in session"]
+    assert rows == [["a: x", "1\u00a0mm"], ["a: about x", "0.01\u00a0rad"]]
+
+
+def test_an_offset_in_each_session_has_a_column_for_each_observable():
+    """Every session has a row with the offsets of all observables, in their units."""
+    units = {"angle": "deg", "r1": "ohm"}
+    offset = {
+        "value": [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]],
+        "sd": [[0.1, 0.2]] * 3,
+        "unit": "(deg or ohm)",
+        "per": ["mon", "tue", "wed"],
+    }
+    ((_, header, rows),) = place_tables({"offset_in_session": offset}, {}, "kPa", {}, units)
+    assert header == ["session", "offset in session angle\u00a0deg", "offset in session r1\u00a0ohm"]
+    assert rows[2] == ["wed", "5.00 ± 0.10", "6.00 ± 0.20"]
+
+
 def test_a_turned_frame_is_turned_in_rad():
     """The three rotations of a frame are no lengths."""
     per = ["x", "y", "z", "about x", "about y", "about z"]

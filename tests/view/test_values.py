@@ -156,3 +156,52 @@ def test_only_markers_and_moments_lose_their_number() -> None:
         }
     )
     assert said.replace("\xa0", " ") == "marker m8, since 90 s after the start, k 2 3.00 ± 0.10"
+
+
+def test_each_value_of_several_observables_has_its_own_unit() -> None:
+    """What belongs to an angle is in degrees and what belongs to a sensor in ohms: no value is in one or the other."""
+    units = {"angle": "deg", "r1": "ohm", "r2": "ohm"}
+    shift = {
+        "value": [-0.572, 1.218, 1.140],
+        "sd": [0.048, 0.042, 0.038],
+        "unit": "(deg or ohm)/h",
+        "per": [*units],
+    }
+    tilt = {"value": [[1.0, 2.0, 3.0], [-1.0, 4.0, 5.0]], "unit": "(deg or ohm)", "per": [*units]}
+    said = values_words({"shift": shift, "tilt": tilt}, units).replace("\u00a0", " ")
+    assert said == (
+        "shift angle -0.572 ± 0.048 deg/h, r1 1.218 ± 0.042 ohm/h, r2 1.140 ± 0.038 ohm/h, "
+        "tilt -1 to 1 deg and 2 to 5 ohm (6 values)"
+    )
+
+
+def test_others_are_summed_up_in_their_own_units() -> None:
+    """Of many observables the largest are named, and the ranges of the others are those of each unit."""
+    units = {"angle": "deg", "a": "ohm", "b": "ohm", "c": "ohm", "tip": "deg"}
+    pattern = {"value": [0.5, -9.0, 8.0, 0.4, 7.0], "unit": "(deg or ohm)", "per": [*units]}
+    said = values_words({"pattern": pattern}, units).replace("\u00a0", " ")
+    assert said == "pattern a -9 ohm, tip 7 deg, b 8 ohm, 2 others 0.5 deg and 0.4 ohm"
+
+
+def test_each_motion_of_a_frame_in_a_session_has_its_own_unit() -> None:
+    """A frame that is another in each session is shifted in millimetres and turned in radians."""
+    per = [f"{day}: {motion}" for day in ("day1", "day2") for motion in ("x", "z", "about x")]
+    shift = {"value": [0.1, 0.846, 0.01, 0.2, 0.3, 0.04], "unit": "mm, rad", "per": per}
+    said = values_words({"shift_in_session": shift}).replace("\u00a0", " ")
+    assert "mm, rad" not in said
+    assert "day1: z 0.846 mm" in said
+    assert "day2: about x 0.04 rad" in said
+
+
+@pytest.mark.parametrize(
+    ("known", "said"),
+    [
+        (0.0, "tau 12 s"),
+        (0.2592, "tau 12 s, 26 % of it in the base already"),
+        (1.0, "tau 12 s, all of it in the base already"),
+    ],
+)
+def test_how_much_of_creep_the_base_has_is_said_in_words(known: float, said: str) -> None:
+    """The model file's `known` is no word: people read how much of the creep the base has already, or nothing."""
+    values = {"tau_s": {"value": 12.0, "unit": "s"}, "known": {"value": known, "unit": "1"}}
+    assert values_words(values).replace("\u00a0", " ") == said
