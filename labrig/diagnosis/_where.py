@@ -66,7 +66,9 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
     if np.ptp(load) > 0:
         for low, high in pairwise(np.quantile(load, [0, 0.25, 0.5, 0.75, 1.0])):
             mask = (load >= low) & (load <= high)
-            label = f"{mean_pressure[mask].min():.3g}-{mean_pressure[mask].max():.3g} {rows.actuation_unit}"
+            label = (
+                f"{mean_pressure[mask].min():.3g} to {mean_pressure[mask].max():.3g} {rows.actuation_unit}"
+            )
             kind = "pressure band" if rows.by_pressure else "input band"
             yield from by_rows(kind, label, mask)
     turn = np.sign(context.direction[rows.event].sum(axis=1))
@@ -76,7 +78,7 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
         if np.ptp(t) > 0:
             for low, high in pairwise(np.quantile(t, [0, 1 / 3, 2 / 3, 1])):
                 if high > low:
-                    yield from by_rows(group, f"{low:.3g}-{high:.3g} s", (t >= low) & (t <= high))
+                    yield from by_rows(group, f"{low:.3g} to {high:.3g} s", (t >= low) & (t <= high))
     for s, name in enumerate(rows.sessions):
         yield from by_rows("session", name, rows.session == s)
     if len(rows.chambers) > 1 and context.moves:

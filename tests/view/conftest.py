@@ -81,7 +81,7 @@ SUMMARY = {
     "error": {"base": 1.92, "model": 0.31, "floor": 0.12, "ceiling": 0.15},
     "where": [
         {"group": "marker", "name": "m17", "error": 4.1, "share": 0.22, "clear": True},
-        {"group": "time in hold", "name": "30-60 s", "error": 2.6, "share": 0.4, "clear": True},
+        {"group": "time in hold", "name": "30 to 60 s", "error": 2.6, "share": 0.4, "clear": True},
     ],
     "ranking": [
         {
@@ -134,9 +134,9 @@ def make_where(random):
         "marker": MARKERS,
         "region": [f"over {c['name']}" for c in CHAMBERS],
         "chamber": [f"{c['name']} above half" for c in CHAMBERS],
-        "pressure band": ["0-15 kPa", "15-30 kPa", "30-45 kPa", "45-60 kPa"],
+        "pressure band": ["0 to 15 kPa", "15 to 30 kPa", "30 to 45 kPa", "45 to 60 kPa"],
         "direction": ["mostly up", "mostly down"],
-        "time in hold": ["0-10 s", "10-30 s", "30-60 s"],
+        "time in hold": ["0 to 10 s", "10 to 30 s", "30 to 60 s"],
     }
     return [
         {

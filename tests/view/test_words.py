@@ -73,7 +73,7 @@ def test_only_places_that_stand_out_are_named():
     places = [
         {"group": "marker", "name": "m17", "error": 4.0, "share": 0.2, "clear": True},
         {"group": "chamber", "name": "c1 above half", "error": 2.1, "share": 0.5, "clear": True},
-        {"group": "time in hold", "name": "0-3 s", "error": 9.0, "share": 0.5, "clear": False},
+        {"group": "time in hold", "name": "0 to 3 s", "error": 9.0, "share": 0.5, "clear": False},
     ]
     why = note({**BASE, "verdict": "identified", "effects": ["creep"], "where": places}).why
     assert why.endswith("The model as it was fails most at marker m17 (4\u00a0mm).")
