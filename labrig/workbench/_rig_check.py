@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 from labrig._errors import LabrigError
 from labrig._fields import FieldError
 from labrig._yaml import load_yaml
-from labrig.physics import shipped_shells
 from labrig.rig import RigConfig, check_rig, device_makers
 from labrig.workbench._desk import Desk
 from labrig.workbench._rig_fields import kind_of
@@ -67,6 +66,8 @@ def _looked_at(desk: Desk, text: str) -> tuple[RigConfig | None, Fault | None]:
 
 def check_paths(desk: Desk, content: dict[str, Any]) -> None:
     """Raise `FieldError` for a file that would be read and lies outside the desk's folder."""
+    from labrig.physics import shipped_shells  # which computes: not before somebody asks
+
     read = {("pressure", "map"): register_maps(), ("simulated", "shell"): shipped_shells()}
     for (section, key), brought in read.items():
         part = content.get(section)

@@ -7,7 +7,6 @@ from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
-from labrig.physics import shipped_shells
 from labrig.rig import check_rig
 from labrig.workbench._desk import Desk
 from labrig.workbench._rig_check import check_paths
@@ -94,6 +93,8 @@ def _held(desk: Desk, name: str) -> Form:
 
 def _moved(form: Form, parent: PurePosixPath, folder: Path) -> Form:
     """The form with its relative paths, which start from the folder of its file, as the desk's folder has them."""
+    from labrig.physics import shipped_shells  # which computes: not before somebody asks
+
     if parent == PurePosixPath("."):
         return form
 
