@@ -15,7 +15,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
-from labrig.diagnosis._falls import falls_of, much_left
+from labrig.diagnosis._falls import beside_named, falls_of, much_left
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
@@ -242,6 +242,7 @@ def result_of(
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),
+            *beside_named(chosen, _partners(verdict, found), regression.units),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
         ],
     }
@@ -275,6 +276,14 @@ def _chosen(
     if not able:
         return None
     return fit_named(ready.regression, ready.context, able, forms=lambda effect: known[effect.name])
+
+
+def _partners(verdict: Verdict, found: Mapping[str, Sequence[Candidate]]) -> list[Candidate]:
+    """The forms of what is possible beside what is sure, and by evidence more probably there than not."""
+    if verdict.verdict not in {"identified", "multiple"}:
+        return []
+    there = [c.effect for c in verdict.considered if c.call == "possible" and c.by_evidence >= 0.5]
+    return [found[name][0] for name in there if name in found]
 
 
 def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Candidate]]) -> dict[str, Fit]:

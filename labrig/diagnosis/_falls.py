@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig.diagnosis._amount import amount
-from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square
+from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square, square_of
 from labrig.diagnosis._constants import LEAST_FLOORS
 
 _MUCH_LEFT, _TIMES_NOISE = 0.2, 2.0
@@ -66,6 +66,27 @@ def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit
             fall, least = float(fallen[own].mean()), LEAST_FLOORS**2 * float(noise[own].mean())
             falls.append(Fall(chosen.parts[i].effect.name, fall, abs(fall) * relative, least, name))
     return max(falls, key=lambda f: f.fall / f.least)
+
+
+def beside_named(chosen: Fit | None, possible: Sequence[Candidate], units: str) -> list[str]:
+    """A line for each possible effect that would lower the held-out error beside what is named: what it would be."""
+    out = []
+    for one in possible if chosen is not None else ():
+        both = fit([*chosen.parts, one])
+        if fall_of(both, len(both.parts) - 1).helps:
+            before, now = (
+                float(
+                    np.sqrt(
+                        square_of(each.columns.regression, each.columns.regression.residual - each.heldout)
+                    )
+                )
+                for each in (chosen, both)
+            )
+            out.append(
+                f"{one.effect.name} is possible beside {' and '.join(chosen.names)}: with it, too, {now:.2g} instead "
+                f"of {amount(before, units)} are left on captures that were left out"
+            )
+    return out
 
 
 def much_left(names: Sequence[str], base: float, model: float, floor: float, units: str) -> list[str]:

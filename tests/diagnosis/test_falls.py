@@ -1,8 +1,12 @@
 """What is said of the error that is left beside the names."""
 
+import numpy as np
 import pytest
 
-from labrig.diagnosis._falls import Fall, much_left
+from labrig.diagnosis import forms_of, prepared, rows_from
+from labrig.diagnosis._candidates import fit, square_of
+from labrig.diagnosis._falls import Fall, beside_named, much_left
+from labrig.effects import library
 
 
 def test_what_is_left_beside_a_name_is_said() -> None:
@@ -28,3 +32,27 @@ def test_what_a_fall_lacks_is_said() -> None:
     unsure = Fall("creep", fall=0.09**2, se=0.1**2, least=0.03**2, units="mm")
     assert (little.helps, little.words) == (False, "by 0.01 mm, needed 0.03 mm")
     assert (unsure.helps, unsure.words) == (False, "by 0.09 mm, with a standard error of 0.1 mm")
+
+
+def test_what_a_possible_partner_would_take_is_said(make_lab) -> None:
+    """Beside a gain that is named, a frame that was moved would take off more, and it is said how much; a leak, which
+    is not there, would not, and nothing is said of it.
+    """
+    lab = make_lab(captures=40, long_s=(3.0, 5.0, 10.0, 30.0))
+    moved = lab.predict(1.06 * lab.u) + np.tile([1.5, -1.0, 0.8], lab.markers)
+    ready = prepared(rows_from(lab.dataset(moved + lab.noise())), lab.model())
+    forms = {
+        n: forms_of(ready.regression, ready.context, library()[n]) for n in ("regulator", "frame", "leak")
+    }
+    named = forms["regulator"][0].alone
+    (line,) = beside_named(named, [forms["frame"][0], forms["leak"][0]], "mm")
+    before, both = (
+        float(np.sqrt(square_of(ready.regression, ready.regression.residual - fitted.heldout)))
+        for fitted in (named, fit([forms["regulator"][0], forms["frame"][0]]))
+    )
+    assert both < 0.3 * before
+    assert line == (
+        f"frame is possible beside regulator: with it, too, {both:.2g} instead of {before:.2g} mm are left on captures "
+        "that were left out"
+    )
+    assert beside_named(None, [forms["frame"][0]], "mm") == []
