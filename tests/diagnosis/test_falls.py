@@ -45,14 +45,16 @@ def test_what_a_possible_partner_would_take_is_said(make_lab) -> None:
         n: forms_of(ready.regression, ready.context, library()[n]) for n in ("regulator", "frame", "leak")
     }
     named = forms["regulator"][0].alone
-    (line,) = beside_named(named, [forms["frame"][0], forms["leak"][0]], "mm")
+    (line,) = beside_named(named, [forms["frame"][0]], "mm")
+    joint = fit([forms["regulator"][0], forms["frame"][0]])
     before, both = (
         float(np.sqrt(square_of(ready.regression, ready.regression.residual - fitted.heldout)))
-        for fitted in (named, fit([forms["regulator"][0], forms["frame"][0]]))
+        for fitted in (named, joint)
     )
     assert both < 0.3 * before
     assert line == (
         f"frame is possible beside regulator: with it, too, {both:.2g} instead of {before:.2g} mm are left on captures "
         "that were left out"
     )
+    assert beside_named(joint, [forms["leak"][0]], "mm") == []
     assert beside_named(None, [forms["frame"][0]], "mm") == []
