@@ -159,15 +159,23 @@ def test_a_rig_of_wrong_types(
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "place"),
+    ("old", "new", "said"),
     [
-        ("surface: membrane", "surface: membrane, noise_mm: much", "simulated: "),
-        ("mocap: {kind: simulated}", "mocap: {kind: simulated, rate_hz: fast}", "mocap (simulated): "),
+        (
+            "surface: membrane",
+            "surface: membrane, noise_mm: much",
+            "rig.yaml: simulated.noise_mm: should be a number from 0 to 1000, not 'much'",
+        ),
+        (
+            "mocap: {kind: simulated}",
+            "mocap: {kind: simulated, rate_hz: fast}",
+            "rig bench: mocap (simulated): could not convert string to float",
+        ),
     ],
 )
-def test_a_simulated_device_of_wrong_values(desk: Path, labrig: Run, old: str, new: str, place: str) -> None:
+def test_a_simulated_device_of_wrong_values(desk: Path, labrig: Run, old: str, new: str, said: str) -> None:
     """A word where a simulated device wants a number is said with the rig and the device, not as unexpected."""
     (desk / "rig.yaml").write_text(RIG.replace(old, new))
     code, out, err = labrig("run", "idle", "--rig", "rig.yaml", "--out", "new")
     assert (code, out) == (2, "")
-    assert err.startswith(f"labrig: rig bench: {place}could not convert string to float")
+    assert err.startswith(f"labrig: {said}")

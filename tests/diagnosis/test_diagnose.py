@@ -59,7 +59,7 @@ def test_the_file_is_of_the_documented_form(slip) -> None:
     documented = {"verdict", "effects", "probability", "rivals", "units", "error", "where", "ranking"}
     documented |= {"next_experiment", "warnings", "effects_considered"}
     assert set(content) >= documented
-    more = {"drop", "carried_by", "floor", "unnamed", "runs", "model", "track_record"}
+    more = {"together", "drop", "carried_by", "floor", "unnamed", "runs", "model", "track_record"}
     assert set(content) - documented == more
     assert (content["verdict"], content["effects"], content["rivals"]) == ("identified", ["marker_slip"], [])
     assert content["units"] == "mm"
@@ -294,7 +294,8 @@ def test_it_says_where(make_lab) -> None:
         assert {int(w["name"]) for w in result.where if w["group"] == "capture"} <= set(range(30, 40))
         times = [w for w in result.where if w["group"] == "time in session"]
         assert (
-            max(times, key=lambda w: w["error"])["name"].split("-")[1].split()[0] == f"{lab.time_s.max():.3g}"
+            max(times, key=lambda w: w["error"])["name"].split(" to ")[1].split()[0]
+            == f"{lab.time_s.max():.3g}"
         )
 
 

@@ -114,7 +114,9 @@ def test_a_sensor_is_asked_about_where_it_has_half_of_what_is_missing(wrong: tup
     values[:, wrong[0]] *= 1.02
     named = {"observables": ("a", "b", "c"), "unit": ("V",) * 3}
     rows = SimpleNamespace(marker=np.full(3, -1), fraction=np.ones((40, 1)), **named)
-    context = SimpleNamespace(rows=rows, displacement=np.ones((40, 3)))
+    context = SimpleNamespace(
+        rows=rows, displacement=np.ones((40, 3)), yardstick=lambda _, measure: measure()
+    )
     seen = SimpleNamespace(context=context, values=values, left=np.ones(40), seen=np.ones(3, dtype=bool))
     asked = [space.key for space in of_one_sensor(cast(Any, seen))]
     assert asked == (["c alone"] if wrong == (2,) else [])
