@@ -155,6 +155,12 @@ def square_of(regression: Regression, left: Floats) -> float:
     return float(np.nanmean(mean_square(regression, left)[regression.counted]))
 
 
+def quoted(chosen: Fit) -> float:
+    """The held-out error as it is quoted, a root mean square."""
+    regression = chosen.columns.regression
+    return float(np.sqrt(square_of(regression, regression.residual - chosen.heldout)))
+
+
 def change_of(context: Context, chosen: Fit) -> Floats:
     """What the chosen effects, fitted to all rows, change in the prediction, (F, K)."""
     change = np.zeros_like(context.base)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig.diagnosis._amount import amount
-from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square, quoted
 from labrig.diagnosis._constants import LEAST_FLOORS
 
 _MUCH_LEFT, _TIMES_NOISE = 0.2, 2.0
@@ -70,21 +70,15 @@ def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit
 
 def beside_named(chosen: Fit | None, possible: Sequence[Candidate], units: str) -> list[str]:
     """A line for each possible effect that would lower the held-out error beside what is named: what it would be."""
-    out = []
-    for one in possible if chosen is not None else ():
+    out: list[str] = []
+    if chosen is None:
+        return out
+    for one in possible:
         both = fit([*chosen.parts, one])
         if fall_of(both, len(both.parts) - 1).helps:
-            before, now = (
-                float(
-                    np.sqrt(
-                        square_of(each.columns.regression, each.columns.regression.residual - each.heldout)
-                    )
-                )
-                for each in (chosen, both)
-            )
             out.append(
-                f"{one.effect.name} is possible beside {' and '.join(chosen.names)}: with it, too, {now:.2g} instead "
-                f"of {amount(before, units)} are left on captures that were left out"
+                f"{one.effect.name} is possible beside {' and '.join(chosen.names)}: with it, too, {quoted(both):.2g} "
+                f"instead of {amount(quoted(chosen), units)} are left on captures that were left out"
             )
     return out
 

@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, quoted, square_of
 from labrig.diagnosis._design_matrix import columns_of
 from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._regression import Regression
@@ -140,6 +140,4 @@ def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
 
 def _quoted(chosen: Candidate | Fit) -> float:
     """The held-out error as it is quoted."""
-    regression = chosen.columns.regression
-    whole = chosen if isinstance(chosen, Fit) else chosen.alone
-    return float(np.sqrt(square_of(regression, regression.residual - whole.heldout)))
+    return quoted(chosen if isinstance(chosen, Fit) else chosen.alone)

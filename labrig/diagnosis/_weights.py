@@ -55,7 +55,7 @@ def _through_pressures(space: Space, context: Context) -> Floats:
             [beside.T, block_diag(*(apart.T @ each @ apart for each in sums))],
         ]
     )
-    return _principal(gram, block_diag(alike, *[apart] * (C if C > 1 else 0)))
+    return _principal(gram, np.asarray(block_diag(alike, *[apart] * (C if C > 1 else 0))))
 
 
 def _in_observables(space: Space, context: Context) -> Floats:
@@ -75,7 +75,7 @@ def _in_observables(space: Space, context: Context) -> Floats:
 
 def _laid(alike: Floats, apart: Floats, a: int, each: int) -> Floats:
     """Weights (q, r) of all labels: of the pressures alike, of each chamber, of the observables."""
-    own = block_diag(*[apart] * each) if each and apart.size else np.zeros((0, 0))
+    own = np.asarray(block_diag(*[apart] * each)) if each else np.zeros((0, 0))
     return np.block(
         [
             [alike[:a], np.zeros((a, own.shape[1]))],
