@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.arrays import Floats
 from labrig.contents import Errors, Next, Summary
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
-from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
@@ -249,7 +248,7 @@ def result_of(
     return Result(
         summary=summary,
         fields=fields_of(context, ready.residual, chosen),
-        waterfall=_waterfall(ready, chosen, errors),
+        waterfall=_waterfall(chosen, errors),
         signatures=signatures_of(context, ready.residual, ready.floor.row, _shown(chosen, verdict, found)),
         where=places,
         improved=improved if entries else None,
@@ -314,12 +313,11 @@ def _errors(ready: Prepared, chosen: Fit | None, found: Mapping[str, Sequence[Ca
     return _Errors(*(float(np.sqrt(max(v, 0.0))) for v in (base, now, floor, lowest)))
 
 
-def _waterfall(ready: Prepared, chosen: Fit | None, errors: _Errors) -> list[tuple[str, float]]:
+def _waterfall(chosen: Fit | None, errors: _Errors) -> list[tuple[str, float]]:
     steps = [("base", errors.base)]
     for i in range(len(chosen.parts) if chosen else 0):
         part = fit(chosen.parts[: i + 1])  # type: ignore[union-attr]
-        left: Floats = ready.regression.residual - part.heldout
-        steps.append((f"+ {part.names[-1]}", float(np.sqrt(square_of(ready.regression, left)))))
+        steps.append((f"+ {part.names[-1]}", quoted(part)))
     return [*steps, ("ceiling", errors.ceiling), ("floor", errors.floor)]
 
 

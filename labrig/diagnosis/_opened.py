@@ -10,7 +10,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
-from labrig.diagnosis._candidates import Candidate, Fit, fit, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
 from labrig.diagnosis._falls import Fall, fall_of
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._formula import fit_named, forms_of
@@ -121,7 +121,7 @@ class Opened:
         )
         self._last |= {part.effect.name: part for part in chosen.parts}
         base = float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
-        now = float(np.sqrt(square_of(regression, regression.residual - chosen.heldout)))
+        now = quoted(chosen)
         floor = float(np.sqrt(self.floor_square))
         falls = tuple(fall_of(chosen, i, self._fit) for i in range(len(effects)))
         entries = [entry_of(regression, context, chosen, i, refine=False) for i in range(len(effects))]
@@ -130,9 +130,7 @@ class Opened:
             improved = improved.with_effect(entry)
         steps = [("base", base)]
         for i in range(len(effects)):
-            part = self._fit(chosen.parts[: i + 1])
-            square = square_of(regression, regression.residual - part.heldout)
-            steps.append((f"+ {effects[i].name}", float(np.sqrt(square))))
+            steps.append((f"+ {effects[i].name}", quoted(self._fit(chosen.parts[: i + 1]))))
         summary: Summary = {
             "units": self.units,
             "effects": [e.name for e in effects],

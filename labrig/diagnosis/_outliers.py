@@ -61,7 +61,7 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
     rows = _without(residual, far & ~borne, at)
     means, _ = capture_means(rows, at.index)
     far = _far_in_hold(rows, at.index)
-    again = borne_out(rows - means[at.index], far, at) | grown(rows, far, at)
+    again = borne_out(rows - means[at.index], far, at)
     rows = _without(rows, far & ~again, at)
     if captures >= 6:
         means, _ = capture_means(np.where(borne | again, np.nan, rows), at.index)

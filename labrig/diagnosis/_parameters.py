@@ -26,6 +26,17 @@ def entry_of(
     if refine and part.variant.shape and part.effect.name != "marker_slip":
         chosen = refined(regression, context, chosen, i)
         part = chosen.parts[i]
+    return EffectEntry(
+        name=part.effect.name,
+        form=part.variant.form,
+        fitted_on=fitted_on(context, part.effect, part.variant),
+        parameters=parameters_of(context, chosen, i),
+    )
+
+
+def parameters_of(context: Context, chosen: Fit, i: int) -> dict[str, Value]:
+    """The fitted values of the i-th effect of a fit, with their uncertainty."""
+    part = chosen.parts[i]
     each = coefficients(part.columns, part.variant, chosen.own(i))
     order = _own_order(chosen, i)
     folds = [coefficients(part.columns, part.variant, beta[order]) for beta in chosen.score.fold_beta]
@@ -44,12 +55,7 @@ def entry_of(
         called = numbered.get("marker" if re.fullmatch(r"marker_\d", name) else name)
         which = [called[int(value)]] if called else None
         parameters[name] = Value(value=value, unit=_unit(context, own.unit), per=which)
-    return EffectEntry(
-        name=part.effect.name,
-        form=part.variant.form,
-        fitted_on=fitted_on(context, part.effect, part.variant),
-        parameters=parameters,
-    )
+    return parameters
 
 
 def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:

@@ -8,7 +8,7 @@ from labrig.contents import Ranked
 from labrig.diagnosis._candidates import Candidate, square_of
 from labrig.diagnosis._constants import LEAST_FLOORS
 from labrig.diagnosis._formula import forms_of
-from labrig.diagnosis._parameters import entry_of
+from labrig.diagnosis._parameters import parameters_of
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._verdict import Verdict
 from labrig.effects import Context, Effect
@@ -69,9 +69,7 @@ def ranking_of(
                 "probability": probability[name],
                 "parameters": {
                     key: value.model_dump(exclude_none=True)
-                    for key, value in entry_of(
-                        regression, regression.context, one, 0, refine=False
-                    ).parameters.items()
+                    for key, value in parameters_of(regression.context, one, 0).items()
                 },
             }
         )

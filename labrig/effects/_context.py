@@ -11,14 +11,13 @@ from scipy.linalg import solve_banded
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.effects._rows import Rows
-from labrig.effects._speeds import speeds
+from labrig.effects._speeds import LENGTHS, speeds
 
 LINEAR = 0.03
 FEW_OBSERVABLES = 8
 """So many may each follow an effect in a measure of its own; of more, each has little to say of its own."""
 _DENSE = 100
 """Fewer moments than this are no record, but a table of set-points."""
-LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
 _FORCES = {"N", "mN", "kN", "N*m", "N m", "Nm", "mN*m", "Pa", "kPa", "MPa", "bar"}
 MOMENTS = "the moments of its actuations"
 
@@ -381,7 +380,7 @@ class Context:
     def motion(self) -> dict[str, tuple[Floats, float]]:
         """Logged covariates that are a position: name -> (its speed per s (F,), its range)."""
         if "motion" not in self._memo:
-            found = speeds(self.rows, LENGTHS)
+            found = speeds(self.rows)
             self._memo["motion"] = {
                 n: (v, span) for n, (v, span) in found.items() if self.shows(np.ptp(v) > 0)
             }

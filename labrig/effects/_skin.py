@@ -72,13 +72,16 @@ def by_place(context: Context, name: str, values: Floats) -> list[Feature]:
     """
     out = []
     for a, z in enumerate(_places(context)):
-        own, gain = values * z, context.displacement * z
-        square = float((gain**2).sum())
-        if context.shows(square > 0):
-            as_gain = partial(lambda own, gain, square: (own * gain).sum() / square, own, gain, square)
-            whole = f"{name} by place {a}"
-            out.append(field(whole, own - context.yardstick(f"{whole}, as a gain", as_gain) * gain))
+        own, gain, whole = values * z, context.displacement * z, f"{name} by place {a}"
+        if context.shows(gain.any()):
+            as_gain = context.yardstick(f"{whole}, as a gain", partial(_share_of, own, gain))
+            out.append(field(whole, own - as_gain * gain))
     return out
+
+
+def _share_of(values: Floats, gain: Floats) -> Floats:
+    """How much of `gain` the values have, by least squares."""
+    return (values * gain).sum() / max(float((gain**2).sum()), 1e-300)
 
 
 def by_sensor(context: Context, lagging: list[tuple[str, Floats]]) -> list[Feature]:

@@ -1,21 +1,20 @@
 """How fast what was logged as a position moves."""
 
-from collections.abc import Collection
-
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects._rows import Rows
 
+LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
 _NO_MOTION = {"tilt", "orientation"}
 _FEWEST = 5
 
 
-def speeds(rows: Rows, units: Collection[str]) -> dict[str, tuple[Floats, float]]:
-    """Of each covariate in one of the units its speed per s (F,), and its range; none where it is not finite."""
+def speeds(rows: Rows) -> dict[str, tuple[Floats, float]]:
+    """Of each covariate that is a length or an angle its speed per s (F,), and its range; none that is not finite."""
     out = {}
     for name, cov in rows.covariates.items():
-        if cov.unit not in units or name.lower() in _NO_MOTION:
+        if cov.unit not in LENGTHS or name.lower() in _NO_MOTION:
             continue
         speed = np.zeros(len(cov.values))
         for s in np.unique(rows.session):

@@ -160,21 +160,23 @@ def test_what_other_long_holds_say_is_believed(make_lab) -> None:
 @pytest.mark.parametrize("settings", [{"markers": 1}, {"markers": 12}, {"force": True, "chambers": 1}])
 def test_what_comes_by_and_by_in_one_hold_stays(make_lab, settings: dict[str, Any]) -> None:
     """What sinks step by step along the only hold that is held is no mistake, though nothing else is ever so far off;
-    what is off by as much from its first row on is one.
+    what is off by as much from its first row on is one, and what comes so far at once, from one row to the next.
     """
     lab = make_lab(captures=60, long_s=(3.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0), **settings)
     values = lab.predict(lab.u) + lab.noise()
     held = np.flatnonzero(np.isfinite(lab.hold_s).sum(axis=1) > np.isfinite(lab.hold_s).sum(axis=1).min())
     rows = np.isfinite(lab.hold_s)
-    sinks, jumps = held[1], held[-1]
+    sinks, jumps, late = held[1], held[-1], held[3]
     share = -np.expm1(-np.nan_to_num(lab.hold_s[sinks] - 3.0) / 100.0)
     values[sinks, :, 0] -= 9.0 * share
     values[jumps, :, 0] -= 9.0
+    values[late, 4:, 0] -= 9.0
     cleaned, _ = cleaned_of(lab, values)
     gone = np.isnan(cleaned[:, 0])
     owner = np.repeat(np.arange(60), rows.sum(axis=1))
     assert not gone[owner == sinks].any()
     assert gone[owner == jumps].all()
+    assert gone[owner == late][4:].all()
 
 
 @pytest.mark.parametrize("settings", [{"markers": 12}, {"markers": 4}, {"force": True, "chambers": 1}])

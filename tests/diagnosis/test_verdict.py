@@ -163,6 +163,8 @@ def test_partners_are_no_rivals(as_evidence_says: Callable[..., None]) -> None:
     as_evidence_says()
     either = told(answer(0.55, "leak"), answer(0.45, "creep"))
     assert (either.verdict, either.together, either.added) == ("confounded", (), ("leak",))
+    less = told(answer(0.4, "leak", "creep"), answer(0.31, "leak"), answer(0.29, "creep"))
+    assert (less.verdict, less.together) == ("confounded", ())
 
 
 def test_confounded() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
+from labrig.effects._skin import at_events
 from labrig.ik import Remembering, SurfaceModel, plan_path, solve_with_path
 from labrig.ik._path import SETTLE_S, paths_to
 from labrig.model import EffectEntry, Model, ModelFile
@@ -44,6 +45,17 @@ def test_without_effects_nothing_is_remembered():
     effective, displaced = remembering().after(paths_to(setpoint, np.zeros(9), np.full(9, 60.0), 0.4, 3.0))
     np.testing.assert_array_equal(effective, setpoint)
     assert not displaced.any()
+
+
+def test_what_acts_on_the_surface_knows_where_it_was():
+    """At every set-point of the path the surface was where the shape has it, not where a fit to its end would be."""
+    memory = remembering()
+    rows = memory._rows(paths_to(np.linspace(10.0, 45.0, 9), np.zeros(9), np.full(9, 60.0), 0.4, 3.0))
+    context = memory._context(rows)
+    marked = memory.shape.points(rows.event_actuation, memory.shape.marker_uv).reshape(
+        len(rows.event_actuation), -1
+    )
+    np.testing.assert_allclose(at_events(context), marked - context.base_vented, atol=1e-9)
 
 
 @pytest.mark.parametrize(("overshoot", "sign"), [(0.0, -1.0), (0.4, 1.0)])
