@@ -64,7 +64,8 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
     turns = effect.name == "frame" or any(term.kind == "frame" for term in variant.terms)
     centred = turns or variant.centred
     dated = "since_s" in variant.shape and np.isfinite(rows.start_s)
-    measures = yardsticks_of(effect, context, variant.form) if is_family(variant.form) else {}
+    weights = is_family(variant.form)
+    measures = yardsticks_of(effect, context, variant.form) if weights else {}
     return FittedOn(
         chambers=list(rows.chambers),
         low=rows.low.tolist(),
@@ -72,6 +73,8 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
         centre_mm=centre_of(context).tolist() if centred else None,
         start_s=rows.start_s if dated else None,
         yardsticks={name: value.tolist() for name, value in measures.items()} or None,
+        lowest=rows.actuation.min(axis=0).tolist() if weights else None,
+        highest=rows.actuation.max(axis=0).tolist() if weights else None,
     )
 
 

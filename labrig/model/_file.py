@@ -134,7 +134,8 @@ class FittedOn(_Strict):
 
     `low`, `high`: the range of each of `chambers` that fractions are of; `centre_mm`: the point that rotations and
     scales are about, and a plane's distance is from; `start_s`: when the run began that moments are counted from, by
-    the rig's clock; `yardsticks`: what the functions of a family are measured by, such as how far the rig went.
+    the rig's clock; `yardsticks`: what the functions of a family are measured by, such as how far the rig went;
+    `lowest`, `highest`: between which the run kept each chamber, where a family's weights are known from it.
     """
 
     chambers: list[str] = Field(default_factory=list)
@@ -143,6 +144,8 @@ class FittedOn(_Strict):
     centre_mm: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
     start_s: float | None = None
     yardsticks: dict[str, Numbers] | None = None
+    lowest: list[float] | None = None
+    highest: list[float] | None = None
 
     @model_validator(mode="after")
     def _each_chamber(self) -> "FittedOn":
@@ -150,6 +153,8 @@ class FittedOn(_Strict):
             raise ValueError("chambers, low and high must have as many values as each other")
         if any(low >= high for low, high in zip(self.low, self.high, strict=True)):
             raise ValueError("low must be below high for each chamber")
+        if any(kept is not None and len(kept) != len(self.chambers) for kept in (self.lowest, self.highest)):
+            raise ValueError("lowest and highest must have a value for each chamber")
         return self
 
 

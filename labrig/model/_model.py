@@ -38,6 +38,7 @@ from labrig.model._bases import (
     jacobian,
     solo_deflection,
 )
+from labrig.model._beyond import beyond
 from labrig.model._file import EffectEntry, ModelFile, PythonBase, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
 
@@ -157,10 +158,13 @@ class Model:
         return Predictor(self, base)
 
     def unsaid(self, context: Context) -> list[str]:
-        """Of which sessions the effects have no value of their own, in words."""
+        """Of which sessions the effects have no value of their own, and which pressures they were not fitted to, in
+        words.
+        """
         out = []
         for entry in self.file.effects:
             effect = get(entry.name, self.folder)
+            out += beyond(entry, context.rows)
             own = {n: v.per for n, v in entry.parameters.items() if v.per and n != WEIGHTS.name}
             for name, known in own.items():
                 if effect.parameter(name).per != "session":

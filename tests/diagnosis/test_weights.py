@@ -1,6 +1,7 @@
 """A family's own weights: for laws that no formula follows, in the model file and on another programme."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,10 @@ from labrig.bench._files import write_model
 from labrig.bench._learner import capture_error
 from labrig.diagnosis import Result, diagnose, forms_of, improve, prepared, rows_from
 from labrig.diagnosis._candidates import Candidate, fit, square_of
+from labrig.diagnosis._design_matrix import columns_of
 from labrig.diagnosis._diagnose import _errors
+from labrig.diagnosis._formula import _good_enough, _plainest
+from labrig.diagnosis._score import score
 from labrig.diagnosis._spectra import prior_of
 from labrig.diagnosis._weights import family_forms
 from labrig.effects import (
@@ -29,6 +33,7 @@ from labrig.effects import (
     weighable,
 )
 from labrig.model import Model
+from tests.laws import orifice
 
 
 def error(model: Model, data: xr.Dataset) -> float:
@@ -94,6 +99,33 @@ def test_a_family_that_cannot_act_says_so(lip: tuple[Campaign, Model, Result]) -
         found.improved.context(rows_of(still))
 
 
+def test_a_run_that_goes_farther_than_its_weights_is_warned_of(lip: tuple[Campaign, Model, Result]) -> None:
+    """Weights say little of pressures that no run they were fitted to went to, and that is said; not of those it did."""
+    campaign, _, found = lip
+    assert found.improved is not None
+    (entry,) = found.improved.file.effects
+    on = entry.fitted_on
+    assert on is not None
+    assert on.lowest is not None
+    assert on.highest is not None
+    rows = rows_of(campaign.dataset)
+    assert on.highest == rows.actuation.max(axis=0).tolist()
+    narrow = [low + 0.6 * (high - low) for low, high in zip(on.lowest, on.highest, strict=True)]
+    entry = entry.model_copy(update={"fitted_on": on.model_copy(update={"highest": narrow})})
+    half = replace(
+        found.improved, file=found.improved.file.model_copy(update={"effects": [entry]}), path=None
+    )
+    assert not any("weights" in line for line in found.improved.context(rows).rows.warnings)
+    (line,) = (line for line in half.context(rows).rows.warnings if "weights" in line)
+    name, low, high = rows.chambers[0], on.lowest[0], narrow[0]
+    there = rows.actuation[:, 0]
+    assert line.startswith(
+        f"leak: its weights are known from {name} {low:.3g} to {high:.3g} kPa "
+        f"(here {there.min():.3g} to {there.max():.3g})"
+    )
+    assert line.endswith("beyond that they say little, so fit it again with runs that go as far")
+
+
 def _positive(covariance: np.ndarray) -> np.ndarray:
     """Without what is negative, as a spectrum is kept with four digits."""
     power, turn = np.linalg.eigh(covariance)
@@ -150,6 +182,27 @@ def test_functions_of_the_observables_are_weighted_likewise(make_lab: Callable[.
         made = (term.feature / scale).reshape(len(shows), -1)
         power = np.linalg.eigvalsh(shows @ covariance @ shows.T)[::-1][: made.shape[1]]
         np.testing.assert_allclose(made.T @ made, np.diag(power), atol=1e-6 * power[0])
+
+
+def test_a_formula_comes_before_weights_that_are_fewer(make_lab: Callable[..., Any]) -> None:
+    """Weights in one direction that follow a pinhole in each chamber as well as three rates do are not taken for it."""
+    lab = make_lab(captures=40)
+    loss = orifice(lab) - lab.u
+    data = lab.dataset(lab.predict(lab.u + loss * np.array([1.0, 0.5, 0.2])) + lab.noise())
+    ready = prepared(rows_from(data), lab.model())
+    regression, context, effect = ready.regression, ready.context, library()["leak"]
+    formula = next(c for c in forms_of(regression, context, effect) if "per chamber" in c.variant.form)
+    wide = next(iter(family_forms(effect, context)))
+    columns = columns_of(regression, wide)
+    (term,) = wide.terms
+    fitted = score(columns).beta[:, None]
+    narrow = replace(wide, terms=(replace(term, feature=term.feature @ fitted),))
+    columns = columns_of(regression, narrow)
+    weights = Candidate(effect, narrow, columns, score(columns))
+    assert weights.columns.width == 1 < formula.columns.width == 3
+    assert _good_enough(weights, formula)
+    for options in ([weights, formula], [formula, weights]):
+        assert _plainest(options, options, formula) is formula
 
 
 @pytest.mark.parametrize(
