@@ -140,8 +140,8 @@ def verdict_on(
     """Which effects are missing, by the evidence of everything that these observations, as they were `laid_out`, might
     say.
     """
-    floor = float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
-    least = (tolerance or 0.0) / floor if floor > 0 else 0.0
+    floor = observations.unit_size(ready.regression.counted)
+    least = (tolerance or 0.0) / floor
     few = underpowered(observations, tuple(effects), least, ready.regression.units, floor)
     if few is not None and design is None:
         return few
@@ -219,8 +219,7 @@ def result_of(
     for entry in entries:
         improved = improved.with_effect(entry)
     places = where(context, ready.residual, ready.floor, regression.counted)
-    # a floor of one capture's mean, in the units of the observables that errors are quoted for
-    unit_size = float(np.sqrt(np.mean(observations.unit[regression.counted] ** 2)))
+    unit_size = observations.unit_size(regression.counted)
     summary: Summary = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
@@ -237,7 +236,7 @@ def result_of(
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
-        "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
+        "floor": ready.floor.told(regression.units),
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),

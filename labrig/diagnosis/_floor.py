@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig.arrays import Floats, Ints
+from labrig.contents import FloorSource
 from labrig.diagnosis._repeats import (
     FEWEST_PAIRS,
     beside_drift,
@@ -32,14 +33,14 @@ UNREPEATED = "no repeats with the same history: the noise floor is an estimate, 
 class Floor:
     """Noise of each observable, (K,), of two kinds: of a capture's mean, and within its hold.
 
-    `how` says in words where it comes from; `repeats` holds, in units, what each kind of repeat differs
+    `how` says in words where it comes from; `repeats` holds, by unit and in it, what each kind of repeat differs
     by (None where there are none): within a capture, same history, opposite history, early against late.
     """
 
     mean: Floats
     within: Floats
     how: str
-    repeats: dict[str, float | None]
+    repeats: dict[str, dict[str, float | None]]
     freedom: Ints
     """How many differences between repeats with the same history it comes from, (K,); 0 where from none."""
     shaken: Floats
@@ -61,6 +62,10 @@ class Floor:
     def shakes(self) -> Floats:
         """How far each observable (K,) is shaken, root mean square."""
         return np.sqrt(np.square(self.shaken).sum(axis=1))
+
+    def told(self, unit: str) -> FloorSource:
+        """As a result has it, whose errors are in a unit."""
+        return {"how": self.how, "repeats": self.repeats[unit]}
 
 
 def capture_means(values: Floats, capture: Ints) -> tuple[Floats, Ints]:
@@ -97,10 +102,10 @@ def noise_floor(
     mean, within = np.zeros(len(rows.unit)), np.zeros(len(rows.unit))
     single = len(captures) == len(rows.capture) >= 12
     stream = single and not any(rows.repeat)
-    repeats: dict[str, float | None] = {}
+    repeats: dict[str, dict[str, float | None]] = {}
     hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
     upper = np.full(len(rows.unit), np.inf)
-    for number, own in enumerate(units.values()):
+    for unit, own in units.items():
         groups = groups_of(rows, own)
         each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
         again_at = list(pairs_of(context, captures, odd_sessions(context, means[:, own], captures)))
@@ -132,10 +137,9 @@ def noise_floor(
         freedom[own] = told * int(own.sum()) if how == _REPEATS else 0
         if not stream:
             upper[own] = limit_of([d / even for kind in _ANY_HISTORY for d in again[kind]]) * even
-        if number == 0:
-            rows_differ = float(np.sqrt(np.mean(each**2)))
-            repeats = {"within a capture": rows_differ if rows_differ > 0 else None}
-            repeats |= {kind: spread_of(differences) for kind, differences in again.items()}
+        rows_differ = float(np.sqrt(np.mean(each**2)))
+        repeats[unit] = {"within a capture": rows_differ if rows_differ > 0 else None}
+        repeats[unit] |= {kind: spread_of(differences) for kind, differences in again.items()}
     none_shaken = np.zeros((len(mean), 0))
     beside = float(np.mean(1 - 1 / np.bincount(index)[index]))
     how = "; ".join(dict.fromkeys(hows))

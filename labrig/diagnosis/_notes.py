@@ -102,7 +102,7 @@ def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: 
 def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str]:
     """A line where repeats with the same history differ by as much as what follows nothing that was recorded."""
     left = verdict.beside.get(NOTHING, 0.0) * unit_size
-    differ = ready.floor.repeats.get("same history")
+    differ = ready.repeats["same history"]
     noise = float(np.sqrt(np.mean(ready.floor.mean[ready.regression.counted] ** 2)))
     if (
         verdict.verdict != "unknown"
@@ -139,7 +139,7 @@ def _doubted(chosen: Fit | None, verdict: Verdict, falls: Sequence[Fall]) -> lis
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     rows = ready.context.rows
     out = [*rows.warnings, *units_off(ready.context), *verdict.warnings]
-    if ready.floor.repeats.get("same history") is None:
+    if ready.repeats["same history"] is None:
         scatters = _scatters(ready) if verdict.verdict == "nothing_missing" else []
         out += scatters or [UNREPEATED]
     if len(rows.sessions) > 1 and rows.between_sessions == "unknown":

@@ -80,6 +80,10 @@ class Observations:
         """Which observables (K,) were ever seen."""
         return np.isfinite(self.context.rows.values).sum(axis=0) > 0
 
+    def unit_size(self, counted: Ints) -> float:
+        """How large a floor is in some observables (n,) of one unit, in it: the noise of a mean, root mean square."""
+        return float(np.sqrt(np.mean(self.unit[counted] ** 2)))
+
     @cached_property
     def slopes(self) -> Floats:
         """How far, in floors, each chamber's whole range would move each capture, (n, K, C), as the base says there."""
@@ -159,10 +163,15 @@ class Observations:
         return Counted(self.values.size, self.n_captures, self.conditions, inexact)
 
     @cached_property
-    def worth(self) -> float:
-        """What each observation counts for in the evidence."""
-        counted = self.counted
-        return worth_of(counted.numbers, counted.conditions, counted.inexact)
+    def worth(self) -> Floats:
+        """What each observation (S,) counts for in the evidence.
+
+        Laws are off by a share of what they explain (`INEXACT`): of all there is to explain in the mean, or of what an
+        observation has of it, where that is more.
+        """
+        beyond = (self.values[:, self.seen] ** 2).mean(axis=1) - self.left
+        inexact = 1 + INEXACT**2 * np.maximum(beyond, self.to_explain**2)
+        return worth_of(self.values.size, self.conditions) / inexact
 
     @property
     def first(self) -> Ints:

@@ -91,7 +91,7 @@ class Opened:
             "units": self.units,
             "error": error,
             "where": self.places,
-            "floor": {"how": ready.floor.how, "repeats": ready.floor.repeats},
+            "floor": ready.floor.told(self.units),
             "warnings": [*self._warnings(), *_fitted_anew(ready)],
             **self.about,
         }
@@ -164,7 +164,7 @@ class Opened:
 
     def _warnings(self) -> list[str]:
         context = self.ready.context
-        unsure = [UNREPEATED] if self.ready.floor.repeats.get("same history") is None else []
+        unsure = [UNREPEATED] if self.ready.repeats["same history"] is None else []
         return [
             *context.rows.warnings,
             *units_off(context),

@@ -96,6 +96,11 @@ class Prepared:
             "verdict and in the sizes of effects"
         ]
 
+    @property
+    def repeats(self) -> dict[str, float | None]:
+        """What each kind of repeat differs by, in the unit in which errors are quoted."""
+        return self.floor.repeats[self.regression.units]
+
     @cached_property
     def regression(self) -> Regression:
         """The same as a regression problem, for the formulas."""

@@ -58,7 +58,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
         "difference": _plain(whole),
         "better": None if whole.nearer is None else names[whole.nearer],
         "where": _where(both[0], residual, group, names),
-        "floor": {"how": floor.how, "repeats": floor.repeats},
+        "floor": floor.told(regression.units),
         "warnings": [*rows.warnings, *_notes(both, (first, second), names, lost)],
         "runs": about(runs, first)["runs"],
     }

@@ -14,12 +14,13 @@ from labrig.effects._family import (
 )
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._forms import plain_forms
+from labrig.effects._join import join_rows
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own import without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import USER_FOLDER, get, library
-from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, join_rows, rows_of
+from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part
 from labrig.effects._slips import errors_by_capture

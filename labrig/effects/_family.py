@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
-from labrig.effects._rows import Covariate
+from labrig.effects._logged import is_temperature
 
 FeatureKind = Literal["pressure", "field", "pattern"]
 
@@ -150,11 +150,6 @@ def temperatures(context: Context) -> Iterator[tuple[str, Floats]]:
     for name, cov in context.rows.covariates.items():
         if is_temperature(name, cov) and np.isfinite(cov.values).all() and np.ptp(cov.values) > 0:
             yield name, (cov.values - cov.values[0]) / np.ptp(cov.values)
-
-
-def is_temperature(name: str, logged: Covariate) -> bool:
-    """Whether something that was logged is one, by its unit or its name."""
-    return logged.unit in {"degC", "K", "degF", "kelvin"} or "temp" in name.lower()
 
 
 def by_covariate(context: Context, name: str, values: Floats) -> list[Feature]:

@@ -5,7 +5,7 @@ averages, so each is condensed to a handful of bins, denser at its beginning whe
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -244,82 +244,13 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         start_s=float(dataset.attrs.get("start_s", np.nan)),
         resolution=resolution_of(values.reshape(-1, values.shape[2]), levels_of(commanded, hold.shape[1])),
         session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
-        early=_size(np.concatenate(picked["early"])),
+        early=root_mean_square(np.concatenate(picked["early"])),
     )
-
-
-def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
-    """Put several runs of one rig one after the other; each keeps its own sessions and repeats.
-
-    Where all of them know when they began, and none began before the one before it ended, their times go on. Of a rig
-    that is vented in between each then remembers what it did in those before, unless it is said not to.
-
-    Raises `LabrigError` when the runs have other chambers or observables.
-    """
-    first = parts[0]
-    if len(parts) == 1:
-        return first
-    for part in parts[1:]:
-        for name in ("chambers", "observables", "unit", "actuation_unit"):
-            if getattr(part, name) != getattr(first, name):
-                raise LabrigError(f"the runs differ in their {name}: they can't be diagnosed together")
-    later = _later(parts)
-    follows = remembers and later[-1] > 0 and all(p.between_sessions == "vented" for p in parts)
-    if follows:
-        parts = [*map(_vented, parts[:-1]), parts[-1]]
-    captures = np.cumsum([0, *(p.n_captures for p in parts)])
-    events = np.cumsum([0, *(len(p.event_time_s) for p in parts)])
-    session = np.cumsum([0, *(len(p.sessions) for p in parts)])
-    joined: dict[str, Any] = {f.name: getattr(first, f.name) for f in fields(Rows)}
-    for name in ("actuation", "measured", "values", "hold_s", "event_actuation"):
-        joined[name] = np.concatenate([getattr(p, name) for p in parts])
-    goes_on = [s + first for p, first in zip(parts, session.tolist(), strict=False) for s in p.goes_on]
-    joined["goes_on"] = tuple(sorted([*goes_on, *(session[1:-1].tolist() if follows else [])]))
-    joined["time_s"] = np.concatenate([p.time_s + late for p, late in zip(parts, later, strict=True)])
-    joined["event_time_s"] = np.concatenate(
-        [p.event_time_s + late for p, late in zip(parts, later, strict=True)]
-    )
-    offsets = {"capture": captures, "session": session, "event": events, "event_session": session}
-    for name, offset in offsets.items():
-        joined[name] = np.concatenate([getattr(p, name) + o for p, o in zip(parts, offset[:-1], strict=True)])
-    joined["sessions"] = tuple(f"{i + 1}:{s}" for i, p in enumerate(parts) for s in p.sessions)
-    joined["resolution"] = np.max([p.resolution for p in parts], axis=0)
-    joined["early"] = _size(np.array([p.early for p in parts]))
-    joined["session_keys"] = tuple(key for p in parts for key in p.session_keys or p.sessions)
-    joined["repeat"] = tuple(f"{i + 1}:{r}" if r else "" for i, p in enumerate(parts) for r in p.repeat)
-    joined["low"] = np.min([p.low for p in parts], axis=0)
-    joined["high"] = np.max([p.high for p in parts], axis=0)
-    common = [n for n in first.covariates if all(n in p.covariates for p in parts)]
-    joined["covariates"] = {
-        n: Covariate(first.covariates[n].unit, np.concatenate([p.covariates[n].values for p in parts]))
-        for n in common
-    }
-    joined["warnings"] = tuple(w for p in parts for w in p.warnings)
-    return Rows(**joined)
 
 
 def _keys(sessions: Sequence[str], run: str) -> tuple[str, ...]:
     """Sessions that are only counted (0, 1, ...) are told from those of another run by the run."""
     return tuple(f"{run[:8]}/{name}" if run and name.isdigit() else name for name in sessions)
-
-
-def _later(parts: Sequence[Rows]) -> list[float]:
-    """How long after the first run each began, s; zeros where their order in time is not known."""
-    later = [p.start_s - parts[0].start_s for p in parts]
-    ends = [late + float(np.nanmax(p.time_s, initial=0.0)) for late, p in zip(later, parts, strict=True)]
-    known = all(np.isfinite(later)) and all(start >= end for start, end in zip(later[1:], ends, strict=False))
-    return later if known else [0.0] * len(parts)
-
-
-def _vented(rows: Rows) -> Rows:
-    """A run with its end as one more event: there every chamber is vented."""
-    end = np.nanmax(np.concatenate([rows.time_s, rows.event_time_s]))
-    return replace(
-        rows,
-        event_actuation=np.vstack([rows.event_actuation, np.clip(0.0, rows.low, rows.high)]),
-        event_time_s=np.append(rows.event_time_s, end),
-        event_session=np.append(rows.event_session, rows.event_session[-1]),
-    )
 
 
 def _where(dataset: "Dataset") -> str:
@@ -366,7 +297,7 @@ def _before(values: Floats, seen: Ints, begin: int) -> Floats:
     return values[seen[seen < begin]] - usual
 
 
-def _size(values: Floats) -> Floats:
+def root_mean_square(values: Floats) -> Floats:
     """Root mean square of what was seen in each column; 0 where nothing was."""
     count = np.isfinite(values).sum(axis=0)
     return np.sqrt(np.nansum(values**2, axis=0) / np.maximum(count, 1))

@@ -13,13 +13,13 @@ from labrig.effects._family import (
     by_covariate,
     clocks,
     field,
-    is_temperature,
     motion_scale,
     pattern,
     pressure,
     temperatures,
 )
 from labrig.effects._fields import frame_modes, scale_mode, strain_modes
+from labrig.effects._logged import is_temperature
 from labrig.effects._sign import Part, Sign, along_own, of_field
 
 HOUR_S = 3600.0

@@ -1,6 +1,5 @@
 """Gravity: weight and payload pull the surface down."""
 
-import re
 from collections.abc import Collection, Iterator
 from functools import partial
 
@@ -13,25 +12,16 @@ from labrig.effects._family import Space, acting, by_covariate, field, motion_sc
 from labrig.effects._fields import frame_modes
 from labrig.effects._in_parts import another_bend_in_each, another_in_each, poses_of
 from labrig.effects._inside import inside
+from labrig.effects._logged import is_payload, is_tilt, payloads_kg, tilts_rad
 from labrig.effects._sign import Part, Sign, along_own, by_capture, held
 from labrig.effects._weights import is_family
 
-_NEWTON = 1 / 9.80665
-_PAYLOAD = {
-    **dict.fromkeys(("kg", "kilogram"), 1.0),
-    **dict.fromkeys(("g", "gram"), 1e-3),
-    **dict.fromkeys(("N", "newton"), _NEWTON),
-    "mN": 1e-3 * _NEWTON,
-}
-"""Units of a payload, in kg (of a force: of the mass that weighs so much)."""
 _WHERE_COMPLIANT = {"sag": "weight", "payload": "weight_per_kg", "tilt": "weight_by_tilt"}
-_TILTED = {"tilt", "orientation", "inclination", "pitch", "roll"}
 _SPACES = {"what gives": ("pressure", "field"), "anywhere": ("pattern",)}
 _FREE = 1.0
 """Prior variance of a sag whose shape over the body is free: weights may sit anywhere."""
 _OPEN = 0.05
 """Share of the range from which a wall is off its seat: a grid."""
-_ANGLE = {"deg": np.pi / 180, "degree": np.pi / 180, "rad": 1.0, "radian": 1.0}
 
 
 class Gravity(Effect):
@@ -58,14 +48,8 @@ class Gravity(Effect):
     needs = "markers, or a tilt or a payload that was logged"
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        loads, tilts = [], []
-        for name, cov in context.rows.covariates.items():
-            known = np.isfinite(cov.values).all() and context.shows(np.ptp(cov.values) > 0)
-            if known and cov.unit in _PAYLOAD and is_payload(name):
-                loads.append(cov.values * _PAYLOAD[cov.unit])
-            if known and cov.unit in _ANGLE and is_tilt(name):
-                angle = cov.values * _ANGLE[cov.unit]
-                tilts += [np.sin(angle), np.cos(angle)]
+        loads = [kg for _, kg in payloads_kg(context)]
+        tilts = [way for _, angle in tilts_rad(context) for way in (np.sin(angle), np.cos(angle))]
         placed = (context.rows.marker >= 0) & (context.rows.axis >= 0)
         compliant = bool(placed.any()) and context.shows(context.moves)
         both = {"payload": loads, "tilt": tilts}
@@ -97,10 +81,12 @@ class Gravity(Effect):
             yield Variant("own weight too, more where compliant", (*own, *more))
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
-        logged = context.rows.covariates
+        logged = context.rows.covariates.items()
         if is_family(form):  # the names of its functions say what it pulls by
-            loaded = any(n.startswith("load") for n in parameters) and not any(map(is_payload, logged))
-            turned = any("sine" in n for n in parameters) and not any(map(is_tilt, logged))
+            loaded = any(n.startswith("load") for n in parameters) and not any(
+                is_payload(*each) for each in logged
+            )
+            turned = any("sine" in n for n in parameters) and not any(is_tilt(*each) for each in logged)
             return " and ".join(["the payload"] * loaded + ["the tilt"] * turned)
         by = {"the payload": ("payload", "weight_per_kg"), "the tilt": ("tilt", "weight_by_tilt")}
         return " and ".join(what for what, names in by.items() if set(names) & set(parameters))
@@ -153,12 +139,12 @@ class Gravity(Effect):
             yield Space("as one body", "gravity as one body", acting(body))
 
     def follows(self, context: Context) -> Collection[str]:
-        return [name for name in context.rows.covariates if is_tilt(name) or is_payload(name)]
+        return [n for n, c in context.rows.covariates.items() if is_tilt(n, c) or is_payload(n, c)]
 
     def sign(self, context: Context, part: Part) -> Sign:
         """Against payload or tilt, where it follows them; else against how far the pressures move each marker."""
         for name, cov in context.rows.covariates.items():
-            if cov.unit in _PAYLOAD or is_tilt(name):
+            if is_payload(name, cov) or is_tilt(name, cov):
                 return along_own(context, part, cov.values, name, cov.unit)
         return self._by_compliance(context, part)
 
@@ -193,32 +179,16 @@ class Gravity(Effect):
             yield letter, along
 
 
-def is_tilt(name: str) -> bool:
-    """Whether something that was logged says by its name how the rig was turned: tilt, mount tilt, tilt_x, pitch, or
-    just angle, but no valve's angle.
-    """
-    return name.lower() == "angle" or bool(_TILTED & set(re.findall("[a-z]+", name.lower())))
-
-
-def is_payload(name: str) -> bool:
-    """Whether something that was logged says by its name what the rig carried."""
-    return "load" in name.lower() or "mass" in name.lower()
-
-
 def _pulls(context: Context) -> list[tuple[str, Floats]]:
     """What weights pull by, as far as it was logged: payload, tilt by sine and cosine, and the payload turned with it.
 
     The cosine is there twice: all of it where the base knows no weight, its change where it was fitted upright.
     """
     loads, tilts = [], []
-    for name, cov in context.rows.covariates.items():
-        if not np.isfinite(cov.values).all() or not context.shows(np.ptp(cov.values) > 0):
-            continue
-        if is_payload(name):
-            loads.append(("load", cov.values / context.yardstick("heaviest load", np.abs(cov.values).max)))
-        if is_tilt(name):
-            angle = np.deg2rad(cov.values) if cov.unit.startswith("deg") else cov.values
-            tilts += [("sine", np.sin(angle)), ("cosine", np.cos(angle))]
+    for _, kg in payloads_kg(context):
+        loads.append(("load", kg / context.yardstick("heaviest load, kg", np.abs(kg).max)))
+    for _, angle in tilts_rad(context):
+        tilts += [("sine", np.sin(angle)), ("cosine", np.cos(angle))]
     turned = [(f"{one} {way}", load * along) for one, load in loads for way, along in tilts]
     since = [("cosine since upright", along - 1) for way, along in tilts if way == "cosine"]
     return [*loads, *tilts, *since, *turned]

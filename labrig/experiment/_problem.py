@@ -42,6 +42,12 @@ class Problem:
         floor = (self.ready if self.explained is None else self.explained.ready).floor
         return float(np.sqrt(np.mean(floor.row[self.counted] ** 2)))
 
+    @property
+    def unit_size(self) -> float:
+        """How large a floor of what is expected is, in their units: see `Observations.unit_size`."""
+        assert self.explained is not None
+        return self.explained.observations.unit_size(self.counted)
+
     def joint(self, programmes: Sequence[Sequence[Point]]) -> tuple[Context, Planned]:
         """The run and, in one further session, the programmes, each from a vented rig on, as one campaign."""
         planned = planned_rows(self.context.rows, programmes, self.limits)

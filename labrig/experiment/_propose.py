@@ -202,7 +202,7 @@ def _named(
         {
             "true": titles[m],
             "other": titles[n],
-            "apart": problem.floor * (floors := _floors(each, choice.together)),
+            "apart": problem.unit_size * (floors := _floors(each, choice.together)),
             "floors": floors,
             "log10_bayes": float(each / np.log(10)),
             "settles": bool(each >= goal),

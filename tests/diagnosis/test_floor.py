@@ -30,9 +30,9 @@ def test_white_noise_is_found(make_lab) -> None:
     assert floor.mean == pytest.approx(np.full(18, np.hypot(0.3, 0.2 / 2)), rel=0.15)
     assert floor.within == pytest.approx(np.full(18, 0.2), rel=0.25)
     assert floor.row == pytest.approx(np.full(18, np.hypot(0.3, 0.2)), rel=0.15)
-    assert floor.repeats["same history"] == pytest.approx(0.316, rel=0.4)
-    assert floor.repeats["within a capture"] == pytest.approx(0.2, rel=0.25)
-    assert floor.repeats["early against late"] is not None
+    assert floor.repeats["mm"]["same history"] == pytest.approx(0.316, rel=0.4)
+    assert floor.repeats["mm"]["within a capture"] == pytest.approx(0.2, rel=0.25)
+    assert floor.repeats["mm"]["early against late"] is not None
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 6])
@@ -78,7 +78,7 @@ def test_history_and_drift_are_no_noise(make_lab) -> None:
     late = np.linspace(0, 2, 100)[:, None, None]
     floor = floor_of(lab, lab.predict(lab.u + 0.1 * (before - lab.u)) + late + lab.noise())
     assert floor.mean[0] == pytest.approx(0.104, rel=0.35)
-    assert floor.repeats["early against late"] > 5 * floor.mean[0]
+    assert floor.repeats["mm"]["early against late"] > 5 * floor.mean[0]
     assert "repeats" in floor.how or "spectrum" in floor.how
 
 
@@ -88,7 +88,7 @@ def test_without_repeats_the_spectrum_says_it(make_lab) -> None:
     floor = floor_of(lab, lab.predict(lab.u * 1.1) + lab.noise())
     assert floor.how == "the bulk of the residuals' spectrum (no same-history repeats)"
     assert floor.mean[0] == pytest.approx(0.104, rel=0.25)
-    assert floor.repeats["same history"] is None
+    assert floor.repeats["mm"]["same history"] is None
 
 
 def test_repeats_are_recognised_without_labels(make_lab) -> None:
@@ -96,7 +96,7 @@ def test_repeats_are_recognised_without_labels(make_lab) -> None:
     lab = make_lab(captures=60)
     lab.label = [""] * 60
     floor = floor_of(lab, lab.predict(lab.u) + lab.noise())
-    assert floor.repeats["same history"] == pytest.approx(0.104, rel=0.6)
+    assert floor.repeats["mm"]["same history"] == pytest.approx(0.104, rel=0.6)
 
 
 def test_one_force_with_few_captures(make_lab) -> None:

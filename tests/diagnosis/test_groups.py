@@ -8,8 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from labrig._errors import LabrigError
 from labrig.diagnosis import compare, diagnose
-from labrig.effects import library, rows_of
-from labrig.effects._rows import join_rows
+from labrig.effects import join_rows, library, rows_of
 from labrig.model import Model, write_model_file
 from labrig.model._bases import StaticModel
 from labrig.model._file import StaticBase

@@ -100,7 +100,7 @@ def test_a_family_that_cannot_act_says_so(lip: tuple[Campaign, Model, Result]) -
 
 
 def test_a_run_that_goes_farther_than_its_weights_is_warned_of(lip: tuple[Campaign, Model, Result]) -> None:
-    """Weights say little of pressures that no run they were fitted to went to, and that is said; not of those it did."""
+    """Weights say little of pressures that no run which they were fitted to went to, and that is said."""
     campaign, _, found = lip
     assert found.improved is not None
     (entry,) = found.improved.file.effects

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis._names import different
-from labrig.effects import Context, library
+from labrig.effects import Context, library, rows_of
 from labrig.effects._in_parts import poses_of
-from labrig.effects._rows import rows_of
 from labrig.model import base_context, build_base
 from tests.naming import calls_of
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from labrig._errors import LabrigError
-from labrig.effects import Rows
-from labrig.effects._rows import rows_of
+from labrig.effects import Rows, rows_of
 from labrig.log._dataset import CampaignArrays, to_dataset
 from labrig.log._layout import Layout
 from labrig.model import Model, build_base, jacobian
