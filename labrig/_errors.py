@@ -8,3 +8,9 @@ class LabrigError(Exception):
     """
 
     exit_code = 2
+
+
+class NothingToDoError(LabrigError):
+    """What was asked for is not needed: good news, which a command ends with a code of its own for."""
+
+    exit_code = 4

@@ -111,9 +111,10 @@ def _take(kind: "type[Procedure]", rest: list[str]) -> tuple[str, Any]:
     token = rest.pop(0)
     option, equals, value = token.partition("=")
     name = option.removeprefix("--").replace("-", "_")
-    field = kind.model_fields.get(name)
-    if field is None and name.startswith("no_") and name[3:] in kind.model_fields:
-        return name[3:], False
+    field, negated = kind.model_fields.get(name), kind.model_fields.get(name.removeprefix("no_"))
+    off = field is None and negated is not None and negated.annotation is bool
+    if off and option.startswith("--") and not equals:
+        return name.removeprefix("no_"), False
     if field is None or not option.startswith("--"):
         options = [_option(field) for field in kind.model_fields]
         raise LabrigError(

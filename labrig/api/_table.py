@@ -63,30 +63,42 @@ def import_table(
 
 @contextmanager
 def _kept(given: list[Any], output: Path, replace: bool) -> Iterator[list[Any]]:
-    """The same with each DataFrame in a file beside the run, which goes again where no mapping came to name it."""
-    files: list[Path] = []
-    out = []
+    """The same with each DataFrame in a file beside the run, which goes again where no mapping came to name it,
+    and whose former content comes back where nothing came of the new one."""
     if output.exists() and not replace:
         raise LabrigError(f"{output} exists already; choose another name or remove it")
-    for one in given:
-        if type(one).__name__ == "DataFrame" and hasattr(one, "to_parquet"):
-            check_parent(output)
-            path = output.with_name(f"{output.name}.frame-{len(files) + 1}.parquet")
-            if path.exists() and not replace:
-                raise LabrigError(f"{path} exists already: choose another name for the run, or remove it")
-            _write(one, path)
-            files.append(path)
-            one = path
-        out.append(one)
+    files: list[Path] = []
     try:
+        out = []
+        for one in given:
+            if type(one).__name__ == "DataFrame" and hasattr(one, "to_parquet"):
+                check_parent(output)
+                path = output.with_name(f"{output.name}.frame-{len(files) + 1}.parquet")
+                if path.exists() and not replace:
+                    raise LabrigError(f"{path} exists already: choose another name for the run, or remove it")
+                files.append(path)
+                if path.exists():
+                    path.replace(_before(path))
+                _write(one, path)
+                one = path
+            out.append(one)
         yield out
     except BaseException:
         from labrig.log import mapping_beside
 
-        if not mapping_beside(output).exists():
-            for file in files:
-                file.unlink()
+        for file in files:
+            if _before(file).exists():
+                _before(file).replace(file)
+            elif not mapping_beside(output).exists():
+                file.unlink(missing_ok=True)
         raise
+    for file in files:
+        _before(file).unlink(missing_ok=True)
+
+
+def _before(file: Path) -> Path:
+    """Where the table of a run that is being replaced waits, until the new one is in its place."""
+    return file.with_name(f".{file.name}.before")
 
 
 def _write(frame: "DataFrame", path: Path) -> None:

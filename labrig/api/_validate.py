@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
-from labrig.api._inputs import Place
+from labrig.api._inputs import Place, names_of
 from labrig.shape_contents import Realisation
 
 if TYPE_CHECKING:
@@ -124,6 +124,7 @@ def validate(
         raise LabrigError(
             "a validation needs targets, the rig and the model; or the folder of a run that did it"
         )
+    without = names_of(without, "a form to leave out") if without else []
     for form in without:
         if form not in FORMS:
             raise LabrigError(f"without {form}: there are {' and '.join(FORMS)}")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._near import meant
 from labrig.contents import Errors, Next, Summary
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
@@ -73,9 +74,14 @@ def diagnose(
         without: names of effects to leave out of the library.
 
     Raises:
-        LabrigError: the runs and the model do not fit together, in their units too.
+        LabrigError: the runs and the model do not fit together, in their units too; or there is no such effect to
+            leave out.
     """
-    ready, library = prepared(rows_from(runs), model), model.library()
+    library = model.library()
+    for name in without:
+        if name not in library:
+            raise LabrigError(f"there is no effect {name!r} to leave out{meant(name, library)}")
+    ready = prepared(rows_from(runs), model)
 
     def attempt(failing: Collection[str]) -> Result:
         effects = {n: e for n, e in library.items() if n not in without and n not in failing}
@@ -186,7 +192,7 @@ def words_of(design: Design) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class _Errors:
-    """Root mean squares over held-out captures, and the mean squares behind them."""
+    """Root mean squares over held-out captures."""
 
     base: float
     model: float

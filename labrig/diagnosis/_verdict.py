@@ -40,7 +40,10 @@ class Considered:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is missing: `effects` that are sure, `rivals` of which one is, `considered` all of them, surest first."""
+    """What is missing: `effects` that are sure, `rivals` that are possible, `considered` all of them, surest first.
+
+    Of the rivals one is there, or, of those that are `together`, all of them.
+    """
 
     verdict: str
     effects: tuple[str, ...]
@@ -192,8 +195,7 @@ def in_one_part(search: Search) -> str:
 def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str]) -> Verdict:
     """Read the verdict off the answers; `words` says what carries each unnamed owner."""
     considered = tuple(sorted((_considered(name, answers) for name in effects), key=lambda c: -c.probability))
-    sure = tuple(c.effect for c in considered if c.call == "sure")
-    possible = tuple(c.effect for c in considered if c.call == "possible")
+    word, sure, probability, possible = _read(considered)
 
     def share(test: Callable[[Answer], bool]) -> float:
         return float(sum(a.probability for a in answers if test(a)))
@@ -205,7 +207,7 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
         for owner, size in a.unnamed.items():
             beside[words[owner]] = beside.get(words[owner], 0.0) + a.probability * size
     carried = max(beside, key=lambda w: beside[w], default="")
-    if nothing >= max(unknown, named) or not (unknown or sure or possible):
+    if nothing >= max(unknown, named) or not (unknown or any(c.call != "not it" for c in considered)):
         return Verdict("nothing_missing", (), stated(nothing), (), considered, "", beside)
     if unknown >= 0.5:
         there = {n: share(lambda a, n=n: a.counts(n) >= a.least) for n in effects}
@@ -215,34 +217,40 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
             if stated(p) >= k.SURE
         }
         return Verdict("unknown", (), stated(unknown), (), considered, carried, beside, within=within)
+    partners = _together(answers, (*sure, *possible)) if possible else ()
+    return Verdict(word, sure, probability, possible, considered, carried, beside, together=partners)
+
+
+def _read(considered: Sequence[Considered]) -> tuple[str, tuple[str, ...], float, tuple[str, ...]]:
+    """The word for what is said of each effect, those that are sure, how probable that is, and what is possible where
+    one more is more probable than none.
+    """
+    sure = tuple(c.effect for c in considered if c.call == "sure")
+    possible = tuple(c.effect for c in considered if c.call == "possible")
     some = 1 - float(np.prod([1 - c.probability for c in considered if c.effect in possible]))
-    if sure and some < 0.5:
-        word = "identified" if len(sure) == 1 else "multiple"
-        return Verdict(word, sure, _exactly(sure, considered), (), considered, carried, beside)
     if some >= 0.5:
-        partners = _together(answers, (*sure, *possible))
-        return Verdict("confounded", sure, some, possible, considered, carried, beside, together=partners)
-    return Verdict("unknown", (), 1 - some, (), considered, carried, beside)
+        return "confounded", sure, some, possible
+    if not sure:
+        return "unknown", (), 1 - some, ()
+    return "identified" if len(sure) == 1 else "multiple", sure, _exactly(sure, considered), ()
 
 
 def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
     """The same where these effects are not there, and what their words say carries what is missing instead: unknown,
-    where no other name is left.
+    where no other name is left that is probable enough, and no more probable than that something was there.
     """
     considered = tuple(replace(c, probability=0.0) if c.effect in names else c for c in verdict.considered)
     considered = tuple(sorted(considered, key=lambda c: -c.probability))
-    sure = tuple(name for name in verdict.effects if name not in names)
-    possible = tuple(name for name in verdict.rivals if name not in names)
-    word = verdict.verdict if possible else ("unknown", "identified", "multiple")[min(len(sure), 2)]
-    carried = next(iter(names.values()))
+    word, sure, probability, possible = _read(considered)
     return replace(
         verdict,
         verdict=word,
         effects=sure,
+        probability=min(probability, verdict.probability) if word == "unknown" else probability,
         rivals=possible,
         considered=considered,
-        carried_by=carried,
-        together=tuple(name for name in verdict.together if name not in names),
+        carried_by=next(iter(names.values())),
+        together=tuple(name for name in verdict.together if name in (*sure, *possible)),
     )
 
 
@@ -253,11 +261,9 @@ def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:
         for c in verdict.considered
     )
     considered = tuple(sorted(capped, key=lambda c: -c.probability))
-    sure = tuple(name for name in verdict.effects if name not in names)
-    possible = tuple(c.effect for c in considered if c.call == "possible")
-    some = 1 - float(np.prod([1 - c.probability for c in considered if c.effect in possible]))
+    word, sure, probability, possible = _read(considered)
     return replace(
-        verdict, verdict="confounded", effects=sure, rivals=possible, probability=some, considered=considered
+        verdict, verdict=word, effects=sure, rivals=possible, probability=probability, considered=considered
     )
 
 

@@ -24,9 +24,12 @@ _AXES = {
 class EffectError(LabrigError):
     """An own effect failed, or yielded what no effect may; `effect` is its name."""
 
-    def __init__(self, message: str, effect: str) -> None:
-        super().__init__(message)
+    def __init__(self, message: str, effect: str = "") -> None:
+        super().__init__(message, effect)  # both, so that it can be sent to another process
         self.effect = effect
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 def checked(kind: type[Effect], file: Path) -> type[Effect]:
@@ -34,7 +37,7 @@ def checked(kind: type[Effect], file: Path) -> type[Effect]:
     own: dict[str, Any] = {"variants": _each(kind, file, "variants", _variant), "__module__": kind.__module__}
     if kind.family is not Effect.family:
         own["family"] = _each(kind, file, "family", _space)
-    for method in ("covariate", "sign"):
+    for method in ("covariate", "sign", "follows", "turned_round", "carried", "lacks"):
         if getattr(kind, method) is not getattr(Effect, method):
             own[method] = _called(kind, file, method)
     return type(kind.__name__, (kind,), own)

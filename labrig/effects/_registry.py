@@ -35,6 +35,7 @@ def library(*folders: Path) -> dict[str, Effect]:
     """
     found = dict(shipped())
     for folder in dict.fromkeys([Path.cwd(), *folders]):
+        own: dict[str, Path] = {}
         for file in sorted((folder / USER_FOLDER).glob("*.py")):
             if not file.name.startswith("_"):
                 for effect in _effects_in(load_module(file, f"labrig_user_effects_{file.stem}"), file):
@@ -42,7 +43,11 @@ def library(*folders: Path) -> dict[str, Effect]:
                         raise LabrigError(
                             f"{file}: labrig has an effect named {effect.name!r} already; give yours another name"
                         )
-                    found[effect.name] = effect
+                    if other := own.get(effect.name):
+                        raise LabrigError(
+                            f"{file}: {other.name} has an effect named {effect.name!r} already; give one another name"
+                        )
+                    found[effect.name], own[effect.name] = effect, file
     return found
 
 

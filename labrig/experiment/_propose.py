@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig._errors import LabrigError
+from labrig._errors import LabrigError, NothingToDoError
 from labrig.contents import Expected, ProbeRow, ProgrammePoint, Proposed, Summary
 from labrig.diagnosis import SURE, Explained, Outlook, Prepared, diagnose, prepared, rows_from, shipped
 from labrig.effects import Effect
@@ -115,7 +115,7 @@ def propose_experiment(
     limits = Limits.of(rows) if limits is None else limits
     verdict = str(found["verdict"])
     if verdict == "nothing_missing":
-        raise LabrigError("the verdict is nothing_missing: it leaves nothing to settle")
+        raise NothingToDoError("the verdict is nothing_missing: it leaves nothing to settle")
     sets = open_sets(effects, found) if verdict in NAMED else []
     explained = Explained(ready, {n: effects[n] for names, _ in sets for n in names}) if sets else None
     rivals = tuple(open_rivals(explained, sets)) if explained else ()
@@ -126,7 +126,7 @@ def propose_experiment(
                 f"the verdict is {verdict} and {beside} may be there beside it: more at once than can be told apart; "
                 "add what is sure to the model (labrig improve), and diagnose again"
             )
-        raise LabrigError(
+        raise NothingToDoError(
             f"the verdict is {verdict} and no other effect comes near: there is nothing to settle; check it at "
             "other set-points (of a rig that labrig runs: labrig run capture, with another seed)"
         )

@@ -22,14 +22,12 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypedDict
 
-from labrig._errors import LabrigError
+from labrig._errors import LabrigError, NothingToDoError
 from labrig.workbench._child import ALIVE, CANCELLED, ENDED, PID, write_ended
 from labrig.workbench._locked import is_held
 
 ABOUT, OUTPUT = "job.json", "output.txt"
 KEPT = 60
-GOOD_NEWS = ("nothing to settle",)
-"""What a command says that has nothing to do: it ends as if it had failed, and has not."""
 _STARTS_S = 120.0
 """A process that has not begun by then never will; one that this server started is known to have ended before."""
 _TAIL_BYTES = 20_000
@@ -91,7 +89,15 @@ class Job:
         ended = ended or self.ended  # it may have ended between the two looks
         if ended is not None and ended["code"] == 0:
             return "done"
+        if self.had_nothing_to_do:
+            return "done"
         return "cancelled" if (self.folder / CANCELLED).exists() else "failed"
+
+    @property
+    def had_nothing_to_do(self) -> bool:
+        """Whether it ended with the good news that nothing was needed."""
+        ended = self.ended
+        return ended is not None and ended["code"] == NothingToDoError.exit_code
 
     def _lives(self) -> bool:
         alive = self.folder / ALIVE
@@ -109,19 +115,18 @@ class Job:
             return ""
 
     def facts(self) -> JobFacts:
-        """What pages are told of it; `usual_s` is for the page's bar, where it is known."""
-        state, ended, lines = self.state, self.ended, self.output().rstrip().splitlines()
-        last = lines[-1] if lines else ""
+        """What pages are told of it."""
+        ended, lines = self.ended, self.output().rstrip().splitlines()
         return {
             "id": self.id,
             "title": self.title,
             "run": self.run,
             "words": list(self.words),
             "command": self.command,
-            "state": "done" if state == "failed" and any(good in last for good in GOOD_NEWS) else state,
+            "state": self.state,
             "started_s": self.started_s,
             "ended_s": ended and ended["ended_s"],
-            "last": last,
+            "last": lines[-1] if lines else "",
             "lines": lines[-12:],
         }
 

@@ -11,7 +11,6 @@ from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, says, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._held import Key
-from labrig.workbench._jobs import GOOD_NEWS
 from labrig.workbench._run import Pair, pair_of, run_folder
 from labrig.workbench._shapes import captures_of, shape_of
 from labrig.workbench._views import kept
@@ -58,8 +57,9 @@ def _settled(pair: Pair) -> str:
     """Why nothing is left to measure, where the last look at this run and model said so."""
     asked = ("next", pair.run_name, "--model", pair.model_name)
     last = next((job for job in pair.desk.jobs.all() if job.words[: len(asked)] == asked), None)
-    said = last.facts()["last"] if last is not None and last.state == "failed" else ""
-    return said.removeprefix("labrig: ") if any(good in said for good in GOOD_NEWS) else ""
+    if last is None or not last.had_nothing_to_do:
+        return ""
+    return last.facts()["last"].removeprefix("labrig: ")
 
 
 def _propose(desk: Desk, asked: dict[str, Any]) -> Any:

@@ -158,3 +158,18 @@ def test_what_is_to_last_needs_a_file() -> None:
     with pytest.raises(LabrigError, match="which stands in no file"):
         labrig.history("rig", predict, runs=".")  # type: ignore[arg-type]
     assert names() == []
+
+
+def test_a_frame_that_was_to_replace_another_and_could_not_leaves_it() -> None:
+    """What a run was made of stays as it was where a new frame is refused, and no second copy of it is left."""
+    labrig.import_table(frame(), "mine")
+    before, kept = names(), Path("mine.frame-1.parquet").read_bytes()
+    wrong = frame().drop(columns="p1_kPa")
+    with pytest.raises(LabrigError, match="has no column 'p1_kPa'"):
+        labrig.import_table("mine.map.yaml", "mine", wrong, replace=True)
+    with pytest.raises(LabrigError, match="can't be kept as a table"):
+        labrig.import_table("mine.map.yaml", "mine", frame().assign(o=object()), replace=True)
+    assert names() == before
+    assert Path("mine.frame-1.parquet").read_bytes() == kept
+    assert labrig.import_table("mine.map.yaml", "mine", frame(), replace=True).sizes["capture"] == 40
+    assert names() == before

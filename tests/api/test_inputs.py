@@ -50,6 +50,15 @@ def test_what_is_no_model_is_said_so(lab: Path) -> None:
     assert str(caught.value) == MODEL.format("float")
 
 
+def test_an_effect_to_leave_out_must_be_there(lab: Path) -> None:
+    """A misspelt name would leave nothing out, and nobody would know."""
+    with pytest.raises(LabrigError) as caught:
+        labrig.diagnose(lab / "first", lab / "model.yaml", without=["hysterisis"])
+    assert str(caught.value) == "there is no effect 'hysterisis' to leave out; did you mean hysteresis?"
+    with pytest.raises(LabrigError, match=r"^without wrap: there are "):
+        labrig.validate("body.ply", lab / "rig.yaml", "forward.pt", without="wrap")
+
+
 def test_one_name_is_no_list_of_letters(lab: Path) -> None:
     """improve(run, model, "crep") speaks of crep, not of c."""
     with pytest.raises(LabrigError, match="'crep'"):

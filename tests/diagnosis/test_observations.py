@@ -45,7 +45,7 @@ def test_what_is_far_off_counts_less(make_lab) -> None:
     usual, far = seen.worth[:20].max(), seen.worth[3]
     assert seen.worth[[0, 1, 2, 4]] == pytest.approx(usual)
     T = seen.to_explain
-    assert T == pytest.approx(40 / np.sqrt(20), rel=0.1)
+    assert pytest.approx(40 / np.sqrt(20), rel=0.1) == T
     assert far / usual == pytest.approx((1 + (T / 20) ** 2) / (1 + (40 / 20) ** 2), rel=0.05)
 
 

@@ -96,10 +96,16 @@ def test_a_name_that_is_taken_back_leaves_the_others() -> None:
         "what is ahead of the input",
     )
     assert chances(two) == pytest.approx({"creep": 0.97}, abs=1e-6)
+    assert two.probability == pytest.approx(0.97, abs=1e-6)
     one = taken_back(told(answer(0.97, "leak"), answer(0.03, "drift")), words)
     assert (one.verdict, one.effects, one.rivals) == ("unknown", (), ())
-    doubt = taken_back(told(answer(0.5, "leak"), answer(0.5, "drift")), words)
+    assert one.probability == pytest.approx(0.97 * 0.97, abs=1e-6)
+    doubt = taken_back(told(answer(0.4, "leak"), answer(0.6, "drift")), words)
     assert (doubt.verdict, doubt.rivals) == ("confounded", ("drift",))
+    assert doubt.probability == pytest.approx(0.6)
+    less = taken_back(told(answer(0.7, "leak"), answer(0.3, "drift")), words)
+    assert (less.verdict, less.rivals) == ("unknown", ())
+    assert less.probability == pytest.approx(0.7)
 
 
 def test_identified() -> None:

@@ -1,5 +1,6 @@
 """Effects in files of people's own: what is wrong with them is said with its place, and a diagnosis goes on."""
 
+import pickle
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from labrig._errors import LabrigError
 from labrig.diagnosis import compare, diagnose
 from labrig.effects import Effect, get, library, rows_of
+from labrig.effects._own import EffectError
 
 HEAD = '''"""Boom: breaks."""
 
@@ -80,6 +82,43 @@ def test_what_an_own_effect_does_wrong_is_said(make_lab, body: str, said: str) -
     assert message.startswith("effect 'boom': boom.py")
     assert said in message
     assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("method", "arguments"),
+    [("follows", ()), ("turned_round", ()), ("lacks", ("a", ())), ("carried", ("a", {}))],
+)
+def test_each_method_of_an_own_effect_says_where_it_fails(make_lab, method: str, arguments: tuple) -> None:
+    """A fault in any of the methods that people are told to write is said as one in the forms is."""
+    file = written(FINE)
+    given = "".join(f", a{i}" for i in range(len(arguments)))
+    method_text = f"\n    def {method}(self, context{given}):\n        return 1 / 0\n"
+    file.write_text(file.read_text() + method_text)
+    lab = make_lab(captures=12)
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u))))
+    with pytest.raises(LabrigError) as caught:
+        getattr(get("boom"), method)(context, *arguments)
+    assert str(caught.value).startswith(f"effect 'boom': boom.py, line 18: Boom.{method}: ZeroDivisionError")
+
+
+def test_a_fault_of_an_own_effect_reaches_another_process(make_lab) -> None:
+    """The workbench computes in a process of its own: what is said of an effect comes back from there as it is."""
+    written("raise KeyError('temperature')")
+    with pytest.raises(EffectError) as caught:
+        forms(get("boom"), make_lab(captures=12))
+    back = pickle.loads(pickle.dumps(caught.value))
+    assert (type(back), str(back), back.effect) == (EffectError, str(caught.value), "boom")
+
+
+def test_two_files_with_one_name_are_refused() -> None:
+    """A copy of a file whose effect was not given a name of its own would take the place of the first."""
+    first, second = written(FINE), Path("effects") / "copy.py"
+    second.write_text(first.read_text())
+    with pytest.raises(LabrigError) as caught:
+        library()
+    assert str(caught.value) == (
+        f"{Path.cwd() / second.parent / 'copy.py'}: boom.py has an effect named 'boom' already; give one another name"
+    )
 
 
 def test_a_diagnosis_goes_on_without_an_effect_that_fails(make_lab) -> None:

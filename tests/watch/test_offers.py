@@ -78,7 +78,7 @@ def test_nothing_to_settle_is_said_to_stay(asked: Any, page: Any) -> None:
     (job / "job.json").write_text(json.dumps(about), encoding="utf-8")
     said = "labrig: the verdict is nothing_missing: it leaves nothing to settle"
     (job / "output.txt").write_text(said, encoding="utf-8")
-    (job / "ended.json").write_text(json.dumps({"code": 1, "ended_s": 2.0}), encoding="utf-8")
+    (job / "ended.json").write_text(json.dumps({"code": 4, "ended_s": 2.0}), encoding="utf-8")
     _at(page, "#/run/runs/run/watch?model=better.yaml")
     assert "the verdict is nothing_missing" in page.inner_text("#settled-already")
     page.fill("#minutes", "2")

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from labrig.workbench._events import encoded
-from labrig.workbench._jobs import GOOD_NEWS, Jobs
+from labrig.workbench._jobs import Jobs
 from tests.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures("browser")
@@ -66,11 +66,15 @@ def test_the_same_work_is_joined(tmp_path: Any) -> None:
 def test_good_news_is_no_failure(tmp_path: Any) -> None:
     """A search that finds nothing to settle is done, for a person, though its command had nothing to do."""
     jobs = Jobs(tmp_path, tmp_path / "jobs")
-    job = jobs.start(["show", GOOD_NEWS[0]], "what to measure next")
-    wait_for(lambda: job.state != "running")
-    assert GOOD_NEWS[0] in job.facts()["last"]
-    assert job.facts()["state"] == "done"
-    other = jobs.start(["show", "other"], "what to measure next")
-    wait_for(lambda: other.state != "running")
-    assert other.facts()["state"] == "failed"
-    assert jobs.wait(20)
+    said = {4: "labrig: it leaves nothing to settle", 2: "labrig: nothing to settle there is no such run"}
+    for code, state in ((4, "done"), (2, "failed")):
+        folder = tmp_path / "jobs" / f"20260101-000000-00000000{code}-aaaa"
+        folder.mkdir(parents=True)
+        about = {"words": ["next"], "title": "what to measure next", "run": "run", "started_s": 1.0}
+        (folder / "job.json").write_text(json.dumps(about), encoding="utf-8")
+        (folder / "output.txt").write_text(said[code], encoding="utf-8")
+        (folder / "ended.json").write_text(json.dumps({"code": code, "ended_s": 2.0}), encoding="utf-8")
+        (job,) = (job for job in jobs.all() if job.id == folder.name)
+        assert job.facts()["state"] == state
+        assert job.facts()["last"] == said[code]
+        assert job.had_nothing_to_do == (code == 4)
