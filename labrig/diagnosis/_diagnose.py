@@ -212,7 +212,7 @@ def result_of(
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
-    if doubted := idle | (alike_at_one_speed(context) & set(verdict.effects)):
+    if doubted := idle | (alike_at_one_speed(context, effects) & set(verdict.effects)):
         verdict = less_sure(verdict, doubted)
         chosen = _chosen(ready, verdict, effects, found, idle)
     errors = _errors(ready, chosen, found)
@@ -244,7 +244,7 @@ def result_of(
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": ready.floor.told(regression.units),
         "warnings": [
-            *notes_on(ready, observations, verdict, chosen, falls, unit_size),
+            *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),
             *beside_named(chosen, _partners(verdict, found), regression.units),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),

@@ -61,7 +61,7 @@ def fit_named(
                 last = each == rounds
                 chosen = _plainest(options, own, best) if last else max(options, key=_gain)
     for i, effect in enumerate(effects):
-        if start is None and effect.name != "marker_slip":
+        if start is None and not effect.scans:
             chosen = refined(regression, context, chosen, i)
     return chosen
 

@@ -1,6 +1,6 @@
 """What is said beside a verdict: of the run, of the noise, and of what the name is worth here."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,9 +14,8 @@ from labrig.diagnosis._one_speed import one_moment, one_speed
 from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict
+from labrig.effects import Effect
 
-_AT_ONE_MOMENT = {"regulator", "stiffening", "tension", "leak", "delay"}
-"""What looks alike where every set-point is seen at the same moment."""
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
 _EARLY = 3.0
@@ -38,6 +37,7 @@ def notes_on(
     chosen: Fit | None,
     falls: Sequence[Fall],
     unit_size: float,
+    effects: Mapping[str, Effect],
 ) -> list[str]:
     """What a person should know beside the verdict, a line each; `falls` are by how much what was found lowers the
     held-out error, `unit_size` is how large a floor is, in the units of the errors.
@@ -49,7 +49,7 @@ def notes_on(
         *_unrepeated(ready, verdict, unit_size),
         *_doubted(chosen, verdict, falls),
         *(one_speed(ready.context) if named else ()),
-        *(one_moment(ready.context) if _AT_ONE_MOMENT & named else ()),
+        *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
     ]
 
 

@@ -1,9 +1,11 @@
 """Inputs that always move at one speed, and set-points that are seen at one moment: what looks alike there."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.effects import Context
+from labrig.effects import Context, Effect
 
 _FAR = 0.05
 """Share of the range over which a speed is taken, so that a sensor's noise does not count."""
@@ -15,10 +17,6 @@ _OFTEN = 0.5
 """Share of the moments at which an input changes, from which on it goes on by itself."""
 _MOMENT = 0.2
 """Times of rows that differ by no more than this, as a part of the longest, are one moment."""
-
-
-ALIKE = frozenset({"creep", "delay", "friction", "hysteresis"})
-"""What lags in time, and what depends on the way: one function of the other at one speed."""
 
 
 def one_speed(context: Context) -> list[str]:
@@ -49,9 +47,13 @@ def one_speed(context: Context) -> list[str]:
     ]
 
 
-def alike_at_one_speed(context: Context) -> frozenset[str]:
-    """Effects of which none is sure by itself in a record whose inputs always move at one speed."""
-    return ALIKE if context.sample_s and one_speed(context) else frozenset()
+def alike_at_one_speed(context: Context, effects: Mapping[str, Effect]) -> frozenset[str]:
+    """Effects of which none is sure by itself in a record whose inputs always move at one speed: what lags in time, and
+    what depends on the way, are functions of each other there.
+    """
+    if not context.sample_s or not one_speed(context):
+        return frozenset()
+    return frozenset(name for name, effect in effects.items() if "one speed" in effect.blurred_by)
 
 
 def one_moment(context: Context) -> list[str]:

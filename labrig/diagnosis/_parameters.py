@@ -23,7 +23,7 @@ def entry_of(
 ) -> EffectEntry:
     """The i-th effect of a fit as an entry of a model file; `refine` moves it off the search's grid."""
     part = chosen.parts[i]
-    if refine and part.variant.shape and part.effect.name != "marker_slip":
+    if refine and part.variant.shape and not part.effect.scans:
         chosen = refined(regression, context, chosen, i)
         part = chosen.parts[i]
     return EffectEntry(
@@ -61,8 +61,7 @@ def parameters_of(context: Context, chosen: Fit, i: int) -> dict[str, Value]:
 def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
     """What the values of a form refer to on this run."""
     rows = context.rows
-    turns = effect.name == "frame" or any(term.kind == "frame" for term in variant.terms)
-    centred = turns or variant.centred
+    centred = variant.centred or any(term.kind == "frame" for term in variant.terms)
     dated = "since_s" in variant.shape and np.isfinite(rows.start_s)
     weights = is_family(variant.form)
     measures = yardsticks_of(effect, context, variant.form) if weights else {}

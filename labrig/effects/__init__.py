@@ -9,6 +9,7 @@ from labrig.effects._family import (
     by_covariate,
     field,
     motion_scale,
+    one_way,
     pattern,
     pressure,
 )
@@ -22,7 +23,8 @@ from labrig.effects._reached import reached
 from labrig.effects._registry import USER_FOLDER, get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
-from labrig.effects._sign import Part
+from labrig.effects._sign import Part, Sign, by_chamber
+from labrig.effects._skin import by_itself, per_sensor
 from labrig.effects._slips import errors_by_capture
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._stretches import Stretch, stretch_of
@@ -55,6 +57,7 @@ __all__ = [
     "Part",
     "Places",
     "Rows",
+    "Sign",
     "Space",
     "Stretch",
     "Term",
@@ -63,7 +66,9 @@ __all__ = [
     "any_curve",
     "bulk_edge",
     "bulk_noise",
+    "by_chamber",
     "by_covariate",
+    "by_itself",
     "by_marker",
     "centre_of",
     "contribution",
@@ -80,7 +85,9 @@ __all__ = [
     "labels_of",
     "library",
     "motion_scale",
+    "one_way",
     "pattern",
+    "per_sensor",
     "plain_forms",
     "pressure",
     "pressures_of",

@@ -14,6 +14,7 @@ from labrig.effects._sign import Part, Sign, along_own
 
 Acts = Literal["pressure", "mechanics", "observation"]
 Kind = Literal["pressure", "pattern", "frame", "field"]
+Blurs = Literal["one moment", "one speed"]
 
 
 @dataclass(frozen=True)
@@ -130,6 +131,15 @@ class Effect(ABC):
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
     remembers: ClassVar[bool] = False
     """Whether what it does depends on time, or on what was before: a curve of the set-points alone is not it."""
+    blurred_by: ClassVar[frozenset[Blurs]] = frozenset()
+    """What makes it look like the other effects that say the same: set-points that are all seen at `one moment` after
+    they were set, inputs that always move at `one speed`."""
+    by_hand: ClassVar[str] = ""
+    """What a person can do that shows it and no programme can do alone: offered, never run unattended."""
+    then_measured: ClassVar[bool] = False
+    """Whether set-points are measured once that was done."""
+    of_one_rig: ClassVar[str] = ""
+    """Why its values mean nothing on another rig, where they do not: `it says which marker slipped and when`."""
 
     @abstractmethod
     def variants(self, context: Context) -> Iterator[Variant]:

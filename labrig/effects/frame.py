@@ -62,6 +62,7 @@ class Frame(Effect):
     signature = "the same rigid motion of all markers in every capture, at every pressure and time"
     experiment = "the vented surface, registered again by three fixed markers"
     needs = "three coordinates of markers"
+    by_hand = "register the measuring frame again by three fixed markers, then run one capture at rest"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if (context.rows.axis >= 0).sum() >= 3:
@@ -75,7 +76,9 @@ class Frame(Effect):
                 modes = frame_modes(context)[..., None, :] * each[:, None, :, None]
                 change = modes.reshape(*context.base.shape, -1)
                 names = labels(context, ("x", "y", "z", "about x", "about y", "about z"))
-                yield Variant(f"rigid{IN_EACH}", (Term.field("shift_in_session", change, names),))
+                yield Variant(
+                    f"rigid{IN_EACH}", (Term.field("shift_in_session", change, names),), centred=True
+                )
 
             yield from _since(context)
         if (turn := _large_turn(context)) is not None:

@@ -46,6 +46,8 @@ class Gravity(Effect):
     )
     experiment = "the same set-points with the base turned, or with a payload, and then as before again"
     needs = "markers, or a tilt or a payload that was logged"
+    by_hand = "turn the base (or put a known payload on it) and log the angle"
+    then_measured = True
 
     def variants(self, context: Context) -> Iterator[Variant]:
         loads = [kg for _, kg in payloads_kg(context)]

@@ -35,6 +35,7 @@ class Leak(Effect):
     signature = "error that grows with the time in hold against the load, in proportion to the pressure"
     experiment = "the same long hold at two pressures: a leak doubles with the pressure, a drift does not"
     needs = "rows at different times after a set-point"
+    blurred_by = frozenset({"one moment"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         u, t = context.rows.actuation, context.elapsed_s[:, None]

@@ -53,6 +53,8 @@ class MarkerSlip(Effect):
     signature = "one marker's error steps at one capture and stays; its neighbours see nothing"
     experiment = "look at the marker; repeat one early capture"
     needs = "four markers or more"
+    by_hand = "look at the marker, and press it on again"
+    of_one_rig = "it says which marker slipped and when"
     scans = True
 
     def variants(self, context: Context) -> Iterator[Variant]:

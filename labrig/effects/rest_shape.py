@@ -40,6 +40,7 @@ class RestShape(Effect):
     reference = "Y. Tian et al., RSS 2024, arXiv 2405.08935 (rest shape as source of the sim-to-real gap)"
     signature = "the same error in every capture, at every pressure and time, different from point to point"
     experiment = "one scan of the vented surface"
+    by_hand = "scan the vented surface once"
 
     def variants(self, context: Context) -> Iterator[Variant]:
         yield from inside(context, core="core_offset")

@@ -37,6 +37,7 @@ class Stiffening(Effect):
     )
     signature = "error curved in a chamber's own pressure; no loop between approach from above and below"
     experiment = "one chamber swept up and down in small steps over its whole range"
+    blurred_by = frozenset({"one moment"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.shows(context.moves):

@@ -23,17 +23,6 @@ _MOST_PAIRS = 4
 _COARSE, _FEW_SCATTERED = 0.3, 2
 _RANDOM_PROBES, _RANDOM_POINTS = 4, 4
 
-BY_HAND = {
-    "gravity": "turn the base (or put a known payload on it) and log the angle",
-    "frame": "register the measuring frame again by three fixed markers, then run one capture at rest",
-    "rest_shape": "scan the vented surface once",
-    "marker_slip": "look at the marker, and press it on again",
-    "regulator": "read each chamber against a reference manometer over its range",
-}
-"""What no programme can do alone: offered, never run unattended."""
-
-_THEN_MEASURED = {"gravity"}
-
 
 def by_hand(names: Sequence[str], effects: Mapping[str, Effect]) -> list[ByHand]:
     """What a person could do besides, for the effects among `names` that it would show.
@@ -41,9 +30,9 @@ def by_hand(names: Sequence[str], effects: Mapping[str, Effect]) -> list[ByHand]
     `points`: whether set-points are measured after it.
     """
     return [
-        {"effect": n, "what": BY_HAND[n], "points": n in _THEN_MEASURED}
+        {"effect": n, "what": effects[n].by_hand, "points": effects[n].then_measured}
         for n in names
-        if n in BY_HAND and n in effects
+        if n in effects and effects[n].by_hand
     ]
 
 

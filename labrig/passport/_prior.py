@@ -7,11 +7,9 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.effects import Context, Effect, Term, Variant, get, is_family
+from labrig.effects import Context, Effect, Term, Variant, get, is_family, library
 from labrig.model import EffectEntry, Model, find_variant
 from labrig.passport._pool import Pool, pooled
-
-_OF_ONE_PLACE = {"marker_slip": "it says which marker slipped and when"}
 
 
 @dataclass(frozen=True)
@@ -30,8 +28,9 @@ class Prior:
 
 def entries_of(name: str, models: Sequence[Model]) -> list[tuple[str, EffectEntry]]:
     """The entries of an effect in other models, with their files; raises `LabrigError` where none has it."""
-    if name in _OF_ONE_PLACE:
-        raise LabrigError(f"{name} can't be carried over: {_OF_ONE_PLACE[name]}; fit it without --prior")
+    effect = library(*(model.folder for model in models)).get(name)
+    if effect is not None and (why := effect.of_one_rig):
+        raise LabrigError(f"{name} can't be carried over: {why}; fit it without --prior")
     found = [
         (_called(model), entry) for model in models for entry in model.file.effects if entry.name == name
     ]

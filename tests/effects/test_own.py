@@ -9,6 +9,7 @@ from labrig._errors import LabrigError
 from labrig.diagnosis import compare, diagnose
 from labrig.effects import Effect, get, library, rows_of
 from labrig.effects._own import EffectError
+from labrig.experiment._probes import by_hand
 
 HEAD = '''"""Boom: breaks."""
 
@@ -156,3 +157,14 @@ def test_a_name_of_the_library_is_refused() -> None:
     assert str(caught.value) == (
         f"{file.resolve()}: labrig has an effect named 'creep' already; give yours another name"
     )
+
+
+def test_an_own_effect_says_what_a_person_can_do() -> None:
+    """What only somebody at the rig can do for one's own effect is offered beside a programme, as for labrig's."""
+    file = written(FINE)
+    file.write_text(
+        file.read_text().replace('acts_on = "pressure"', 'acts_on = "pressure"\n    by_hand = "open the lid"', 1)
+    )
+    hidden = by_hand(["boom", "creep", "gravity"], library())
+    assert hidden[0] == {"effect": "boom", "what": "open the lid", "points": False}
+    assert [(each["effect"], each["points"]) for each in hidden[1:]] == [("gravity", True)]
