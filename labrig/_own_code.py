@@ -1,8 +1,11 @@
 """Python files of people's own: loaded, and their errors said in one line that names the file and its line."""
 
+import importlib
 import importlib.util
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
@@ -12,7 +15,7 @@ from labrig._errors import LabrigError
 def load_module(path: Path, name: str) -> ModuleType:
     """The module in a file; raises `LabrigError` where there is none, or where its code fails.
 
-    It is known by `name`, and may import what lies beside it.
+    It is known by `name`, and may import what lies beside it; see `_beside`.
     """
     spec = importlib.util.spec_from_file_location(name, path)
     if not path.is_file():
@@ -21,15 +24,48 @@ def load_module(path: Path, name: str) -> ModuleType:
         raise LabrigError(f"{path}: is not a Python file; its name ends in .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    sys.path.insert(0, str(path.resolve().parent))
     try:
-        spec.loader.exec_module(module)
+        with _beside(path.resolve().parent):
+            spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
         raise LabrigError(failed(error, path, named=str(path))) from error
-    finally:
-        sys.path.pop(0)
     return module
+
+
+@contextmanager
+def _beside(folder: Path) -> Iterator[None]:
+    """Imports what lies in a folder from there and as it is now, and keeps none of it.
+
+    Another folder may have modules of the same names, and both change while a notebook or the workbench runs.
+    """
+    files = {file.stem for file in folder.glob("*.py")} - {"labrig", "__main__", *sys.stdlib_module_names}
+    aside = {name: sys.modules.pop(name) for name in files & sys.modules.keys()}
+    before, wrote = set(sys.modules), sys.dont_write_bytecode
+    sys.path.insert(0, str(folder))
+    sys.dont_write_bytecode = (
+        True  # a file that changed within a second looks unchanged to Python's own cache
+    )
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path.remove(str(folder))
+        sys.dont_write_bytecode = wrote
+        for name in sys.modules.keys() - before:
+            top = name.partition(".")[0]
+            if top not in before and _lies_in(sys.modules[name], folder / top):
+                del sys.modules[name]
+        sys.modules.update(aside)
+
+
+def _lies_in(module: ModuleType, place: Path) -> bool:
+    """Whether a module is the file, or in the package, of that name."""
+    file = getattr(module, "__file__", None)
+    if file is None:
+        return False
+    path = Path(file).resolve()
+    return path == place.with_suffix(".py") or path.is_relative_to(place)
 
 
 def failed(error: Exception, path: Path, what: str = "", named: str = "") -> str:

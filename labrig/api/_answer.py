@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from labrig.diagnosis import Result, VersusResult
     from labrig.view import Figure as Drawn
 
+_TABLE: dict[str, Any] = {"index": False, "float_format": "{:.3g}".format, "border": 0}
 Found = TypeVar("Found", "Result", "VersusResult")
 
 
@@ -103,9 +104,37 @@ class Answer(ABC, Generic[Found]):
     def headline(self) -> str:
         """What came out, in one sentence."""
 
+    def said(self) -> list[str]:
+        """What belongs to the headline, in further lines."""
+        return []
+
     def __repr__(self) -> str:
         errors = ", ".join(f"{name} {value:.3g}" for name, value in self.error.items())
-        return f"{type(self).__name__}: {self.headline()}\nerror, {self.units} rms: {errors}"
+        lines = [
+            f"{type(self).__name__}: {self.headline()}",
+            *self.said(),
+            f"error, {self.units} rms: {errors}",
+        ]
+        return "\n".join([*lines, *(f"note: {line}" for line in self.warnings)])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the sentences, the errors, the places that stand out, and what to keep in mind."""
+        from html import escape
+
+        from pandas import DataFrame
+
+        headline, *said = map(escape, (self.headline(), *self.said()))
+        shown = [DataFrame([self.error]), *(table for table in self._shown() if len(table))]
+        tables = [table.to_html(**_TABLE) for table in shown]
+        notes = "".join(f"<li>{escape(line)}</li>" for line in self.warnings)
+        return (
+            f"<p><b>{headline}</b></p>{''.join(f'<p>{line}</p>' for line in said)}"
+            f"<p>error, {escape(self.units)} rms</p>{''.join(tables)}{f'<ul>{notes}</ul>' if notes else ''}"
+        )
+
+    @abstractmethod
+    def _shown(self) -> "list[DataFrame]":
+        """The tables that a notebook shows below the errors."""
 
     @abstractmethod
     def _pictures(self) -> "dict[str, Callable[[], Drawn]]": ...
@@ -143,17 +172,8 @@ class ModelAnswer(Answer["Result"]):
 
         return note(self._result.summary).headline
 
-    def _repr_html_(self) -> str:
-        """What a notebook shows: the sentence, the errors, and the worst places."""
-        from html import escape
-
-        from pandas import DataFrame
-
-        errors = DataFrame([self.error]).to_html(index=False, float_format="{:.3g}".format, border=0)
-        clear = self.where[self.where["clear"].astype(bool)].head(5)
-        places = clear.to_html(index=False, float_format="{:.3g}".format, border=0) if len(clear) else ""
-        more = self._html_more()
-        return f"<p><b>{escape(self.headline())}</b></p><p>error, {escape(self.units)} rms</p>{errors}{more}{places}"
+    def _shown(self) -> "list[DataFrame]":
+        return [self.where[self.where["clear"].astype(bool)].head(5)]
 
     def _pictures(self) -> "dict[str, Callable[[], Drawn]]":
         from labrig.view import pictures_of
@@ -164,7 +184,3 @@ class ModelAnswer(Answer["Result"]):
         from labrig.view import write_report
 
         return write_report(self._result, folder)
-
-    def _html_more(self) -> str:
-        """What a kind of answer shows besides."""
-        return ""

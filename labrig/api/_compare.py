@@ -83,25 +83,14 @@ class ModelComparison(Answer["VersusResult"]):
 
         return versus_headline(self._result.summary)
 
-    def __repr__(self) -> str:
+    def said(self) -> list[str]:
+        """The difference of the errors with its interval."""
         from labrig.view import difference_words
 
-        return f"{super().__repr__()}\n{difference_words(self._result.summary)}"
+        return [difference_words(self._result.summary)]
 
-    def _repr_html_(self) -> str:
-        from html import escape
-
-        from pandas import DataFrame
-
-        from labrig.view import difference_words
-
-        errors = DataFrame([self.error]).to_html(index=False, float_format="{:.3g}".format, border=0)
-        clear = self.where[self.where["better"].notna()].head(5)
-        places = clear.to_html(index=False, float_format="{:.3g}".format, border=0) if len(clear) else ""
-        said = (
-            f"<p><b>{escape(self.headline())}</b></p><p>{escape(difference_words(self._result.summary))}</p>"
-        )
-        return f"{said}<p>error, {escape(self.units)} rms</p>{errors}{places}"
+    def _shown(self) -> "list[DataFrame]":
+        return [self.where[self.where["better"].notna()].head(5)]
 
     def _pictures(self) -> "dict[str, Callable[[], Figure]]":
         from labrig.view import versus_pictures

@@ -55,9 +55,14 @@ class Diagnosis(ModelAnswer):
         """The model with what is sure and the likeliest of what is only possible; None where nothing has a name."""
         return self._result.improved
 
-    def _html_more(self) -> str:
-        shown = self.effects[self.effects["probability"] >= 0.1]
-        return shown.to_html(index=False, float_format="{:.2g}".format, border=0) if len(shown) else ""
+    def said(self) -> list[str]:
+        """What is sure and what is possible, each with its probability."""
+        from labrig.view import summary_words
+
+        return [summary_words(self._result.summary).found]
+
+    def _shown(self) -> "list[DataFrame]":
+        return [self.effects[self.effects["probability"] >= 0.1], *super()._shown()]
 
 
 def effects_table(summary: Summary) -> "DataFrame":

@@ -59,7 +59,10 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
         "better": None if whole.nearer is None else names[whole.nearer],
         "where": _where(both[0], residual, group, names),
         "floor": floor.told(regression.units),
-        "warnings": [*rows.warnings, *_notes(both, (first, second), names, lost)],
+        "warnings": [
+            *dict.fromkeys(line for one in both for line in one.context.rows.warnings),
+            *_notes(both, (first, second), names, lost),
+        ],
         "runs": about(runs, first)["runs"],
     }
     fields, other = (fields_of(one.context, left, None) for one, left in zip(both, residual, strict=True))

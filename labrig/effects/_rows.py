@@ -208,7 +208,9 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     code = {s: i for i, s in enumerate(sessions)}
     widths = [values.shape[2], measured_all.shape[2]]
     observed_rows, measured_rows, cov = np.split(np.array(picked["all"]), np.cumsum(widths), axis=1)
-    rest = np.asarray(dataset["rest_mm"].values, float) if "rest_mm" in dataset else None
+    rest = np.full((len(markers), 3), np.nan)  # nobody knows it of a marker of which not all coordinates are there
+    if "rest_mm" in dataset:
+        rest[: dataset.sizes["marker"]] = dataset["rest_mm"].values
     return Rows(
         chambers=tuple(str(v) for v in dataset["chamber"].values),
         actuation_unit=str(dataset["commanded"].attrs.get("units", "")),
@@ -231,7 +233,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         marker=np.array(marker_of, dtype=np.int64),
         axis=np.array(axis_of, dtype=np.int64),
         markers=markers,
-        rest_mm=rest if rest is not None and np.isfinite(rest).any() else None,
+        rest_mm=rest if np.isfinite(rest).any() else None,
         repeat=tuple(str(v) for v in dataset["repeat"].values),
         covariates={
             name: Covariate(str(unit), cov[:, i])

@@ -259,6 +259,7 @@ def base_context(base: BaseModel, rows: Rows) -> Context:
 
 def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
     """The change (F, K) that an effect with given values makes; raises `LabrigError` where it can't act."""
+    _check_chambers(context, entry)
     context = as_fitted(context, entry)
     variant = find_variant(context, effect, entry)
     coefficients = []
@@ -274,6 +275,16 @@ def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
         value = np.broadcast_to(value.reshape(-1), (size,)).reshape(shape)
         coefficients.append(value if term.kind == "pattern" else value.reshape(-1))
     return contribution(context, variant, coefficients)
+
+
+def _check_chambers(context: Context, entry: EffectEntry) -> None:
+    """Raise `LabrigError` where chambers that an effect was fitted with are none of this run's, by their names."""
+    fitted = entry.fitted_on.chambers if entry.fitted_on else []
+    if any(name not in context.rows.chambers for name in fitted):
+        raise LabrigError(
+            f"effect {entry.name!r} was fitted with the chambers {', '.join(fitted)}, and this run has "
+            f"{', '.join(context.rows.chambers)}: give them the same names, or fit it again"
+        )
 
 
 def _of_this_run(effect: Effect, term: Term, saved: Value) -> Floats:

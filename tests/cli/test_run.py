@@ -138,7 +138,11 @@ def test_a_users_procedure_has_its_parameters_as_options(lab: Path, labrig: Run)
     assert code == 0
     assert "mine: One chamber, to a pressure." in out
     assert "--stops" in out
-    for word in ("--no-high-kpa", "--no-gently=0.5", "no-gently"):  # only a switch can be off, and by its own word
+    for word in (
+        "--no-high-kpa",
+        "--no-gently=0.5",
+        "no-gently",
+    ):  # only a switch can be off, and by its own word
         code, _, err = labrig("run", "mine.py", "--rig", "rig.yaml", "--out", "three", word)
         assert code == 2
         assert f"has no option {word.partition('=')[0]}; it has" in err

@@ -163,7 +163,9 @@ def test_an_own_effect_says_what_a_person_can_do() -> None:
     """What only somebody at the rig can do for one's own effect is offered beside a programme, as for labrig's."""
     file = written(FINE)
     file.write_text(
-        file.read_text().replace('acts_on = "pressure"', 'acts_on = "pressure"\n    by_hand = "open the lid"', 1)
+        file.read_text().replace(
+            'acts_on = "pressure"', 'acts_on = "pressure"\n    by_hand = "open the lid"', 1
+        )
     )
     hidden = by_hand(["boom", "creep", "gravity"], library())
     assert hidden[0] == {"effect": "boom", "what": "open the lid", "points": False}
