@@ -126,6 +126,15 @@ class TrackRecord(TypedDict):
     there: NotRequired[int]
 
 
+class HeldOff(TypedDict):
+    """A marker or sensor that was left out through whole holds, and by how much it was off there at most."""
+
+    name: str
+    captures: list[int]
+    error: float
+    units: str
+
+
 class Summary(TypedDict, total=False):
     """The content of diagnosis.json; of compare.json and improve.json those fields that they have."""
 
@@ -145,6 +154,7 @@ class Summary(TypedDict, total=False):
     carried_by: str | None
     unnamed: dict[str, float]
     floor: FloorSource
+    left_out: list[HeldOff]
     warnings: list[str]
     added: list[dict[str, Any]]
     prior: CarriedOver

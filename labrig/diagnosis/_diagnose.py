@@ -243,6 +243,7 @@ def result_of(
         "carried_by": verdict.carried_by or None,
         "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
         "floor": ready.floor.told(regression.units),
+        "left_out": ready.held_off,
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig.arrays import Floats, Ints
+from labrig.contents import HeldOff
 from labrig.diagnosis._dead import without_dead
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._frozen import without_frozen
+from labrig.diagnosis._held_off import held_off, held_off_lines
 from labrig.diagnosis._interchanged import INTERCHANGED, without_interchanged
 from labrig.diagnosis._missed import MISSED, without_missed
 from labrig.diagnosis._outliers import clean
@@ -68,9 +70,14 @@ class Prepared:
         both = [part for part in (self.declared, self.began) if part is not None]
         return np.concatenate(both, axis=1) if both else None
 
+    @cached_property
+    def held_off(self) -> list[HeldOff]:
+        """What was left out through whole holds."""
+        return held_off(self.context.rows, self.context.residual, self.residual) if self.dropped else []
+
     @property
     def left_out(self) -> list[str]:
-        """A line on outlying values that were left out, and where most of them were; none without any."""
+        """Lines on outlying values that were left out, and where most of them were; none without any."""
         if not self.dropped:
             return []
         rows = self.context.rows
@@ -81,7 +88,10 @@ class Prepared:
         most = [f"{values} of {name}" for name, values in count.most_common(_NAMED) if values]
         more = ["..."] if sum(values > 0 for values in count.values()) > _NAMED else []
         what = "outlying value was" if self.dropped == 1 else "outlying values were"
-        return [f"{self.dropped} {what} left out ({', '.join([*most, *more])})"]
+        return [
+            f"{self.dropped} {what} left out ({', '.join([*most, *more])})",
+            *held_off_lines(self.held_off),
+        ]
 
     @property
     def not_quoted(self) -> list[str]:

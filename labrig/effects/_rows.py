@@ -208,7 +208,9 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     code = {s: i for i, s in enumerate(sessions)}
     widths = [values.shape[2], measured_all.shape[2]]
     observed_rows, measured_rows, cov = np.split(np.array(picked["all"]), np.cumsum(widths), axis=1)
-    rest = np.full((len(markers), 3), np.nan)  # nobody knows it of a marker of which not all coordinates are there
+    rest = np.full(
+        (len(markers), 3), np.nan
+    )  # nobody knows it of a marker of which not all coordinates are there
     if "rest_mm" in dataset:
         rest[: dataset.sizes["marker"]] = dataset["rest_mm"].values
     return Rows(

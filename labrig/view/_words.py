@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from labrig.contents import Next, Summary
+from labrig.contents import HeldOff, Next, Summary
 from labrig.view._naming import (
     added,
     astray,
@@ -19,7 +19,7 @@ from labrig.view._naming import (
     unnamed_words,
 )
 from labrig.view._others import what_else
-from labrig.view._text import amount, capital, counted, listed, number, percent, word
+from labrig.view._text import amount, capital, counted, listed, number, percent, with_unit, word
 
 VERDICTS = {
     "nothing_missing": "nothing missing",
@@ -107,6 +107,8 @@ def summary_words(summary: Summary) -> Lines:
 def _headline(summary: Summary) -> str:
     effects = [str(name) for name in summary.get("effects", [])]
     match summary.get("verdict"):
+        case "nothing_missing" if off := summary.get("left_out"):
+            return f"Nothing is missing beside what was left out: {_held_off(off)}."
         case "nothing_missing":
             return "Nothing is missing: the model is as good as the measurements."
         case "identified":
@@ -134,6 +136,17 @@ def _headline(summary: Summary) -> str:
             return "An effect is missing, and it is none of those that labrig knows."
         case _:
             return "The data are too few or too noisy for a verdict."
+
+
+def _held_off(found: list[HeldOff]) -> str:
+    """`M3 in 3 captures (by up to 14.6 mm)`, of each."""
+    each = []
+    for one in found[:MOST_NAMED]:
+        count = len(one["captures"])
+        by = with_unit(number(one["error"]), one["units"])
+        each.append(f"{one['name']} in {count} capture{'s' if count > 1 else ''} (off by up to {by})")
+    more = [f"{len(found) - MOST_NAMED} others"] if len(found) > MOST_NAMED else []
+    return listed([*each, *more])
 
 
 def _either(effects: list[str]) -> str:

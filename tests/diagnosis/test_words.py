@@ -1,16 +1,15 @@
 """Words of a diagnosis: numbers with their units, one or several, one pressure or several together."""
 
 from collections import Counter
-from types import SimpleNamespace
-from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from labrig.diagnosis import diagnose, prepared
 from labrig.diagnosis._amount import amount
-from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import rows_of
+from labrig.view import note
 
 
 @pytest.mark.parametrize(("unit", "said"), [("mm", "0.12 mm"), ("1", "0.12")])
@@ -22,15 +21,36 @@ def test_a_unit_of_one_is_none(unit: str, said: str) -> None:
 @pytest.mark.parametrize(
     ("dropped", "said"), [(1, "1 outlying value was left out"), (2, "2 outlying values were left out")]
 )
-def test_one_value_or_several(dropped: int, said: str) -> None:
-    """What was left out, and where."""
-    values = np.zeros((3, 1))
-    residual = values.copy()
-    residual[:dropped] = np.nan
-    rows = SimpleNamespace(values=values, observables=("force",), marker=np.array([-1]), markers=())
-    own = SimpleNamespace(dropped=dropped, context=SimpleNamespace(rows=rows), residual=residual)
-    (line,) = cast(Any, Prepared.left_out).fget(own)
-    assert line == f"{said} ({dropped} of force)"
+def test_one_value_or_several(make_lab, dropped: int, said: str) -> None:
+    """What was left out, and where; a frame that is wild is no hold that is off."""
+    lab = make_lab(chambers=1, force=True, captures=30)
+    values = lab.predict(lab.u) + lab.noise()
+    values[4 : 4 + dropped, 1] += 40.0
+    ready = prepared(rows_of(lab.dataset(values)), lab.model())
+    assert ready.left_out == [f"{said} ({dropped} of force)"]
+    assert ready.held_off == []
+
+
+def test_a_marker_that_is_off_through_whole_holds_is_said(make_lab) -> None:
+    """A wall that only three set-points meet looks like a marker that is mistaken: nothing is missing beside it."""
+    lab = make_lab(chambers=2, captures=40)
+    values = lab.predict(lab.u) + lab.noise()
+    values[[5, 17, 29], :, :3] += np.array([3.0, 0.0, 4.0]) * np.array([1.0, 0.6, 0.8])[:, None, None]
+    found = diagnose(lab.dataset(values), lab.model()).summary
+    assert found["verdict"] == "nothing_missing"
+    (off,) = found["left_out"]
+    assert (off["name"], off["captures"], off["units"]) == ("m0", [5, 17, 29], "mm")
+    assert off["error"] == pytest.approx(5.0, rel=0.1)
+    (line,) = (line for line in found["warnings"] if line.startswith("m0 was left out"))
+    assert line.startswith(
+        "m0 was left out in captures 5, 17, 29, where it is off all along the hold, by up to "
+    )
+    assert line.endswith(
+        "held by something that acts there only; measure these set-points again, which tells"
+    )
+    assert note(found).headline.startswith(
+        "Nothing is missing beside what was left out: m0 in 3 captures (off by up"
+    )
 
 
 @pytest.mark.parametrize(
