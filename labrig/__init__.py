@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from labrig.api._improve import Improvement, improve
     from labrig.api._investigate import Investigation, investigate
     from labrig.api._learn import train_forward, train_sim2real
+    from labrig.api._predict import predict
     from labrig.api._propose import Proposal, propose_experiment
     from labrig.api._run import run
     from labrig.api._table import import_table
@@ -59,6 +60,7 @@ _LAZY = {
     "investigate": "labrig.api._investigate",
     "load_rig": "labrig.rig",
     "open_run": "labrig.log",
+    "predict": "labrig.api._predict",
     "propose_experiment": "labrig.api._propose",
     "run": "labrig.api._run",
     "runs": "labrig.catalogue",
@@ -90,6 +92,7 @@ __all__ = [
     "investigate",
     "load_rig",
     "open_run",
+    "predict",
     "propose_experiment",
     "run",
     "runs",

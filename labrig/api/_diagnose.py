@@ -2,7 +2,6 @@
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from labrig._errors import LabrigError
 from labrig.api._answer import ModelAnswer
 from labrig.api._inputs import model_of, runs_of
 from labrig.contents import Summary
@@ -94,10 +93,10 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
         'hysteresis'
     """
     from labrig import diagnosis, experiment
-    from labrig.api._inputs import names_of
+    from labrig.api._inputs import names_of, positive
 
-    if tolerance is not None and not tolerance > 0:
-        raise LabrigError(f"tolerance {tolerance:g}: must be larger than 0")
+    if tolerance is not None:
+        positive(tolerance, "tolerance", "in the units of the observables")
     left_out = names_of(without, "an effect to leave out") if without else []
     opened, questioned = runs_of(runs), model_of(model)
     result = diagnosis.diagnose(opened, questioned, tolerance=tolerance, without=left_out)

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from labrig._errors import LabrigError
 from labrig._paths import wrong
 
@@ -14,7 +16,6 @@ if TYPE_CHECKING:
     from labrig.rig import RigConfig
 
 Place = str | Path
-Runs = "Place | Dataset | Sequence[Place | Dataset]"
 
 
 def runs_of(given: Any) -> "list[Dataset]":
@@ -67,6 +68,15 @@ def rig_of(given: Any) -> "RigConfig":
     if isinstance(given, str | Path):
         return load_rig(given)
     raise wrong("a rig", given, "a rig.yaml's path, or what labrig.load_rig gives")
+
+
+def positive(given: Any, what: str, unit: str) -> float:
+    """A number larger than 0; raises `LabrigError` for anything else, such as a text with its unit."""
+    if isinstance(given, bool) or not isinstance(given, int | float | np.integer | np.floating):
+        raise LabrigError(f"{what} {given!r}: a number is needed, {unit}")
+    if not given > 0:
+        raise LabrigError(f"{what} {given:g}: must be larger than 0")
+    return float(given)
 
 
 def names_of(given: Any, what: str) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 from labrig._paths import wrong
 from labrig.api._diagnose import effects_table
-from labrig.api._inputs import Place, model_of, rig_of, runs_of
+from labrig.api._inputs import Place, model_of, positive, rig_of, runs_of
 from labrig.contents import Confirmation, InvestigationContent, Summary
 
 if TYPE_CHECKING:
@@ -241,8 +241,7 @@ def investigate(
     from labrig import experiment, investigation
     from labrig.investigation import Lines, Reporter
 
-    if not budget_min > 0:
-        raise LabrigError(f"budget_min {budget_min:g}: must be larger than 0")
+    positive(budget_min, "budget_min", "in minutes")
     if not 0 < highest <= 1:
         raise LabrigError(f"highest {highest:g}: a share of the range is above 0 and at most 1")
     told = reporter if reporter is None or isinstance(reporter, Reporter) else None

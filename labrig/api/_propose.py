@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig.api._diagnose import Diagnosis
-from labrig.api._inputs import Place, model_of, rig_of, runs_of
+from labrig.api._inputs import Place, model_of, positive, rig_of, runs_of
 from labrig.contents import Proposed
 from labrig.tables import factor
 
@@ -15,6 +15,7 @@ PROGRAMME = "programme.csv"
 if TYPE_CHECKING:
     from pandas import DataFrame
     from plotly.graph_objects import Figure
+    from xarray import Dataset
 
     from labrig.experiment import Experiment
 
@@ -54,6 +55,11 @@ class Proposal:
             named = dict.fromkeys(self._experiment.chambers, 0.0) | point.get("pressure_kpa", {})
             rows.append({**named, **{key: point.get(key, "") for key in ("hold_s", "repeat", "label")}})
         return DataFrame(rows)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to keep in mind."""
+        return [str(line) for line in self.summary["warnings"]]
 
     @property
     def summary(self) -> Proposed:
@@ -133,6 +139,15 @@ def check_procedure_file(path: Path) -> None:
         raise LabrigError(f"{path}: a procedure file ends in .yaml")
 
 
+def _check_same(diagnosis: Diagnosis, runs: "list[Dataset]") -> None:
+    """Raise `LabrigError` for a diagnosis of other runs, as far as these have an identity."""
+    known = [run.attrs["run_id"] for run in runs if "run_id" in run.attrs]
+    of = diagnosis.summary.get("runs", [])
+    if known and of and sorted(known) != sorted(each["id"] for each in of):
+        named = ", ".join(each["run"] for each in of)
+        raise LabrigError(f"the diagnosis is one of {named}: give the diagnosis of these runs, or none")
+
+
 def propose_experiment(
     runs: Any,
     model: Any,
@@ -167,7 +182,12 @@ def propose_experiment(
     """
     from labrig import experiment as core
 
+    positive(minutes, "minutes", "without its unit")
+    if tolerance is not None:
+        positive(tolerance, "tolerance", "in the units of the observables")
     opened, questioned = runs_of(runs), model_of(model)
+    if diagnosis is not None:
+        _check_same(diagnosis, opened)
     config = None if rig is None else rig_of(rig)
     if config is not None:
         for run in opened:

@@ -29,6 +29,7 @@ def run(
     until: str = "",
     budget: str = "",
     adapt: bool = False,
+    resume: bool = False,
     **parameters: Any,
 ) -> Path:
     """Run a procedure on a rig and log it; returns the run's folder.
@@ -44,11 +45,14 @@ def run(
         out: the run's folder; by default a new one in ./runs.
         seed: of everything that is random.
         realtime: let a rig that is simulated here take as long as a real one.
-        progress: called with a `Progress` about twice a second.
+        progress: called with a `Progress` about twice a second, in a thread of its own. KeyboardInterrupt that is
+            raised in it ends the run, as Ctrl-C does; any other error is warned of, and the run goes on without it.
         diagnose: a model.yaml that is questioned beside the campaign every few captures.
         until: ends the campaign by what that says: ``"settled"`` or ``"error=0.2mm"``.
         budget: ends it after so long: ``"45min"``.
         adapt: take the set-points that tell apart what is possible, in place of the procedure's.
+        resume: go on with the run in `out` that was interrupted, after its last completed step; procedure, parameters
+            and rig are given as they were.
         parameters: the procedure's, by name: `captures=20`.
 
     Raises:
@@ -66,6 +70,8 @@ def run(
 
     config = rig_of(rig)
     chosen = made(procedure, parameters)
+    if resume and (out is None or not Path(out).is_dir()):
+        raise LabrigError("resume: name the folder of the run to go on with: out='runs/night'")
     folder = Path(out) if out is not None else new_folder(chosen)
     clock = clock_of(config, realtime)
     context: dict[str, Any] = {"rig_file": str(Path(rig).resolve())} if isinstance(rig, str | Path) else {}
@@ -78,6 +84,8 @@ def run(
     ):
         watching = campaign.Watching(context=context, adviser=adviser)
         with connect(config, clock, guard_log=folder / "guard.log") as connected:
+            if resume:
+                return campaign.resume(chosen, connected, folder, progress=progress, watching=watching)
             return campaign.run(chosen, connected, folder, seed=seed, progress=progress, watching=watching)
 
 
@@ -112,7 +120,7 @@ def made(given: "str | Procedure", parameters: dict[str, Any]) -> "Procedure":
 
 
 def new_folder(procedure: "Procedure", runs: Path = Path("runs")) -> Path:
-    """runs/20261120-0312-capture, or with a number behind it where that exists."""
+    """runs/20261120-031259-capture, or with a number behind it where that exists."""
     base = runs / f"{datetime.now():%Y%m%d-%H%M%S}-{procedure.procedure_name()}"
     folder, number = base, 1
     while folder.exists():

@@ -1,6 +1,7 @@
 """Runs a procedure on a rig: vented first, logged always, resumed by replay."""
 
 import contextlib
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -128,7 +129,7 @@ class _Run:
         self.plan, self.completed, self.control = plan, completed, watching.control
         self.history = [Completed(done.index, done.step) for done in completed]
         self.seed = int(facts["seed"])
-        observers = [*watching.observers, *([_Callback(progress)] if progress else [])]
+        observers = [*watching.observers, *([_Callback(progress, self.control)] if progress else [])]
         self.observation = Observation(observers)
         self.signals = SignalGuard(self.control.toggle)
         self.adviser = watching.adviser
@@ -354,8 +355,15 @@ class _Run:
 class _Callback(Observer):
     """A plain function that wants to know the progress."""
 
-    def __init__(self, function: Callable[[Progress], None]) -> None:
-        self._function = function
+    def __init__(self, function: Callable[[Progress], None], control: Control) -> None:
+        self._function, self._control = function, control
 
     def progress(self, progress: Progress) -> None:
-        self._function(progress)
+        try:
+            self._function(progress)
+        except KeyboardInterrupt:
+            self._control.end("stopped by progress")
+        except Exception as error:
+            what = f"progress: {type(error).__name__}: {error}; it is not called again, and the run goes on"
+            warnings.warn(what, RuntimeWarning, stacklevel=2)
+            raise

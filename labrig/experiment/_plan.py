@@ -88,7 +88,7 @@ class Probe:
         return total
 
     def scaled(self, levels: float = 1.0, holds: float = 1.0, rest: tuple[float, ...] = ()) -> "Probe":
-        """The same with other levels and longer or shorter holds (1 to 600 s); `rest` stays where it is."""
+        """The same with other levels, and long holds longer or shorter (5 to 600 s); `rest` stays where it is."""
         points = []
         for point in self.points:
             vented = np.asarray(rest if rest else np.zeros(len(point.share)))
@@ -166,6 +166,20 @@ def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: 
         goes_on=(),
     )
     return Planned(rows, owner, np.array(kept["point"], dtype=np.int64))
+
+
+def as_rows(template: Rows, actuation: Floats, hold_s: float) -> Rows:
+    """What set-points (n, C) would record, each held for `hold_s`, as rows without values, from a vented rig on."""
+    low, high = (
+        pick(np.vstack([limit, actuation]), axis=0)
+        for pick, limit in ((np.min, template.low), (np.max, template.high))
+    )
+    origin, span = ends(low, high)
+    limits = Limits(low, high, np.full(len(low), SLEW_PER_S))
+    points = [Point(tuple(((u - origin) / span).tolist()), hold_s) for u in actuation]
+    rows = planned_rows(template, [points], limits).rows
+    exact = np.vstack([rows.event_actuation[:1], actuation])  # not as a person would type them
+    return replace(rows, actuation=actuation[rows.capture], event_actuation=exact)
 
 
 def _as_before(covariate: Covariate, n: int) -> Covariate:

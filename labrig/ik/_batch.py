@@ -37,10 +37,10 @@ class Job:
 
 @dataclass(frozen=True)
 class Solved:
-    """One target's result: the search's, the surface (P, 3) in the target's frame, signed distances (P,) at a grid of
+    """One target's result, or the `error` where there is none.
 
-    (u, v), NaN where nothing is opposite; their summary; the path, if the model remembers. `error` instead of all
-    that, where there is none.
+    `result` is the search's; `surface_mm` (P, 3) the surface in the target's frame; `signed_mm` (P,) signed distances
+    at a grid of (u, v), NaN where nothing is opposite; `summary` theirs; `path` the way there, if the model remembers.
     """
 
     job: Job
@@ -51,6 +51,9 @@ class Solved:
     summary: dict[str, float] | None = None
     path: Approach | None = None
     error: str = ""
+
+    def __repr__(self) -> str:
+        return f"Solved {Path(self.job.target).name}: {self.error or repr(self.result)}"
 
 
 def solve_job(job: Job) -> Solved:

@@ -45,6 +45,10 @@ class IkResult:
     gap_facts: tuple[Any, ...] = field(default=(), repr=False)
     compile_s: float = 0.0
 
+    def __repr__(self) -> str:
+        kpa = ", ".join(f"{n} {p:.4g}" for n, p in zip(self.chamber_names, self.pressure_kpa, strict=True))
+        return f"IkResult: mean {self.mean_mm:.3g} mm, 95 % within {self.p95_mm:.3g} mm, at {kpa} kPa"
+
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
         """Where the surface stays away from the target by more than 2 mm, the worst first."""

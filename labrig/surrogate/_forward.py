@@ -58,6 +58,11 @@ class ForwardModel:
     provenance: dict[str, Any] = field(default_factory=dict)
     _kept: dict[bytes, csr_array] = field(default_factory=dict, repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        ranges = zip(self.chamber_names, self.low_kpa, self.high_kpa, strict=True)
+        chambers = ", ".join(f"{name} {low:g} to {high:g} kPa" for name, low, high in ranges)
+        return f"ForwardModel: {chambers}; {len(self.modes_mm)} modes, {len(self.marker_names)} markers"
+
     def control(self, pressure_kpa: ArrayLike) -> Floats:
         """Control points (F, nu, nv, 3), mm, at pressures (F, C), kPa."""
         z = self.head.latent(self.fraction(pressure_kpa))

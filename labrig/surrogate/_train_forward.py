@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from labrig.surface import grid
 from labrig.surrogate._calibration import NORMAL_95, calibrated
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._gaussian import fit_gaussian
+from labrig.surrogate._models import save_model
 from labrig.surrogate._network import Network, NetworkHead
 from labrig.surrogate._provenance import provenance
 from labrig.surrogate._torch_training import Recipe, train_network
@@ -63,6 +65,14 @@ class Trained:
     def errors(self) -> dict[str, float]:
         """The summary of its errors."""
         return self.measured.summary
+
+    def save(self, path: str | Path) -> None:
+        """Write the model, in one piece or not at all."""
+        save_model(self.model, path)
+
+    def __repr__(self) -> str:
+        mean, worst = self.errors["mean_mm"], self.errors["max_mm"]
+        return f"Trained in {self.fit_s:.1f} s: {self.model!r}\nleft out: mean {mean:.3g} mm, at most {worst:.3g} mm"
 
 
 def train_forward(

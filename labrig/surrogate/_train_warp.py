@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -11,6 +12,7 @@ from labrig.arrays import Floats
 from labrig.surface import Mesh, grid
 from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._forward import ForwardModel
+from labrig.surrogate._models import save_model
 from labrig.surrogate._provenance import provenance
 from labrig.surrogate._scans import frame_of
 from labrig.surrogate._sim_to_real import GAIN_SD, learn_correction
@@ -37,6 +39,14 @@ class TrainedWarp:
     fixed_mm: Floats
     fit_s: float
     facts: dict[str, Any]
+
+    def save(self, path: str | Path) -> None:
+        """Write the model, in one piece or not at all."""
+        save_model(self.model, path)
+
+    def __repr__(self) -> str:
+        before = f"{self.simulated_mm.mean():.3g} -> " if len(self.simulated_mm) else ""
+        return f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}\nleft out: mean {before}{self.fixed_mm.mean():.3g} mm"
 
 
 def train_warp(

@@ -49,6 +49,9 @@ class WarpedModel:
     translation_mm: Floats = field(default_factory=lambda: np.zeros(3))
     provenance: dict[str, Any] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return f"WarpedModel: {self.forward!r}, moved by {len(self.marker_uv)} bells; noise {self.noise_mm:.2g} mm"
+
     @property
     def chamber_names(self) -> tuple[str, ...]:
         """The chambers, in order."""

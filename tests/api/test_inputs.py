@@ -59,6 +59,69 @@ def test_an_effect_to_leave_out_must_be_there(lab: Path) -> None:
         labrig.validate("body.ply", lab / "rig.yaml", "forward.pt", without="wrap")
 
 
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (
+            lambda lab: labrig.diagnose(lab / "first", lab / "model.yaml", tolerance="0.1 mm"),
+            "tolerance '0.1 mm'",
+        ),
+        (
+            lambda lab: labrig.propose_experiment(lab / "first", lab / "model.yaml", minutes="5 min"),
+            "minutes '5 min'",
+        ),
+        (
+            lambda lab: labrig.investigate(None, lab / "model.yaml", lab / "rig.yaml", budget_min="30"),
+            "budget_min '30'",
+        ),
+    ],
+)
+def test_a_text_is_no_number(lab: Path, call: Any, said: str) -> None:
+    """A number with its unit in a text is refused with the unit that is meant."""
+    with pytest.raises(LabrigError) as caught:
+        call(lab)
+    assert str(caught.value).startswith(f"{said}: a number is needed, ")
+
+
+def test_the_diagnosis_of_another_run_plans_nothing(
+    lab: Path, diagnosis: labrig.Diagnosis, tmp_path: Path
+) -> None:
+    """What another run leaves open says nothing of this one."""
+    labrig.run("capture", lab / "rig.yaml", out=tmp_path / "other", captures=3)
+    with pytest.raises(
+        LabrigError, match=r"^the diagnosis is one of .*first: give the diagnosis of these runs"
+    ):
+        labrig.propose_experiment(tmp_path / "other", lab / "model.yaml", diagnosis=diagnosis)
+
+
+def test_a_run_that_was_stopped_goes_on(lab: Path, tmp_path: Path) -> None:
+    """KeyboardInterrupt in `progress` ends a run as Ctrl-C does, and the same call with resume=True measures the rest."""
+
+    def stop(progress: Any) -> None:
+        if progress.captures_done >= 2:
+            raise KeyboardInterrupt
+
+    given: dict[str, Any] = {"out": tmp_path / "run", "captures": 12}
+    with pytest.raises(BaseException, match="stopped by progress"):
+        labrig.run("capture", lab / "rig.yaml", progress=stop, **given)
+    before = labrig.open_run(tmp_path / "run").sizes["capture"]
+    assert 2 <= before < 12
+    labrig.run("capture", lab / "rig.yaml", resume=True, **given)
+    assert labrig.open_run(tmp_path / "run").sizes["capture"] == 12
+    with pytest.raises(LabrigError, match="^resume: name the folder of the run to go on with"):
+        labrig.run("capture", lab / "rig.yaml", resume=True, captures=12)
+
+
+def test_a_faulty_progress_is_said_and_left(lab: Path, tmp_path: Path) -> None:
+    """A mistake in `progress` is warned of once, and costs no capture."""
+    with pytest.warns(
+        RuntimeWarning, match="progress: ZeroDivisionError: .*; it is not called again"
+    ) as caught:
+        labrig.run("capture", lab / "rig.yaml", out=tmp_path / "run", captures=4, progress=lambda _: 1 / 0)
+    assert len(caught) == 1
+    assert labrig.open_run(tmp_path / "run").sizes["capture"] == 4
+
+
 def test_one_name_is_no_list_of_letters(lab: Path) -> None:
     """improve(run, model, "crep") speaks of crep, not of c."""
     with pytest.raises(LabrigError, match="'crep'"):

@@ -1,0 +1,68 @@
+"""What a model says that other set-points would show."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import labrig
+from labrig import LabrigError
+from labrig.model import EffectEntry, Value
+
+
+def test_what_was_measured_is_predicted_as_it_is_compared(lab: Path) -> None:
+    """At a run's own set-points a model without memory says what a comparison has of it, capture by capture."""
+    run = labrig.open_run(lab / "first")
+    shown = labrig.predict(run, lab / "model.yaml", run["commanded"].values)
+    fields = labrig.compare(run, lab / "model.yaml").fields
+    np.testing.assert_allclose(shown["predicted"].values, fields["model"].values, atol=1e-9)
+    assert shown["observable"].values.tolist() == fields["observable"].values.tolist()
+    assert shown["unit"].values.tolist() == ["mm"] * shown.sizes["observable"]
+
+
+def test_effects_act_with_their_history(lab: Path) -> None:
+    """What creeps has crept further in a longer hold, and what was before counts."""
+    creep = EffectEntry(
+        name="creep", form="log-time", parameters={"amplitude": Value(value=0.2), "tau_s": Value(value=3.0)}
+    )
+    model = labrig.Model.load(lab / "model.yaml").with_effect(creep)
+    names = labrig.open_run(lab / "first")["chamber"].values.tolist()
+    full = [30.0] * len(names)
+    moved = {
+        hold_s: np.linalg.norm(
+            labrig.predict(lab / "first", model, [full], hold_s=hold_s)["predicted"].values
+            - labrig.predict(lab / "first", lab / "model.yaml", [full])["predicted"].values
+        )
+        for hold_s in (4.0, 100.0)
+    }
+    assert 0 < moved[4.0] < 0.8 * moved[100.0]
+
+
+def test_set_points_of_a_table_go_by_the_names_of_its_columns(lab: Path) -> None:
+    """Columns in another order mean the same; pressures beyond the run's are predicted as they are given."""
+    names = labrig.open_run(lab / "first")["chamber"].values.tolist()
+    u = np.arange(2.0 * len(names)).reshape(2, -1) * 10 + 0.123456
+    frame = pd.DataFrame(u, columns=names)[names[::-1]]
+    one, two = (labrig.predict(lab / "first", lab / "model.yaml", given) for given in (u, frame))
+    np.testing.assert_array_equal(one["commanded"].values, u)
+    assert one.identical(two)
+
+
+@pytest.mark.parametrize(
+    ("given", "more", "said"),
+    [
+        ([[1.0]], {}, "set_points: 1 x 1 given; "),
+        ([], {}, "set_points: 0 given; "),
+        ("ten", {}, "set_points: a table of numbers is needed; "),
+        (pd.DataFrame({"q1": [1.0]}), {}, "set_points: there is no column 'c1'; "),
+        ([[np.nan] * 4], {}, "set_points: row 0 is not finite"),
+        ([[1.0] * 4], {"hold_s": "3 s"}, "hold_s '3 s': a number is needed, s"),
+        ([[1.0] * 4], {"hold_s": 0.5}, "hold_s 0.5: must be 1.5 s or more"),
+    ],
+)
+def test_what_is_no_set_point_is_said(lab: Path, given, more, said: str) -> None:
+    """The number of columns, their names, and how long a hold may be."""
+    with pytest.raises(LabrigError) as caught:
+        labrig.predict(lab / "first", lab / "model.yaml", given, **more)
+    assert str(caught.value).startswith(said)
