@@ -18,6 +18,8 @@ def kick(context: Context) -> Stretch | None:
     if (rows.axis >= 0).sum() < 6:
         return None
     captures, error = errors_by_capture(context)
+    if len(captures) < 2:  # there is no scatter from one capture to the next
+        return None
     modes = frame_modes(context).mean(axis=0)
     modes = modes / np.maximum(np.sqrt((modes**2).mean(axis=0)), 1e-12)
     motion = in_scatters(error @ np.linalg.pinv(modes, rcond=1e-6).T)

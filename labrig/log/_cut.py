@@ -1,16 +1,21 @@
 """Captures of one file: holds are checked, and a moving input is cut into named segments whose rows count singly."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.log._part import Part, session_blocks
-from labrig.tables import Segment, find_segments, held_share
+from labrig.tables import Segment, find_segments, goes_back_and_forth, held_share
 
 _HELD = 0.8
 _BRIEF = 0.5
 _MOVING = 4
 """In so many rows an input changes within a capture at least, if it is a ramp and no hold that was cut wrongly."""
+_LEVELS = 5
+"""What has fewer different values flickers by the step in which it was recorded, and does not move."""
 _STREAM_ROWS = 30
 _EVEN = 0.5
 _HELD_JITTER = 0.05
@@ -128,31 +133,63 @@ def _segments(part: Part) -> None:
         part.remarks.append(f"{part.table.path.name}: {part.n} set-points of one row each")
         return
     found = _name(part)
-    moves = [s for _, s in found if s.kind != "plateau"]
-    holds = [s.end - s.begin for _, s in found if s.kind == "plateau"]
-    alone = np.ones(part.n, dtype=bool)
-    brief = not moves or (holds and max(s.end - s.begin for s in moves) <= _BRIEF * np.median(holds))
-    if len(holds) > 1 and brief and held_share([s for _, s in found]) >= _HELD:
-        number = np.zeros(part.n, dtype=np.int64)
-        for i, (offset, s) in enumerate(found):
-            rows = slice(offset + s.begin, offset + s.end)
-            number[rows] = i
-            alone[rows] = s.kind != "plateau"
-        part.capture = number
-        between = int(alone.sum())
-        if between:
-            part.keep &= ~alone
-            part.remarks.append(
-                f"{part.table.path.name}: {len(holds)} holds; {between} of {part.n} rows between them, "
-                "where the input moves, are history and are not compared"
-            )
-        part.each_alone(alone)
+    if _are_holds(part, [s for _, s in found]):
+        _plateaus(part, found)
         return
-    part.each_alone(alone)
+    part.each_alone(np.ones(part.n, dtype=bool))
     many = {"plateau": "plateaus", "ramp": "ramps", "cycle": "cycles", "stretch": "stretches"}
     count = {kind: sum(s.kind == kind for _, s in found) for kind in many}
     words = ", ".join(f"{n} {many[kind] if n > 1 else kind}" for kind, n in count.items() if n)
     part.remarks.append(f"{part.table.path.name}: a stream of {part.n} rows: {words}")
+
+
+def _are_holds(part: Part, found: Sequence[Segment]) -> bool:
+    """Whether the input is held most of the time; where it never moves at all, whether nothing else moved the body."""
+    moves = [s.end - s.begin for s in found if s.kind != "plateau"]
+    holds = [s.end - s.begin for s in found if s.kind == "plateau"]
+    brief = not moves or (holds and max(moves) <= _BRIEF * np.median(holds))
+    if not holds or not brief or held_share(found) < _HELD:
+        return False
+    if moves or len(holds) > 1 or (name := _driven(part)) is None:
+        return True
+    part.remarks.append(
+        f"{part.table.path.name}: no input moves, and {name!r} goes back and forth to the end: something else moved "
+        "it, and the rows count one by one; if that was logged, put it under 'actuation:'"
+    )
+    return False
+
+
+def _driven(part: Part) -> str | None:
+    """What was measured, and goes back and forth over most of its range until the end; None where nothing does.
+
+    What a hold does by itself (creep, a leak, a vibration at its beginning) goes one way, or comes to rest.
+    """
+    names = [m.name for m in part.mapping.actuation] + [o.name for o in part.observables]
+    for name, column in zip(names, np.column_stack([part.measured, part.values]).T, strict=True):
+        seen = column[np.isfinite(column)]
+        if len(np.unique(seen)) >= _LEVELS and goes_back_and_forth(seen):
+            return name
+    return None
+
+
+def _plateaus(part: Part, found: Sequence[tuple[int, Segment]]) -> None:
+    """Make each plateau of `found`, with the row at which its session begins, a capture; rows between are history."""
+    number = np.zeros(part.n, dtype=np.int64)
+    alone = np.ones(part.n, dtype=bool)
+    for i, (offset, s) in enumerate(found):
+        rows = slice(offset + s.begin, offset + s.end)
+        number[rows] = i
+        alone[rows] = s.kind != "plateau"
+    part.capture = number
+    if between := int(alone.sum()):
+        holds = sum(s.kind == "plateau" for _, s in found)
+        part.keep &= ~alone
+        of = "holds; {} of {} rows between them" if holds > 1 else "hold; {} of {} rows beside it"
+        part.remarks.append(
+            f"{part.table.path.name}: {holds} {of.format(between, part.n)}, where the input moves, are history and are "
+            "not compared"
+        )
+    part.each_alone(alone)
 
 
 def _name(part: Part) -> list[tuple[int, Segment]]:
@@ -161,14 +198,27 @@ def _name(part: Part) -> list[tuple[int, Segment]]:
     found: list[tuple[int, Segment]] = []
     blocks = session_blocks([part])
     for _, own in blocks:
-        for s in find_segments(part.actuation[own], part.time_s[own], unit):
+        u = part.actuation[own]
+        if _trembles(u):
+            u = np.broadcast_to(u.mean(axis=0), u.shape)
+        for s in find_segments(u, part.time_s[own], unit):
             found.append((own.start, s))
             part.segment[own.start + s.begin : own.start + s.end] = s.name
     return found
 
 
+def _trembles(u: Floats) -> bool:
+    """Whether measured inputs (n, C) stand still but for their noise: they move little, and without a course."""
+    spread = u.var(axis=0)
+    steps = (np.diff(u, axis=0) ** 2).sum(axis=0) / len(u)
+    still = np.ptp(u, axis=0) <= _HELD_JITTER * np.abs(u).max(axis=0)
+    return bool((still & (steps >= spread)).all())
+
+
 def _scattered(part: Part) -> bool:
     """Whether most rows are far from the one before: set-points that were measured once each, and no record."""
+    if _trembles(part.actuation):
+        return False
     span = np.ptp(part.actuation, axis=0)
     steps = np.abs(np.diff(part.actuation, axis=0)) / np.where(span > 0, span, np.inf)
     return part.n > 1 and bool(np.median(steps.max(axis=1)) > _APART)

@@ -23,7 +23,7 @@ from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
 from labrig.tables._sniff import sniff
 from labrig.tables._spelling import check_spelt
-from labrig.tables._strokes import Segment, find_segments, held_share
+from labrig.tables._strokes import Segment, find_segments, goes_back_and_forth, held_share
 from labrig.tables._table import DATE, Table
 from labrig.tables._units import factor, is_length
 from labrig.tables._unseen import unseen
@@ -52,6 +52,7 @@ __all__ = [
     "check_values",
     "factor",
     "find_segments",
+    "goes_back_and_forth",
     "guess_mapping",
     "guess_together",
     "held_share",

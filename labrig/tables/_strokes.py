@@ -29,6 +29,8 @@ _SHORTEST = 3
 _EXACTLY = 1 / 3
 """Share of the rows that are exactly as the row before from which on an input is a command that is held."""
 _ALIKE = 0.15
+_BACK = 0.5
+"""Share of its range over which something goes back and forth that is driven."""
 _PIECES = 12
 
 
@@ -185,6 +187,17 @@ def turning_points(values: Floats, level: float) -> Ints:
             way, best_high, at_high = 1, v, row
             best_low, at_low = v, row
     return np.array(out, dtype=np.int64)
+
+
+def goes_back_and_forth(values: Floats) -> bool:
+    """Whether something that was measured (n,) still turns twice and more in its later half, each time by more than
+    half of all it does, and by more than its noise.
+    """
+    span = float(np.ptp(values)) if len(values) else 0.0
+    if span == 0:
+        return False
+    x = (values - values.min()) / span
+    return len(turning_points(x[len(x) // 2 :], max(_BACK, 8 * _noise(x[:, None])))) >= 2
 
 
 def _moving(
