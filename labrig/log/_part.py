@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.tables import (
-    DATE,
     Actuation,
     Covariate,
     Mapping,
@@ -23,6 +22,7 @@ from labrig.tables import (
     by_time,
     factor,
     in_rows,
+    is_dated,
     is_length,
     join_tables,
     read_table,
@@ -247,7 +247,11 @@ class Part:
 
     def _if_shuffled(self) -> str:
         back = np.flatnonzero(self._back())
-        return why_back(self.time_s, int(back[0]) + 1, dated=False) if len(back) else ""
+        return why_back(self.time_s, int(back[0]) + 1, dated=self._dated) if len(back) else ""
+
+    @property
+    def _dated(self) -> bool:
+        return self.mapping.time is not None and is_dated(self.mapping.time)
 
     def _back(self) -> NDArray[np.bool_]:
         """Whether the clock goes back within a session, from each row to the next, (n - 1,)."""
@@ -257,8 +261,7 @@ class Part:
         back = self._back()
         if back.any():
             i = int(np.flatnonzero(back)[0])
-            time = self.mapping.time
-            why = why_back(self.time_s, i + 1, dated=time is not None and DATE in time.units())
+            why = why_back(self.time_s, i + 1, dated=self._dated)
             raise LabrigError(
                 f"{self.table.at(i + 1)}: time goes backward within session {self.session[i]!r}{why}"
             )

@@ -1,6 +1,6 @@
 """Somebody's own tables: read from many formats, what their columns mean, and a guess where nobody says it."""
 
-from labrig.tables._clock import check_clock, seconds, why_back
+from labrig.tables._clock import check_clock, is_dated, seconds, why_back
 from labrig.tables._guess import Guess, guess_mapping, guess_together
 from labrig.tables._join import join_tables
 from labrig.tables._mapping import (
@@ -24,12 +24,11 @@ from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read
 from labrig.tables._sniff import sniff
 from labrig.tables._spelling import check_spelt
 from labrig.tables._strokes import Segment, find_segments, goes_back_and_forth, held_share
-from labrig.tables._table import DATE, Table
+from labrig.tables._table import Table
 from labrig.tables._units import factor, is_length
 from labrig.tables._unseen import unseen
 
 __all__ = [
-    "DATE",
     "READ",
     "Actuation",
     "Covariate",
@@ -57,6 +56,7 @@ __all__ = [
     "guess_together",
     "held_share",
     "in_rows",
+    "is_dated",
     "is_length",
     "join_tables",
     "kind_of",

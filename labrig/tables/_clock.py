@@ -10,7 +10,13 @@ from labrig.tables._units import factor
 NUMBERED = {"excel days": (86400.0, 25569.0), "datenum": (86400.0, 719529.0), "ticks": (1e-7, 621355968e9)}
 """Units of numbers that are dates: how many s one is, and the number of 1970."""
 _WRAPS_S = {2**32 / 1e3: "ms", 2**32 / 1e6: "us"}
+_NEAR_WRAP = 0.1
+"""Share of what a counter goes over, within which a step back is taken for its wrap: numerical."""
 _HOUR_S = 3600.0
+_SUMMER_TIME = (
+    "; time goes back by about an hour, as clocks do at the end of summer time: write the times with their offset "
+    "(2026-10-25T02:30:00+01:00), or in UTC"
+)
 SHUFFLED = 0.25
 """Share of steps that go back from which on rows were shuffled: half of all, in the mean."""
 
@@ -58,21 +64,36 @@ def check_clock(time: TimeColumn, where: str) -> None:
             factor(unit, "s", where)
 
 
+def is_dated(time: TimeColumn) -> bool:
+    """Whether a clock holds dates and times of day, as text or as numbers of days."""
+    return any(unit == DATE or unit in NUMBERED for unit in time.units())
+
+
 def why_back(time_s: Floats, row: int, *, dated: bool) -> str:
-    """What a clock (n,) that goes back before a row is likely to be: the end of a complaint."""
+    """What a clock (n,), s, that goes back before a row is likely to be: the end of a complaint. One that is `dated` is
+    no counter.
+    """
     sort = "; if the rows were shuffled, sort them by time: 'sort: true' under 'time:' does"
     step = time_s[row] - time_s[row - 1]
-    usual = _usual(time_s)
-    if dated and -_HOUR_S - 1e-6 <= step <= -_HOUR_S + max(1.0, 3 * usual):
-        return "; time goes back an hour: summer time?"
     if len(time_s) > 2 and (np.diff(time_s) <= 0).all():
         return "; it runs backward through the whole file: sort its rows by time"
     if (np.diff(time_s) < 0).mean() > SHUFFLED:
         return sort
+    if dated:
+        return _SUMMER_TIME if _ends_summer_time(time_s, float(step)) else sort
     for wrap, unit in _WRAPS_S.items():
-        if -wrap <= step <= -wrap + max(1.0, 100 * usual):
+        if -wrap <= step <= -wrap + min(max(1.0, 100 * _usual(time_s)), _NEAR_WRAP * wrap):
             return f"; its counter of 32 bits began anew at 4294967295 {unit}: add what it lost to the later rows"
     return sort
+
+
+def _ends_summer_time(time_s: Floats, step: float) -> bool:
+    """Whether a step back (s) of dates (n,) is one of the record's own steps ahead, less the hour that clocks are set
+    back by.
+    """
+    ahead = np.diff(time_s)
+    longest = min(float(ahead.max(initial=0.0)), _HOUR_S / 2)
+    return -1e-6 <= step + _HOUR_S <= max(1.0, 3 * _usual(time_s), longest)
 
 
 def _usual(time_s: Floats) -> float:

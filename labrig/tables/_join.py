@@ -7,11 +7,11 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.tables._clock import seconds, why_back
+from labrig.tables._clock import is_dated, seconds, why_back
 from labrig.tables._mapping import Join
 from labrig.tables._order import by_time, in_rows
 from labrig.tables._read import read_file
-from labrig.tables._table import DATE, Table
+from labrig.tables._table import Table
 
 
 def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, str], folder: Path) -> Table:
@@ -38,7 +38,7 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
             other, clock = in_rows(other, order), clock[order]
         back = np.flatnonzero(np.diff(clock) < 0)
         if len(back):
-            why = why_back(clock, int(back[0]) + 1, dated=DATE in join.time.units())
+            why = why_back(clock, int(back[0]) + 1, dated=is_dated(join.time))
             raise LabrigError(
                 f"{other.at(int(back[0]) + 1)}: time goes backward; a joined file has one clock{why}"
             )

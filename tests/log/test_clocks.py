@@ -146,13 +146,37 @@ def test_midnight_and_summer_time() -> None:
     back = stamps("%Y-%m-%d %H:%M:%S.~", "2026-10-25 01:59:50")[20:]
     write({"time": before + back})
     with pytest.raises(
-        LabrigError, match=r"line 22: time goes backward.*time goes back an hour: summer time\?"
+        LabrigError,
+        match=r"line 22: time goes backward.*about an hour, .* end of summer time: write .* offset",
     ):
         mapped({"column": "time", "unit": "date"})
     ahead = stamps("%Y-%m-%d %H:%M:%S.~", "2026-10-25 03:59:50")[20:]
     write({"time": before + ahead})
     remarks = mapped({"column": "time", "unit": "date"}).attrs["import_remarks"]
     assert any("line 22: an hour is missing in the time" in remark for remark in remarks)
+
+
+def test_the_end_of_summer_time_between_two_holds() -> None:
+    """It is seen where the rows beside it are as far apart as others of the record are; a counter has no summer time,
+    and dates are no counter of 32 bits.
+    """
+    t = np.cumsum(np.tile([30.0] * 9 + [210.0], 4))
+    back = np.where(np.arange(N) < 30, t, t - 3600.0)
+    dates = pd.Timestamp("2026-10-25 02:35:50") + pd.to_timedelta(back, unit="s")
+    days = (dates - pd.Timestamp("1899-12-30")) / pd.Timedelta(days=1)
+    for cells, unit, dated in (
+        (dates.astype(str), "date", True),
+        (days, "excel days", True),
+        (back, "s", False),
+    ):
+        write({"time": list(cells)})
+        with pytest.raises(LabrigError, match="line 32: time goes backward") as error:
+            mapped({"column": "time", "unit": unit})
+        assert ("end of summer time" in str(error.value)) == dated
+        assert "32 bits" not in str(error.value)
+    zoned = pd.DatetimeIndex(dates).tz_localize("Europe/Berlin", ambiguous=np.arange(N) < 30)
+    write({"time": list(zoned.astype(str))})
+    assert np.diff(times(mapped({"column": "time", "unit": "date"}))) == pytest.approx(np.diff(t))
 
 
 SECOND = (T // 1).astype(int)
