@@ -42,6 +42,26 @@ def write_new(path: Path, text: str) -> None:
         raise
 
 
+@contextmanager
+def in_place_of(path: Path) -> Iterator[None]:
+    """A file that lies at `path` waits beside it, as .NAME.before, until another is whole; where that fails, it comes
+    back, and nothing is left of the other.
+    """
+    before = path.with_name(f".{path.name}.before")
+    there = path.exists()
+    if there:
+        path.replace(before)
+    try:
+        yield
+    except BaseException:
+        path.unlink(missing_ok=True)
+        if there:
+            before.replace(path)
+        raise
+    if there:
+        before.unlink(missing_ok=True)
+
+
 def sync_folder(folder: Path) -> None:
     """Make the names in a folder durable. POSIX only: Windows has no way to ask for it, and no need."""
     if os.name != "posix":

@@ -1,10 +1,11 @@
 """import_table: somebody's own table as a run."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from labrig._durable import in_place_of
 from labrig._errors import LabrigError
 from labrig._paths import check_parent, path_of, paths_of
 from labrig.api._inputs import Place
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 _MAPPINGS = {".yaml", ".yml"}
+_KEPT = b"labrig"
+"""What the metadata of a Parquet file have that labrig wrote of a DataFrame."""
 
 
 def import_table(
@@ -27,7 +30,8 @@ def import_table(
         output: the run folder to make.
         tables: one file or several (CSV, Excel, Parquet, MAT, HDF5, NPZ, TDMS, C3D, MCAP, ROS bags) in place of those
             that the mapping names, or DataFrames; beside a table, more of its kind, each a session.
-        replace: put it in the place of an imported run of that name; needs a mapping.
+        replace: put it in the place of an imported run of that name. A guess replaces only what came from a guess, and
+            no mapping that somebody edited.
 
     Raises:
         LabrigError: a file, a column or a unit does not exist, a value is no number, or the output exists; nothing
@@ -45,6 +49,7 @@ def import_table(
 
     output = path_of(output, "an output", "the path of the run folder to make")
     several = list(tables) if isinstance(tables, list | tuple) else [tables]
+    frames = sum(_is_frame(one) for one in [mapping, *several])
     with _kept([mapping, *several], output, replace) as (mapping, *several):
         mapping = path_of(mapping, "a mapping", "the path of a MAP.yaml or of a table, or a DataFrame")
         given = (
@@ -53,61 +58,83 @@ def import_table(
             else []
         )
         if mapping.suffix.lower() not in _MAPPINGS and mapping.exists():
-            if replace:
-                raise LabrigError(
-                    "replace: say what the columns mean with a MAP.yaml; a guess replaces nothing"
-                )
-            return log.import_guessed([mapping, *given], output)[0]
+            use = _use(output, frames, replace)
+            return log.import_guessed([mapping, *given], output, replace=replace, use=use)[0]
         return log.import_table(mapping, output, given, replace=replace)
+
+
+def _is_frame(given: Any) -> bool:
+    return type(given).__name__ == "DataFrame" and hasattr(given, "to_parquet")
+
+
+def _use(output: Path, frames: int, replace: bool) -> str:
+    """How a guessed mapping is imported with, in Python."""
+    tables = ("", ", frame", ", [frame, ...]")[min(frames, 2)]
+    again = ", replace=True" if replace else ""
+    return f'labrig.import_table("{output.as_posix()}.map.yaml", "{output.as_posix()}"{tables}{again})'
 
 
 @contextmanager
 def _kept(given: list[Any], output: Path, replace: bool) -> Iterator[list[Any]]:
-    """The same with each DataFrame in a file beside the run, which goes again where no mapping came to name it,
-    and whose former content comes back where nothing came of the new one."""
+    """The same with each DataFrame in a file beside the run, which goes again where nothing came of it; what it was
+    to replace comes back then.
+    """
     if output.exists() and not replace:
-        raise LabrigError(f"{output} exists already; choose another name or remove it")
-    files: list[Path] = []
+        raise LabrigError(f"{output} exists already; choose another name, or say replace=True")
+    out, files = [], []
     try:
-        out = []
-        for one in given:
-            if type(one).__name__ == "DataFrame" and hasattr(one, "to_parquet"):
-                check_parent(output)
-                path = output.with_name(f"{output.name}.frame-{len(files) + 1}.parquet")
-                if path.exists() and not replace:
-                    raise LabrigError(f"{path} exists already: choose another name for the run, or remove it")
-                files.append(path)
-                if path.exists():
-                    path.replace(_before(path))
-                _write(one, path)
-                one = path
-            out.append(one)
-        yield out
-    except BaseException:
-        from labrig.log import mapping_beside
-
-        for file in files:
-            if _before(file).exists():
-                _before(file).replace(file)
-            elif not mapping_beside(output).exists():
-                file.unlink(missing_ok=True)
-        raise
-    for file in files:
-        _before(file).unlink(missing_ok=True)
+        with ExitStack() as stack:
+            for one in given:
+                if _is_frame(one):
+                    files.append(_free(output, len(files) + 1))
+                    stack.enter_context(in_place_of(files[-1]))
+                    _write(one, files[-1])
+                out.append(files[-1] if _is_frame(one) else one)
+            yield out
+    except LabrigError as error:
+        raise LabrigError(_of_frames(str(error), files)) from error
 
 
-def _before(file: Path) -> Path:
-    """Where the table of a run that is being replaced waits, until the new one is in its place."""
-    return file.with_name(f".{file.name}.before")
+def _free(output: Path, number: int) -> Path:
+    """Where a DataFrame is kept; raises `LabrigError` where a file is that is none of labrig's."""
+    check_parent(output)
+    path = output.with_name(f"{output.name}.frame-{number}.parquet")
+    if path.exists() and not _is_kept(path):
+        raise LabrigError(
+            f"{path} exists already, and labrig did not write it: choose another name for the run"
+        )
+    return path
+
+
+def _of_frames(said: str, files: list[Path]) -> str:
+    """What was said of the files of DataFrames that are gone again, said of the DataFrames."""
+    for i, path in enumerate(files):
+        frame = "the DataFrame" if len(files) == 1 else f"DataFrame {i + 1}"
+        for name in (str(path.resolve()), str(path), path.name):
+            said = said.replace(name, frame)
+    return said
 
 
 def _write(frame: "DataFrame", path: Path) -> None:
+    from pyarrow import Table
+    from pyarrow.parquet import write_table
+
     if frame.index.name or frame.index.dtype.kind in "mM":
         frame = frame.reset_index()
     try:
-        frame.rename(columns=str).to_parquet(path, index=False)
+        table = Table.from_pandas(frame.rename(columns=str), preserve_index=False)
+        write_table(table.replace_schema_metadata({**(table.schema.metadata or {}), _KEPT: b"frame"}), path)
     except Exception as error:
-        path.unlink(missing_ok=True)
         raise LabrigError(
             f"the DataFrame can't be kept as a table: {' '.join(str(error).split())}"
         ) from error
+
+
+def _is_kept(path: Path) -> bool:
+    """Whether a file is a DataFrame that labrig wrote beside a run."""
+    from pyarrow.parquet import read_schema
+
+    try:
+        return _KEPT in (read_schema(path).metadata or {})
+    except (OSError, ValueError):
+        return False

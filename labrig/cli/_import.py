@@ -30,7 +30,11 @@ def import_(
         typer.Option("-o", "--output", help="The run folder to make [default: the table's name]."),
     ] = None,
     replace: Annotated[
-        bool, typer.Option("--replace", help="Replace an imported run of that name; needs --mapping.")
+        bool,
+        typer.Option(
+            "--replace",
+            help="Replace an imported run of that name; a guess, only one that came from a guess.",
+        ),
     ] = False,
 ) -> None:
     """Make a run of somebody's own tables: sessions with the same columns, or what is joined by its clocks."""
@@ -42,15 +46,11 @@ def import_(
         raise labrig.LabrigError("name a table, or a mapping with --mapping")
     output = output or Path(first.stem)
     check_folder(output, "-o")
-    if replace and mapping is None:
-        raise labrig.LabrigError(
-            "--replace: say what the columns mean with --mapping; a guess replaces nothing"
-        )
     if mapping is not None:
         run = import_table(mapping, output, tables=table or (), replace=replace)
     else:
         assert table is not None
-        run, guess, written = import_guessed(table, output)
+        run, guess, written = import_guessed(table, output, replace=replace)
         _show(guess, written)
     for remark in run.attrs["warnings"]:
         typer.echo(f"note: {remark}")

@@ -1,7 +1,8 @@
 """The log: written durably, step by step, and read back as an `xarray.Dataset`, whatever happened to it."""
 
 from labrig.log._find import find_runs, folders_below, run_id
-from labrig.log._import import dataset_from, import_guessed, import_table, mapping_beside
+from labrig.log._guessed import import_guessed
+from labrig.log._import import dataset_from, import_table
 from labrig.log._layout import Layout
 from labrig.log._open import marker_places, open_run
 from labrig.log._recover import recover
@@ -42,7 +43,6 @@ __all__ = [
     "last_logged_s",
     "layout_of",
     "load_segments",
-    "mapping_beside",
     "marker_places",
     "open_run",
     "read_mapping",

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig._paths import check_parent
 from labrig.arrays import Floats
 from labrig.log._cut import cut
 from labrig.log._part import Part, session_blocks
@@ -19,12 +18,9 @@ from labrig.tables import (
     TableFile,
     check_clock,
     check_limits,
-    check_mapping,
     check_spelt,
     check_values,
     factor,
-    guess_mapping,
-    guess_together,
     opened,
     read_mapping,
 )
@@ -48,7 +44,7 @@ def import_table(
     Raises `LabrigError`, and leaves nothing behind, when a file, a column or a unit does not exist, when an
     actuation or a time is not a number, or when the output exists and is not to be replaced, or was recorded.
     """
-    _refuse(output, replace)
+    refuse(output, replace)
     mapping = read_mapping(mapping_path)
     files = mapping.files()
     if tables:
@@ -57,58 +53,11 @@ def import_table(
         files = [f.model_copy(update={"file": str(t.resolve())}) for f, t in zip(given, tables, strict=True)]
     if not files:
         raise LabrigError(f"{mapping_path}: table: name the file, or give it on the command line")
-    return _write(mapping, files, mapping_path, output, replace)
+    return write_import(mapping, files, mapping_path, output, replace)
 
 
-def import_guessed(tables: Sequence[Path], output: Path) -> tuple["Dataset", Guess, Path]:
-    """Make a run folder of foreign tables that nobody described, alike and each a session, or joined by their clocks.
-
-    Returns what `open_run` gives of it, the guess, and the mapping that was written beside the run, OUTPUT.map.yaml, to
-    be read and corrected. Raises `LabrigError` when the run or the mapping exists, or when nothing can be made of them:
-    then no run is left behind, but the mapping, where one could be guessed.
-    """
-    _refuse(output, replace=False)
-    check_parent(output)
-    beside_it = mapping_beside(output)
-    if beside_it.exists():
-        raise LabrigError(
-            f"{beside_it} exists already; use it (labrig import --mapping {beside_it} -o {output}) or remove it"
-        )
-    several = len(tables) > 1
-    guess = (
-        guess_together(tables, beside_it.parent) if several else guess_mapping(tables[0], beside_it.parent)
-    )
-    mapping = check_mapping(guess.mapping, beside_it)
-    try:
-        run = _write(mapping, mapping.files(), beside_it, output)
-    except LabrigError as error:
-        _write_guess(guess, beside_it)
-        raise LabrigError(
-            f"{error}; what was guessed is in {beside_it}: correct it, and import again with --mapping"
-        ) from error
-    _write_guess(guess, beside_it)
-    return run, guess, beside_it
-
-
-def _write_guess(guess: Guess, path: Path) -> None:
-    import yaml
-
-    notes = "".join(f"# {remark}\n" for remark in guess.remarks)
-    text = yaml.safe_dump(
-        guess.mapping, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110
-    )
-    path.write_text(
-        f"# Guessed by labrig import: read it, correct it, and import again with --mapping.\n{notes}{text}",
-        encoding="utf-8",
-    )
-
-
-def mapping_beside(output: Path) -> Path:
-    """Where the mapping of a run lies that was guessed."""
-    return output.with_name(f"{output.name}.map.yaml")
-
-
-def _refuse(output: Path, replace: bool) -> None:
+def refuse(output: Path, replace: bool) -> None:
+    """Raise `LabrigError` where a run folder is there and is not to be replaced, or is no imported run."""
     if not output.exists():
         return
     if not replace:
@@ -117,9 +66,15 @@ def _refuse(output: Path, replace: bool) -> None:
         raise LabrigError(f"{output} is no imported run, and is not replaced; choose another name")
 
 
-def _write(
-    mapping: Mapping, files: Sequence[TableFile], mapping_path: Path, output: Path, replace: bool = False
+def write_import(
+    mapping: Mapping,
+    files: Sequence[TableFile],
+    mapping_path: Path,
+    output: Path,
+    replace: bool = False,
+    guess: Guess | None = None,
 ) -> "Dataset":
+    """Write the run that tables and a mapping describe, and open it; that it came from a `guess` is kept."""
     from labrig.log._open import open_run
     from labrig.log._table import write_dataset
 
@@ -128,6 +83,8 @@ def _write(
         "procedure": "import",
         "mapping": mapping.model_dump(mode="json", exclude_none=True),
     }
+    if guess is not None:
+        run_yaml["guessed"] = True
     write_dataset(dataset, output, run_yaml=run_yaml, replace=replace)
     return open_run(output)
 

@@ -57,6 +57,20 @@ def test_a_run_that_cannot_be_replaced_stays(desk: Path, monkeypatch: pytest.Mon
         assert sorted(p.name for p in Path().iterdir()) == there
 
 
+def test_a_guess_is_made_again_on_the_command_line(desk: Path, labrig) -> None:
+    """With --replace a guess takes the place of one, and not of a run with a mapping."""
+    table().to_csv("t.csv", index=False)
+    for options in ((), ("--replace",)):
+        assert labrig("import", "t.csv", "-o", "run", *options)[0] == 0
+    imported(MAP, "own")
+    code, _, err = labrig("import", "t.csv", "-o", "own", "--replace")
+    assert (code, err) == (
+        2,
+        "labrig: own was imported with a mapping, and a guess does not replace it: choose another name, or import with "
+        "the mapping\n",
+    )
+
+
 def two_days(scale: float) -> list[str]:
     """What is said of two files, of which the second has its coordinates times `scale`."""
     first, second = table(), table()

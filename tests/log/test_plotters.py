@@ -172,7 +172,8 @@ def test_the_guess_is_kept_where_the_import_fails(desk: Path) -> None:
     with pytest.raises(LabrigError) as error:
         import_guessed([write(lines)], Path("run"))
     assert str(error.value).endswith(
-        "; what was guessed is in run.map.yaml: correct it, and import again with --mapping"
+        "; correct the table and import it again, or what was guessed, which is in run.map.yaml, and use it: "
+        "labrig import --mapping run.map.yaml -o run"
     )
     assert not Path("run").exists()
     assert yaml.safe_load(Path("run.map.yaml").read_text())["table"] == "t.csv"
