@@ -74,7 +74,7 @@ def write_import(
     replace: bool = False,
     guess: Guess | None = None,
 ) -> "Dataset":
-    """Write the run that tables and a mapping describe, and open it; that it came from a `guess` is kept."""
+    """Write the run that tables and a mapping describe, and open it; what a `guess` assumed is kept with it."""
     from labrig.log._open import open_run
     from labrig.log._table import write_dataset
 
@@ -85,6 +85,7 @@ def write_import(
     }
     if guess is not None:
         run_yaml["guessed"] = True
+        dataset.attrs["assumed"] = guess.assumed
     write_dataset(dataset, output, run_yaml=run_yaml, replace=replace)
     return open_run(output)
 

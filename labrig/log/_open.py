@@ -37,6 +37,8 @@ def open_run(path: str | Path) -> xr.Dataset:
     layout, arrays = segments[0].layout, _arrays(segments)
     remarks = list(layout.attributes.get("import_remarks", ()))
     attributes = {"run": str(path), "run_id": run_id(path), "warnings": warnings + remarks}
+    if layout.table:
+        attributes["assumed"] = list(layout.attributes.get("assumed", ()))
     if procedure := segments[0].run.get("procedure"):
         attributes["procedure"] = procedure
     return to_dataset(arrays, layout, attributes)

@@ -31,6 +31,17 @@ _TOP = 200
 _MOST_PARTS = 12
 _NAMED = 3
 _NOTES = 4
+_PLAIN = tuple(
+    f" {what} left out"
+    for what in (
+        "counts rows and is",
+        "counts frames and is",
+        "counts set-points and is",
+        "is a clock as well and is",
+        "is a part of the clock, no measurement, and is",
+        "in another unit and is",
+    )
+)
 
 
 @dataclass(frozen=True)
@@ -44,6 +55,11 @@ class Guess:
     mapping: dict[str, Any]
     preview: "pd.DataFrame"
     remarks: list[str] = field(default_factory=list)
+
+    @property
+    def assumed(self) -> list[str]:
+        """The remarks without those that nobody would ask about: columns that only number rows, or repeat another."""
+        return [line for line in self.remarks if not line.endswith(_PLAIN)]
 
 
 def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:

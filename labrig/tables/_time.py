@@ -150,7 +150,9 @@ def find_time(
             _refuse_backward(table, n.column, values[n.column])
         for n in called:
             if "hold" not in n.words:  # the time within a hold
-                remarks.append(f"column {n.column!r} is called a time but goes back: left out")
+                remarks.append(
+                    f"column {n.column!r} is called a time but {_no_clock(values[n.column])}: left out"
+                )
                 parsed.remove(n)
         remarks.append(NO_CLOCK)
         return None
@@ -163,6 +165,13 @@ def find_time(
         unit = _time_unit(values[chosen.column], chosen)
         remarks.append(f"the unit of the time {chosen.column!r} is not said: taken as {unit}")
     return Clock((chosen.column,), unit)
+
+
+def _no_clock(values: Floats) -> str:
+    """Why numbers (n,) that are called a time are none."""
+    if not np.isfinite(values).all():
+        return f"is empty in {int((~np.isfinite(values)).sum())} of {len(values)} rows"
+    return "stands still" if np.ptp(values) == 0 else "goes back"
 
 
 def called_times(parsed: list[Name]) -> list[Name]:

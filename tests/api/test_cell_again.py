@@ -132,3 +132,21 @@ def test_what_a_removed_run_leaves_is_in_nobodys_way() -> None:
     assert there()["day1.frame-1.parquet"] == kept
     assert gain_of(labrig.import_table(frame(0.2), "day1")) == pytest.approx(0.2)
     assert set(there()) == PLACE
+
+
+def test_what_was_assumed_is_on_the_run() -> None:
+    """A clock that stands still, an empty column and a unit that nobody said are said in Python, also by `open_run`; a
+    count of rows is not, and a mapping of one's own assumes nothing.
+    """
+    odd = frame().assign(t_s=0.0, y_mm=np.nan, index=range(40)).rename(columns={"force_N": "force"})
+    run = labrig.import_table(odd, "day1")
+    assert run.attrs["assumed"] == [
+        "column 'y_mm' is empty and is left out",
+        "column 't_s' is called a time but stands still: left out",
+        "no column is a time: rows are taken as 1 s apart; say so under 'time:' if not",
+        "the unit of 'force' is not said: written as 1",
+    ]
+    assert run.attrs["warnings"] == []
+    assert "# column 'index' counts rows and is left out\n" in Path("day1.map.yaml").read_text()
+    assert labrig.open_run("day1").attrs["assumed"] == run.attrs["assumed"]
+    assert labrig.import_table("day1.map.yaml", "again").attrs["assumed"] == []
