@@ -46,7 +46,8 @@ class TrainedWarp:
 
     def __repr__(self) -> str:
         before = f"{self.simulated_mm.mean():.3g} -> " if len(self.simulated_mm) else ""
-        return f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}\nleft out: mean {before}{self.fixed_mm.mean():.3g} mm"
+        left_out = f"left out: mean {before}{self.fixed_mm.mean():.3g} mm"
+        return f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}\n{left_out}"
 
 
 def train_warp(

@@ -95,7 +95,7 @@ def test_the_diagnosis_of_another_run_plans_nothing(
 
 
 def test_a_run_that_was_stopped_goes_on(lab: Path, tmp_path: Path) -> None:
-    """KeyboardInterrupt in `progress` ends a run as Ctrl-C does, and the same call with resume=True measures the rest."""
+    """KeyboardInterrupt in `progress` ends a run as Ctrl-C does; the same call with resume=True measures the rest."""
 
     def stop(progress: Any) -> None:
         if progress.captures_done >= 2:
@@ -108,7 +108,7 @@ def test_a_run_that_was_stopped_goes_on(lab: Path, tmp_path: Path) -> None:
     assert 2 <= before < 12
     labrig.run("capture", lab / "rig.yaml", resume=True, **given)
     assert labrig.open_run(tmp_path / "run").sizes["capture"] == 12
-    with pytest.raises(LabrigError, match="^resume: name the folder of the run to go on with"):
+    with pytest.raises(LabrigError, match=r"^resume: name the folder of the run to go on with"):
         labrig.run("capture", lab / "rig.yaml", resume=True, captures=12)
 
 

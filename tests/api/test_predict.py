@@ -8,7 +8,6 @@ import pytest
 
 import labrig
 from labrig import LabrigError
-from labrig.model import EffectEntry, Value
 
 
 def test_what_was_measured_is_predicted_as_it_is_compared(lab: Path) -> None:
@@ -16,17 +15,16 @@ def test_what_was_measured_is_predicted_as_it_is_compared(lab: Path) -> None:
     run = labrig.open_run(lab / "first")
     shown = labrig.predict(run, lab / "model.yaml", run["commanded"].values)
     fields = labrig.compare(run, lab / "model.yaml").fields
-    np.testing.assert_allclose(shown["predicted"].values, fields["model"].values, atol=1e-9)
+    seen = np.isfinite(fields["model"].values)
+    assert seen.mean() > 0.9
+    np.testing.assert_allclose(shown["predicted"].values[seen], fields["model"].values[seen], atol=1e-9)
     assert shown["observable"].values.tolist() == fields["observable"].values.tolist()
     assert shown["unit"].values.tolist() == ["mm"] * shown.sizes["observable"]
 
 
 def test_effects_act_with_their_history(lab: Path) -> None:
     """What creeps has crept further in a longer hold, and what was before counts."""
-    creep = EffectEntry(
-        name="creep", form="log-time", parameters={"amplitude": Value(value=0.2), "tau_s": Value(value=3.0)}
-    )
-    model = labrig.Model.load(lab / "model.yaml").with_effect(creep)
+    model = labrig.improve(lab / "first", lab / "model.yaml", "creep").model
     names = labrig.open_run(lab / "first")["chamber"].values.tolist()
     full = [30.0] * len(names)
     moved = {
