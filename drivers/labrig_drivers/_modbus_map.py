@@ -47,9 +47,9 @@ class Write(_Strict):
 
 
 class Watchdog(Write):
-    """The device's own: written at the start and read back, it brings every output to ambient when nobody has
+    """The device's own: it brings every output to ambient when nobody has spoken to the device for `timeout_s`.
 
-    spoken to the device for `timeout_s`.
+    Written at the start and read back.
     """
 
     timeout_s: float = Field(gt=0, le=3600)

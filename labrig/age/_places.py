@@ -69,9 +69,10 @@ def _chosen(beside: Beside, captures: Ints) -> Bools:
 
 
 def _rigid(place: Floats, off: Floats, sd: Floats, known: Bools) -> tuple[Floats, Floats, Floats]:
-    """A small rigid motion (shift mm, turn rad) about the middle of the markers, its standard deviations (6,), and
+    """A small rigid motion about the middle of the markers, least squares over those that it fits.
 
-    what it leaves of the offsets (M, 3). Least squares over the markers that it fits (a trimmed M-estimate).
+    Shift, mm, and turn, rad, (6,); their standard deviations (6,); what it leaves of the offsets (M, 3). A trimmed
+    M-estimate.
     """
     about = place - place[known].mean(axis=0)
     modes = np.zeros((len(place), 3, 6))

@@ -63,9 +63,10 @@ class ModelComparison(Answer["VersusResult"]):
 
     @property
     def where(self) -> "DataFrame":
-        """A row for each place, those that differ most first: `group`, `name`, both errors by the models' names,
+        """A row for each place, those that differ most first.
 
-        `difference`, its interval `low` to `high`, all in `units`, and `better`. Intervals of one group hold together.
+        Columns: `group`, `name`, both errors by the models' names, `difference`, its interval `low` to `high`, all in
+        `units`, and `better`. Intervals of one group hold together.
         """
         from pandas import DataFrame
 

@@ -43,9 +43,10 @@ class Diagnosis(ModelAnswer):
 
     @property
     def effects(self) -> "DataFrame":
-        """Every effect, the most probable first: `effect`, `call` (sure, possible, not it), `probability`, `size` and
+        """Every effect, the most probable first.
 
-        `size_sd` in `units`, `size_floors` and `size_sd_floors` in noise floors.
+        Columns: `effect`, `call` (sure, possible, not it), `probability`, `size` and `size_sd` in `units`,
+        `size_floors` and `size_sd_floors` in times the noise of a capture's mean.
         """
         return effects_table(self._result.summary)
 

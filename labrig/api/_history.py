@@ -41,9 +41,10 @@ class History:
 
     @property
     def table(self) -> "DataFrame":
-        """Everything that was read, a row for each number: `run`, `date`, `group` (effect, gain, error, floor, leak,
+        """Everything that was read, a row for each number.
 
-        zero, lost, frame, marker, ambient), `name`, `axis` (of places and turns, else empty), `value`, `sd`, `unit`.
+        Columns: `run`, `date`, `group` (effect, gain, error, floor, leak, zero, lost, frame, marker, ambient), `name`,
+        `axis` (of places and turns, else empty), `value`, `sd`, `unit`.
         """
         from pandas import DataFrame
 

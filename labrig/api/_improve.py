@@ -29,7 +29,7 @@ class Improvement(ModelAnswer):
 
     @property
     def drop(self) -> float:
-        """The share of what could be explained that the effects explain, 0 to 1."""
+        """The share of what could be explained that the effects explain: 1 is all of it, below 0 they make it worse."""
         return float(self.summary["drop"])
 
     @property
@@ -40,9 +40,9 @@ class Improvement(ModelAnswer):
 
     @property
     def prior(self) -> "DataFrame":
-        """Where effects were carried over: every value as the `prior`, the runs (`data`) and both together (`value`)
+        """Where effects were carried over: every value, with its standard deviation; empty without a prior.
 
-        have it, with standard deviations. Empty without a prior.
+        As the `prior` has it, the runs (`data`), and both together (`value`).
         """
         from pandas import DataFrame
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._paths import wrong
+from labrig.api._answer import drawn
 from labrig.api._diagnose import effects_table
 from labrig.api._inputs import Place, model_of, positive, rig_of, runs_of
 from labrig.contents import Confirmation, InvestigationContent, Summary
@@ -92,9 +93,10 @@ class Investigation:
 
     @property
     def rounds(self) -> "DataFrame":
-        """A row for each: `round`, `programme`, `captures`, `minutes`, `verdict`, `effects`, `rivals`, `error` and
+        """A row for each round.
 
-        `floor` in `units`, `run` (its folder).
+        Columns: `round`, `programme`, `captures`, `minutes`, `verdict`, `effects`, `rivals`, `error` and `floor` in
+        `units`, `run` (its folder).
         """
         from pandas import DataFrame
 
@@ -144,13 +146,7 @@ class Investigation:
 
         Raises `LabrigError` for a picture that there is not.
         """
-        from plotly.graph_objects import Figure
-
-        figures = self._figures()
-        wanted = picture or next(iter(figures))
-        if wanted not in figures:
-            raise LabrigError(f"there is no picture {wanted!r}; there are {', '.join(figures)}")
-        return Figure(figures[wanted]())
+        return drawn(self._figures(), picture)
 
     def _figures(self) -> "dict[str, Callable[[], Drawn]]":
         from labrig.view import investigation_pictures

@@ -124,9 +124,10 @@ class Actuated:
 
 @dataclass(frozen=True)
 class Settled:
-    """How still it was: the median and the fastest marker's speed over the last 0.5 s (NaN without markers), and
+    """How still it was.
 
-    the largest difference between the pressures commanded and measured.
+    The median and the fastest marker's speed over the last 0.5 s (NaN without markers), and the largest difference
+    between the pressures commanded and measured.
     """
 
     took_s: float

@@ -16,7 +16,7 @@ from labrig.diagnosis._opened import Opened, Trial
 from labrig.diagnosis._outliers import clean
 from labrig.diagnosis._posterior import Explanation
 from labrig.diagnosis._present import whole_change
-from labrig.diagnosis._problem import Prepared, prepare, prepared, rows_from
+from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._result import Result, Signature, VersusResult
 from labrig.diagnosis._versus import versus
@@ -53,7 +53,6 @@ __all__ = [
     "log_odds",
     "noise_floor",
     "observe",
-    "prepare",
     "prepared",
     "rows_from",
     "shipped",

@@ -18,8 +18,6 @@ _MOST_ROWS = 700
 _RIDGES = (0.01, 0.1, 1.0)
 STATIC = "pressure"
 """The set of covariates that are the pressures alone."""
-NOTHING_LOGGED = "nothing that was logged"
-"""What carries an error that no learner predicts either."""
 
 
 @dataclass(frozen=True)

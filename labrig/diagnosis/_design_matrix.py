@@ -52,7 +52,7 @@ class DesignMatrix:
     def held_out(self, fold: int) -> "Split":
         """The sums over all blocks but `fold`, and over that one, the base's own parameters fitted without it."""
         s = self.regression
-        if s.declared is not None and s.calibrated is None and not self.X.shape[2] and not s.as_features:
+        if s.declared is not None and s.calibrated is None and not self.X.shape[2]:
             return self._fields_held_out(fold)
         G, c = self._beside_calibrated(*self._all_sums(fold), fold)
         return Split(G.sum(axis=0) - G[fold], c.sum(axis=0) - c[fold], G[fold], c[fold])
@@ -208,7 +208,7 @@ def columns_of(regression: Regression, variant: Variant) -> DesignMatrix:
     used = np.flatnonzero(np.abs(X).sum(axis=(0, 2)) > 0) if parts else np.zeros(0, dtype=np.int64)
     E = np.concatenate(fields, axis=2) if fields else np.zeros((S, K, 0))
     X = X[:, used]
-    nonlinear = not regression.as_features and not regression.constant_modes.all()
+    nonlinear = not regression.constant_modes.all()
     if (
         regression.declared is not None
         and X.shape[2]

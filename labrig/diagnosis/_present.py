@@ -18,12 +18,11 @@ if TYPE_CHECKING:
 
 
 def fields_of(context: Context, residual: Floats, chosen: Fit | None) -> "Dataset":
-    """Measured, base and model, mean of each capture's hold, as a Dataset (capture, observable); what the chambers were
+    """Measured, base and model, mean of each capture's hold, as a Dataset.
 
-    commanded and reached (capture, chamber).
-
-    Of markers also the error of each, from the `residual` (F, K) without mistaken values as `where` has it, and how far
-    each chamber alone moves them.
+    By (capture, observable); what the chambers were commanded and reached by (capture, chamber). Of markers also the
+    error of each, from the `residual` (F, K) without mistaken values as `where` has it, and how far each chamber alone
+    moves them.
     """
     import xarray as xr
 

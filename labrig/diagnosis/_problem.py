@@ -153,9 +153,3 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
     floor = noise_floor(context, residual, lost, at_full_rate)
     return Prepared(context, residual, floor, dropped, declared, calibrated, began, astray)
-
-
-def prepare(rows: Rows, model: Model) -> tuple[Regression, Context, Floor, int]:
-    """The regression problem of a campaign, its context, its floor, and how many outlying values were dropped."""
-    ready = prepared(rows, model)
-    return ready.regression, ready.context, ready.floor, ready.dropped

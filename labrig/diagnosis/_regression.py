@@ -23,9 +23,6 @@ from labrig.effects import FEW_OBSERVABLES, Context, bulk_edge, fill, frame_mode
 MAX_PATTERNS = 8
 _FEW_CAPTURES = 3
 _ROWS_THAT_COUNT = 12
-_CAPTURES_PER_TERM = 7
-_CAPTURES_PER_LINE = 3
-_STATIC_RIDGE = 0.01
 _FAR_MORE = 1.4
 """How many times more of their noise another unit's observables are off by, for errors to be quoted in it."""
 _CALIBRATION_RIDGE = 1e-6
@@ -74,7 +71,6 @@ class Regression:
     has_frame: bool
     declared: Floats | None
     row_group: Ints
-    as_features: bool = False
     calibrated: Floats | None = None
     shrunk: Floats | None = None
 
@@ -142,12 +138,6 @@ class Regression:
         """The free directions over the observables, (r, K)."""
         return self.modes[0, self.modes.shape[1] - self.n_patterns :]
 
-    @property
-    def within_holds(self) -> NDArray[np.bool_]:
-        """Which rows are deviations within a hold, (S,)."""
-        n = int(self.index.max()) + 1 if self.use_means else 0
-        return np.arange(len(self.source)) >= n
-
     @cached_property
     def base_squares(self) -> Floats:
         """Weighted square of what the base leaves in each block, (G,)."""
@@ -179,35 +169,9 @@ class Regression:
         """The rows of each left-out block."""
         return [np.flatnonzero(self.group == g) for g in range(self.n_groups)]
 
-    def beside_static(self) -> "Regression | None":
-        """The same with a smooth static map of the pressures as the base's own; None with too few captures.
-
-        Its powers of each pressure, up to the third where there are captures enough, explain what they can
-        first (features are projected as if the modes did not change between captures), so that what is left
-        of an effect is its own.
-        """
-        x = self.context.rows.fraction
-        n = int(self.index.max()) + 1
-        if not self.use_means:
-            return self
-        width = x.shape[1]
-        enough = {1: _CAPTURES_PER_LINE * (1 + width), 2: _CAPTURES_PER_TERM * (1 + 2 * width)}
-        enough[3] = _CAPTURES_PER_TERM * (1 + 3 * width)
-        degree = max((k for k, least in enough.items() if n >= least), default=0)
-        if degree == 0:
-            return None
-        columns = np.column_stack([np.ones(len(x)), *(x**k for k in range(1, degree + 1))])
-        static = np.concatenate(
-            [per_capture(columns, self.index), np.zeros((len(self.keep), columns.shape[1]))]
-        )
-        both = static if self.declared is None else np.column_stack([self.declared, static])
-        return replace(self, declared=both, as_features=True)
-
     @cached_property
     def constant_modes(self) -> NDArray[np.bool_]:
         """Which modes are the same in every capture (m,), so that features on them can be projected alone."""
-        if self.as_features:
-            return np.ones(self.modes.shape[1], dtype=bool)
         size = np.abs(self.modes).max(axis=(0, 2))
         return np.abs(self.modes - self.modes[:1]).max(axis=(0, 2)) <= 1e-6 * size
 
@@ -225,10 +189,7 @@ class Regression:
             train = np.ones(len(self.group), dtype=bool) if without is None else self.group != without
             w = np.sqrt(self.weight.max(axis=1)) * train
             A = self.declared * w[:, None]
-            if self.as_features:
-                ridge = _STATIC_RIDGE * np.diag(np.square(A).sum(axis=0))
-                solved = np.linalg.solve(A.T @ A + ridge + 1e-12 * np.eye(A.shape[1]), A.T)
-            elif self.shrunk is not None:
+            if self.shrunk is not None:
                 solved = np.linalg.pinv(A.T @ A + self._shrinking, rcond=1e-12, hermitian=True) @ A.T
             else:
                 solved = np.linalg.pinv(A, rcond=1e-9)

@@ -201,12 +201,6 @@ class Context:
         return out
 
     @cached_property
-    def reverses(self) -> bool:
-        """Whether chambers were reached from above and from below, so that history shows beside pressure."""
-        turn = self.direction[self.rows.event]
-        return bool(((turn > 0).any(axis=0) & (turn < 0).any(axis=0)).any())
-
-    @cached_property
     def elapsed_s(self) -> Floats:
         """Time since the actuation of each row, shape (F,); zero where nothing is known of it."""
         hold = self.rows.hold_s.copy()

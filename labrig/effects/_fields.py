@@ -7,7 +7,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.effects._context import Context
-from labrig.effects._effect import Term, Variant
+from labrig.effects._effect import Variant
 
 
 def _strains() -> Iterator[tuple[str, Floats]]:
@@ -192,14 +192,6 @@ def overlap(context: Context) -> Floats:
     near = np.where(near > 0.05 * near.max(), near, 0.0)
     total = near.sum(axis=1, keepdims=True)
     return near / np.where(total > 0, total, 1.0)
-
-
-def term_width(term: Term, n_observables: int) -> int:
-    """How many coefficients a term has when its pattern is free over all observables."""
-    if term.kind == "frame":
-        return 6
-    q = term.feature.shape[-1]
-    return q * n_observables if term.kind == "pattern" else q
 
 
 def contribution(context: Context, variant: Variant, coefficients: Sequence[Floats]) -> Floats:

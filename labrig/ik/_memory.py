@@ -63,9 +63,10 @@ class Remembering:
     _alone: Any = field(default=None, repr=False)
 
     def after(self, path: Approach) -> tuple[Floats, Floats]:
-        """At the end of a path: the pressures that an unremembering surface would need for the same shape, (C,), kPa,
+        """What a path leaves at its end.
 
-        and how far the markers are displaced beside that, (M, 3), mm.
+        The pressures that a surface without memory would need for the same shape, (C,), kPa, and how far the markers
+        are displaced beside that, (M, 3), mm.
         """
         from labrig.effects import contribution, get
         from labrig.model import as_fitted, find_variant

@@ -24,9 +24,10 @@ _COARSE = 23
 
 @dataclass(frozen=True)
 class Attempt:
-    """One realisation: set-points (C,), kPa; heights (V,), mm, of the scanned surface over the target's vertices (None
+    """One realisation.
 
-    without a scan) and how the scan was registered; marker errors (M,), mm, in the rig's frame (NaN: not seen).
+    Set-points (C,), kPa; heights (V,), mm, of the scanned surface over the target's vertices (None without a scan) and
+    how the scan was registered; marker errors (M,), mm, in the rig's frame (NaN: not seen).
     """
 
     pressure_kpa: Floats

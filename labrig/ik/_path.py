@@ -25,9 +25,10 @@ _WORTH_MM = 0.02
 
 @dataclass(frozen=True)
 class Plan:
-    """A path, and what the model expects at its end: pressures that count, (C,), kPa, marker displacement (M, 3), mm,
+    """A path, and what the model expects at its end.
 
-    and `error_mm`, the root-mean-square distance of the markers from where they are wanted.
+    Pressures that count, (C,), kPa; marker displacement (M, 3), mm; `error_mm`, the root-mean-square distance of the
+    markers from where they are wanted.
     """
 
     path: Approach

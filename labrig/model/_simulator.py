@@ -123,9 +123,9 @@ class SimulatorModel:
 
 
 def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """How far each chamber alone moves the observables over its range, as a share of the most, (GRID, C), and the
+    """How far each chamber alone moves the observables over its range, from few shapes, which take long.
 
-    mean size of their slopes on the way, (K, C). From few shapes, which take long, and their slopes.
+    As a share of the most, (GRID, C), and the mean size of the slopes on the way, (K, C).
     """
     vented, (origin, span) = np.clip(0.0, low, high), ends(low, high)
     empty = (vented - origin) / span

@@ -41,11 +41,6 @@ class Solution:
         """Control points of the outermost layer, (n_u, n_v, 3), mm."""
         return self.layers_mm[-1]
 
-    @property
-    def energy_mj(self) -> float:
-        """Elastic energy less the work of the air and of the weight, mJ."""
-        return self.energies_mj[-1]
-
 
 class Shell:
     """An inflated surface: one or two sheets over a solid core, with chambers of air.

@@ -142,11 +142,6 @@ class Surface:
         """Mesh vertices, mm, (V, 3), for chamber deflections (C,)."""
         return self._mesh_points.moved(np.atleast_2d(deflection_mm), self.tangential)[0]
 
-    @cached_property
-    def mesh_weight(self) -> Floats:
-        """Normal displacement of each mesh vertex per mm of deflection of each chamber, (V, C)."""
-        return self._mesh_points.weight
-
     _MESH_ACROSS, _MESH_UP = 61, 81
 
     @cached_property

@@ -22,7 +22,6 @@ NOBODY = "nobody: the rig is simulated inside a run, and none goes on"
 """Who vents a rig that is there in its runs only, between two of them."""
 
 _RETRY_S = 0.3
-_TELL_S = 2.0
 _ASK_S = 5.0
 
 

@@ -56,9 +56,10 @@ class Settings:
 
 @dataclass(frozen=True)
 class Places:
-    """Q places on the surface: `modes` (3 Q, K) how they move with the latent coordinates, whose variances are `size`
+    """Q places on the surface, and how they move.
 
-    (K,); `middle_mm` (Q, 3) where they are on average; `precision` (Q,) of what is seen there, relative.
+    `modes` (3 Q, K) by the latent coordinates, whose variances are `size` (K,); `middle_mm` (Q, 3) where they are on
+    average; `precision` (Q,) of what is seen there, relative.
     """
 
     modes: Floats

@@ -45,9 +45,9 @@ def _layout(**changes: Any) -> Figure:
 
 
 def fit(fields: "xr.Dataset", both: bool = True, names: Sequence[str] = STATES) -> Figure:
-    """Measured against predicted, before and after if `both`, under these `names`; in standard deviations where the
+    """Measured against predicted, before and after if `both`, under these `names`.
 
-    units differ.
+    In standard deviations where the units differ.
     """
     ever = np.isfinite(fields["measured"].values).any(axis=0)
     fields = fields.isel(observable=np.flatnonzero(ever))

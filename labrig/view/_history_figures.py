@@ -41,9 +41,9 @@ class Curve(TypedDict):
 
 
 def history_pictures(content: HistoryContent) -> dict[str, Callable[[], Figure]]:
-    """What can be drawn of a history: `effects`, `softness`, `error`, `leaks`, `zeros`, `markers`, `cameras`, `lost`,
+    """What can be drawn of a history, of these what was read.
 
-    `ambient`; of these what was read.
+    `effects`, `softness`, `error`, `leaks`, `zeros`, `markers`, `cameras`, `lost`, `ambient`.
     """
     there = {quantity["group"] for quantity in content["quantities"]}
     return {

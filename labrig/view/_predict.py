@@ -11,9 +11,10 @@ from labrig.view._live import Predict
 
 
 def live_predict(model: Path, markers: Sequence[str] = ()) -> Predict:
-    """A function from pressures (C,) kPa to `markers` (M, 3) mm, by the base of `model`; without its effects,
+    """A function from pressures (C,) kPa to `markers` (M, 3) mm, by the base of `model`.
 
-    which need a campaign's history. Raises `LabrigError` where the base is no simulator, or lacks a marker.
+    Without its effects, which need a campaign's history. Raises `LabrigError` where the base is no simulator, or lacks
+    a marker.
     """
     from labrig.model import read_model_file
     from labrig.physics import load_surface, of_rig_file, read_rig_file

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from labrig._errors import LabrigError
-from labrig.diagnosis import compare, diagnose, improve, prepare
+from labrig.diagnosis import compare, diagnose, improve, prepared
 from labrig.diagnosis._candidates import Candidate, fit
 from labrig.diagnosis._design_matrix import columns_of, join
 from labrig.diagnosis._regression import Regression
@@ -29,19 +29,15 @@ def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.fixture(params=["alone", "beside a static map"])
-def regression(make_lab, request) -> Regression:
+@pytest.fixture
+def regression(make_lab) -> Regression:
     """A rig that leaks, of a base with two calibrated parameters of which the rig has other values."""
     lab = make_lab(captures=40, chambers=3, long_s=LONG_S)
     u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
-    made, context, _, _ = prepare(rows_of(lab.dataset(lab.predict(u) + lab.noise())), lab.model())
-    fields = np.stack([context.displacement, context.displacement**2], axis=-1)
-    regression = replace(made, calibrated=made.lift(fields))
-    if request.param == "alone":
-        return regression
-    beside = regression.beside_static()
-    assert beside is not None
-    return beside
+    ready = prepared(rows_of(lab.dataset(lab.predict(u) + lab.noise())), lab.model())
+    moves = ready.context.displacement
+    fields = np.stack([moves, moves**2], axis=-1)
+    return replace(ready.regression, calibrated=ready.regression.lift(fields))
 
 
 @pytest.mark.parametrize("names", [["leak"], ["frame"], ["leak", "coupling"]])
@@ -87,7 +83,7 @@ def test_the_same_of_a_map_that_is_fitted_to_the_run(make_lab, degree: int) -> N
     u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
     rows = rows_of(lab.dataset(lab.predict(u) + lab.noise()))
     Path("static.yaml").write_text(f"base: {{kind: static, degree: {degree}}}\n")
-    assert_quoted_as_scored(prepare(rows, Model.load("static.yaml"))[0], ["leak", "frame"])
+    assert_quoted_as_scored(prepared(rows, Model.load("static.yaml")).regression, ["leak", "frame"])
 
 
 def assert_quoted_as_scored(regression: Regression, names: list[str]) -> None:

@@ -77,7 +77,7 @@ def test_every_public_name_has_its_entry(site: Path) -> None:
 def test_the_notebook_ran_and_the_error_fell(site: Path) -> None:
     """The page shows what its cells gave: a diagnosis of creep, figures, and the better model on a new run."""
     page = (site / "tutorial-notebook.html").read_text(encoding="utf-8")
-    assert "identified" in page or "creep" in page
+    assert "identified: creep, sure" in page
     assert "“improved” is nearer to the measurements than “model”" in page
     assert page.count("Plotly.newPlot") == 3
     notebook = json.loads((ROOT / "docs" / "tutorial-notebook.ipynb").read_text(encoding="utf-8"))

@@ -15,9 +15,10 @@ import xarray as xr
 from labrig._errors import LabrigError
 from labrig.diagnosis._parameters import fitted_on
 from labrig.effects import Context, Effect, Rows, Variant, form_of, labels_of, rows_of, weighable, weighted
-from labrig.effects._fields import contribution, frame_modes, overlap, term_width
+from labrig.effects._fields import contribution, frame_modes, overlap
 from labrig.effects._registry import shipped
 from labrig.model import EffectEntry, FittedOn, Value, base_context, build_base, evaluate
+from tests.terms import term_width
 
 SESSIONS, EACH = 4, 8
 SMALL, FEW = 2 * EACH, 9

@@ -8,10 +8,11 @@ import pytest
 
 from labrig.effects import Context, Effect, Parameter, Term, Variant, rows_of
 from labrig.effects._family import Space, motion_scale
-from labrig.effects._fields import contribution, term_width
+from labrig.effects._fields import contribution
 from labrig.effects._forms import spaces_of
 from labrig.effects._registry import shipped
 from labrig.model import base_context, build_base
+from tests.terms import term_width
 
 LONG_S = (3.0, 5.0, 10.0, 20.0, 60.0)
 FREER = ("wall at", "plane", "pattern", "two steps", "three steps")

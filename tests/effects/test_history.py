@@ -135,8 +135,6 @@ def test_direction_lasts_while_nothing_moves() -> None:
     """A set-point that is commanded again keeps the direction from which it was reached."""
     context = context_of([0.0, 30.0, 30.0, 10.0, 10.0])
     assert context.direction[:, 0].tolist() == [0.0, 1.0, 1.0, -1.0, -1.0]
-    assert context.reverses
-    assert not context_of([10.0, 20.0, 30.0]).reverses
 
 
 def test_a_pinned_quantity_replaces_its_grid() -> None:

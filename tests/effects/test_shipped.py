@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from labrig.effects import Context, Effect, library, rows_of
-from labrig.effects._fields import contribution, frame_modes, term_width
+from labrig.effects._fields import contribution, frame_modes
 from labrig.effects._registry import shipped
 from labrig.model import base_context, build_base
+from tests.terms import term_width
 
 SHIPPED = {
     "hysteresis",

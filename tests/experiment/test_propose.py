@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError
-from labrig.diagnosis import Explained, covariates, diagnose, prepare, prepared, rows_from
+from labrig.diagnosis import Explained, covariates, diagnose, prepared, rows_from
 from labrig.diagnosis._unnamed import unnamed
 from labrig.experiment import Experiment, Limits, _propose, plan_next, propose_experiment
 from labrig.experiment._rivals import open_rivals, open_sets
@@ -149,7 +149,7 @@ def test_what_has_no_name_is_looked_for_where_least_is_known(make_lab) -> None:
 def test_every_word_for_what_has_no_name_has_covariates_of_its_own(make_lab) -> None:
     """Each word that a diagnosis may use is looked for in a set of covariates that exists: all three sets are used."""
     lab = make_lab(captures=30, rows_s=ROWS_S)
-    context = prepare(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())[1]
+    context = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model()).context
     sets = {_covariates_of(space.key): space.key for space in unnamed(context)}
     assert set(sets) <= set(covariates(context))
     assert len(sets) == 3

@@ -9,9 +9,9 @@ import pytest
 from labrig import LabrigError
 from labrig.diagnosis._parameters import fitted_on
 from labrig.effects import Context, Effect, Variant, rows_of
-from labrig.effects._fields import term_width
 from labrig.effects._registry import shipped
 from labrig.model import EffectEntry, Value, base_context, build_base, evaluate
+from tests.terms import term_width
 
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 LOGGED = {

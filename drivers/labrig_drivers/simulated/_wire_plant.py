@@ -41,9 +41,10 @@ _HELD_S = 0.15
 
 
 class SharedPlant:
-    """Lets several threads use one plant, at times that never run backward: one at a time asks for pressures, and
+    """Lets several threads use one plant, at times that never run backward.
 
-    one at a time looks. Who asks for pressures never waits for who looks: no controller waits for cameras.
+    One at a time asks for pressures, and one at a time looks. Who asks for pressures never waits for who looks: no
+    controller waits for cameras.
 
     A plant that takes long over the shape at a set-point (one that has `prepare`) is told of it as soon as it has been
     held for a moment, in a thread of its own, so that streams need not wait for it.
