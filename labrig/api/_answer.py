@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, cast
 
 from labrig._errors import LabrigError
-from labrig.api._inputs import Place
+from labrig.api._inputs import AnyPath
 from labrig.contents import Summary, Versus
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class Answer(ABC, Generic[Found]):
         """
         return drawn(self._pictures(), picture)
 
-    def save(self, folder: Place) -> Path:
+    def save(self, folder: AnyPath) -> Path:
         """Write the JSON and report.html into `folder`, as the command line does; returns the report's path."""
         from labrig._json import write_json
 

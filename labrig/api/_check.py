@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig.api._history import History, history
-from labrig.api._inputs import Place, model_of, rig_of
+from labrig.api._inputs import AnyPath, model_of, rig_of
 from labrig.api._run import made, new_folder, run
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ def check(
     rig: Any,
     model: Any,
     *,
-    runs: Place = "runs",
+    runs: AnyPath = "runs",
     seed: int = 0,
     realtime: bool = False,
     progress: "Callable[[Progress], None] | None" = None,

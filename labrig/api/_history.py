@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._errors import LabrigError
 from labrig._paths import path_of
 from labrig.api._answer import drawn
-from labrig.api._inputs import Place, model_of, rig_of
+from labrig.api._inputs import AnyPath, model_of, rig_of
 from labrig.contents import HistoryChange, HistoryContent
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ class History:
 
         return drawn(history_pictures(self._content), picture)
 
-    def save(self, folder: Place) -> Path:
+    def save(self, folder: AnyPath) -> Path:
         """Write history.json, history.png and report.html into `folder`; returns the report's path."""
         from labrig._json import write_json
         from labrig.view import write_history
@@ -147,7 +147,7 @@ def history(
     rig: Any,
     model: Any,
     *,
-    runs: Place = "runs",
+    runs: AnyPath = "runs",
     where: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> History:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
-from labrig.api._inputs import Place, rig_of
+from labrig.api._inputs import AnyPath, rig_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def solve_ik(
     targets: Any,
-    model: Place,
+    model: AnyPath,
     *,
     rig: Any = None,
     unit: str | None = None,
@@ -59,7 +59,7 @@ def solve_ik(
     return solve_files(files, model, unit, limits, executor, progress)
 
 
-def limits_kpa(rig: Any, model: Place) -> "tuple[Floats, Floats]":
+def limits_kpa(rig: Any, model: AnyPath) -> "tuple[Floats, Floats]":
     """A rig's limits in the order of the model's chambers, kPa, (C,) each; raises `LabrigError` for other chambers."""
     import numpy as np
 

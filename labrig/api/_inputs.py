@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from labrig.model import Model
     from labrig.rig import RigConfig
 
-Place = str | Path
+AnyPath = str | Path
 
 
 def runs_of(given: Any) -> "list[Dataset]":

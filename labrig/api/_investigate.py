@@ -9,7 +9,7 @@ from labrig._errors import LabrigError
 from labrig._paths import wrong
 from labrig.api._answer import drawn
 from labrig.api._diagnose import effects_table
-from labrig.api._inputs import Place, model_of, positive, rig_of, runs_of
+from labrig.api._inputs import AnyPath, model_of, positive, rig_of, runs_of
 from labrig.contents import Confirmation, InvestigationContent, Summary
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class Investigation:
     _diagnosis: Summary = field(repr=False)
 
     @classmethod
-    def load(cls, folder: Place) -> "Investigation":
+    def load(cls, folder: AnyPath) -> "Investigation":
         """Read the folder of an investigation; raises `LabrigError` where there is none, or no round in it."""
         import json
 
@@ -153,7 +153,7 @@ class Investigation:
 
         return investigation_pictures(self._content)
 
-    def save(self, folder: Place) -> Path:
+    def save(self, folder: AnyPath) -> Path:
         """Write investigation.json, all reports and the new model into another folder, without the runs.
 
         Returns the path of its report.html. Raises `LabrigError` for the investigation's own folder.
@@ -194,7 +194,7 @@ def investigate(
     model: Any,
     rig: Any,
     *,
-    out: Place = "investigation",
+    out: AnyPath = "investigation",
     budget_min: float = 30.0,
     seed: int = 0,
     highest: float = 0.85,

@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._paths import path_of
-from labrig.api._inputs import Place, runs_of
+from labrig.api._inputs import AnyPath, runs_of
 
 if TYPE_CHECKING:
     from labrig.surrogate import ForwardModel, Trained, TrainedWarp
 
 
 def train_forward(
-    simulations: Place, *, method: str = "gaussian", share: float = 0.7, seed: int = 0, slopes: bool = True
+    simulations: AnyPath, *, method: str = "gaussian", share: float = 0.7, seed: int = 0, slopes: bool = True
 ) -> "Trained":
     """Learn a forward model from simulations: pressures to the surface.
 
@@ -50,7 +50,12 @@ def train_forward(
 
 
 def train_sim2real(
-    run: Any, model: "Place | ForwardModel", *, method: str = "ours", frames: int | None = None, seed: int = 0
+    run: Any,
+    model: "AnyPath | ForwardModel",
+    *,
+    method: str = "ours",
+    frames: int | None = None,
+    seed: int = 0,
 ) -> "TrainedWarp":
     """Learn how a rig differs from its forward model, from a run with markers or scans.
 

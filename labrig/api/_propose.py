@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig.api._diagnose import Diagnosis
-from labrig.api._inputs import Place, model_of, positive, rig_of, runs_of
+from labrig.api._inputs import AnyPath, model_of, positive, rig_of, runs_of
 from labrig.contents import Proposed
 from labrig.tables import factor
 
@@ -95,7 +95,7 @@ class Proposal:
 
         return Figure(programme_figure(self._experiment.programme(), self.summary["actuation_units"]))
 
-    def save(self, folder: Place, procedure: Place | None = None) -> Path:
+    def save(self, folder: AnyPath, procedure: AnyPath | None = None) -> Path:
         """Write next.json, programme.csv (a row for each set-point) and report.html into `folder`, as the command line
         does; returns the report's path.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._paths import path_of, wrong
-from labrig.api._inputs import Place, rig_of
+from labrig.api._inputs import AnyPath, rig_of
 
 if TYPE_CHECKING:
     from labrig.campaign import Procedure, Progress
@@ -21,11 +21,11 @@ def run(
     procedure: "str | Procedure",
     rig: Any,
     *,
-    out: Place | None = None,
+    out: AnyPath | None = None,
     seed: int = 0,
     realtime: bool = False,
     progress: "Callable[[Progress], None] | None" = None,
-    diagnose: Place | None = None,
+    diagnose: AnyPath | None = None,
     until: str = "",
     budget: str = "",
     adapt: bool = False,
@@ -89,7 +89,7 @@ def run(
             return campaign.run(chosen, connected, folder, seed=seed, progress=progress, watching=watching)
 
 
-def _live(model: Place | None, until: str, budget: str, adapt: bool) -> "Settings | None":
+def _live(model: AnyPath | None, until: str, budget: str, adapt: bool) -> "Settings | None":
     """What a live diagnosis is asked for; None without a model."""
     from labrig.live import Settings
 

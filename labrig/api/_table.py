@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._durable import in_place_of
 from labrig._errors import LabrigError
 from labrig._paths import check_parent, path_of, paths_of
-from labrig.api._inputs import Place
+from labrig.api._inputs import AnyPath
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -20,7 +20,7 @@ _KEPT = b"labrig"
 
 
 def import_table(
-    mapping: "Place | DataFrame", output: Place, tables: Any = (), *, replace: bool = False
+    mapping: "AnyPath | DataFrame", output: AnyPath, tables: Any = (), *, replace: bool = False
 ) -> "Dataset":
     """Make a run folder of your own tables, as a MAP.yaml says what their columns mean; returns the opened run.
 

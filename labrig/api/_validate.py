@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
-from labrig.api._inputs import Place, names_of
+from labrig.api._inputs import AnyPath, names_of
 from labrig.shape_contents import Realisation
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Validation:
             rows.append({"target": one["target"], "model": one["model"], **means})
         return DataFrame(rows)
 
-    def save(self, folder: Place | None = None) -> Path:
+    def save(self, folder: AnyPath | None = None) -> Path:
         """Write validation.json and report.html into `folder`, by default the run's; returns the report's path."""
         from labrig.view import write_validation
 
@@ -82,9 +82,9 @@ class Validation:
 def validate(
     targets: Any,
     rig: Any = None,
-    model: Place | None = None,
+    model: AnyPath | None = None,
     *,
-    out: Place | None = None,
+    out: AnyPath | None = None,
     without: tuple[str, ...] = (),
     refine: int = 0,
     unit: str = "",

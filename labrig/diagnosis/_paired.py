@@ -33,7 +33,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Sums:
+class BlockSums:
     """Squares summed by block: `square` and `count`, each (parts, blocks, columns).
 
     A mean square is the sum over the parts of square / count, averaged over the columns that were seen.
@@ -46,10 +46,12 @@ class Sums:
         """Root mean square over all blocks."""
         return float(_rms(self.square.sum(axis=1), self.count.sum(axis=1)))
 
-    def in_pairs(self) -> "Sums":
+    def in_pairs(self) -> "BlockSums":
         """The same in half as many blocks: each with its neighbour."""
         starts = np.arange(0, self.square.shape[1], 2)
-        return Sums(np.add.reduceat(self.square, starts, axis=1), np.add.reduceat(self.count, starts, axis=1))
+        return BlockSums(
+            np.add.reduceat(self.square, starts, axis=1), np.add.reduceat(self.count, starts, axis=1)
+        )
 
     def rms_without(self) -> Floats:
         """The same without each block in turn, (blocks,)."""
@@ -58,7 +60,7 @@ class Sums:
         return _rms(np.moveaxis(square, 1, 0), np.moveaxis(count, 1, 0))
 
 
-def by_block(parts: list[tuple[Floats, Ints]], blocks: int) -> Sums:
+def by_block(parts: list[tuple[Floats, Ints]], blocks: int) -> BlockSums:
     """Sum squares (n, K), NaN where nothing was seen, by the block (n,) of each row; one pair for each part."""
     shape = (len(parts), blocks, parts[0][0].shape[1])
     square, count = np.zeros(shape), np.zeros(shape)
@@ -66,10 +68,10 @@ def by_block(parts: list[tuple[Floats, Ints]], blocks: int) -> Sums:
         seen = np.isfinite(values)
         np.add.at(square[p], block, np.where(seen, values, 0.0))
         np.add.at(count[p], block, seen)
-    return Sums(square, count)
+    return BlockSums(square, count)
 
 
-def difference(first: Sums, second: Sums, level: float = LEVEL) -> Difference:
+def difference(first: BlockSums, second: BlockSums, level: float = LEVEL) -> Difference:
     """The difference of two errors over the same cells, with an interval at `level`.
 
     The jackknife that leaves out blocks of unequal size (Busing, Meijer and van der Leeden 1999, Statistics and
@@ -87,7 +89,7 @@ def difference(first: Sums, second: Sums, level: float = LEVEL) -> Difference:
     return Difference(value, value - half, value + half, sd, blocks)
 
 
-def _jackknife(first: Sums, second: Sums) -> tuple[float, int]:
+def _jackknife(first: BlockSums, second: BlockSums) -> tuple[float, int]:
     """Standard error of the difference, NaN with too few blocks, and how many blocks hold anything."""
     weight = first.count.sum(axis=(0, 2))
     used = weight > 0

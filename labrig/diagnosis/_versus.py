@@ -14,7 +14,7 @@ from labrig.contents import PlaceGap, Versus
 from labrig.diagnosis._about import about
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._noise_scale import with_noise_of_few
-from labrig.diagnosis._paired import LEVEL, Difference, Sums, by_block, difference
+from labrig.diagnosis._paired import LEVEL, BlockSums, Difference, by_block, difference
 from labrig.diagnosis._present import fields_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._result import VersusResult
@@ -113,7 +113,7 @@ def _same_cells(both: Sequence[Prepared]) -> list[Floats]:
     return [np.where(out, np.nan, left) for left in raw]
 
 
-def _sums(left: Floats, of: Prepared, group: NDArray[np.int64], use_means: bool) -> Sums:
+def _sums(left: Floats, of: Prepared, group: NDArray[np.int64], use_means: bool) -> BlockSums:
     """Squares of captures' means, and of what differs from them within the holds, by block."""
     capture = of.context.rows.capture
     captures, index = np.unique(capture, return_inverse=True)
@@ -139,7 +139,9 @@ def _where(
     out: list[PlaceGap] = []
     for place in there:
         sums = [by_block([(place.of(square), group[place.rows])], blocks) for square in cells]
-        pooled = [Sums(s.square.sum(axis=2, keepdims=True), s.count.sum(axis=2, keepdims=True)) for s in sums]
+        pooled = [
+            BlockSums(s.square.sum(axis=2, keepdims=True), s.count.sum(axis=2, keepdims=True)) for s in sums
+        ]
         found = difference(pooled[0], pooled[1], level=1 - (1 - LEVEL) / many[place.group])
         out.append(
             {
