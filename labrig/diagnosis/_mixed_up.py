@@ -15,6 +15,8 @@ _CLOSER = 3.0
 """How many times closer what was measured follows the model once something is exchanged, for that to be said."""
 _MATTERS = 0.2
 """Share of what chambers do by which it must be another where they are exchanged: twins may be exchanged."""
+_FOLLOWS, _NAMED = 0.25, 6
+"""What a column leaves, at most, of the square of what it follows once it is in its place; how many are named."""
 _ENOUGH = 3
 """Captures that there must be for each coefficient that is fitted."""
 _FEWEST, _FAR = 10, 0.3
@@ -26,12 +28,13 @@ def mixed_up(context: Context) -> Iterator[str]:
 
     Nothing physical is put right by an exchange, which has no size that could be fitted.
     """
-    yield from _order(context)
+    ordered = [*_order(context)]
+    yield from ordered
     yield from _quaternions(context)
     if context.moves:
         yield from _backward(context)
         # of a symmetric rig exchanged hoses look like a mirror
-        if either := [*_axes(context), *_chambers(context)]:
+        if either := [*_axes(context), *_chambers(context), *(() if ordered else _columns(context))]:
             yield "; or ".join(either)
         yield from _moments(context)
 
@@ -52,6 +55,30 @@ def _order(context: Context) -> Iterator[str]:
             f"the model gives x of all markers, then y and z of all: the run has {rows.observables[place[0]]}, "
             f"{rows.observables[place[1]]}, {rows.observables[place[2]]}, then those of the next marker, so let it "
             "give them in this order"
+        )
+
+
+def _columns(context: Context) -> Iterator[str]:
+    """Columns that a function gives in another order than the run's observables: each goes to the one that is nearest,
+    by how much that one changes.
+    """
+    rows = context.rows
+    size = np.nanstd(rows.values, axis=0)
+    own = np.flatnonzero(size > 0)
+    if context.base_kind != "python" or len(own) < 2:
+        return
+    measured, base = (v[:, own] for v in (rows.values, context.base))
+    each = np.array([np.nanmean((measured - b[:, None]) ** 2, axis=0) / size[own] ** 2 for b in base.T])
+    given, wanted = linear_sum_assignment(each)
+    now, left = float(np.trace(each)), float(each[given, wanted].sum())
+    if now >= _CLOSER**2 * left and left <= _FOLLOWS * len(own):
+        names = [rows.observables[k] for k in own]
+        moved = np.flatnonzero(given != wanted)
+        j, k = given[moved[0]], wanted[moved[0]]
+        yield (
+            f"the model gives its columns in another order than the run: where the run has {names[j]}, it gives what "
+            f"follows {names[k]}; let it give them in the order {', '.join(names[:_NAMED])}"
+            f"{', ...' if len(names) > _NAMED else ''}"
         )
 
 

@@ -179,6 +179,19 @@ def test_a_mirror_or_exchanged_hoses(make_lab) -> None:
     assert "; or c1 does what the model says of c2" in line
 
 
+def test_columns_of_a_function_in_another_order(make_lab) -> None:
+    """A function that gives a sensor first, as the table had it, where the run has the markers first: it is said."""
+    lab = make_lab(markers=3)
+    context = prepared(rows_from(lab.dataset(lab.predict(power_law(lab)) + lab.noise())), lab.model()).context
+    assert [*mixed_up(context)] == []
+    rolled = replace(context, base=np.roll(context.base, 1, axis=1), _memo={})
+    assert [*mixed_up(rolled)] == [
+        "the model gives its columns in another order than the run: where the run has m0.x, it gives what follows "
+        "m2.z; let it give them in the order m0.x, m0.y, m0.z, m1.x, m1.y, m1.z, ..."
+    ]
+    assert [*mixed_up(replace(rolled, base_kind="simulator", _memo={}))] == []
+
+
 def test_all_x_then_all_y_then_all_z(make_lab) -> None:
     """A model whose columns are those of each axis, where the run has those of each marker, is told so."""
     lab = make_lab(markers=12)
