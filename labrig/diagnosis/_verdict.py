@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
@@ -71,14 +72,22 @@ class Verdict:
         return self.effects or (self.rivals if len(self.rivals) == 1 else ())
 
 
+class Size(NamedTuple):
+    """How large an effect is in a joint fit, the sd of that, and what would be missed without it, in floors."""
+
+    floors: float
+    sd: float
+    missed: float
+
+
 @dataclass(frozen=True)
 class Answer:
-    """One explanation as an answer: effects, each with its size in the joint fit, the sd of that, and what would be
-    missed without it, in floors; and what has no name, with its size (no more than would be missed).
+    """One explanation as an answer: effects, each with its size, and what has no name, with its size (no more than
+    would be missed).
     """
 
     probability: float
-    sizes: dict[str, tuple[float, float, float]]
+    sizes: dict[str, Size]
     unnamed: dict[str, float]
     least: float
     """The size, in floors, from which a part is worth a name."""
@@ -104,8 +113,8 @@ class Answer:
 
     def counts(self, name: str) -> float:
         """By how many floors an effect counts: its size, but no more than would be missed without it."""
-        size, _, missed = self.sizes.get(name, (0.0, 0.0, 0.0))
-        return min(size, missed)
+        size = self.sizes.get(name)
+        return min(size.floors, size.missed) if size else 0.0
 
     def worth(self, name: str) -> float:
         """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
@@ -149,10 +158,10 @@ def answers_of(
             if share * p / total < k.NEGLIGIBLE:
                 continue
             found = joint | _without_the_rest(search, e, {o for o, size in lost.items() if size >= least})
-            parts = {o: (size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
+            parts = {o: Size(size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
             beyond = {o: found[o][2] for o in parts if o in remembering}
             shared = frozenset(o for o, size in beyond.items() if size < shows)
-            curved = [min(parts[o][0], lost[o]) for o in shared]
+            curved = [min(parts[o].floors, lost[o]) for o in shared]
             unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
             unnamed = {o: size for o, size in unnamed.items() if size >= least}
             if (size := float(np.linalg.norm(curved))) >= least:

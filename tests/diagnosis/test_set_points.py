@@ -7,7 +7,7 @@ from labrig.diagnosis import diagnose, prepared, rows_from
 from labrig.diagnosis._constants import INEXACT
 from labrig.diagnosis._diagnose import BY_SET_POINT, laid_out
 from labrig.diagnosis._posterior import CURVE, OF_BASE, STATIC, Search
-from labrig.diagnosis._verdict import Answer, answers_of, decide, detectable_floors
+from labrig.diagnosis._verdict import Answer, Size, answers_of, decide, detectable_floors
 from tests.laws import limited, power_law
 from tests.naming import verdict_of
 from tests.sensors import model_of_both, two_sensors
@@ -99,7 +99,7 @@ def test_what_shows_is_found_and_more_than_laws_are_off(make_lab, monkeypatch, b
 
 def test_a_curve_outvotes_nothing_that_remembers() -> None:
     """Beside a larger curve of the set-points without a name, creep keeps its name, and stiffening loses it."""
-    sizes = {"creep": (2.0, 0.1, 2.0), "stiffening": (2.0, 0.1, 2.0)}
+    sizes = {"creep": Size(2.0, 0.1, 2.0), "stiffening": Size(2.0, 0.1, 2.0)}
     answer = Answer(1.0, sizes, {STATIC: 5.0}, 0.5, frozenset({"creep"}))
     assert answer.names == ("creep",)
     assert answer.worth("creep") > 0.99

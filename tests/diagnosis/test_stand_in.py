@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import SURE, Calibration, _verdict, diagnose
-from labrig.diagnosis._verdict import Answer, decide
+from labrig.diagnosis._verdict import Answer, Size, decide
 from labrig.effects import get, rows_of
 from labrig.model import Model
 from tests.naming import verdict_of
@@ -65,7 +65,7 @@ def test_the_probability_is_that_of_these_effects_and_nothing_else(
 ) -> None:
     """Creep is there for sure; a leak beside it, probably or not: whichever is more probable is the verdict."""
     monkeypatch.setattr(_verdict, "shipped", lambda: Calibration(0.0, 1.0, 0.0, {}))
-    sizes = {"creep": (5.0, 0.5, 5.0), "leak": (beside, 0.5, beside)}
+    sizes = {"creep": Size(5.0, 0.5, 5.0), "leak": Size(beside, 0.5, beside)}
     answer = Answer(1.0, sizes, {}, 2.0)
     creep, leak = answer.worth("creep"), answer.worth("leak")
     assert (0.5 < leak < SURE) if verdict == "confounded" else (0.1 < leak < 0.5)

@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast, get_args
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._verdict import (
     Answer,
     Considered,
+    Size,
     Verdict,
     decide,
     detectable_floors,
@@ -30,8 +31,6 @@ from labrig.diagnosis._verdict import (
 EFFECTS = ("leak", "creep", "drift", "hysteresis")
 WORDS = {"?form": "each chamber by itself", "?history": "history", "?time": "time"}
 LEAST, LARGE, SMALL = 1.0, 8.0, 0.1
-NUMBERS = len(get_args(get_args(Answer.__annotations__["sizes"])[1]))
-"""Of each effect an answer has its size, the sd of that, and perhaps what would be missed without it."""
 
 
 def answer(
@@ -39,7 +38,7 @@ def answer(
 ) -> Answer:
     """An explanation with these effects, well worth a name, with others of given sizes, and something unnamed."""
     all_sizes = {**dict.fromkeys(names, LARGE), **sizes}
-    found = {name: cast(Any, (size, 0.5, size)[:NUMBERS]) for name, size in all_sizes.items()}
+    found = {name: Size(size, 0.5, size) for name, size in all_sizes.items()}
     return Answer(probability, found, {beside: unnamed} if beside else {}, LEAST)
 
 
