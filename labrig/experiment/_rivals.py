@@ -38,8 +38,9 @@ class Rival:
 def open_sets(effects: Mapping[str, Effect], summary: Summary) -> list[tuple[tuple[str, ...], float]]:
     """Sets of effects, each with its probability: what is sure alone, and with each one that is possible beside it.
 
-    Where there is only one name, sure or possible, the likeliest other one in its place; a name that is only possible
-    has at least no effect at all against it.
+    Partners, which the likeliest explanation has together, are one set, and without each of them another. Where there
+    is only one name, sure or possible, the likeliest other one in its place; a name that is only possible has at least
+    no effect at all against it.
     """
     sure = tuple(str(n) for n in summary["effects"] if n in effects)
     considered = {str(c["effect"]): c for c in summary.get("effects_considered") or ()}
@@ -47,6 +48,9 @@ def open_sets(effects: Mapping[str, Effect], summary: Summary) -> list[tuple[tup
     names = [str(n) for n in summary["rivals"]] or [n for n in chance if considered[n]["call"] == "possible"]
     possible = {n: chance.get(n, 1.0 / len(names)) for n in names if n in effects and n not in sure}
     likeliest = sorted(possible, key=lambda n: -possible[n])[:MOST_OTHERS]
+    partners = [n for n in likeliest if n in summary.get("together", ())]
+    if len(partners) > 1:
+        return _with_and_without(sure, {n: possible[n] for n in partners})
     sets: list[tuple[tuple[str, ...], float]] = []
     sets += [((*sure, n), max(possible[n], LEAST_LIKELY)) for n in likeliest]
     rest = max(1.0 - sum(p for _, p in sets), LEAST_LIKELY)
@@ -61,6 +65,18 @@ def open_sets(effects: Mapping[str, Effect], summary: Summary) -> list[tuple[tup
                 ((following,), max(chance[following], LEAST_LIKELY)),
             ]
         return [] if sure else [*sets, ((), rest)]
+    return sets
+
+
+def _with_and_without(
+    sure: tuple[str, ...], partners: Mapping[str, float]
+) -> list[tuple[tuple[str, ...], float]]:
+    """All partners, each with its probability, beside what is sure, and all but each of them in turn."""
+    whole = float(np.prod(list(partners.values())))
+    sets = [((*sure, *partners), max(whole, LEAST_LIKELY))]
+    for name, p in partners.items():
+        others = tuple(n for n in partners if n != name)
+        sets.append(((*sure, *others), max(whole / p * (1 - p), LEAST_LIKELY)))
     return sets
 
 

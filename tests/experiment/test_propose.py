@@ -1,7 +1,7 @@
 """The next experiment: what is proposed, and that the diagnosis with it is right. All formulas are the tests' own."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -125,6 +125,21 @@ def test_probabilities_are_the_diagnosis_own(doubt) -> None:
     assert set(explanations([], creep=0.8)) == {"creep", "no effect"}
     assert set(explanations(["hysteresis"], creep=0.02, leak=0.05)) == {"hysteresis", "leak"}
     assert explanations(["hysteresis"], creep=0.002) == {}
+
+
+def test_partners_are_told_from_each_of_them_alone() -> None:
+    """Of effects that fit together it is open whether all of them are there: each is left out in turn, no more."""
+    considered = [
+        {"effect": name, "probability": p, "call": "possible"}
+        for name, p in (("leak", 0.5), ("drift", 0.3), ("tension", 0.2))
+    ]
+    summary = {"effects": [], "rivals": ["leak", "drift", "tension"], "effects_considered": considered}
+    library = dict.fromkeys(("leak", "drift", "tension"), cast("Any", None))
+    sets = open_sets(library, cast("Any", summary | {"together": ["leak", "drift"]}))
+    assert [names for names, _ in sets] == [("leak", "drift"), ("drift",), ("leak",)]
+    assert [p for _, p in sets] == pytest.approx([0.15, 0.15, 0.35])
+    alone = open_sets(library, cast("Any", summary))
+    assert [names for names, _ in alone] == [("leak",), ("drift",), ("tension",)]
 
 
 def test_more_time_tells_more(proposed: Experiment, short: Experiment) -> None:
