@@ -1,10 +1,9 @@
 """What people hand over: paths or things that are opened already; what is neither is refused in one line."""
 
 from collections.abc import Sequence
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._paths import wrong
@@ -72,7 +71,7 @@ def rig_of(given: Any) -> "RigConfig":
 
 def positive(given: Any, what: str, unit: str) -> float:
     """A number larger than 0; raises `LabrigError` for anything else, such as a text with its unit."""
-    if isinstance(given, bool) or not isinstance(given, int | float | np.integer | np.floating):
+    if isinstance(given, bool) or not isinstance(given, Real):
         raise LabrigError(f"{what} {given!r}: a number is needed, {unit}")
     if not given > 0:
         raise LabrigError(f"{what} {given:g}: must be larger than 0")

@@ -53,11 +53,6 @@ class Columns:
         """Those of some observations, by number or by mask (S,)."""
         return replace(self, through=self.through[rows], capture=self.capture[rows], plain=self.plain[rows])
 
-    def weighed(self, weight: Floats) -> "Columns":
-        """Each observation times its `weight` (S,)."""
-        own = weight.astype(self.dtype)[:, None, None]
-        return replace(self, through=own * self.through, plain=own * self.plain)
-
     def turned(self, to: Floats) -> "Columns":
         """The same along other directions, each a combination (r, s) of these."""
         return replace(

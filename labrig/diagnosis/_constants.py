@@ -45,9 +45,8 @@ ones, so a doubt is better below it. Set after a look at what others give on por
 POSSIBLE = 0.1
 """Probability from which on an effect is called possible; by reason."""
 INEXACT = 0.05
-"""Share of what there is to explain by which a law is off its family, like noise: of all of it in the mean over the
-run, or of what one observation has of it, where that is more. The median over the laws of the development half, each
-left out, is 2 to 10 %. It matters where errors are tens of floors, in a whole run or in one hold of it."""
+"""Share of what there is to explain by which a law is off its family anywhere, like noise: the median over the laws of
+the development half, each left out, is 2 to 10 %. It matters where errors are tens of floors, not at two to four."""
 PER_CONDITION = 5
 """Most independent numbers that one condition (set-point, what was before, octave of the time held) is worth: repeats
 lower the noise, but a law is off there by the same each time."""

@@ -301,7 +301,7 @@ class _Layout:
 
     def _said(self) -> float:
         """The power of a direction of which the data say as much as its prior, at the size of all to explain."""
-        return 1.0 / (self.observations.worth.max() * max(1.0, self.observations.to_explain) ** 2)
+        return 1.0 / (self.observations.worth * max(1.0, self.observations.to_explain) ** 2)
 
     def wide(self, space: Space) -> int:
         """How many columns a space may keep: a free pattern takes one for each direction."""

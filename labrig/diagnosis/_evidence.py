@@ -15,8 +15,6 @@ from labrig.diagnosis._ripple import RIPPLE
 
 _PANEL = 256
 """How many rows of a matrix are mirrored at once: numerical, it changes no number."""
-_PART = 1024
-"""How many observations are summed at once: numerical, bounds memory."""
 _MANY = 1 / 3
 """Rows taken off a matrix, as a share of its own, from which on it is factored anew, which is quicker; numerical."""
 _JITTER = 1e-12
@@ -36,30 +34,31 @@ class Sums:
     GY: Floats
     GW: Floats
     square: float
+    worth: float
     r: int
 
     @classmethod
-    def of(cls, design: Design, worth: float | Floats = 1.0, keep: NDArray[np.bool_] | None = None) -> "Sums":
-        """The sums over all observations, or over those with `keep` (S,); each counts for its `worth`, (S,), of one.
+    def of(cls, design: Design, worth: float = 1.0, keep: NDArray[np.bool_] | None = None) -> "Sums":
+        """The sums over all observations, or over those with `keep` (S,); each counts for `worth` of one.
 
         The likelihood to a power (Grünwald and van Ommen, Bayesian Analysis 12 (2017) 1069): what models are
         wrong in is not independent from number to number. The prior keeps its whole weight.
         """
-        Y, V, r = design.observations.values, design.V, design.V.shape[1]
+        Y, W, V = design.observations.values, design.W, design.V
         G = np.concatenate([f.G for f in design.free], axis=1) if design.free else np.zeros((len(Y), 0))
-        weight = np.sqrt(np.broadcast_to(worth, len(Y)))
-        rows = np.arange(len(Y)) if keep is None else np.flatnonzero(keep)
-        YV = weight[:, None] * (Y @ V)
-        G = weight[:, None] * G
-        A, b = np.zeros((design.W.width,) * 2), np.zeros(design.W.width)
-        GW = np.zeros((G.shape[1], r, design.W.width), dtype=design.W.dtype)
-        for part in np.split(rows, np.arange(_PART, len(rows), _PART)):
-            W = design.W.some(part).weighed(weight[part])
-            A += W.gram()
-            b += W.times(YV[part])
-            GW += W.beside(G[part])
-        G, YV = G[rows], YV[rows]
-        return cls(A, b, GG=G.T @ G, GY=G.T @ YV, GW=GW, square=float((YV**2).sum()), r=r)
+        if keep is not None:
+            Y, G, W = Y[keep], G[keep], W.some(keep)
+        YV = (Y @ V).astype(W.dtype)
+        return cls(
+            A=worth * W.gram(),
+            b=worth * W.times(YV),
+            GG=worth * (G.T @ G),
+            GY=worth * (G.T @ YV),
+            GW=worth * W.beside(G),
+            square=worth * float((YV.astype(np.float64) ** 2).sum()),
+            worth=worth,
+            r=V.shape[1],
+        )
 
     def some(self, columns: Ints) -> "Sums":
         """The sums of some of the design's columns (N,)."""

@@ -156,7 +156,7 @@ class Explained:
             declared = began if declared is None else np.concatenate([declared, began], axis=1)
         design = design_of(observations, self.effects, declared, calibrated)
         known = observations.capture < self.observations.n_captures
-        sums = Sums.of(design, observations.worth, keep=known)
+        sums = Sums.of(design, self.observations.worth, keep=known)
         S, r = len(known), design.V.shape[1]
         G = np.concatenate([np.zeros((S, 0)), *(f.G for f in design.free if f.owner == DECLARED)], axis=1)
         raised = {number for form in forms for _, number, _ in form.raised}
@@ -299,11 +299,9 @@ class _Joint(Observations):
         return self.campaign.to_explain
 
     @property
-    def worth(self) -> Floats:  # type: ignore[override]
-        """As in the campaign; of what is planned, that of what is usual there."""
-        out = np.full(len(self.values), self.campaign.worth.max())
-        out[self.capture < self.campaign.n_captures] = self.campaign.worth
-        return out
+    def worth(self) -> float:  # type: ignore[override]
+        """As in the campaign."""
+        return self.campaign.worth
 
 
 _Again: TypeAlias = Mapping[int, tuple[Block, float] | None]

@@ -163,15 +163,10 @@ class Observations:
         return Counted(self.values.size, self.n_captures, self.conditions, inexact)
 
     @cached_property
-    def worth(self) -> Floats:
-        """What each observation (S,) counts for in the evidence.
-
-        Laws are off by a share of what they explain (`INEXACT`): of all there is to explain in the mean, or of what an
-        observation has of it, where that is more.
-        """
-        beyond = (self.values[:, self.seen] ** 2).mean(axis=1) - self.left
-        inexact = 1 + INEXACT**2 * np.maximum(beyond, self.to_explain**2)
-        return worth_of(self.values.size, self.conditions) / inexact
+    def worth(self) -> float:
+        """What each observation counts for in the evidence."""
+        counted = self.counted
+        return worth_of(counted.numbers, counted.conditions, counted.inexact)
 
     @property
     def first(self) -> Ints:

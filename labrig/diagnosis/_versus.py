@@ -60,7 +60,12 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
         "where": _where(both[0], residual, group, names),
         "floor": floor.told(regression.units),
         "warnings": [
-            *dict.fromkeys(line for one in both for line in one.context.rows.warnings),
+            *rows.warnings,
+            *(
+                line
+                for one, model in zip(both, (first, second), strict=True)
+                for line in model.unsaid(one.context)
+            ),
             *_notes(both, (first, second), names, lost),
         ],
         "runs": about(runs, first)["runs"],

@@ -200,19 +200,6 @@ def test_an_observation_may_be_worth_less_than_one(worth: float) -> None:
     assert state.logdet == pytest.approx(np.linalg.slogdet(worth * C)[1], abs=1e-4)
 
 
-def test_each_observation_has_a_worth_of_its_own() -> None:
-    """One that is worth less has more noise, whatever the others are worth; many are summed in parts."""
-    design = tiny()
-    sd, worth = np.full(7, 0.5), np.linspace(0.1, 1.0, S)
-    state = State.of(beside_free(Sums.of(design, worth), np.zeros((0, R))), sd)
-    each = np.repeat(worth, R)
-    C = covariance(design, sd) + np.diag(1 / each - 1)
-    y = seen(design)
-    assert state.quad == pytest.approx(y @ np.linalg.solve(C, y), rel=1e-4)
-    root = np.sqrt(each)
-    assert state.logdet == pytest.approx(np.linalg.slogdet(root[:, None] * C * root)[1], abs=1e-4)
-
-
 def test_parts_of_the_observations_add_up() -> None:
     """Sums over some observations and over the others make those over all."""
     design = tiny(free={"?history": 2})

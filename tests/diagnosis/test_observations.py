@@ -36,19 +36,6 @@ def observed(lab: Any, values: np.ndarray, **known: float) -> Observations:
     return observe(ready.context, ready.residual, floor)
 
 
-def test_what_is_far_off_counts_less(make_lab) -> None:
-    """A law is off by a twentieth of what it explains: of all that there is in the mean, or of what is seen there."""
-    lab = make_lab(captures=20)
-    values = lab.predict(lab.u) + lab.noise()
-    values[3] += 40 * CAPTURE
-    seen = observed(lab, values, mean=CAPTURE, within=ROW)
-    usual, far = seen.worth[:20].max(), seen.worth[3]
-    assert seen.worth[[0, 1, 2, 4]] == pytest.approx(usual)
-    T = seen.to_explain
-    assert pytest.approx(40 / np.sqrt(20), rel=0.1) == T
-    assert far / usual == pytest.approx((1 + (T / 20) ** 2) / (1 + (40 / 20) ** 2), rel=0.05)
-
-
 def test_noise_becomes_white(make_lab) -> None:
     """Of noise of captures and of rows, the covariance of the observations is exactly diagonal, of contrasts one."""
     lab = make_lab(captures=20, rows_s=(3.0, 4.0, 5.0), long_s=LONG_S)
