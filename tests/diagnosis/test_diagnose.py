@@ -10,7 +10,6 @@ from labrig._json import write_json
 from labrig.diagnosis import Result, compare, diagnose, rows_from
 from labrig.diagnosis._problem import last_of
 from labrig.effects._registry import shipped
-from labrig.model import Model
 from tests.conftest import Lab
 
 LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
@@ -195,29 +194,6 @@ def test_a_tolerance_counts_in_the_same_noise_as_sizes(make_lab) -> None:
     size = first["effects_considered"][0]["size"]
     assert diagnose(data, model, tolerance=0.6 * size).summary["effects"] == ["marker_slip"]
     assert diagnose(data, model, tolerance=1.7 * size).summary["verdict"] == "nothing_missing"
-
-
-def test_the_repeats_of_a_result_are_in_its_unit(make_lab) -> None:
-    """A force that stands before the markers does not lend them its newtons: repeats differ by what they do in mm."""
-    lab = make_lab(chambers=2, captures=40)
-    values = lab.predict(lab.u) + lab.noise()
-    run = lab.dataset(values)
-    alone = compare(run, lab.model()).summary["floor"]["repeats"]["same history"]
-    force = 1000.0 * lab.random.normal(size=(*values.shape[:2], 1))
-    axes = [f"{m}.{a}" for m in run["marker"].values for a in "xyz"]
-    run = run.drop_vars(["position_mm", "rest_mm"]).assign(
-        observed=(("capture", "time", "observable"), np.concatenate([force, values], axis=2))
-    )
-    run = run.assign_coords(
-        observable=["force", *axes],
-        unit=("observable", ["N", *["mm"] * len(axes)]),
-        marker_of=("observable", ["", *(name[:-2] for name in axes)]),
-        axis_of=("observable", ["", *(name[-1] for name in axes)]),
-    )
-    model = Model.of(lambda u: np.column_stack([np.zeros(len(u)), lab.predict(u[:, None])[:, 0]]))
-    summary = compare(run, model).summary
-    assert summary["units"] == "mm"
-    assert summary["floor"]["repeats"]["same history"] == pytest.approx(alone, rel=0.1)
 
 
 def test_the_same_input_gives_the_same_file(make_lab, tmp_path) -> None:

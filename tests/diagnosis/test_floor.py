@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 
-from labrig.diagnosis import _problem, diagnose, prepared
+from labrig.diagnosis import _problem, compare, diagnose, prepared
 from labrig.diagnosis._floor import capture_means, noise_floor
 from labrig.effects import rows_of
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
-from labrig.model import base_context, build_base
+from labrig.model import Model, base_context, build_base
 from tests.laws import orifice, power_law, sliding
 
 
@@ -261,3 +261,26 @@ def test_a_sensor_that_is_slower_than_the_log_has_its_own_noise(
     noise = sensor(random.normal(0, 0.1, (2000, 1, 12)))
     ready = prepared(rows_of(lab.dataset(0.97 * lab.predict(lab.u) + noise)), lab.model())
     assert ready.floor.mean == pytest.approx(np.full(12, 0.1), rel=0.1)
+
+
+def test_the_repeats_of_a_result_are_in_its_unit(make_lab) -> None:
+    """A force that stands before the markers does not lend them its newtons: repeats differ by what they do in mm."""
+    lab = make_lab(chambers=2, captures=40)
+    values = lab.predict(lab.u) + lab.noise()
+    run = lab.dataset(values)
+    alone = compare(run, lab.model()).summary["floor"]["repeats"]["same history"]
+    force = 1000.0 * lab.random.normal(size=(*values.shape[:2], 1))
+    axes = [f"{m}.{a}" for m in run["marker"].values for a in "xyz"]
+    run = run.drop_vars(["position_mm", "rest_mm"]).assign(
+        observed=(("capture", "time", "observable"), np.concatenate([force, values], axis=2))
+    )
+    run = run.assign_coords(
+        observable=["force", *axes],
+        unit=("observable", ["N", *["mm"] * len(axes)]),
+        marker_of=("observable", ["", *(name[:-2] for name in axes)]),
+        axis_of=("observable", ["", *(name[-1] for name in axes)]),
+    )
+    model = Model.of(lambda u: np.column_stack([np.zeros(len(u)), lab.predict(u[:, None])[:, 0]]))
+    summary = compare(run, model).summary
+    assert summary["units"] == "mm"
+    assert summary["floor"]["repeats"]["same history"] == pytest.approx(alone, rel=0.1)
