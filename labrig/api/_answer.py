@@ -173,7 +173,7 @@ class ModelAnswer(Answer["Result"]):
         return note(self._result.summary).headline
 
     def _shown(self) -> "list[DataFrame]":
-        return [self.where[self.where["clear"].astype(bool)].head(5)]
+        return [self.where.loc[self.where["clear"].astype(bool)].head(5)]
 
     def _pictures(self) -> "dict[str, Callable[[], Drawn]]":
         from labrig.view import pictures_of

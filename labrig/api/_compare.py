@@ -91,7 +91,7 @@ class ModelComparison(Answer["VersusResult"]):
         return [difference_words(self._result.summary)]
 
     def _shown(self) -> "list[DataFrame]":
-        return [self.where[self.where["better"].notna()].head(5)]
+        return [self.where.loc[self.where["better"].notna()].head(5)]
 
     def _pictures(self) -> "dict[str, Callable[[], Figure]]":
         from labrig.view import versus_pictures

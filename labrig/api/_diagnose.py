@@ -62,7 +62,7 @@ class Diagnosis(ModelAnswer):
         return [summary_words(self._result.summary).found]
 
     def _shown(self) -> "list[DataFrame]":
-        return [self.effects[self.effects["probability"] >= 0.1], *super()._shown()]
+        return [self.effects.query("probability >= 0.1"), *super()._shown()]
 
 
 def effects_table(summary: Summary) -> "DataFrame":

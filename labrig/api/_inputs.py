@@ -73,9 +73,9 @@ def positive(given: Any, what: str, unit: str) -> float:
     """A number larger than 0; raises `LabrigError` for anything else, such as a text with its unit."""
     if isinstance(given, bool) or not isinstance(given, Real):
         raise LabrigError(f"{what} {given!r}: a number is needed, {unit}")
-    if not given > 0:
-        raise LabrigError(f"{what} {given:g}: must be larger than 0")
-    return float(given)
+    if not (number := float(given)) > 0:
+        raise LabrigError(f"{what} {number:g}: must be larger than 0")
+    return number
 
 
 def names_of(given: Any, what: str) -> list[str]:

@@ -124,7 +124,7 @@ def validate(
         raise LabrigError(
             "a validation needs targets, the rig and the model; or the folder of a run that did it"
         )
-    without = names_of(without, "a form to leave out") if without else []
+    without = tuple(names_of(without, "a form to leave out")) if without else ()
     for form in without:
         if form not in FORMS:
             raise LabrigError(f"without {form}: there are {' and '.join(FORMS)}")
@@ -137,7 +137,7 @@ def validate(
         "targets": tuple(str(path.resolve()) for path in files),
         "model": str(model.resolve()),
         "refine": refine,
-        "without": tuple(without),
+        "without": without,
         "unit": unit,
     }
     folder = run("validate", rig, out=out, seed=seed, realtime=realtime, **parameters)

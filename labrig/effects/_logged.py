@@ -4,7 +4,7 @@ Names count by their words: a mass flow is no mass, and an attempt has no temper
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 
 import numpy as np
@@ -46,11 +46,12 @@ def is_temperature(name: str, logged: Covariate) -> bool:
     return logged.unit in {"degC", "K", "degF", "kelvin"} or any(w.endswith(_WARM) for w in _words(name))
 
 
-def _of(context: Context, size_of) -> Iterator[tuple[str, Floats]]:
+def _of(context: Context, size_of: Callable[[str, Covariate], float | None]) -> Iterator[tuple[str, Floats]]:
     for name, logged in context.rows.covariates.items():
         size = size_of(name, logged)
-        known = size is not None and np.isfinite(logged.values).all()
-        if known and context.shows(np.ptp(logged.values) > 0):
+        if size is None or not np.isfinite(logged.values).all():
+            continue
+        if context.shows(np.ptp(logged.values) > 0):
             yield name, logged.values * size
 
 
