@@ -375,8 +375,23 @@ class InvestigationSettings(TypedDict):
     runs: list[str]
 
 
+class Doing(TypedDict):
+    """What an investigation that is under way does now: measuring, diagnosing, planning or fitting.
+
+    `minutes` are those that the run of this round takes, `since_s` is the moment at which this began (UTC).
+    """
+
+    what: str
+    round: int
+    programme: str
+    run: str
+    minutes: float
+    captures: int
+    since_s: float
+
+
 class InvestigationContent(TypedDict):
-    """The content of investigation.json."""
+    """The content of investigation.json; `now` is there while it is under way."""
 
     state: str
     conclusion: str
@@ -388,4 +403,5 @@ class InvestigationContent(TypedDict):
     waterfall: list[Any]
     model: str | None
     warnings: list[str]
+    now: NotRequired[Doing | None]
     settings: InvestigationSettings

@@ -197,7 +197,7 @@ def investigate(
     out: AnyPath = "investigation",
     budget_min: float = 30.0,
     seed: int = 0,
-    highest: float = 0.85,
+    highest: float | None = None,
     resume: bool = False,
     realtime: bool = False,
     reporter: "Reporter | Callable[[str], object] | None" = None,
@@ -214,14 +214,16 @@ def investigate(
         out: the folder for the runs, the reports and the new model.
         budget_min: time on the rig, min.
         seed: of everything that is random.
-        highest: the highest pressure of a campaign, as a share of each chamber's range.
+        highest: the highest pressure of a campaign, as a share of each chamber's range: 0.85, or, with `resume`, what
+            it was.
         resume: go on with the investigation in `out` that was interrupted; nothing is measured twice.
         realtime: let a rig that is simulated here take as long as a real one.
         reporter: told what happens: `print` for a line each time, or a `labrig.investigation.Reporter` for more.
 
     Raises:
         LabrigError: a run, the model or the rig cannot be read, or they do not fit together; `out` is not empty, or
-            holds nothing to go on with; the budget is too small; a limit would be broken.
+            holds nothing to go on with; another process uses it or the rig; the budget is too small; a limit would be
+            broken.
         DeviceError: a device failed; the chambers are vented, and what is known is kept, for `resume`.
         KeyboardInterrupt: Ctrl-C, with the same care.
 
@@ -235,9 +237,11 @@ def investigate(
         'settled'
     """
     from labrig import experiment, investigation
-    from labrig.investigation import Lines, Reporter
+    from labrig.investigation import HIGHEST, Lines, Reporter
 
     positive(budget_min, "budget_min", "in minutes")
+    if highest is None:
+        highest = investigation.highest_of(Path(out)) if resume else HIGHEST
     if not 0 < highest <= 1:
         raise LabrigError(f"highest {highest:g}: a share of the range is above 0 and at most 1")
     told = reporter if reporter is None or isinstance(reporter, Reporter) else None

@@ -10,6 +10,7 @@ import typer
 from labrig.cli._app import app
 from labrig.cli._complaints import StoppedError
 from labrig.cli._places import check_folder
+from labrig.cli._program import named
 from labrig.contents import Proposed
 
 if TYPE_CHECKING:
@@ -33,8 +34,13 @@ def investigate(
     ),
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything that is random.")] = 0,
     highest: Annotated[
-        float, typer.Option(min=0.1, max=1.0, help="Highest pressure of a campaign, share of the range.")
-    ] = 0.85,
+        float | None,
+        typer.Option(
+            min=0.1,
+            max=1.0,
+            help="Highest pressure of a campaign, share of the range: 0.85, or with --resume what it was.",
+        ),
+    ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with an investigation that was interrupted.")
     ] = False,
@@ -47,7 +53,20 @@ def investigate(
     from labrig.cli._tables import print_investigation
 
     check_folder(out)
-    again = f"labrig investigate --rig {rig} --model {model} --budget {budget:g} --out {out} --seed {seed} --resume"
+    words = [
+        "investigate",
+        *(runs or []),
+        "--rig",
+        rig,
+        "--model",
+        model,
+        "--budget",
+        f"{budget:g}",
+        "--out",
+        out,
+    ]
+    words += ["--seed", seed, *([] if highest is None else ["--highest", f"{highest:g}"])]
+    again = named(*words, *(["--realtime"] if realtime else []), "--resume")
     try:
         found = labrig.investigate(
             runs or None,

@@ -12,8 +12,12 @@ _WINDOWS = sys.platform == "win32"
 
 def call(*words: object) -> str:
     """A command of labrig as it can be typed here."""
-    parts = [*_program(), *map(str, words)]
-    return subprocess.list2cmdline(parts) if _WINDOWS else shlex.join(parts)
+    return _line([*_program(), *map(str, words)])
+
+
+def named(*words: object) -> str:
+    """A command of labrig by its name alone, as it was typed before."""
+    return _line(["labrig", *map(str, words)])
 
 
 def activation() -> str:
@@ -23,6 +27,10 @@ def activation() -> str:
         return ""
     path = str(_from_here(script))
     return subprocess.list2cmdline([path]) if _WINDOWS else f". {shlex.quote(path)}"
+
+
+def _line(parts: list[str]) -> str:
+    return subprocess.list2cmdline(parts) if _WINDOWS else shlex.join(parts)
 
 
 def _program() -> list[str]:

@@ -2,6 +2,17 @@
 
 from labrig.investigation._loop import investigate
 from labrig.investigation._reporter import Lines, Reporter
-from labrig.investigation._state import STATE, Settings, State, read_state
+from labrig.investigation._state import HIGHEST, OPEN, STATE, Settings, State, highest_of, read_state
 
-__all__ = ["STATE", "Lines", "Reporter", "Settings", "State", "investigate", "read_state"]
+__all__ = [
+    "HIGHEST",
+    "OPEN",
+    "STATE",
+    "Lines",
+    "Reporter",
+    "Settings",
+    "State",
+    "highest_of",
+    "investigate",
+    "read_state",
+]

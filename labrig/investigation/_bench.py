@@ -1,14 +1,15 @@
 """The runs of an investigation: carried out on one rig, and gone on with where one was cut short."""
 
+import contextlib
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from labrig.campaign import Procedure, Watching, dry_run, read_completed, resume, run
+from labrig.campaign import Procedure, Reachable, Watching, dry_run, read_completed, resume, run
+from labrig.investigation._endable import Endable
 from labrig.log import read_run_yaml
-from labrig.rig import RigConfig, clock_of, connect, in_use, is_simulated
+from labrig.rig import RigConfig, clock_of, connect, is_simulated
 from labrig_drivers import RealClock
 
 if TYPE_CHECKING:
@@ -20,31 +21,39 @@ class Bench:
     """A rig and the clock of an investigation; `rig_file` is noted in each run.
 
     A rig that is simulated in this process stays connected, so that it is one and the same rig throughout; a
-    real one is let go between runs, vented, while the computer thinks.
+    real one is let go between runs, vented, while the computer thinks. `endable` hears who asks for the end. Others
+    see how its runs stand, pause and end them, as those of `labrig run`.
     """
 
     config: RigConfig
     rig_file: Path | None = None
     realtime: bool = False
+    endable: Endable | None = None
     _rig: "Rig | None" = field(default=None, repr=False)
 
-    @contextmanager
+    @contextlib.contextmanager
     def opened(self) -> Iterator["Bench"]:
         """The bench, its rig vented and let go at the end."""
         if not is_simulated(self.config):
-            with in_use(self.config, "an investigation"):
-                yield self
+            yield self
             return
         with connect(self.config, clock_of(self.config, self.realtime)) as self._rig:
             yield self
 
     def measure(self, procedure: Procedure, folder: Path, seed: int, watching: Watching) -> None:
-        """Run a procedure in a folder, or go on with it where it was cut short; raises as `labrig.campaign.run`."""
-        if self._rig is not None:
-            self._measure(self._rig, procedure, folder, seed, watching)
-            return
-        with connect(self.config, RealClock(), guard_log=folder / "guard.log") as rig:
-            self._measure(rig, procedure, folder, seed, watching)
+        """Run a procedure in a folder, or go on with it where it was cut short; raises as `labrig.campaign.run`.
+
+        Raises `labrig.campaign.Interrupted`, before anything moves, where somebody asked for the end by now.
+        """
+        asked = contextlib.nullcontext() if self.endable is None else self.endable.measuring(watching.control)
+        clock = RealClock() if self._rig is None else self._rig.clock
+        with asked, Reachable(procedure, self.config, folder, clock, watching.control) as reachable:
+            watching.observers = [*watching.observers, reachable]
+            if self._rig is not None:
+                self._measure(self._rig, procedure, folder, seed, watching)
+                return
+            with connect(self.config, clock, guard_log=folder / "guard.log") as rig:
+                self._measure(rig, procedure, folder, seed, watching)
 
     def _measure(self, rig: "Rig", procedure: Procedure, folder: Path, seed: int, watching: Watching) -> None:
         context: dict[str, Any] = {"source": procedure.procedure_name(), "realtime": self.realtime}

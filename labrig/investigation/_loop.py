@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
 from labrig.investigation._bench import Bench
+from labrig.investigation._endable import Endable
 from labrig.investigation._programmes import (
     SHORTEST_MIN,
     experiment,
@@ -16,6 +17,7 @@ from labrig.investigation._reporter import Reporter, names_in
 from labrig.investigation._rounds import confirmed, diagnosed, fitted, given_round, measured_round
 from labrig.investigation._state import Settings, State, start_or_resume
 from labrig.investigation._work import Work
+from labrig.rig import in_use
 from labrig_drivers import DeviceError
 
 if TYPE_CHECKING:
@@ -45,24 +47,33 @@ def investigate(
         reporter: who is told what happens.
 
     Raises:
-        LabrigError: the folder is not empty or not to be gone on with, the model cannot be evaluated, the budget is
-            too small, a run or a diagnosis failed.
+        LabrigError: the folder is not empty or not to be gone on with, another process uses it or the rig, the model
+            cannot be evaluated, the budget is too small, a run or a diagnosis failed.
         DeviceError: a device failed; the chambers are vented.
         KeyboardInterrupt: somebody ended it; the chambers are vented. As after any other error, what is known by then
             is kept, and the message says how to go on; a folder in which nothing was measured is removed again.
     """
     reporter = reporter or Reporter()
     _check_base(model, settings.model)
+    with (
+        in_use(config, f"investigation {settings.out}", settings.out),
+        Endable(config, settings.out) as endable,
+    ):
+        bench = Bench(config, settings.rig_file, settings.realtime, endable)
+        return _investigated(settings, bench, model, resume, reporter)
+
+
+def _investigated(
+    settings: Settings, bench: Bench, model: "Model", resume: bool, reporter: Reporter
+) -> State:
     there = settings.out.exists()
     state = start_or_resume(settings, resume)
-    work = Work(state, Bench(config, settings.rig_file, settings.realtime), model, reporter)
+    work = Work(state, bench, model, reporter)
     try:
-        with work.bench.opened():
+        with bench.opened():
             _loop(work)
     except (KeyboardInterrupt, LabrigError, DeviceError) as error:
-        if not any(settings.out.iterdir()):  # nothing was measured
-            if not there:
-                settings.out.rmdir()
+        if state.discard(keep_folder=there):
             raise
         what = str(error) or "interrupted"
         state.end("interrupted", f"Interrupted: {what}.")
@@ -87,9 +98,11 @@ def _loop(work: Work) -> None:
     reserve_min = work.bench.minutes(fresh)
     result = _first(work, reserve_min)
     while True:
+        work.check()
         left_min = budget_min - state.minutes
         if len(state.rounds) >= MOST_ROUNDS:
             return state.end("open", f"Not settled after {MOST_ROUNDS} rounds: {_open(result)}.")
+        state.doing("planning", "experiment")
         programme = experiment(work, result, left_min - reserve_min)
         if programme is not None:
             result = measured_round(work, "experiment", programme)

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
-from labrig.campaign import Procedure
+from labrig.campaign import Procedure, dry_run
 from labrig.investigation._bench import complete, procedure_of, started
 from labrig.investigation._programmes import CONFIRMED, names_left
 from labrig.investigation._work import Work
@@ -19,6 +19,7 @@ def given_round(work: Work) -> "Result":
     runs = work.state.settings.runs
     work.reporter.round_started(1, "given", 0.0)
     captures = sum(summarise(run).captures for run in runs)
+    work.state.doing("diagnosing", "given", runs[0].as_posix(), 0.0, captures)
     _note(work, "given", runs[0].name, 0.0, captures)
     work.state.rounds[-1]["given"] = [run.as_posix() for run in runs]
     return diagnosed(work)
@@ -35,12 +36,16 @@ def measured_round(work: Work, programme: str, procedure: Procedure) -> "Result"
     seed = state.settings.seed + number
     if started(folder):  # cut short the last time: the same programme goes on
         procedure, seed = procedure_of(folder)
-    minutes = work.bench.minutes(procedure, seed)
+    plan = dry_run(procedure, work.bench.config, seed)
+    minutes = plan.duration_s / 60
     work.reporter.round_started(number, programme, minutes)
+    state.doing("measuring", programme, name, minutes, plan.captures)
     if not complete(folder):
         with work.reporter.watching() as watching:
             work.bench.measure(procedure, folder, seed, watching)
-    _note(work, programme, name, minutes, summarise(folder).captures)
+    captures = summarise(folder).captures
+    state.doing("diagnosing", programme, name, minutes, captures + sum(r["captures"] for r in state.rounds))
+    _note(work, programme, name, minutes, captures)
     return diagnosed(work)
 
 
@@ -111,6 +116,7 @@ def fitted(work: Work, result: "Result") -> "Result | None":
     """The model with what was found, fitted to all runs; None, with a note that says why, where it can't be."""
     from labrig.diagnosis import improve
 
+    work.state.doing("fitting", "")
     try:
         return improve(work.state.opened(), work.model, names_left(result.summary), force=True)
     except LabrigError as error:

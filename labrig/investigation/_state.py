@@ -1,17 +1,20 @@
-"""What an investigation knows so far: kept in investigation.json after every round."""
+"""What an investigation knows so far, and what it does now: kept in investigation.json."""
 
 import json
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from labrig._errors import LabrigError
-from labrig.contents import Confirmation, InvestigationContent, InvestigationSettings, Round
+from labrig.contents import Confirmation, Doing, InvestigationContent, InvestigationSettings, Round
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 STATE = "investigation.json"
+HIGHEST = 0.85
+"""How high a campaign goes by default, as a share of each chamber's range."""
 OPEN = {"under way", "interrupted", "out of budget"}
 """States that can be gone on with; the others are `settled` and `open`."""
 
@@ -30,7 +33,7 @@ class Settings:
     out: Path
     budget_min: float = 30.0
     seed: int = 0
-    highest: float = 0.85
+    highest: float = HIGHEST
     realtime: bool = False
     runs: tuple[Path, ...] = ()
     rig_file: Path | None = None
@@ -62,6 +65,7 @@ class State:
     waterfall: list[Any] = field(default_factory=list)
     model: str | None = None
     warnings: list[str] = field(default_factory=list)
+    now: Doing | None = None
     _opened: "list[Dataset]" = field(default_factory=list, repr=False)
 
     @property
@@ -104,8 +108,36 @@ class State:
             "waterfall": self.waterfall,
             "model": self.model,
             "warnings": self.warnings,
+            "now": self.now,
             "settings": self.settings.content(),
         }
+
+    def doing(
+        self, what: str, programme: str, run: str = "", minutes: float = 0.0, captures: int = 0
+    ) -> None:
+        """Note in investigation.json what is being done now, for whoever looks at it meanwhile."""
+        from labrig._json import write_json
+
+        number = len(self.rounds) + 1
+        self.now = {
+            "what": what,
+            "round": number,
+            "programme": programme,
+            "run": run,
+            "minutes": minutes,
+            "captures": captures,
+            "since_s": round(time.time()),
+        }
+        write_json(dict(self.content()), self.folder / STATE)
+
+    def discard(self, *, keep_folder: bool) -> bool:
+        """Remove the folder, or what is in it, where nothing was measured; whether that was so."""
+        if any(path.name != STATE for path in self.folder.iterdir()):
+            return False
+        (self.folder / STATE).unlink(missing_ok=True)
+        if not keep_folder:
+            self.folder.rmdir()
+        return True
 
     def write(self) -> None:
         """Write investigation.json and report.html."""
@@ -117,7 +149,7 @@ class State:
 
     def end(self, state: str, conclusion: str) -> None:
         """Note how it ended."""
-        self.state, self.conclusion = state, conclusion
+        self.state, self.conclusion, self.now = state, conclusion, None
         self.write()
 
 
@@ -130,6 +162,14 @@ def read_state(folder: Path) -> InvestigationContent:
     if not isinstance(content, dict) or "state" not in content:
         raise LabrigError(f"{folder} holds no investigation: there is no {STATE} that can be read")
     return cast(InvestigationContent, content)
+
+
+def highest_of(folder: Path) -> float:
+    """How high the investigation of a folder goes, for who goes on with it; the default where nobody wrote it down."""
+    try:
+        return float(read_state(folder)["settings"]["highest"])
+    except (LabrigError, KeyError, TypeError, ValueError):
+        return HIGHEST
 
 
 def start_or_resume(settings: Settings, resume: bool) -> State:

@@ -19,3 +19,8 @@ class Work:
     bench: Bench
     model: "Model"
     reporter: Reporter
+
+    def check(self) -> None:
+        """Raise `labrig.campaign.Interrupted` where somebody asked for the end, between two runs."""
+        if self.bench.endable is not None:
+            self.bench.endable.check()

@@ -20,7 +20,7 @@ from labrig.rig._in_use import in_use
 from labrig.rig._last_words import and_vented, by_hand, impatient, not_vented
 from labrig.rig._rig import Rig
 from labrig.rig._unattended import check_unattended, what_vents_alone
-from labrig.rig._vent_now import NOBODY, VentNow, runs_on, users_of, vent_now
+from labrig.rig._vent_now import NOBODY, VentNow, investigations_on, is_there, runs_on, users_of, vent_now
 
 __all__ = [
     "NOBODY",
@@ -45,7 +45,9 @@ __all__ = [
     "fill_in_turn",
     "impatient",
     "in_use",
+    "investigations_on",
     "is_simulated",
+    "is_there",
     "link_of",
     "load_rig",
     "not_vented",

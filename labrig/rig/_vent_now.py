@@ -3,8 +3,9 @@
 import contextlib
 import os
 import signal
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,8 @@ NOBODY = "nobody: the rig is simulated inside a run, and none goes on"
 
 _RETRY_S = 0.3
 _ASK_S = 5.0
+_LOOKS_S = 2.0
+_LETS_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -42,11 +45,12 @@ def vent_now(
     """Vent a rig, also while a run goes on, which ends then; tries again for the rig's `vent_patience_s`.
 
     The guard of a run vents, if there is one: it holds the link. A guard that is stopped is ended. Where nobody holds
-    the link it is opened here. A rig that is simulated inside its run has no link: its run ends, vented. `tell` hears
-    why an attempt failed, and of one that takes long. Raises `VentNotConfirmedError` when no reading confirmed it.
+    the link it is opened here. A rig that is simulated inside its run has no link: its run ends, vented. An
+    investigation on the rig ends, also between two runs. `tell` hears why an attempt failed, and of one that takes
+    long. Raises `VentNotConfirmedError` when no reading confirmed it.
     """
     began = time.monotonic()
-    with impatient(tell) as unsaid:
+    with _no_next_run(config, why), impatient(tell) as unsaid:
 
         def say(text: str) -> None:
             unsaid.cancel()
@@ -77,6 +81,21 @@ def runs_on(config: RigConfig) -> list[Note]:
     return [note for note in notes("run") if _concerns(note, config, link)]
 
 
+def investigations_on(config: RigConfig) -> list[Note]:
+    """The investigations that go on with this rig now, also those between two runs; each was asked and lives."""
+    link = link_of(config)
+    return [note for note in notes("investigation") if _concerns(note, config, link) and is_there(note)]
+
+
+def is_there(note: Note) -> bool:
+    """Whether a process that left a note is still there; one that is stopped, or hangs, is."""
+    try:
+        note.ask("status", _LOOKS_S)
+    except LabrigError as error:
+        return isinstance(error, SilentError) or not isinstance(error, GoneError)
+    return True
+
+
 def users_of(config: RigConfig) -> frozenset[str]:
     """Names of the processes that may fill the rig now: its runs, and the guards that hold its link.
 
@@ -85,6 +104,24 @@ def users_of(config: RigConfig) -> frozenset[str]:
     link = link_of(config)
     guards = [note for note in notes("guard") if link and note.facts.get("link") == link]
     return frozenset(note.path.name for note in [*runs_on(config), *guards])
+
+
+@contextlib.contextmanager
+def _no_next_run(config: RigConfig, why: str) -> Iterator[None]:
+    """Meanwhile ask the investigations on the rig to end: none fills again what is vented. It delays no vent."""
+
+    def ask() -> None:
+        link = link_of(config)
+        for note in [each for each in notes("investigation") if _concerns(each, config, link)]:
+            with contextlib.suppress(LabrigError):
+                note.ask("end", _LOOKS_S, why=why)
+
+    asking = threading.Thread(target=ask, name="labrig investigations end", daemon=True)
+    asking.start()
+    try:
+        yield
+    finally:
+        asking.join(_LETS_S)  # one that is stopped hears of it when it goes on
 
 
 def _concerns(note: Note, config: RigConfig, link: str) -> bool:

@@ -6,7 +6,7 @@ It says on its first line of output where it is: `{"port": ..., "key": ...}`. Pl
 needs no more of a browser than a click. What became of the click is told in a frame inside the page, which is loaded
 again and again while it says something; the button is not, for a click on a button that is just replaced is lost. What
 it says goes when the rig is in use again: it was true of the moment that it names. The process ends when its input
-ends (the workbench is gone), but not before the runs on its rig have.
+ends (the workbench is gone), but not before the runs and investigations on its rig have.
 """
 
 import hmac
@@ -26,7 +26,7 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from labrig._errors import LabrigError
-from labrig.rig import NOBODY, RigConfig, VentNow, load_rig, runs_on, users_of, vent_now
+from labrig.rig import NOBODY, RigConfig, VentNow, investigations_on, load_rig, runs_on, users_of, vent_now
 from labrig_drivers import DeviceError
 
 WHY = "the vent button"
@@ -141,9 +141,8 @@ def said(venting: Venting, key: str, theme: str) -> str:
     elif venting.trouble:
         text = f'<b class="bad">NOT confirmed</b> at {venting.ended}: {escape(venting.trouble)}'
     else:
-        text = (
-            f'<span class="muted">every chamber of {name} to ambient, at once; a run that goes on ends</span>'
-        )
+        about = f"every chamber of {name} to ambient, at once; a run or an investigation ends"
+        text = f'<span class="muted">{about}</span>'
     again = (
         f'<meta http-equiv="refresh" content="{again_s};url=/{key}/said?theme={theme}">' if again_s else ""
     )
@@ -254,7 +253,7 @@ def main() -> None:
     threading.Thread(target=venting.watch, name="labrig vent watch", daemon=True).start()
     print(json.dumps({"port": port, "key": key}), flush=True)
     sys.stdin.read()
-    while venting.busy or runs_on(config):
+    while venting.busy or runs_on(config) or investigations_on(config):
         time.sleep(_LOOK_S)
 
 
