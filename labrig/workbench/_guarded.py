@@ -123,8 +123,10 @@ async def _with_body(request: Request, headers: Headers) -> PlainTextResponse | 
 def _adding(send: Send, headers: dict[str, str]) -> Send:
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
-            own = [(k.encode(), v.encode()) for k, v in headers.items()]
-            message = {**message, "headers": [*message.get("headers", []), *own]}
+            given = message.get("headers", [])
+            there = {name.lower() for name, _ in given}  # what an answer says of itself is kept
+            own = [(k.encode(), v.encode()) for k, v in headers.items() if k.encode() not in there]
+            message = {**message, "headers": [*given, *own]}
         await send(message)
 
     return sending
@@ -151,9 +153,9 @@ def _is_address(name: str) -> bool:
 
 
 def _is_visit(scope: Scope, headers: Headers) -> bool:
-    """A person follows a link to the page itself."""
+    """A person follows a link to the page itself, or from one report to the next, which have an origin of their own."""
     return (
-        scope["path"] == "/"
+        (scope["path"] == "/" or scope["path"].startswith("/reports/"))
         and headers.get("sec-fetch-mode") == "navigate"
         and headers.get("sec-fetch-dest") == "document"
     )

@@ -15,6 +15,7 @@ from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
 from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._guarded import may_move_rig
+from labrig.workbench._investigations import going_on, part_of
 from labrig.workbench._live import Errors, alive, live_run, now, surface
 from labrig.workbench._plan import LONGEST_S, planned
 from labrig.workbench._planned import chambers_of
@@ -51,7 +52,7 @@ def routes(desk: Desk) -> list[Route]:
 def _rig(desk: Desk) -> Any:
     """The rig of this workbench, where its vent button is, what goes on, and what could be run."""
     if desk.rig_file is None:
-        return {"rig": None, "running": alive(desk), "vent": None}
+        return {"rig": None, "running": alive(desk), "investigating": going_on(desk), "vent": None}
     config = load_rig(desk.rig_file)
     return {
         "rig": config.name,
@@ -61,6 +62,7 @@ def _rig(desk: Desk) -> Any:
         "chambers": [[c.name, c.min_kpa, c.max_kpa] for c in config.chambers],
         "markers": len(config.markers),
         "running": alive(desk),
+        "investigating": going_on(desk),
         "vent": desk.vent.place if desk.vent is not None else None,
         "vent_command": desk.command(["rig", "vent", desk.rig_file]),
         "procedures": sorted(shipped()),
@@ -145,7 +147,7 @@ def _start(desk: Desk, request: Request) -> Any:
         return refused
     config, asked = _config(desk), body_of(request)
     name, arguments, seed = _asked(desk, asked)
-    if going := alive(desk):
+    if going := [*alive(desk), *going_on(desk)]:
         raise LabrigError(f"{going[0]} goes on; end it first")
     plan = _planned(desk, name, arguments, seed)
     if plan["broken"]:
@@ -185,7 +187,7 @@ def _resume(desk: Desk, request: Request) -> Any:
     if (refused := _refused(desk, request)) is not None:
         return refused
     run = run_folder(desk, str(body_of(request).get("run") or ""))
-    if going := alive(desk):
+    if going := [*alive(desk), *going_on(desk)]:
         raise LabrigError(f"{going[0]} goes on; end it first")
     name = desk.name(run)
     words = ["run", "--resume", name, "--rig", str(desk.rig_file), "--attended"]
@@ -214,6 +216,7 @@ def _now(desk: Desk, request: Request, errors: Errors) -> Any:
     given = request.query_params
     name = given.get("run", "")
     state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
+    state["investigation"] = part_of(desk, Path(state["folder"]) if state["live"] else desk.existing(name))
     if state["live"] and given.get("model"):
         folder, model = Path(state["folder"]), desk.existing(given["model"])
         other = misfit(model, names_of(folder), named(desk, model))

@@ -23,6 +23,8 @@ import labrig
 from labrig_drivers import RealClock
 from labrig_drivers.simulated import build_plant
 from labrig_drivers.simulated._twins import TwinOptions, TwinRig
+from tests.rigs import MODEL as SIMULATOR
+from tests.rigs import RIG
 from tests.waiting import wait_for
 
 pytest.importorskip("starlette")
@@ -267,6 +269,32 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
         content = f"base: {{kind: python, file: {name}.py, function: predict}}\neffects: []\n"
         (folder / f"{name}.yaml").write_text(content, encoding="utf-8")
     return folder
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Callable[[str], Bench]]:
+    """Opens a workbench in this process on a small simulated rig that hides something, a run of it and its model."""
+    from labrig.workbench import open_desk, start
+    from labrig_drivers.simulated import hide, seal
+
+    opened = []
+
+    def make(hidden: str) -> Bench:
+        folder = tmp_path / "lab"
+        folder.mkdir()
+        (folder / "rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
+        (folder / "model.yaml").write_text(SIMULATOR, encoding="utf-8")
+        seal(folder, hide(hidden, seed=1))
+        labrig.run("capture", folder / "rig.yaml", out=folder / "first", captures=16)
+        opened.append(start(open_desk(folder, folder / "rig.yaml")))
+        return Bench.of(opened[0])
+
+    yield make
+    for running in opened:
+        for job in running.desk.jobs.all():
+            running.desk.jobs.cancel(job)
+        assert running.desk.jobs.wait(60)
+        running.stop()
 
 
 @pytest.fixture

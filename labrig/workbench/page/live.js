@@ -3,6 +3,7 @@
 import { complain, duration, fill, h, number, withUnit } from "./dom.js";
 import { draw, legend } from "./curves.js";
 import { Surface } from "./live_surface.js";
+import { address } from "./main.js";
 import { get, mayMoveRig, post } from "./server.js";
 
 const EVERY_MS = 350;
@@ -73,12 +74,14 @@ function layout(name, model, models, choose) {
     rms: h("p", { class: "muted small", id: "live-error" }, model ? "the error appears with the first capture" : "no model file of this folder fits this rig"),
     verdict: h("canvas", { class: "curve", "aria-label": "probability of each effect" }),
     effects: h("div"),
+    part: h("p", { class: "muted", id: "part-of", hidden: true }),
     events: h("ol", { class: "events", "aria-label": "events" }),
   };
   parts.root = h(
     "div",
     { class: "live-run" },
     h("div", { class: "bar" }, parts.title, parts.state, parts.bar, parts.words, h("span", { class: "right" }, parts.pause, parts.end)),
+    parts.part,
     h(
       "div",
       { class: "live-grid" },
@@ -125,6 +128,11 @@ function show(parts, kept, state, surface, model) {
   parts.pause.textContent = state.paused ? "Go on" : "Pause";
   parts.pause.disabled = state.paused && !mayMoveRig();
   parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : state.paused ? "fills the chambers again, and goes on with the plan" : "finishes the capture, then vents and waits";
+  if (state.investigation && parts.part.hidden) {
+    parts.part.hidden = false;
+    parts.end.title = "ends the investigation as well; what is known is kept, and can be gone on with";
+    fill(parts.part, "A run of the investigation ", h("a", { href: address({ step: "watch", query: { investigation: state.investigation } }) }, state.investigation), "; the next one begins by itself. End ends both.");
+  }
   pressures(parts, kept, state);
   errors(parts, state, model);
   verdict(parts, state);

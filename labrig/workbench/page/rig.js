@@ -46,12 +46,13 @@ function strip() {
 
 // Made anew only where it changes: a link that is replaced while it is pressed leads nowhere.
 function badge() {
-  const run = facts.running[0];
+  const whole = facts.investigating[0];
+  const run = whole || facts.running[0];
   const place = document.getElementById("rig");
-  const drawn = JSON.stringify([run, facts.rig]);
+  const drawn = JSON.stringify([whole, run, facts.rig]);
   if (place.dataset.shown === drawn) return;
   place.dataset.shown = drawn;
-  const link = () => h("a", { class: "live", title: `${run} goes on`, href: address({ step: "watch", query: { live: run } }) }, h("bdi", {}, run.split("/").pop()));
+  const link = () => h("a", { class: "live", title: `${run} goes on`, href: address({ step: "watch", query: whole ? { investigation: run } : { live: run } }) }, h("bdi", {}, run.split("/").pop()));
   fill(place, run ? link() : facts.rig ? h("span", { class: "muted small" }, `rig ${facts.rig}`) : null);
 }
 

@@ -1,10 +1,12 @@
-// Watch: the run that goes on; else what to measure next, its plan and its start; two models on one run; the rig over all its runs.
+// Watch: the run or the investigation that goes on; else what to measure next, its plan and its start; two models on one run; the rig over all its runs.
 
 import { complain, fill, h } from "./dom.js";
+import { investigation } from "./investigation.js";
 import { live } from "./live.js";
 import { answers, look } from "./rig.js";
 import { get, mayMoveRig, post } from "./server.js";
 import { history } from "./watch_history.js";
+import { investigate } from "./watch_investigate.js";
 import { next } from "./watch_next.js";
 import { plan } from "./watch_plan.js";
 import { noRig } from "./watch_setup.js";
@@ -12,6 +14,9 @@ import { versus } from "./watch_versus.js";
 
 export async function show(root, context) {
   const facts = await look();
+  const named = context.query.get("investigation");
+  const investigated = named || (context.query.get("live") || context.run ? "" : facts.investigating[0]);
+  if (investigated) return investigation(root, investigated, context);
   const going = context.query.get("live") || (context.run ? "" : facts.running[0]) || (facts.running.includes(context.run) ? context.run : "");
   if (going && facts.running.includes(going)) {
     const models = await fitting(going);
@@ -30,6 +35,7 @@ export async function show(root, context) {
   if (context.run) ends.push(await versus(cards, context));
   if (context.run && facts.rig) ends.push(await next(cards, context));
   if (facts.rig) ends.push(await plan(cards, context, facts));
+  if (facts.rig) ends.push(await investigate(cards, context));
   if (context.run) ends.push(await history(cards, context));
   if (!facts.rig) await noRig(cards, context).catch((error) => cards.append(h("p", { class: "wrong" }, error.message)));
   return () => ends.forEach((end) => end?.());
@@ -70,7 +76,7 @@ function over(root, context, state) {
       h("h1", {}, `${state.run}: ${well ? "completed" : state.state}`),
       h("p", {}, `${state.captures} captures; ${state.vented ? "the chambers are vented" : "its log does not say that the chambers are vented: press VENT"}.${state.missed ? ` ${state.missed} do not count: their pressures did not follow.` : ""}`),
       h("p", {}, h("a", { href: context.address("compare", { live: "" }, state.run) }, "Compare a model with it"), " · ", h("a", { href: context.address("watch", { live: "" }, state.run) }, "before and after, what to measure next")),
-      well || !mayMoveRig() ? null : resume(context, state),
+      state.investigation ? h("p", {}, "It belongs to the investigation ", h("a", { href: context.address("watch", { live: "", investigation: state.investigation }, "") }, state.investigation), ": how that stands, and how it is gone on with, is there.") : well || !mayMoveRig() ? null : resume(context, state),
       h("ol", { class: "events" }, [...state.events].reverse().map(([, time_s, , text]) => h("li", {}, h("time", {}, `${time_s.toFixed(0)} s`), text))),
     ),
   );
