@@ -13,7 +13,8 @@ from pathlib import Path
 from labrig.workbench._locked import hold
 
 ALIVE, CANCELLED, ENDED, PID = "alive", "cancelled", "ended.json", "pid"
-_INTERRUPTED = 130
+INTERRUPTED = 130
+"""How a command ends that somebody ended: by Ctrl-C, or by the End of a run."""
 
 
 def main() -> None:
@@ -27,7 +28,7 @@ def main() -> None:
         alive.write(b"held")  # an empty file is one that is not held yet
         alive.flush()
         # What was asked before there was a handler may have met nobody: whoever asks writes it down first.
-        code = _INTERRUPTED if (folder / CANCELLED).exists() else _run(words, asked)
+        code = INTERRUPTED if (folder / CANCELLED).exists() else _run(words, asked)
         write_ended(folder, code)
 
 

@@ -12,6 +12,7 @@ from labrig.contents import InvestigationContent, Round
 from labrig.investigation import OPEN, STATE
 from labrig.rig import investigations_on, is_there, load_rig
 from labrig.view import investigation_pictures
+from labrig.workbench._child import INTERRUPTED
 from labrig.workbench._desk import Desk
 from labrig.workbench._jobs import Job
 from labrig.workbench._live import live_run
@@ -19,7 +20,6 @@ from labrig.workbench._live import live_run
 COMMAND = "investigate"
 _PLACES = (f"*/{STATE}", f"*/*/{STATE}", f"*/*/*/{STATE}")
 _LISTED = 8
-_INTERRUPTED = 130
 _NEW = 1e12
 """Later than every moment of a run: who asks from then on gets no history."""
 
@@ -126,7 +126,7 @@ def _why(job: Job, content: InvestigationContent | None) -> str:
     ended = job.ended
     if content is None and job.state == "cancelled":
         return "it was ended before anything was measured"
-    if ended is None or ended["code"] == 0 or (content is not None and ended["code"] == _INTERRUPTED):
+    if ended is None or ended["code"] == 0 or (content is not None and ended["code"] == INTERRUPTED):
         return ""
     line = job.facts()["last"].removeprefix("labrig: ")
     said = "" if content is None else content["conclusion"].removeprefix("Interrupted: ").removesuffix(".")
@@ -147,13 +147,13 @@ def _known(desk: Desk, name: str, content: InvestigationContent, alive: bool) ->
         "rounds": [_round(desk, name, each) for each in rounds],
         "report": f"{name}/report.html" if rounds and (folder / "report.html").is_file() else "",
         "model": f"{name}/{Path(model).name}" if model is not None else "",
-        "picture": investigation_pictures(content)["rounds"]() if _diagnosed(rounds) else None,
+        "picture": investigation_pictures(content)["rounds"]() if _diagnosed(rounds) > 1 else None,
         "now": _now(desk, name, content) if alive else None,
     }
 
 
-def _diagnosed(rounds: list[Round]) -> bool:
-    return any(each["error"]["model"] is not None for each in rounds)
+def _diagnosed(rounds: list[Round]) -> int:
+    return sum(each["error"]["model"] is not None for each in rounds)
 
 
 def _round(desk: Desk, name: str, each: Round) -> dict[str, Any]:

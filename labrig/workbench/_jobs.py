@@ -23,7 +23,7 @@ from statistics import median
 from typing import Any, TypedDict
 
 from labrig._errors import LabrigError, NothingToDoError
-from labrig.workbench._child import ALIVE, CANCELLED, ENDED, PID, write_ended
+from labrig.workbench._child import ALIVE, CANCELLED, ENDED, INTERRUPTED, PID, write_ended
 from labrig.workbench._locked import is_held
 
 ABOUT, OUTPUT = "job.json", "output.txt"
@@ -91,7 +91,8 @@ class Job:
             return "done"
         if self.had_nothing_to_do:
             return "done"
-        return "cancelled" if (self.folder / CANCELLED).exists() else "failed"
+        asked = (self.folder / CANCELLED).exists() or (ended is not None and ended["code"] == INTERRUPTED)
+        return "cancelled" if asked else "failed"
 
     @property
     def had_nothing_to_do(self) -> bool:

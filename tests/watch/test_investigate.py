@@ -124,7 +124,7 @@ def test_one_goes_from_its_start_to_its_end(lab: Any, until: Any) -> None:
     assert first["runs"] == [{"name": "first", "here": True}]
     assert (first["programme"], first["captures"], first["verdict"]) == ("given", 16, "nothing_missing")
     assert first["error"]["floor"] == content["rounds"][0]["error"]["floor"] > 0
-    assert told["picture"]["data"][0]["y"] == [each["error"]["model"] for each in content["rounds"]]
+    assert told["picture"] is None  # one round is no course
     assert bench.ask("/api/investigate")[1]["known"][0]["state"] == "settled"
     assert bench.ask(RESUME, {"name": "asked/one", "mine": True})[0] == 400
     for report in (told["report"], first["report"]):

@@ -73,7 +73,7 @@ function layout(name) {
     wrong: h("p", { class: "wrong", hidden: true, role: "alert" }),
     again: h("div"),
     rounds: h("section", { class: "card", id: "rounds", hidden: true }),
-    picture: h("div", { class: "chart" }),
+    picture: h("div", { class: "chart", id: "rounds-picture" }),
   };
   parts.about = h("section", { class: "card" }, parts.said, h("p", {}, parts.doing, " ", parts.live), parts.wrong, parts.again);
   parts.figure = h("section", { class: "card", hidden: true }, h("h2", {}, "Error and floor, round by round"), parts.picture);
@@ -114,7 +114,7 @@ function show(parts, state, context, round) {
   const drawn = JSON.stringify(state.picture);
   if (state.picture && parts.picture.dataset.of !== drawn) {
     parts.picture.dataset.of = drawn;
-    draw(parts.picture, state.picture, 300).catch(complain);
+    draw(parts.picture, state.picture, 300).then(() => (parts.picture.dataset.drawn = "yes"), complain);
   }
 }
 
@@ -147,7 +147,7 @@ function ended(state, context) {
     (state.warnings || []).map((text) => h("p", { class: "small muted" }, text)),
     state.model ? h("p", {}, "The model with what was found: ", h("code", {}, state.model), " ", h("a", { href: context.address("compare", { model: state.model, investigation: "" }, last(state)) }, "Compare it with the last run")) : null,
     state.report ? h("p", {}, h("a", { href: `/reports/${state.report.split("/").map(encodeURIComponent).join("/")}`, target: "_blank", rel: "noopener" }, "The report, round by round")) : null,
-    state.alive ? null : h("p", {}, h("a", { href: context.address("watch", { investigation: "" }) }, "To the cards of Watch")),
+    state.alive ? null : h("p", {}, h("a", { href: context.address("watch", { investigation: "" }) }, "Back to Watch")),
   ];
 }
 
