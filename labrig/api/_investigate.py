@@ -10,7 +10,8 @@ from labrig._paths import wrong
 from labrig.api._answer import drawn
 from labrig.api._diagnose import effects_table
 from labrig.api._inputs import AnyPath, model_of, positive, rig_of, runs_of
-from labrig.contents import Confirmation, InvestigationContent, Summary
+from labrig.contents import Summary
+from labrig.investigation_contents import Confirmation, InvestigationContent
 
 if TYPE_CHECKING:
     from pandas import DataFrame

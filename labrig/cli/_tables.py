@@ -4,7 +4,8 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig.cli._console import new_console
-from labrig.contents import InvestigationContent, Proposed, Summary, Versus
+from labrig.contents import Proposed, Summary, Versus
+from labrig.investigation_contents import InvestigationContent
 
 _VERDICTS = {
     "nothing_missing": "nothing is missing: the model is as good as the measurements",

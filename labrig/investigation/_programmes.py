@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
 from labrig.campaign import Procedure
-from labrig.contents import Round, Summary
+from labrig.contents import Summary
 from labrig.investigation._work import Work
+from labrig.investigation_contents import Round
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result

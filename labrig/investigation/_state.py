@@ -7,7 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from labrig._errors import LabrigError
-from labrig.contents import Confirmation, Doing, InvestigationContent, InvestigationSettings, Round
+from labrig.investigation_contents import (
+    Confirmation,
+    Doing,
+    InvestigationContent,
+    InvestigationSettings,
+    Round,
+)
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import cast
 
 from labrig._durable import write_whole
-from labrig.contents import Confirmation, InvestigationContent, ProgrammePoint, Proposed, Round, Summary
+from labrig.contents import ProgrammePoint, Proposed, Summary
+from labrig.investigation_contents import Confirmation, InvestigationContent, Round
 from labrig.view._figures import Figure
 from labrig.view._naming import names_in_short
 from labrig.view._page import Page, bar, table

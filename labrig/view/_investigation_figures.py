@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from itertools import accumulate
 
-from labrig.contents import InvestigationContent
+from labrig.investigation_contents import InvestigationContent
 from labrig.view._figures import FONT, Figure, _layout
 from labrig.view._pictures import error_bars
 from labrig.view._style import AFTER, FLOOR

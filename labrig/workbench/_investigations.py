@@ -8,8 +8,8 @@ from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._running import Note, notes
-from labrig.contents import InvestigationContent, Round
 from labrig.investigation import OPEN, STATE
+from labrig.investigation_contents import InvestigationContent, Round
 from labrig.rig import investigations_on, is_there, load_rig
 from labrig.view import investigation_pictures
 from labrig.workbench._child import INTERRUPTED

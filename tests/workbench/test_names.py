@@ -64,11 +64,17 @@ def test_the_same_work_is_joined(tmp_path: Any) -> None:
 
 
 def test_good_news_is_no_failure(tmp_path: Any) -> None:
-    """A search that finds nothing to settle is done, for a person, though its command had nothing to do."""
+    """A search that finds nothing to settle is done, for a person, though its command had nothing to do; one that
+    somebody ended is cancelled.
+    """
     jobs = Jobs(tmp_path, tmp_path / "jobs")
-    said = {4: "labrig: it leaves nothing to settle", 2: "labrig: nothing to settle there is no such run"}
-    for code, state in ((4, "done"), (2, "failed")):
-        folder = tmp_path / "jobs" / f"20260101-000000-00000000{code}-aaaa"
+    said = {
+        4: "labrig: it leaves nothing to settle",
+        2: "labrig: nothing to settle there is no such run",
+        130: "ended",
+    }
+    for code, state in ((4, "done"), (2, "failed"), (130, "cancelled")):
+        folder = tmp_path / "jobs" / f"20260101-000000-{code:09d}-aaaa"
         folder.mkdir(parents=True)
         about = {"words": ["next"], "title": "what to measure next", "run": "run", "started_s": 1.0}
         (folder / "job.json").write_text(json.dumps(about), encoding="utf-8")

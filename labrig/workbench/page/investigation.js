@@ -197,6 +197,6 @@ function table({ rounds, units }, context) {
   const cells = (each) => [report(each), PROGRAMMES[each.programme] || each.programme, String(each.captures), each.minutes.toFixed(1), each.verdict.replaceAll("_", " ") || "not diagnosed yet", missing(each), number(each.error.model), number(each.error.floor), each.runs.map((run, k) => [k ? ", " : "", link(run)])];
   return [
     h("h2", {}, "Round by round"),
-    h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, heads.map((text, k) => h("th", { class: right(k), scope: "col" }, text)))), h("tbody", {}, rounds.map((each) => h("tr", {}, cells(each).map((cell, k) => h("td", { class: right(k) }, cell))))))),
+    h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "rounds" }, h("table", {}, h("thead", {}, h("tr", {}, heads.map((text, k) => h("th", { class: right(k), scope: "col" }, text)))), h("tbody", {}, rounds.map((each) => h("tr", {}, cells(each).map((cell, k) => h("td", { class: right(k) }, cell))))))),
   ];
 }
