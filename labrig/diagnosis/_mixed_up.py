@@ -63,17 +63,18 @@ def _columns(context: Context) -> Iterator[str]:
     by how much that one changes.
     """
     rows = context.rows
-    size = np.nanstd(rows.values, axis=0)
-    own = np.flatnonzero(size > 0)
+    own = np.flatnonzero(np.isfinite(rows.values).any(axis=0))
+    own = own[np.nanstd(rows.values[:, own], axis=0) > 0]
     if context.base_kind != "python" or len(own) < 2:
         return
     measured, base = (v[:, own] for v in (rows.values, context.base))
-    each = np.array([np.nanmean((measured - b[:, None]) ** 2, axis=0) / size[own] ** 2 for b in base.T])
+    size = np.nanstd(measured, axis=0)
+    each = np.array([np.nanmean(((measured - b[:, None]) / size) ** 2, axis=0) for b in base.T])
     given, wanted = linear_sum_assignment(each)
     now, left = float(np.trace(each)), float(each[given, wanted].sum())
-    if now >= _CLOSER**2 * left and left <= _FOLLOWS * len(own):
+    moved = np.flatnonzero(given != wanted)
+    if len(moved) and now >= _CLOSER**2 * left and left <= _FOLLOWS * len(own):
         names = [rows.observables[k] for k in own]
-        moved = np.flatnonzero(given != wanted)
         j, k = given[moved[0]], wanted[moved[0]]
         yield (
             f"the model gives its columns in another order than the run: where the run has {names[j]}, it gives what "

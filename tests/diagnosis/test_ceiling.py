@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labrig.diagnosis import prepare, rows_from
+from labrig.diagnosis import prepared, rows_from
 from labrig.diagnosis._ceiling import STATIC, _heldout, covariates, kernel
 
 
@@ -11,9 +11,8 @@ from labrig.diagnosis._ceiling import STATIC, _heldout, covariates, kernel
 def test_each_block_is_predicted_by_what_was_learnt_without_it(make_lab, every: int) -> None:
     """The short way, from one inverse, gives what learning anew for each block does; also from some rows only."""
     lab = make_lab(captures=40, markers=4, chambers=2)
-    regression, context, *_ = prepare(
-        rows_from(lab.dataset(lab.predict(0.9 * lab.u) + lab.noise())), lab.model()
-    )
+    ready = prepared(rows_from(lab.dataset(lab.predict(0.9 * lab.u) + lab.noise())), lab.model())
+    regression, context = ready.regression, ready.context
     rows = np.arange(0, len(context.base), every)
     features = covariates(context)[STATIC]
     K, ridge = kernel(features, features[rows]), 0.1

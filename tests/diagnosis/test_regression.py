@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import prepare
+from labrig.diagnosis import prepared
 from labrig.diagnosis._candidates import Candidate, fit, plausible
 from labrig.diagnosis._design_matrix import DesignMatrix, coefficients, columns_of, join, order_of
 from labrig.diagnosis._formula import forms_of
@@ -18,9 +18,10 @@ from labrig.effects._registry import shipped
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 
 
-def prepared(lab: Any, values: np.ndarray, model: Any = None) -> tuple[Regression, Context]:
+def problem_of(lab: Any, values: np.ndarray, model: Any = None) -> tuple[Regression, Context]:
     """The regression and the context of what a lab measured."""
-    regression, context, _, _ = prepare(rows_of(lab.dataset(values)), model or lab.model())
+    ready = prepared(rows_of(lab.dataset(values)), model or lab.model())
+    regression, context = ready.regression, ready.context
     return regression, context
 
 
@@ -31,7 +32,7 @@ def leaking(make_lab) -> tuple[Regression, Context]:
     u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
     values = lab.predict(u) + lab.noise()
     values[4, :, 3:6] = np.nan
-    return prepared(lab, values)
+    return problem_of(lab, values)
 
 
 def dense(columns: DesignMatrix) -> np.ndarray:
@@ -56,7 +57,8 @@ def test_a_short_follow_up_run_has_blocks_of_its_own(make_lab) -> None:
     """Beside forty captures six more are three of the twelve blocks, none of them shared."""
     long, short = make_lab(captures=40), make_lab(captures=6, seed=1)
     runs = [rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())) for lab in (long, short)]
-    regression, context, _, _ = prepare(join_rows(runs), long.model())
+    ready = prepared(join_rows(runs), long.model())
+    regression, context = ready.regression, ready.context
     later = context.rows.session[np.searchsorted(context.rows.capture, regression.source)] == 1
     assert regression.n_groups == 12
     assert len(set(regression.group[later])) == 3
@@ -71,7 +73,8 @@ def test_a_long_hold_is_left_out_in_parts(make_lab) -> None:
     keep = [0, *(c for c in range(20) if int(data["hold_s"][c].notnull().sum()) == 1)]
     longest = int(np.argmax(data["hold_s"].notnull().sum("time").values))
     data = data.isel(capture=sorted({longest, *keep}))
-    regression, context, _, _ = prepare(rows_of(data), lab.model())
+    ready = prepared(rows_of(data), lab.model())
+    regression, context = ready.regression, ready.context
     counts = np.bincount(context.rows.capture)
     assert counts.max() > 0.4 * counts.sum()
     assert len(set(regression.row_group[context.rows.capture == counts.argmax()])) > 3
@@ -128,7 +131,9 @@ def test_the_base_is_refitted_beside_the_effect(make_lab, degree: int) -> None:
     lab = make_lab(captures=40, chambers=2, bent=0.0, long_s=LONG_S)
     u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
     (lab.folder / "static.yaml").write_text(f"base: {{kind: static, degree: {degree}}}\n")
-    regression, context = prepared(lab, lab.predict(u) + lab.noise(), Model.load(lab.folder / "static.yaml"))
+    regression, context = problem_of(
+        lab, lab.predict(u) + lab.noise(), Model.load(lab.folder / "static.yaml")
+    )
     assert regression.declared is not None
     variant = next(iter(get("leak").variants(context)))
     fast = score(columns_of(regression, variant))
@@ -172,9 +177,8 @@ def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_
     lab = make_lab(captures=60, markers=6)
     u = lab.u
     u[:, :, 0] -= stopped * np.maximum(u[:, :, 0] - 40.0, 0.0) ** 1.2
-    regression, context, _, _ = prepare(
-        rows_of(lab.dataset(lab.predict(u) + 0.01 * lab.noise())), lab.model()
-    )
+    ready = prepared(rows_of(lab.dataset(lab.predict(u) + 0.01 * lab.noise())), lab.model())
+    regression, context = ready.regression, ready.context
     contact = get("contact")
     forms = {c.variant.key: c for c in forms_of(regression, context, contact)}
     best = forms["one chamber limit=0.7 chamber=0"]
@@ -184,18 +188,18 @@ def test_a_contact_stops_a_good_part_of_the_motion(make_lab, stopped: float, is_
 def test_blocks_are_sessions_or_stretches(make_lab) -> None:
     """Twelve sessions are left out one by one; six by a stretch of each; one is cut into stretches of neighbours."""
     many = make_lab(captures=36, sessions=12)
-    regression, context = prepared(many, many.predict(many.u) + many.noise())
+    regression, context = problem_of(many, many.predict(many.u) + many.noise())
     assert regression.n_groups == 12
     for g in range(12):
         assert len(np.unique(context.rows.session[regression.row_group == g])) == 1
     some = make_lab(captures=72, sessions=6)
-    regression, context = prepared(some, some.predict(some.u) + some.noise())
+    regression, context = problem_of(some, some.predict(some.u) + some.noise())
     assert regression.n_groups == 6
     for g in range(6):
         own = np.unique(context.rows.capture[regression.row_group == g])
         assert own.tolist() == [12 * s + 2 * g + k for s in range(6) for k in (0, 1)]
     one = make_lab(captures=36)
-    regression, context = prepared(one, one.predict(one.u) + one.noise())
+    regression, context = problem_of(one, one.predict(one.u) + one.noise())
     assert regression.n_groups == 12
     assert (np.diff(regression.row_group) >= 0).all()
     for capture in range(36):
