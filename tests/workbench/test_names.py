@@ -27,7 +27,10 @@ def test_commands_are_quoted_for_the_shell(open_page: Any, make_run: Any) -> Non
     page = open_page()
     page.evaluate("run => location.hash = `#/run/${encodeURIComponent(run)}/compare`", RUN)
     page.wait_for_selector("[data-drawn]")
-    assert page.inner_text(".command code") == f'labrig compare "{RUN}" --model model.yaml'
+    page.wait_for_function(  # while it is computed, its job has a command, too
+        "text => document.querySelector('.command code')?.innerText === text",
+        arg=f'labrig compare "{RUN}" --model model.yaml',
+    )
 
 
 def test_the_import_line_follows_the_name(open_page: Any, table: Any, tmp_path: Any) -> None:

@@ -97,8 +97,14 @@ def test_what_is_wrong_stands_beside_its_field(watch, bench):
     watch.fill("[name='chambers.1.max_kpa']", "60")
     watch.wait_for_selector("#setup-save:not([disabled])")
     watch.click("[data-at=safety] summary")
-    watch.fill("#setup-safety-heartbeat_s", "-1")
-    watch.click("[data-at=safety] summary")
+    watch.evaluate(  # closed before the answer can be there
+        """() => {
+            const field = document.querySelector("#setup-safety-heartbeat_s");
+            field.value = "-1";
+            field.dispatchEvent(new Event("input", { bubbles: true }));
+            field.closest("details").open = false;
+        }"""
+    )
     watch.wait_for_selector(
         "[data-at='safety.heartbeat_s'] .fault:has-text('greater than 0')", state="visible"
     )
