@@ -50,6 +50,11 @@ def predict(runs: Any, model: Any, set_points: Any, *, hold_s: float = 4.0) -> "
         raise LabrigError(f"hold_s {hold_s:g}: must be {_SHORTEST_S:g} s or more")
     planned = as_rows(rows, u, float(hold_s))
     context = questioned.predictor(rows).context(planned)
+    unknown = [
+        f"{entry.name} is read off the measured pressures, which nobody knows before: it changes nothing here"
+        for entry in questioned.file.effects
+        if entry.form == _AS_MEASURED
+    ]
     count = np.bincount(planned.capture)
     total = np.zeros((len(u), context.base.shape[1]))
     np.add.at(total, planned.capture, context.base)
@@ -64,10 +69,12 @@ def predict(runs: Any, model: Any, set_points: Any, *, hold_s: float = 4.0) -> "
             "observable": list(rows.observables),
             "unit": ("observable", list(rows.unit)),
         },
-        attrs={"hold_s": float(hold_s), "warnings": list(context.rows.warnings)},
+        attrs={"hold_s": float(hold_s), "warnings": [*context.rows.warnings, *unknown]},
     )
 
 
+_AS_MEASURED = "as measured"
+"""The form of an effect that follows the measured pressures."""
 _SHORTEST_S = 1.5
 """The first second after an actuation is left out, as in a diagnosis."""
 

@@ -169,7 +169,10 @@ def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: 
 
 
 def as_rows(template: Rows, actuation: Floats, hold_s: float) -> Rows:
-    """What set-points (n, C) would record, each held for `hold_s`, as rows without values, from a vented rig on."""
+    """What set-points (n, C) would record, each held for `hold_s`, as rows without values, from a vented rig on.
+
+    Pressures that the run measured are taken to be what was commanded.
+    """
     low, high = (
         pick(np.vstack([limit, actuation]), axis=0)
         for pick, limit in ((np.min, template.low), (np.max, template.high))
@@ -179,7 +182,9 @@ def as_rows(template: Rows, actuation: Floats, hold_s: float) -> Rows:
     points = [Point(tuple(((u - origin) / span).tolist()), hold_s) for u in actuation]
     rows = planned_rows(template, [points], limits).rows
     exact = np.vstack([rows.event_actuation[:1], actuation])  # not as a person would type them
-    return replace(rows, actuation=actuation[rows.capture], event_actuation=exact)
+    own = actuation[rows.capture]
+    measured = own if np.isfinite(template.measured).all() else rows.measured
+    return replace(rows, actuation=own, event_actuation=exact, measured=measured)
 
 
 def _as_before(covariate: Covariate, n: int) -> Covariate:

@@ -8,6 +8,7 @@ import pytest
 
 import labrig
 from labrig import LabrigError
+from labrig.model import EffectEntry, Value
 
 
 def test_what_was_measured_is_predicted_as_it_is_compared(lab: Path) -> None:
@@ -35,6 +36,19 @@ def test_effects_act_with_their_history(lab: Path) -> None:
         for hold_s in (4.0, 100.0)
     }
     assert 0 < moved[4.0] < 0.8 * moved[100.0]
+
+
+def test_what_is_read_off_measured_pressures_is_said_to_be_unknown(lab: Path) -> None:
+    """A leak that follows the measured pressures cannot be predicted before a run: that it changes nothing is said."""
+    leak = EffectEntry(name="leak", form="as measured", parameters={"sensor": Value(value=1.0)})
+    base = labrig.Model.load(lab / "model.yaml")
+    u = labrig.open_run(lab / "first")["commanded"].values[:3]
+    shown, plain = (labrig.predict(lab / "first", m, u) for m in (base.with_effect(leak), base))
+    np.testing.assert_allclose(shown["predicted"].values, plain["predicted"].values)
+    assert plain.attrs["warnings"] == []
+    assert shown.attrs["warnings"] == [
+        "leak is read off the measured pressures, which nobody knows before: it changes nothing here"
+    ]
 
 
 def test_set_points_of_a_table_go_by_the_names_of_its_columns(lab: Path) -> None:
