@@ -1,130 +1,99 @@
-"""What was logged beside the observables: a payload, a tilt or a temperature, by its name and its unit."""
-
-from dataclasses import replace
+"""What follows something that was logged for an effect is that effect: a temperature, drift; a tilt, gravity."""
 
 import numpy as np
 import pytest
 
-from labrig._errors import LabrigError
-from labrig.effects import Context, Covariate, join_rows, rows_of
-from labrig.effects._logged import is_payload, is_temperature, is_tilt, payloads_kg, tilts_rad
-from labrig.effects._registry import shipped
-from tests.effects.test_absolute import context_of
+from labrig.diagnosis import prepared, rows_from
+from labrig.diagnosis._diagnose import laid_out, verdict_on
+from labrig.diagnosis._unnamed import unnamed
+from labrig.effects import Covariate, get, rows_of
+from tests.naming import calls_of
+
+N = 40
+COURSE = {
+    "up and down": 3.0 * np.sin(np.linspace(0, 4 * np.pi, N)),
+    "warmer": np.linspace(-2.0, 2.0, N),
+    "from the start": 4.0 * np.sin(np.linspace(0, 2.2, N)),
+}
+"""Kelvin above what the model is right at, by capture."""
 
 
-def logged(unit: str, *values: float) -> Covariate:
-    """A covariate with these values."""
-    return Covariate(unit, np.array(values))
+@pytest.mark.parametrize("name", COURSE)
+def test_what_follows_a_temperature_is_drift(make_lab, name: str) -> None:
+    """A zero that moves with the root of the absolute temperature, as a gauge may; there is no other rest shape."""
+    lab = make_lab(captures=N, markers=4, repeats=False)
+    kelvin = 295.0 + COURSE[name]
+    moved = 60.0 * (np.sqrt(kelvin / 295.0) - 1)[:, None, None] * np.cos(np.arange(12))
+    read = kelvin + 0.05 * lab.random.normal(size=N)
+    values = lab.predict(lab.u) + moved + lab.noise()
+    calls = calls_of(lab.dataset(values, {"room": ("K", read)}), lab.model())
+    assert calls.pop("drift") == "sure"
+    assert "sure" not in calls.values()
+
+
+def test_what_follows_a_temperature_is_not_asked_without_a_name_as_well(make_lab) -> None:
+    """Drift says that a temperature is its own; what follows another thing that was logged stays without a name."""
+    lab = make_lab(captures=N, markers=4, repeats=False)
+    logged = {
+        "room": ("degC", 20.0 + COURSE["warmer"]),
+        "humidity": ("percent", 40.0 + COURSE["up and down"]),
+    }
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u), logged)))
+    assert [*get("drift").follows(context)] == ["room"]
+    for followed, names in (((), {"room", "humidity"}), (("room",), {"humidity"})):
+        (beside,) = [space for space in unnamed(context, followed) if space.spectrum == "beside"]
+        assert {f.name for f in beside.features} & {"room", "humidity"} == names
+
+
+def test_a_temperature_beside_noise_is_no_drift(make_lab) -> None:
+    """That something was logged does not make it act."""
+    lab = make_lab(captures=N, markers=4)
+    room = ("degC", 22.0 + COURSE["up and down"])
+    calls = calls_of(lab.dataset(lab.predict(lab.u) + lab.noise(), {"room": room}), lab.model())
+    assert set(calls.values()) == {"not it"}
+
+
+def test_its_forms_begin_at_the_first_temperature_or_at_the_mean(make_lab) -> None:
+    """In degrees Celsius, whatever the unit of the sensor: what the shift is counted from, as the model file has it."""
+    lab = make_lab(captures=4, markers=4, repeats=False)
+    warm = np.array([293.15, 298.15, 303.15, 298.15])
+    rows = rows_of(lab.dataset(lab.predict(lab.u), {"room": ("K", warm)}))
+    assert isinstance(rows.covariates["room"], Covariate)
+    variants = get("drift").variants(lab.model().context(rows))
+    assert {v.shape["reference"] for v in variants if "reference" in v.shape} == {20.0, 25.0}
 
 
 @pytest.mark.parametrize(
-    ("name", "unit", "size"),
-    [
-        ("payload", "kg", 1.0),
-        ("tip load", "g", 1e-3),
-        ("tipLoad", "mN", 1e-3 / 9.80665),
-        ("weight_n", "N", 1 / 9.80665),
-        ("mass", "lb", 0.45359237),
-        ("mass_flow", "g/s", None),
-        ("mass flow", "kg", None),
-        ("download", "1", None),
-        ("unloading valve", "deg", None),
-        ("payload", "1", None),
-        ("grip force", "N", None),
-    ],
+    ("name", "unit"), [("tilt", "deg"), ("mount tilt", "deg"), ("tilt_x", "rad"), ("IMU pitch", "deg")]
 )
-def test_a_payload_is_one_by_name_and_unit(
-    lab_context: Context, name: str, unit: str, size: float | None
-) -> None:
-    """Words count, not parts of them, and a mass that flows or a load that is no weight pulls nothing down."""
-    values = np.linspace(1.0, 2.0, len(lab_context.base))
-    context = with_logged(lab_context, name, Covariate(unit, values))
-    assert is_payload(name, context.rows.covariates[name]) == (size is not None)
-    found = dict(payloads_kg(context))
-    if size is None:
-        assert found == {}
-    else:
-        np.testing.assert_allclose(found[name], values * size)
-    assert (name in shipped()["gravity"].follows(context)) == (size is not None)
+def test_what_follows_a_tilt_is_gravity(make_lab, name: str, unit: str) -> None:
+    """A cantilever's sag by the sine of the tilt, more where it is soft, whatever else the tilt's name says."""
+    lab = make_lab(chambers=2, captures=N, markers=6, repeats=False, seed=2)
+    tilt_deg = lab.random.choice([-30.0, -15.0, 0.0, 15.0, 30.0], N)
+    reach = np.linspace(0.2, 1.0, 6) ** 2 * (3 - np.linspace(0.2, 1.0, 6)) / 2
+    sag = np.sin(np.deg2rad(tilt_deg))[:, None, None] * np.repeat(reach, 3) * np.tile([1.2, 0.0, 0.0], 6)
+    soft = np.exp(lab.u.mean(axis=2, keepdims=True) / 60.0)  # as rubber does: no polynomial of the pressures
+    logged = tilt_deg if unit == "deg" else np.deg2rad(tilt_deg)
+    data = lab.dataset(lab.predict(lab.u) + sag * soft + lab.noise(), {name: (unit, logged)})
+    calls = calls_of(data, lab.model())
+    assert calls.pop("gravity") == "sure"
+    assert "sure" not in calls.values()
 
 
-@pytest.mark.parametrize(
-    ("name", "unit", "rad"),
-    [
-        ("tilt", "deg", np.pi / 180),
-        ("mount tilt", "mrad", 1e-3),
-        ("pitch_x", "rad", 1.0),
-        ("angle", "1", 1.0),
-        ("valve angle", "deg", None),
-        ("tilt", "mm", None),
-        ("attitude", "deg", None),
-    ],
-)
-def test_a_tilt_is_one_by_name_and_unit(
-    lab_context: Context, name: str, unit: str, rad: float | None
-) -> None:
-    """An angle of the rig counts in radians whatever its unit, and a valve's is none."""
-    values = np.linspace(0.1, 0.4, len(lab_context.base))
-    context = with_logged(lab_context, name, Covariate(unit, values))
-    found = dict(tilts_rad(context))
-    if rad is None:
-        assert found == {}
-    else:
-        np.testing.assert_allclose(found[name], values * rad)
-    assert is_tilt(name, context.rows.covariates[name]) == (rad is not None)
+def test_the_angle_of_a_valve_is_no_tilt(make_lab) -> None:
+    """A word that says nothing of how the rig lies does not make gravity of what was logged; an angle alone may."""
+    lab = make_lab(captures=N, markers=4, repeats=False)
+    logged = {name: ("deg", np.arange(N, dtype=float)) for name in ("valve angle", "angle", "stage roll")}
+    context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u), logged)))
+    assert [*get("gravity").follows(context)] == ["angle", "stage roll"]
 
 
-def test_degrees_without_a_unit_are_no_tilt() -> None:
-    """A number without a unit is an angle in radians as long as it may be one."""
-    assert is_tilt("tilt", logged("1", 0.2, -0.3))
-    assert not is_tilt("tilt", logged("1", 10.0, 30.0))
-
-
-def test_a_temperature_is_one_by_name_or_unit() -> None:
-    """By its unit whatever it is called, or by a word; an attempt has none."""
-    assert is_temperature("room", logged("degC", 20.0))
-    for name in ("temp", "T_room_temp", "roomtemp", "tempC", "Temperature 2"):
-        assert is_temperature(name, logged("1", 20.0)), name
-    for name in ("attempt", "template", "tempo", "contempt"):
-        assert not is_temperature(name, logged("1", 20.0)), name
-
-
-def test_a_flow_of_mass_pulls_nothing(lab_context: Context) -> None:
-    """Gravity has the same functions whether a flow is called one of mass or of air."""
-    values = np.linspace(0.0, 1.0, len(lab_context.base))
-    names = [
-        [[f.name for f in space.features] for space in shipped()["gravity"].family(context)]
-        for context in (
-            with_logged(lab_context, "mass_flow", Covariate("g/s", values)),
-            with_logged(lab_context, "air_flow", Covariate("g/s", values)),
-        )
-    ]
-    assert names[0] == names[1]
-
-
-def test_runs_that_log_in_two_units_are_not_joined(lab_context: Context) -> None:
-    """Degrees and radians are not put one after the other as if they were alike, and what is missing is said."""
-    rows = lab_context.rows
-    values = np.linspace(0.0, 1.0, len(rows.capture))
-    deg, rad = (replace(rows, covariates={"tilt": Covariate(unit, values)}) for unit in ("deg", "rad"))
-    with pytest.raises(LabrigError) as caught:
-        join_rows([deg, rad])
-    assert (
-        str(caught.value) == "the runs have 'tilt' in deg and in rad: import them again with it in one unit"
-    )
-    assert join_rows([deg, deg]).covariates["tilt"].values == pytest.approx(np.tile(values, 2))
-    joined = join_rows([deg, rows, rows])
-    assert joined.covariates == {}
-    assert joined.warnings[-1] == "tilt was logged in 1 of the 3 runs: nothing follows it"
-
-
-def with_logged(context: Context, name: str, covariate: Covariate) -> Context:
-    """The same with something more that was logged."""
-    return replace(context, rows=replace(context.rows, covariates={name: covariate}), _memo={})
-
-
-@pytest.fixture
-def lab_context(make_lab) -> Context:
-    """A small campaign as its effects see it."""
-    lab = make_lab(captures=6, repeats=False)
-    return context_of(lab, rows_of(lab.dataset(lab.predict(lab.u))))
+def test_what_follows_a_tilt_has_no_name_where_gravity_is_left_out(make_lab) -> None:
+    """Without the effect that it was logged for, it is something else that was recorded."""
+    lab = make_lab(chambers=2, captures=N, markers=6, repeats=False)
+    turn = np.sin(np.arange(N) * 0.9)
+    moved = 0.8 * turn[:, None, None] * np.cos(5 * np.arange(18))
+    run = lab.dataset(lab.predict(lab.u) + moved + lab.noise(), {"tilt": ("rad", turn)})
+    effects = {n: e for n, e in lab.model().library().items() if n != "gravity"}
+    verdict = verdict_on(*laid_out(prepared(rows_from(run), lab.model()), effects), effects)
+    assert (verdict.verdict, verdict.carried_by) == ("unknown", "what was recorded beside")
