@@ -5,7 +5,7 @@ import importlib.util
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
 
@@ -43,14 +43,14 @@ def _beside(folder: Path) -> Iterator[None]:
     aside = {name: sys.modules.pop(name) for name in files & sys.modules.keys()}
     before, wrote = set(sys.modules), sys.dont_write_bytecode
     sys.path.insert(0, str(folder))
-    sys.dont_write_bytecode = (
-        True  # a file that changed within a second looks unchanged to Python's own cache
-    )
+    # to Python's own cache a file that changed within a second looks unchanged
+    sys.dont_write_bytecode = True
     importlib.invalidate_caches()
     try:
         yield
     finally:
-        sys.path.remove(str(folder))
+        with suppress(ValueError):  # somebody's code may have taken it out itself
+            sys.path.remove(str(folder))
         sys.dont_write_bytecode = wrote
         for name in sys.modules.keys() - before:
             top = name.partition(".")[0]

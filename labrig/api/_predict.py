@@ -46,7 +46,7 @@ def predict(runs: Any, model: Any, set_points: Any, *, hold_s: float = 4.0) -> "
 
     rows, questioned = rows_from(runs_of(runs)), model_of(model)
     u = _set_points(set_points, rows)
-    if not positive(hold_s, "hold_s", "s") >= _SHORTEST_S:
+    if not positive(hold_s, "hold_s", "in seconds") >= _SHORTEST_S:
         raise LabrigError(f"hold_s {hold_s:g}: must be {_SHORTEST_S:g} s or more")
     planned = as_rows(rows, u, float(hold_s))
     context = questioned.predictor(rows).context(planned)

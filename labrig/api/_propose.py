@@ -182,7 +182,7 @@ def propose_experiment(
     """
     from labrig import experiment as core
 
-    positive(minutes, "minutes", "without its unit")
+    positive(minutes, "minutes", "without a unit")
     if tolerance is not None:
         positive(tolerance, "tolerance", "in the units of the observables")
     opened, questioned = runs_of(runs), model_of(model)

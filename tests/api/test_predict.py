@@ -69,7 +69,7 @@ def test_set_points_of_a_table_go_by_the_names_of_its_columns(lab: Path) -> None
         ("ten", {}, "set_points: a table of numbers is needed; "),
         (pd.DataFrame({"q1": [1.0]}), {}, "set_points: there is no column 'c1'; "),
         ([[np.nan] * 4], {}, "set_points: row 0 is not finite"),
-        ([[1.0] * 4], {"hold_s": "3 s"}, "hold_s '3 s': a number is needed, s"),
+        ([[1.0] * 4], {"hold_s": "3 s"}, "hold_s '3 s': a number is needed, in seconds"),
         ([[1.0] * 4], {"hold_s": 0.5}, "hold_s 0.5: must be 1.5 s or more"),
     ],
 )

@@ -1,6 +1,7 @@
 """What compare, diagnose, improve and propose_experiment give back, as a notebook uses it."""
 
 import json
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -40,9 +41,14 @@ def test_what_is_shown_is_short(diagnosis: labrig.Diagnosis) -> None:
     """A repr of a few lines, and a view for notebooks with the same sentence."""
     text = repr(diagnosis)
     assert text.startswith("Diagnosis: ")
-    assert len(text) < 400
     assert diagnosis.headline() in text
-    assert "creep" in diagnosis._repr_html_()
+    notes = [f"note: {line}" for line in diagnosis.warnings]
+    assert text.splitlines()[-len(notes) :] == notes
+    assert len(text) - len("\n".join(notes)) < 400
+    page = diagnosis._repr_html_()
+    for line in (diagnosis.headline(), *diagnosis.warnings):
+        assert escape(line) in page
+    assert "creep" in text.splitlines()[1]
     assert len(diagnosis._repr_html_()) < 10_000
 
 

@@ -14,7 +14,7 @@ from labrig._errors import LabrigError
 from labrig.bench import Campaign, draw
 from labrig.bench._files import write_model
 from labrig.bench._learner import capture_error
-from labrig.diagnosis import Result, diagnose, forms_of, improve, prepared, rows_from
+from labrig.diagnosis import Result, diagnose, forms_of, improve, prepared, rows_from, versus
 from labrig.diagnosis._candidates import Candidate, fit, square_of
 from labrig.diagnosis._design_matrix import columns_of
 from labrig.diagnosis._diagnose import _errors
@@ -101,7 +101,7 @@ def test_a_family_that_cannot_act_says_so(lip: tuple[Campaign, Model, Result]) -
 
 def test_a_run_that_goes_farther_than_its_weights_is_warned_of(lip: tuple[Campaign, Model, Result]) -> None:
     """Weights say little of pressures that no run which they were fitted to went to, and that is said."""
-    campaign, _, found = lip
+    campaign, model, found = lip
     assert found.improved is not None
     (entry,) = found.improved.file.effects
     on = entry.fitted_on
@@ -124,6 +124,7 @@ def test_a_run_that_goes_farther_than_its_weights_is_warned_of(lip: tuple[Campai
         f"(here {there.min():.3g} to {there.max():.3g})"
     )
     assert line.endswith("beyond that they say little, so fit it again with runs that go as far")
+    assert line in versus(campaign.dataset, model, half).summary["warnings"]
 
 
 def _positive(covariance: np.ndarray) -> np.ndarray:

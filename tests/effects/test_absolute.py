@@ -207,6 +207,22 @@ def test_what_an_entry_refers_to_must_be_whole() -> None:
         FittedOn(chambers=["c1"], low=[3.0], high=[3.0])
 
 
+def test_an_effect_of_chambers_with_other_names_is_refused(make_lab) -> None:
+    """Values of chambers that the run does not have would act on some of them, or on none, without a word."""
+    lab = make_lab(captures=20, chambers=2)
+    context = context_of(lab, rows_of(lab.dataset(lab.predict(lab.u))))
+    effect = shipped()["regulator"]
+    entry, _ = saved(context, effect, next(iter(effect.variants(context))))
+    evaluate(context, effect, entry)
+    renamed = replace(context, rows=replace(context.rows, chambers=("q1", "q2")), _memo={})
+    with pytest.raises(LabrigError) as caught:
+        evaluate(renamed, effect, entry)
+    assert str(caught.value) == (
+        "effect 'regulator' was fitted with the chambers c1, c2, and this run has q1, q2: give them the same names, or "
+        "fit it again"
+    )
+
+
 def test_another_range_needs_the_base(make_lab) -> None:
     """A context that was made without its base says so, rather than take this run's range for the saved one."""
     lab = make_lab(captures=20)

@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.diagnosis import diagnose
 from labrig.effects import join_rows, rows_of
 from labrig.effects._resolution import resolution_of
+from labrig.model import Model
 
 MakeLab = Callable[..., object]
 
@@ -33,6 +35,26 @@ def test_every_row_of_a_short_hold_is_kept(make_lab) -> None:
     assert rows.observables[:4] == ("m0.x", "m0.y", "m0.z", "m1.x")
     assert rows.marker.tolist() == np.repeat(np.arange(6), 3).tolist()
     assert rows.axis.tolist() == [0, 1, 2] * 6
+
+
+def test_a_marker_of_which_a_coordinate_is_missing_has_no_place_at_rest(make_lab) -> None:
+    """Its columns are there one by one; where it is at rest nobody knows, and effects that ask for that can act."""
+    lab = make_lab(chambers=2, captures=20, markers=3)
+    run = lab.dataset(lab.predict(lab.u) + lab.noise())
+    whole, part = run.isel(marker=[0, 2]), run["position_mm"].isel(marker=1, axis=[0, 1])
+    run = whole.assign(observed=(("capture", "time", "observable"), part.values)).assign_coords(
+        observable=["m1.x", "m1.y"],
+        unit=("observable", ["mm", "mm"]),
+        marker_of=("observable", ["m1", "m1"]),
+        axis_of=("observable", ["x", "y"]),
+    )
+    rows = rows_of(run)
+    assert rows.markers == ("m0", "m2", "m1")
+    assert rows.rest_mm is not None
+    assert np.isfinite(rows.rest_mm).all(axis=1).tolist() == [True, True, False]
+    order = [rows_of(lab.dataset(lab.predict(lab.u))).observables.index(name) for name in rows.observables]
+    model = Model.of(lambda u: lab.predict(u[:, None])[:, 0][:, order])
+    assert diagnose(run, model).summary["verdict"] == "nothing_missing"
 
 
 def test_the_transient_is_dropped(make_lab) -> None:

@@ -191,6 +191,7 @@ def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model)
     assert str(caught.value) == "the verdict is nothing_missing: it leaves nothing to settle"
+    assert caught.value.exit_code == 4
     considered = [{"effect": "leak", "probability": 0.99, "call": "sure"}]
     considered += [{"effect": "creep", "probability": 0.002, "call": "not it"}]
     sure = {"verdict": "identified", "effects": ["leak"], "rivals": [], "effects_considered": considered}

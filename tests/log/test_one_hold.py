@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 import labrig
+from tests.log.one_force import run_of
 
 from .test_streams import NOISE, N, T, imported
 
@@ -17,17 +17,7 @@ DRIVEN = np.sin(2 * np.pi * T / 10)
 
 def held(u: np.ndarray, force: np.ndarray, **more: object):
     """A run of an input (n,) and a force (n,), cut by the plateaus of the input."""
-    pd.DataFrame({"t": T[: len(u)], "p": u, "F": force}).to_csv("t.csv", index=False)
-    mapping = {
-        "table": "t.csv",
-        "time": {"column": "t", "unit": "s"},
-        "capture": {"per": "segment"},
-        "actuation": [{"column": "p", "name": "p", "unit": "kPa"}],
-        "observables": [{"column": "F", "name": "F", "unit": "N"}],
-        **more,
-    }
-    Path("map.yaml").write_text(yaml.safe_dump(mapping))
-    return labrig.import_table("map.yaml", "run")
+    return run_of(pd.DataFrame({"t": T[: len(u)], "p": u, "F": force}), **more)
 
 
 @pytest.mark.parametrize(

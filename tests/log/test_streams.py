@@ -12,6 +12,7 @@ import labrig
 from labrig import LabrigError
 from labrig.log import write_dataset
 from labrig.tables import find_segments
+from tests.log.one_force import run_of
 
 N = 2000
 T = np.arange(N) * 0.05
@@ -249,17 +250,7 @@ def table_of(rows_s: tuple[float, ...], wait_s: float, **more: object):
     u = np.random.default_rng(1).uniform(0, 60, 20).round(1)
     t = (np.arange(20)[:, None] * (wait_s + rows_s[-1] + 1.0) + np.array(rows_s)).ravel()
     p = np.repeat(u, len(rows_s))
-    pd.DataFrame({"t": t, "p": p, "F": 2 * p}).to_csv("t.csv", index=False)
-    mapping = {
-        "table": "t.csv",
-        "time": {"column": "t", "unit": "s"},
-        "capture": {"per": "segment"},
-        "actuation": [{"column": "p", "name": "p", "unit": "kPa"}],
-        "observables": [{"column": "F", "name": "F", "unit": "N"}],
-        **more,
-    }
-    Path("map.yaml").write_text(yaml.safe_dump({k: v for k, v in mapping.items() if v is not None}))
-    return labrig.import_table("map.yaml", "run")
+    return run_of(pd.DataFrame({"t": t, "p": p, "F": 2 * p}), **more)
 
 
 def test_the_wait_before_the_first_row_is_part_of_the_hold(desk: Path) -> None:

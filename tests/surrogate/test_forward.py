@@ -5,7 +5,7 @@ import pytest
 
 from labrig import LabrigError
 from labrig.surface import grid
-from labrig.surrogate import TrainingSet, train_forward
+from labrig.surrogate import TrainingSet, load_forward, train_forward
 from labrig.surrogate._likelihood import _Objective
 from labrig.surrogate._torch_training import Recipe
 
@@ -29,6 +29,22 @@ def test_errors_are_on_shapes_that_were_not_seen(trained, data):
     split = result.model.provenance["split"]
     assert sorted(split["learn"] + split["test"]) == list(range(100))
     assert len(split["test"]) == 30
+
+
+def test_what_was_trained_is_shown_in_short_and_saved(trained, tmp_path):
+    """A notebook shows its ranges and its errors in a few lines, and one call keeps the model."""
+    _, result = trained
+    text = repr(result)
+    assert len(text) < 600
+    assert f"mean {result.errors['mean_mm']:.3g} mm" in text
+    for name, low, high in zip(
+        result.model.chamber_names, result.model.low_kpa, result.model.high_kpa, strict=True
+    ):
+        assert f"{name} {low:g} to {high:g} kPa" in text
+    result.save(tmp_path / "forward.pt")
+    back = load_forward(tmp_path / "forward.pt")
+    a, (uv, _) = [[13.0, 41.0, 27.0]], grid(4, 4)
+    assert np.allclose(back.points(a, uv), result.model.points(a, uv))
 
 
 def test_jacobian(trained):
