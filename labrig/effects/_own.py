@@ -22,14 +22,14 @@ _AXES = {
 
 
 class EffectError(LabrigError):
-    """An own effect failed, or yielded what no effect may; `effect` is its name."""
+    """An own effect failed, or yielded what no effect may; `effect` is its name.
+
+    Made of its message alone, as an error is that comes from another process, it gets its name with its other state.
+    """
 
     def __init__(self, message: str, effect: str = "") -> None:
-        super().__init__(message, effect)  # both, so that it can be sent to another process
+        super().__init__(message)
         self.effect = effect
-
-    def __str__(self) -> str:
-        return str(self.args[0])
 
 
 def checked(kind: type[Effect], file: Path) -> type[Effect]:

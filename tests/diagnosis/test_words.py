@@ -35,6 +35,7 @@ def test_a_marker_that_is_off_through_whole_holds_is_said(make_lab) -> None:
     """A wall that only three set-points meet looks like a marker that is mistaken: nothing is missing beside it."""
     lab = make_lab(chambers=2, captures=40)
     values = lab.predict(lab.u) + lab.noise()
+    values[11, :, 3:6] += 30.0 * np.array([1.0, -2.0, 1.0])[:, None]  # wild in each row, another way
     values[[5, 17, 29], :, :3] += np.array([3.0, 0.0, 4.0]) * np.array([1.0, 0.6, 0.8])[:, None, None]
     found = diagnose(lab.dataset(values), lab.model()).summary
     assert found["verdict"] == "nothing_missing"

@@ -12,7 +12,9 @@ import yaml
 import labrig
 from labrig import LabrigError
 from labrig._running import Note, notes
+from labrig.campaign import Control, Interrupted
 from labrig.investigation import Reporter
+from labrig.investigation._endable import Endable
 from labrig.log import summarise
 from labrig.rig import investigations_on, vent_now
 from tests.rigs import MODEL, RIG
@@ -145,3 +147,16 @@ def test_gone_on_with_it_goes_no_higher_than_it_was_allowed(here: Path) -> None:
     assert state()["settings"]["highest"] == 0.4
     investigated(when_diagnosing(enough), resume=True, highest=0.3)
     assert state()["settings"]["highest"] == 0.3
+
+
+def test_no_run_begins_once_the_end_was_asked_for(here: Path) -> None:
+    """Who vents just before a run begins finds the chambers as they were left: nothing moves."""
+    with Endable(labrig.load_rig(here / "rig.yaml"), here / "asked") as endable:
+        with endable.measuring(Control()):
+            pass
+        endable._answer({"do": "end", "why": "a vent from outside"})
+        with (
+            pytest.raises(Interrupted, match="stopped by a vent from outside, between two runs"),
+            endable.measuring(Control()),
+        ):
+            pytest.fail("a run begins")
