@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
-from labrig._paths import path_of, paths_of
+from labrig._paths import paths_of
+from labrig.api._as_file import as_file
 from labrig.api._inputs import AnyPath, rig_of
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from labrig._executor import Executor
+    from labrig.api._as_file import ShapeModelGiven
     from labrig.ik import Solved
 
     Floats = NDArray[np.float64]
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 
 def solve_ik(
     targets: Any,
-    model: AnyPath,
+    model: "ShapeModelGiven",
     *,
     rig: Any = None,
     unit: str | None = None,
@@ -31,7 +33,8 @@ def solve_ik(
 
     Args:
         targets: one file or several (OBJ, PLY, STL).
-        model: a model's file: of the shell, learnt, or corrected.
+        model: of the shell, learnt, or corrected: its file, what `labrig.Model.load` gives, or what `train_forward` or
+            `train_sim2real` has just given.
         rig: a rig.yaml's path, or what `labrig.load_rig` gives: its limits hold; by default the model's own.
         unit: of the targets, where their files do not say.
         executor: workers for many targets; they stay open.
@@ -54,9 +57,9 @@ def solve_ik(
     from labrig.ik import solve_files
 
     files = paths_of(targets, "a target", "a surface's file (OBJ, PLY, STL), or a list of them")
-    model = path_of(model, "a model", "its file, such as forward.pt or model.yaml")
-    limits = limits_kpa(rig, model) if rig is not None else None
-    return solve_files(files, model, unit, limits, executor, progress)
+    with as_file(model) as path:
+        limits = limits_kpa(rig, path) if rig is not None else None
+        return solve_files(files, path, unit, limits, executor, progress)
 
 
 def limits_kpa(rig: Any, model: AnyPath) -> "tuple[Floats, Floats]":

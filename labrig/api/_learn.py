@@ -51,7 +51,7 @@ def train_forward(
 
 def train_sim2real(
     run: Any,
-    model: "AnyPath | ForwardModel",
+    model: "AnyPath | ForwardModel | Trained",
     *,
     method: str = "ours",
     frames: int | None = None,
@@ -61,7 +61,7 @@ def train_sim2real(
 
     Args:
         run: a run folder's path; what `labrig.open_run` gives will do where no scans are needed.
-        model: a forward model's file, or the model.
+        model: a forward model's file, the model, or what `train_forward` has just given.
         method: ours (markers), scans, both, or the source paper's function and marker.
         frames: use so many frames only.
         seed: of a network's training.
@@ -83,8 +83,8 @@ def train_sim2real(
 
     if method not in surrogate.METHODS:
         raise LabrigError(f"method {method!r}: choose one of {', '.join(surrogate.METHODS)}")
-    if isinstance(model, surrogate.ForwardModel):
-        forward = model
+    if isinstance(model, surrogate.ForwardModel | surrogate.Trained):
+        forward = model.model if isinstance(model, surrogate.Trained) else model
     else:
         forward = surrogate.load_forward(path_of(model, "a forward model", "its file, or the model"))
     captured = None

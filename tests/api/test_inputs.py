@@ -162,7 +162,7 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
         ("run", (7, "RIG"), f"a procedure is needed, and a int was given: {PROCEDURE}"),
         ("solve_ik", (7, "forward.pt"), f"a target is needed, and a int was given: {TARGET}"),
         ("solve_ik", ([], "forward.pt"), f"a target: none was given; {TARGET}"),
-        ("solve_ik", ("body.ply", 7), SHAPE),
+        ("solve_ik", ("body.ply", 7), f"{SHAPE}, or the model"),
         (
             "train_forward",
             (7,),

@@ -1,6 +1,7 @@
 """labrig ik: a table, JSON, a report, and errors for people; the torso and the bodies that come with labrig."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +9,10 @@ import pytest
 import typer
 import yaml
 
+import labrig
 from labrig import LabrigError
 from labrig._executor import Executor
+from labrig.api._as_file import as_file
 from labrig.campaign._scans import keep_scan
 from labrig.cli._ik import ik
 from labrig.ik import load_shape_model, solve_files
@@ -142,6 +145,9 @@ def test_a_model_that_remembers_gives_a_path(desk):
     np.testing.assert_allclose(entry["path"]["setpoints_kpa"][-1], 26.8, atol=0.5)
     assert entry["path"]["name"] == "straight"
     assert entry["measured_mm"]["mean"] < 0.25
+    (solved,) = labrig.solve_ik("b.ply", replace(labrig.Model.load("model.yaml"), path=None))
+    assert solved.path is not None
+    np.testing.assert_allclose(solved.path.setpoints_kpa, entry["path"]["setpoints_kpa"], atol=1e-3)
 
 
 def test_a_page_of_failures():
@@ -154,7 +160,7 @@ def test_a_page_of_failures():
 
 
 def test_a_learned_model_is_read(tmp_path, net):
-    """forward.pt is a model; what is none is said by the one that reads it."""
+    """forward.pt is a model, and the one that was learnt is such a file; what is none is said by what reads it."""
     from labrig.surrogate import ForwardModel, save_forward
     from labrig.surrogate._gaussian import fit_gaussian
 
@@ -164,6 +170,9 @@ def test_a_learned_model_is_read(tmp_path, net):
         net.chamber_names, net.low_kpa, net.high_kpa, net.spline, net.mean_mm, net.modes_mm, head, np.zeros((6, 1)), 1.0
     )  # fmt: skip
     save_forward(model, tmp_path / "forward.pt")
+    with as_file(model) as path:
+        assert path.read_bytes() == (tmp_path / "forward.pt").read_bytes()
+    assert not path.exists()
     shape, memory = load_shape_model(tmp_path / "forward.pt")
     assert shape.chamber_names == net.chamber_names
     assert memory is None

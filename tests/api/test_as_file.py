@@ -1,0 +1,43 @@
+"""A model that is handed over as an object is read from a file, as processes need it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import labrig
+from labrig import LabrigError
+from labrig.api._as_file import as_file
+from labrig.effects import write_template
+
+
+def test_a_model_of_a_file_is_that_file(lab: Path) -> None:
+    """Nothing is written where the model stands in a file already."""
+    for given in (lab / "model.yaml", str(lab / "model.yaml"), labrig.Model.load(lab / "model.yaml")):
+        with as_file(given) as path:
+            assert path == lab / "model.yaml"
+
+
+def test_a_changed_model_is_written_with_what_it_names(lab: Path, tmp_path: Path) -> None:
+    """Its rig and its own effects are found from the file's folder, which is gone afterwards."""
+    (tmp_path / "rig.yaml").write_bytes((lab / "rig.yaml").read_bytes())
+    (tmp_path / "model.yaml").write_text(
+        "base: {kind: simulator, rig: rig.yaml}\n"
+        "effects: [{name: swelling, form: simple, parameters: {amplitude: {value: 0.1}}}]\n"
+    )
+    write_template("swelling", tmp_path)
+    changed = replace(labrig.Model.load(tmp_path / "model.yaml"), path=None)
+    with as_file(changed) as path:
+        assert path.parent not in (lab, tmp_path)
+        read = labrig.Model.load(path)
+        assert [entry.name for entry in read.file.effects] == ["swelling"]
+        assert (read.folder / read.file.base.rig).resolve() == tmp_path / "rig.yaml"  # type: ignore[union-attr]
+    assert not path.parent.exists()
+
+
+def test_a_function_stands_in_no_file() -> None:
+    """A model of a notebook's function, and what is no model at all, are refused in one line."""
+    with pytest.raises(LabrigError, match="which stands in no file"), as_file(labrig.Model.of(abs)):
+        pass
+    with pytest.raises(LabrigError, match=r"or the model$"), as_file(7):  # type: ignore[arg-type]
+        pass
