@@ -113,7 +113,8 @@ class Planned:
 def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: Limits) -> Planned:
     """What the programmes would record, as rows without values, shaped like the run `template`.
 
-    Each is a session of its own, which begins vented, `START_S` before it.
+    Each is a session of its own, which begins vented, `START_S` before it. Where the run measured its pressures, they
+    are taken to be what is commanded.
     """
     event_at: list[float] = []
     event_u: list[Floats] = []
@@ -147,7 +148,7 @@ def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: 
     rows = replace(
         template,
         actuation=actuation,
-        measured=np.full((n, template.measured.shape[1]), np.nan),
+        measured=actuation if np.isfinite(template.measured).all() else np.full(actuation.shape, np.nan),
         values=np.full((n, len(template.observables)), np.nan),
         capture=np.array(kept["capture"], dtype=np.int64),
         session=owner,
@@ -169,10 +170,7 @@ def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: 
 
 
 def as_rows(template: Rows, actuation: Floats, hold_s: float) -> Rows:
-    """What set-points (n, C) would record, each held for `hold_s`, as rows without values, from a vented rig on.
-
-    Pressures that the run measured are taken to be what was commanded.
-    """
+    """What set-points (n, C) would record, each held for `hold_s`, as rows without values, from a vented rig on."""
     low, high = (
         pick(np.vstack([limit, actuation]), axis=0)
         for pick, limit in ((np.min, template.low), (np.max, template.high))
@@ -183,7 +181,7 @@ def as_rows(template: Rows, actuation: Floats, hold_s: float) -> Rows:
     rows = planned_rows(template, [points], limits).rows
     exact = np.vstack([rows.event_actuation[:1], actuation])  # not as a person would type them
     own = actuation[rows.capture]
-    measured = own if np.isfinite(template.measured).all() else rows.measured
+    measured = own if np.isfinite(rows.measured).all() else rows.measured
     return replace(rows, actuation=own, event_actuation=exact, measured=measured)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from labrig.effects import rows_of
 from labrig.experiment import Limits
-from labrig.experiment._plan import Point, Probe, repeat_labels
+from labrig.experiment._plan import Point, Probe, planned_rows, repeat_labels
 from labrig.experiment._probes import on_few_levels
 
 
@@ -50,3 +50,17 @@ def test_a_probe_knows_how_long_it_takes() -> None:
     limits = Limits(np.zeros(2), np.array([60.0, 30.0]), np.array([30.0, 10.0]))
     probe = Probe("p", "s", (Point((0.5, 0.5), 4.0), Point((0.0, 0.0), 2.0)))
     assert probe.seconds(limits) == pytest.approx(1.5 + 4.0 + 1.5 + 2.0)
+
+
+def test_a_model_that_follows_measured_pressures_can_be_asked_about_a_plan(make_lab) -> None:
+    """In a programme that nobody has run, pressures are what is commanded, where the run says what they were."""
+    lab = make_lab(captures=12, chambers=2)
+    run = lab.dataset(lab.predict(lab.u))
+    left = np.exp(-lab.hold_s / 90.0)[:, :, None]
+    run["measured"] = (("capture", "time", "chamber"), np.where(np.isfinite(left), lab.u * left, np.nan))
+    rows = rows_of(run)
+    predictor = lab.model("[{name: leak, form: as measured, parameters: {sensor: {value: 1.0}}}]").predictor(
+        rows
+    )
+    planned = planned_rows(rows, [(Point((0.5, 0.8), 30.0),)], Limits.of(rows)).rows
+    np.testing.assert_allclose(predictor.context(planned).base, lab.predict(planned.actuation))
