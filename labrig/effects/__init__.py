@@ -14,10 +14,11 @@ from labrig.effects._family import (
     pressure,
 )
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
+from labrig.effects._fitted import Fitted
 from labrig.effects._forms import plain_forms
 from labrig.effects._join import join_rows
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
-from labrig.effects._own import without_failing
+from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import USER_FOLDER, get, library
@@ -52,7 +53,9 @@ __all__ = [
     "Context",
     "Covariate",
     "Effect",
+    "EffectError",
     "Feature",
+    "Fitted",
     "Parameter",
     "Part",
     "Places",

@@ -10,6 +10,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._family import Space
+from labrig.effects._fitted import Fitted
 from labrig.effects._sign import Part, Sign, along_own
 
 Acts = Literal["pressure", "mechanics", "observation"]
@@ -176,6 +177,10 @@ class Effect(ABC):
         """What a saved form needs and `context` has not, in words; empty where nothing is lacking. `parameters` are the
         names of its parameters, of a family those of its functions.
         """
+        return ""
+
+    def in_words(self, found: Fitted) -> str:
+        """What its fitted values come to, in a sentence; empty where they speak for themselves."""
         return ""
 
     @classmethod

@@ -37,7 +37,7 @@ def checked(kind: type[Effect], file: Path) -> type[Effect]:
     own: dict[str, Any] = {"variants": _each(kind, file, "variants", _variant), "__module__": kind.__module__}
     if kind.family is not Effect.family:
         own["family"] = _each(kind, file, "family", _space)
-    for method in ("covariate", "sign", "follows", "turned_round", "carried", "lacks"):
+    for method in ("covariate", "sign", "follows", "turned_round", "carried", "lacks", "in_words"):
         if getattr(kind, method) is not getattr(Effect, method):
             own[method] = _called(kind, file, method)
     return type(kind.__name__, (kind,), own)

@@ -5,16 +5,22 @@ from functools import partial
 
 import numpy as np
 
+from labrig._text import listed, number, with_unit
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, one_way, pressure
+from labrig.effects._fitted import Fitted
 from labrig.effects._inside import FORM, inside
 from labrig.effects._obstacles import obstacles
 from labrig.effects._planes import NORMAL, felt_beside, planes
 from labrig.effects._pushes import pushes
+from labrig.effects._rows import ends
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
 from labrig.effects._skin import touched, touched_term
+
+_BY_PRESSURE = {"pressure", "per chamber", "one chamber"}
+"""Forms whose limit is a share of a chamber's range."""
 
 
 class Contact(Effect):
@@ -175,6 +181,20 @@ class Contact(Effect):
         rest = context.rows.rest_mm
         unknown = rest is None or not np.isfinite(rest).all()
         return "the places of the markers at rest" if form.startswith("plane") and unknown else ""
+
+    def in_words(self, found: Fitted) -> str:
+        """From which pressure on something is met, of each chamber that is stopped."""
+        if found.form not in _BY_PRESSURE or not found.ranges or not (limit := found.numbers("limit")):
+            return ""
+        origin, span = ends(*np.array(list(found.ranges.values()), float).T)
+        at = dict(zip(found.ranges, (origin + limit[0] * span).tolist(), strict=True))
+        said = {name: with_unit(number(value), found.unit) for name, value in at.items()}
+        if only := found.numbers("chamber"):
+            name = list(at)[int(only[0])]
+            return f"{name} is stopped from {said[name]} on."
+        if len(set(said.values())) == 1:
+            return f"Something is met from {next(iter(said.values()))} on."
+        return f"Something is met from {listed([f'{value} ({name})' for name, value in said.items()])} on."
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("largest pressure, of the range", "1", context.rows.fraction.max(axis=1))

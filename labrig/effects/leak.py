@@ -9,6 +9,8 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
+from labrig.effects._fitted import Fitted
+from labrig.effects._leak_words import by_formula, by_weights
 from labrig.effects._sign import Part, Sign, of_field, pressures
 from labrig.effects._skin import by_place
 
@@ -114,6 +116,9 @@ class Leak(Effect):
             return "measured pressures" if context.measured_error is None else ""
         timed = np.isfinite(context.rows.hold_s).all() or context.has_time
         return "" if timed else MOMENTS
+
+    def in_words(self, found: Fitted) -> str:
+        return by_weights(found) if "weights" in found.parameters else by_formula(found)
 
 
 def _forms(how: str, lost: Floats, tau_s: float, context: Context) -> Iterator[Variant]:

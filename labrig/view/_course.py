@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig._text import word
 from labrig.view._still import save_still
 from labrig.view._style import AFTER, CEILING, FLOOR, GROUPS, INK, LINE, MUTED
-from labrig.view._text import word
 
 if TYPE_CHECKING:
     from labrig.live import Look

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import cast
 
 from labrig._durable import write_whole
+from labrig._text import number, word
 from labrig.contents import ProgrammePoint, Proposed, Summary
 from labrig.investigation_contents import Confirmation, InvestigationContent, Round
 from labrig.view._figures import Figure
 from labrig.view._naming import names_in_short
 from labrig.view._page import Page, bar, table
 from labrig.view._style import AFTER, BEFORE
-from labrig.view._text import number, word
 from labrig.view._waterfall import waterfall_svg
 
 REPORT_NAME = "report.html"

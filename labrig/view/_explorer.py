@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from labrig._text import number
 from labrig.arrays import Floats
 from labrig.view._colours import STEPS
 from labrig.view._explorer_script import EXPLORER
@@ -22,7 +23,6 @@ from labrig.view._outlines import Outline, chamber_outlines
 from labrig.view._page import Page
 from labrig.view._style import ERROR_SCALE
 from labrig.view._surface_figure import proud, surface_figure
-from labrig.view._text import number
 
 MAX_CAPTURES = 200
 _DIGITS = 2

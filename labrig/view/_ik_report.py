@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._durable import write_whole
+from labrig._text import counted, number
 from labrig.view._page import Page, bar, table
 from labrig.view._shape_figures import histogram, signed_map
-from labrig.view._text import counted, number
 
 if TYPE_CHECKING:
     from labrig.ik import Solved

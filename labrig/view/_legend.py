@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._text import number
 from labrig.view._colours import STEPS, error_colours
 from labrig.view._scene import CHAMBER_COLOURS
-from labrig.view._text import number
 
 INK, PAPER = "#e6e9ee", "#161a21"
 WIDTH_INCHES, DPI = 4.0, 160

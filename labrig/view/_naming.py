@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from math import inf, sqrt
 
+from labrig._text import capital, give_or_take, listed, percent, with_unit, word
 from labrig.contents import Summary, TrackRecord
-from labrig.view._text import capital, give_or_take, listed, percent, with_unit, word
 
 UNSEEN = "can't be seen"
 """What is said of an effect that the runs could not show."""

@@ -1,8 +1,8 @@
 """What else it could be: what is possible beside the answer, and how far the next best comes by itself."""
 
+from labrig._text import capital, listed, number, percent, word
 from labrig.contents import Ranked, Summary
 from labrig.view._naming import added, names, possible
-from labrig.view._text import capital, listed, number, percent, word
 
 COMES_NEAR = 1.25  # a runner-up's error, as a multiple of the winner's, that is worth a thought
 

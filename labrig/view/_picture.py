@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig._text import number, word
 from labrig.arrays import Floats
 from labrig.view._colours import STEPS, error_colours, floor_for_colours, rgb
 from labrig.view._fields import (
@@ -18,7 +19,6 @@ from labrig.view._naming import added
 from labrig.view._space import view_axes
 from labrig.view._still import save_still
 from labrig.view._style import AFTER, BEFORE, CEILING, ERROR_SCALE, FLOOR, INK, MUTED
-from labrig.view._text import number, word
 from labrig.view._words import has_improved, note
 
 if TYPE_CHECKING:

@@ -4,8 +4,9 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from labrig.view._text import give_or_take, number, with_unit, word
-from labrig.view._values import NO_UNITS, ROTATION, flat, own_unit
+from labrig._text import give_or_take, number, with_unit, word
+from labrig.arrays import flat
+from labrig.view._values import NO_UNITS, ROTATION, own_unit
 
 Table = tuple[str, list[str], list[list[str]]]
 """What the rows are, the header, and the rows."""

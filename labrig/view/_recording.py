@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._text import number, word
 from labrig.view._colours import floor_for_colours, rgb
 from labrig.view._fields import (
     Cloud,
@@ -23,7 +24,6 @@ from labrig.view._legend import legend_picture
 from labrig.view._naming import added
 from labrig.view._scene import CHAMBER_COLOURS, draw_state, scene_in_front
 from labrig.view._style import BEFORE, FLOOR
-from labrig.view._text import number, word
 from labrig.view._words import has_improved, note
 
 if TYPE_CHECKING:

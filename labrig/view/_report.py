@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig._durable import write_whole
+from labrig._text import amount, capital, counted, listed, number, percent, word
 from labrig.contents import Summary
 from labrig.view import _figures
 from labrig.view._colours import floor_for_colours
@@ -19,7 +20,6 @@ from labrig.view._pressures import pressures
 from labrig.view._report_effects import considered, ranking, values
 from labrig.view._signature_figure import signature
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
-from labrig.view._text import amount, capital, counted, listed, number, percent, word
 from labrig.view._values import units_of
 from labrig.view._waterfall import waterfall_svg
 from labrig.view._words import fitted_anything, has_improved, meanings, note

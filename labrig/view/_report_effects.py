@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from html import escape
 from typing import TYPE_CHECKING
 
+from labrig._text import capital, counted, number, word
 from labrig.contents import Ranked, Summary
+from labrig.effects import Fitted
 from labrig.view._fields import most_moved_by
 from labrig.view._naming import added, effect_rows, unseen_words
 from labrig.view._page import Page, bar, table
 from labrig.view._places import place_tables
-from labrig.view._text import capital, counted, number, word
-from labrig.view._values import Fitted, fitted, values_words
+from labrig.view._values import fitted, plain, values_words
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -63,7 +64,7 @@ def values(page: Page, result: "Result") -> None:
     unit = str(result.fields["commanded"].attrs.get("units", "")) if "commanded" in result.fields else ""
     over = most_moved_by(result.fields)
     for one in shown:
-        page.add(_values(one))
+        page.add(_values(one, plain(result, one)))
         tables = place_tables(one.parameters, chambers.get(one.effect, {}), unit, over, one.units)
         for kind, header, rows in tables:
             cells = [[escape(cell) for cell in row] for row in rows]
@@ -81,9 +82,9 @@ def _cells(row: tuple[str, ...]) -> list[str]:
     return [escape(name), f'<span class="call {kind}">{escape(call)}</span>', *map(escape, figures)]
 
 
-def _values(one: Fitted) -> str:
+def _values(one: Fitted, plain: str) -> str:
     form = f" ({one.form})" if one.form else ""
-    said = f"{escape(one.plain)} " if one.plain else ""
+    said = f"{escape(plain)} " if plain else ""
     values = f'<span class="parameters">{escape(capital(values_words(one.parameters, one.units)))}</span>'
     return f'<p class="values"><b>{escape(capital(word(one.effect)))}</b>{escape(form)}: {said}{values}</p>'
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from labrig._text import number
 from labrig.arrays import Floats
 from labrig.view._colours import shade
 from labrig.view._fields import Skin
@@ -11,7 +12,6 @@ from labrig.view._figures import FONT, Figure, _plain
 from labrig.view._outlines import Outline
 from labrig.view._space import camera, front, light, scene_layout
 from labrig.view._style import ERROR_SCALE, INK
-from labrig.view._text import number
 
 MARKERS, NAMES, SKIN, LINES, CHAMBERS = range(5)
 """The traces of the figure, in this order; the last three only where there is a skin."""

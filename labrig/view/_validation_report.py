@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig._text import counted, number
 from labrig.shape_contents import Distances, Realisation
 from labrig.view._ik_report import REPORT_NAME, write_page
 from labrig.view._page import Page, table
 from labrig.view._shape_figures import histogram, signed_map
-from labrig.view._text import counted, number
 
 if TYPE_CHECKING:
     from labrig.ik import Outcome

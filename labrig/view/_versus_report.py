@@ -7,6 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labrig._text import counted, number
 from labrig.contents import PlaceGap, Versus
 from labrig.view._colours import floor_for_colours
 from labrig.view._explorer import surface_explorer
@@ -17,7 +18,6 @@ from labrig.view._page import Page, table
 from labrig.view._pictures import error_bars, surface_of
 from labrig.view._report import GROUPS, REPORT_NAME
 from labrig.view._style import AFTER, BEFORE, FLOOR, MUTED
-from labrig.view._text import counted, number
 from labrig.view._versus_figure import differences
 from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
 

@@ -2,8 +2,8 @@
 
 import math
 
+from labrig._text import NO_BREAK, number, percent, with_unit
 from labrig.contents import Gap, Versus
-from labrig.view._text import NO_BREAK, number, percent, with_unit
 
 
 def versus_headline(summary: Versus) -> str:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from html import escape
 
+from labrig._text import number, word
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, INK, LINE, MUTED
-from labrig.view._text import number, word
 
 WIDTH, HEIGHT = 956.0, 320.0
 TOP, BOTTOM = 34.0, 52.0

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from labrig._text import amount, capital, counted, listed, number, percent, with_unit, word
 from labrig.contents import HeldOff, Next, Summary
 from labrig.view._naming import (
     added,
@@ -19,7 +20,6 @@ from labrig.view._naming import (
     unnamed_words,
 )
 from labrig.view._others import what_else
-from labrig.view._text import amount, capital, counted, listed, number, percent, with_unit, word
 
 VERDICTS = {
     "nothing_missing": "nothing missing",

@@ -87,7 +87,7 @@ def test_what_an_own_effect_does_wrong_is_said(make_lab, body: str, said: str) -
 
 @pytest.mark.parametrize(
     ("method", "arguments"),
-    [("follows", ()), ("turned_round", ()), ("lacks", ("a", ())), ("carried", ("a", {}))],
+    [("follows", ()), ("turned_round", ()), ("lacks", ("a", ())), ("carried", ("a", {})), ("in_words", ())],
 )
 def test_each_method_of_an_own_effect_says_where_it_fails(make_lab, method: str, arguments: tuple) -> None:
     """A fault in any of the methods that people are told to write is said as one in the forms is."""

@@ -1,9 +1,12 @@
 """Fitted values in words."""
 
-import numpy as np
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
-from labrig.view._values import Fitted, leak_words, plain_words, values_words
+from labrig.effects import EffectError, Fitted
+from labrig.view._values import plain, values_words
 
 CHAMBERS = [f"c{i}" for i in range(1, 6)]
 
@@ -33,106 +36,6 @@ def test_of_many_chambers_the_largest():
     """Of more chambers the three with the largest values are named, the others by their range."""
     said = values_words({"gain": per_chamber([0.1, -0.9, 0.2, 0.5, 0.01], [0.1] * 5)})
     assert said == "gain c2 -0.90 ± 0.10, c4 0.50 ± 0.10, c3 0.20 ± 0.10, 2 others 0.01 to 0.1"
-
-
-@pytest.mark.parametrize(
-    ("parameters", "said"),
-    [
-        (
-            {"loss": per_chamber([0.9, 0.01], [0.05, 0.02]), "tau_s": {"value": 30.0, "unit": "s"}},
-            "c1 loses 3 % a second of its pressure at first (time constant 30 s); the other holds its own, as far as "
-            "these data tell.",
-        ),
-        (
-            {"loss": {"value": 1.0, "sd": 0.1, "unit": "1"}, "tau_s": {"value": 25000.0, "unit": "s"}},
-            "Every chamber loses 0.24 % a minute of its pressure at first (time constant 25000 s).",
-        ),
-        (
-            {
-                "loss": {"value": 0.6, "sd": 0.1, "unit": "1"},
-                "tau_s": {"value": 60.0, "unit": "s"},
-                "chamber": {"value": 1.0, "unit": "1", "per": ["c2"]},
-            },
-            "c2 loses 1 % a second of its pressure at first (time constant 60 s).",
-        ),
-        (
-            {"tau_s": per_chamber([100.0, 20.0], [1.0, 1.0], "s")},
-            "c2 loses 5 % a second of its pressure at first (time constant 20 s); c1 loses 1 % a second of its "
-            "pressure at first (time constant 100 s).",
-        ),
-        (
-            {"sensor": {"value": 0.97, "sd": 0.01, "unit": "1"}},
-            "Pressure is lost as the sensors measured it: 97 % of it reaches the surface.",
-        ),
-        (
-            {"loss": per_chamber([0.01, 0.01], [0.05, 0.02]), "tau_s": {"value": 30.0, "unit": "s"}},
-            "No single chamber leaks clearly.",
-        ),
-        ({}, ""),
-    ],
-)
-def test_a_leak_says_which_chamber_and_how_fast(parameters, said):
-    """The chambers that leak are named, the fastest first, with the share that escapes and the time constant."""
-    assert leak_words(parameters).replace("\u00a0", " ") == said
-
-
-def test_a_leak_without_a_formula_says_which_chamber_and_how_much() -> None:
-    """Of a family's weights it is said what each chamber loses in a minute, or in the longest hold where that is less,
-    the common part and its own together.
-    """
-    per = [
-        "lost 60.0",
-        "lost 20.0 root",
-        "pocket 20.0",
-        "lost 60.0 of c1",
-        "lost 60.0 of c2",
-        "lost 60.0 of c3",
-    ]
-    weights = {"value": [0.10, 0.05, 3.0, 0.2, -0.10, -0.18], "sd": [0.01] * 6, "per": per, "unit": "1"}
-    said = plain_words("leak", {"weights": weights}).replace("\u00a0", " ")
-    minute, whole = 1 - np.exp(-1), 1 - np.exp(-3)
-    first, second = (round(100 * (own * minute + 0.05 * whole)) for own in (0.3, 0.0))
-    assert said.startswith(
-        f"c1 loses {first} % and c2 loses {second} % of its full pressure in a minute. No formula follows it"
-    )
-    shorter = plain_words("leak", {"weights": weights}, 6.0).replace("\u00a0", " ")
-    lost = round(100 * (0.3 * (1 - np.exp(-0.1)) + 0.05 * (1 - np.exp(-0.3))))
-    assert shorter.startswith(f"c1 loses {lost} %, ")
-    assert " of its full pressure in 6 s. " in shorter
-    assert plain_words("creep", {"weights": weights}).startswith("No formula follows it")
-    skin = {"value": [1.5, -0.2], "sd": [0.1, 0.1], "per": ["skin 600.0", "skin 600.0 load"], "unit": "1"}
-    assert plain_words("leak", {"weights": skin}).startswith(
-        "The surface sinks as a whole: no chamber stands out."
-    )
-    nothing = weights | {"value": [0.0] * 6}
-    assert plain_words("leak", {"weights": nothing}).startswith("No single chamber leaks clearly.")
-
-
-@pytest.mark.parametrize(
-    ("form", "parameters", "ranges", "said"),
-    [
-        ("pressure", {}, {"c1": (0.0, 300.0)}, "Something is met from 180 mbar on."),
-        ("pressure", {}, {"c1": (-300.0, 0.0)}, "Something is met from -180 mbar on."),
-        ("per chamber", {}, {"c1": (0, 300), "c2": (0, 300)}, "Something is met from 180 mbar on."),
-        (
-            "per chamber",
-            {},
-            {"c1": (0, 300), "c2": (-50, 50)},
-            "Something is met from 180 mbar (c1) and 10 mbar (c2) on.",
-        ),
-        (
-            "one chamber",
-            {"chamber": {"value": 1.0}},
-            {"c1": (0, 300), "c2": (0, 200)},
-            "c2 is stopped from 120 mbar on.",
-        ),
-        ("deflection", {}, {"c1": (0.0, 300.0)}, ""),
-    ],
-)
-def test_a_limit_is_a_pressure(form: str, parameters: dict, ranges: dict, said: str) -> None:
-    """Where something is met is said in the unit of the rig, not as a share of a range that nobody has in mind."""
-    one = Fitted("contact", form, {"limit": {"value": 0.6}, **parameters}, 60.0, ranges, "mbar")
-    assert one.plain.replace("\u00a0", " ") == said
 
 
 def test_each_value_of_a_frame_has_its_own_unit() -> None:
@@ -205,3 +108,21 @@ def test_how_much_of_creep_the_base_has_is_said_in_words(known: float, said: str
     """The model file's `known` is no word: people read how much of the creep the base has already, or nothing."""
     values = {"tau_s": {"value": 12.0, "unit": "s"}, "known": {"value": known, "unit": "1"}}
     assert values_words(values).replace("\u00a0", " ") == said
+
+
+def test_an_effects_own_words_stand_before_its_numbers() -> None:
+    """An effect says what its values come to; where that fails, the fault stands there and the rest is shown."""
+
+    def fails(found: Fitted) -> str:
+        raise EffectError("effect 'boom': boom.py, line 3: Boom.in_words: KeyError: 'tau'")
+
+    def said(in_words: Any, parameters: dict[str, Any]) -> str:
+        improved = SimpleNamespace(library=lambda: {"boom": SimpleNamespace(in_words=in_words)})
+        return plain(SimpleNamespace(improved=improved), Fitted("boom", "", parameters))  # type: ignore[arg-type]
+
+    assert (
+        said(lambda found: f"It booms by {found.numbers('size')[0]:g}.", {"size": {"value": 3}})
+        == "It booms by 3."
+    )
+    assert said(lambda found: "", {"weights": {}}).startswith("No formula follows it well enough")
+    assert said(fails, {}) == "effect 'boom': boom.py, line 3: Boom.in_words: KeyError: 'tau'."

@@ -2,8 +2,8 @@
 
 import pytest
 
+from labrig._text import give_or_take, listed, number, percent
 from labrig.view._others import what_else
-from labrig.view._text import give_or_take, listed, number, percent
 from labrig.view._words import has_improved, note
 
 BASE = {
