@@ -17,6 +17,8 @@ _PANEL = 256
 """How many rows of a matrix are mirrored at once: numerical, it changes no number."""
 _MANY = 1 / 3
 """Rows taken off a matrix, as a share of its own, from which on it is factored anew, which is quicker; numerical."""
+_TOGETHER = 400_000
+"""Numbers of small matrices that are factored together; numerical."""
 _JITTER = 1e-12
 """Added to a unit diagonal against rounding; numerical, it decides nothing."""
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
@@ -261,24 +263,40 @@ class RaisedState:
         half = self.half[:, at]
         return self.state.covariance[at][:, at] + half.T @ half
 
-    def further(self, at: slice, sds: Floats) -> tuple[Floats, Floats]:
-        """The quadratic form and log det (n,) when one more block is raised to each of some prior sds (n,).
+    def further(self, ats: Sequence[slice], sds: Floats) -> tuple[Floats, Floats]:
+        """The quadratic form and log det (B, n) when one more of some blocks is raised to each of some prior sds (n,).
 
-        Both are read off one Cholesky factor of the block, bordered by its mean and the quadratic form as it stands.
+        Both are read off one Cholesky factor of the block, bordered by its mean and the quadratic form as it stands:
+        of all blocks of one width at a time.
         """
-        mean, was = self.mean[at], self.sd[at.start]
-        q = len(mean)
-        if was > self.state.sd[at.start]:  # raised already, by another owner of the same space
-            sds = np.hypot(sds, was)
-        delta = np.sqrt(np.maximum(was**-2.0 - sds**-2.0, 0.0))
-        M = np.zeros((len(sds), q + 1, q + 1))
-        M[:, :q, :q] = -(delta**2)[:, None, None] * self.covariance(at)
-        M[:, range(q), range(q)] += 1 + _JITTER
-        M[:, q, :q] = delta[:, None] * mean
-        M[:, q, q] = self.quad
-        pivots = np.diagonal(np.linalg.cholesky(M), axis1=1, axis2=2)
-        more = 2 * np.log(pivots[:, :q]).sum(axis=1) + 2 * q * np.log(sds / was)
-        return np.asarray(pivots[:, q] ** 2, dtype=float), np.asarray(self.logdet + more, dtype=float)
+        quads, logdets = np.empty((2, len(ats), len(sds)))
+        widths = np.array([at.stop - at.start for at in ats])
+        for q in np.unique(widths).tolist():
+            most = max(int(_TOGETHER / (len(sds) * (q + 1) ** 2)), 1)
+            alike = np.flatnonzero(widths == q)
+            for some in np.split(alike, range(most, len(alike), most)):
+                columns = np.array([ats[i].start for i in some])[:, None] + np.arange(q)
+                quads[some], logdets[some] = self._further(columns, sds)
+        return quads, logdets
+
+    def _further(self, columns: Ints, sds: Floats) -> tuple[Floats, Floats]:
+        """The same of blocks of one width, whose columns are (B, q)."""
+        was, q = self.sd[columns[:, 0]], columns.shape[1]
+        again = was > self.state.sd[columns[:, 0]]  # raised already, by another owner of the same space
+        sd = np.where(again[:, None], np.hypot(sds, was[:, None]), sds)
+        delta = np.sqrt(np.maximum(was[:, None] ** -2.0 - sd**-2.0, 0.0))
+        half = self.half[:, columns].transpose(1, 0, 2)
+        covariance = (
+            self.state.covariance[columns[:, :, None], columns[:, None]] + half.transpose(0, 2, 1) @ half
+        )
+        M = np.zeros((*delta.shape, q + 1, q + 1))
+        M[:, :, :q, :q] = -(delta**2)[:, :, None, None] * covariance[:, None]
+        M[:, :, range(q), range(q)] += 1 + _JITTER
+        M[:, :, q, :q] = delta[:, :, None] * self.mean[columns][:, None]
+        M[:, :, q, q] = self.quad
+        pivots = np.asarray(np.diagonal(np.linalg.cholesky(M), axis1=2, axis2=3), dtype=float)
+        more = 2 * np.log(pivots[:, :, :q]).sum(axis=2) + 2 * q * np.log(sd / was[:, None])
+        return pivots[:, :, q] ** 2, self.logdet + more
 
     def further_along(self, at: slice, sds: Floats, way: Floats) -> tuple[Floats, Floats]:
         """How far such a block then acts along a `way` (q,) of its columns, and the sd of that, (n,) each."""

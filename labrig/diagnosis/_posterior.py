@@ -142,8 +142,8 @@ class Search:
         least, *larger = sorted(k.SLOW_FLOORS)
         background, raised = split(whole)
         begun = self.raise_blocks(background, least, raised)
-        quads, logdets = begun.further(self.slow_at, np.array(larger))
-        evidence = -0.5 * np.array([begun.quad + begun.logdet, *(quads + logdets)])
+        quads, logdets = begun.further([self.slow_at], np.array(larger))
+        evidence = -0.5 * np.array([begun.quad + begun.logdet, *(quads + logdets)[0]])
         values = [
             self.keep(whole, s, self.prior(whole) + e)
             for s, e in zip((least, *larger), evidence, strict=True)
@@ -175,14 +175,18 @@ class Search:
         asked = np.concatenate(levels)
         begun, already = self.raise_blocks(background, slow, start), self.prior((*background, *start))
         sign = self.sign(begun, start)
-        for owner in self.owners:
-            if have[owner] > (owner in first):
-                continue
-            blocks = [b for b in self.blocks[owner] if b != first.get(owner)]
+        free = {
+            owner: [b for b in self.blocks[owner] if b != first.get(owner)]
+            for owner in self.owners
+            if have[owner] <= (owner in first)
+        }
+        every = [b for blocks in free.values() for b in blocks]
+        quads, logdets = begun.further([self.design.blocks[b].at for b in every], asked)
+        gained, done = already - 0.5 * (quads + logdets), 0
+        for owner, blocks in free.items():
             if not blocks:
                 continue
-            further = np.array([begun.further(self.design.blocks[b].at, asked) for b in blocks])
-            evidence, at = already - 0.5 * further.sum(axis=1), 0
+            evidence, at = gained[done : (done := done + len(blocks))], 0
             for some in levels:
                 own = slice(at, at := at + len(some))
                 unsigned = evidence[:, own] + self._priors(blocks, some)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis import _evidence
 from labrig.diagnosis._columns import Columns
 from labrig.diagnosis._design import DECLARED, SLOW, Block, Design, FreeBlock
 from labrig.diagnosis._evidence import (
@@ -123,18 +124,29 @@ def test_raised_is_the_gaussian_evidence(seed: int, small: float, one: float, tw
         assert fast == pytest.approx(slow, abs=1e-3)
 
 
-@given(SEEDS, st.floats(0.01, 0.5), st.floats(0.6, 50.0), st.floats(0.6, 50.0))
+@pytest.mark.parametrize("together", [400_000, 40])
+@given(seed=SEEDS, small=st.floats(0.01, 0.5), one=st.floats(0.6, 50.0), two=st.floats(0.6, 50.0))
 @settings(max_examples=40)
-def test_one_more_block_at_several_sizes(seed: int, small: float, one: float, two: float) -> None:
-    """Raising one more block to several sizes at once gives what raising it to each by itself gives."""
+def test_one_more_of_some_blocks_at_several_sizes(
+    together: int, seed: int, small: float, one: float, two: float
+) -> None:
+    """Raising one more block to several sizes, many blocks at once or few, gives what each by itself gives."""
     design = tiny(seed)
     state = state_of(design, np.full(7, small))
     at = [block.at for block in design.blocks]
+    sizes = (two, 1.0)
+    assert len({place.stop - place.start for place in at}) < len(at)
     for begun in ([], [0], [0, 1]):
         before = state.raised([at[i] for i in begun], [one] * len(begun))
-        for quad, logdet, size in zip(*before.further(at[2], np.array([two, 1.0])), (two, 1.0), strict=True):
-            alone = state.raised([*(at[i] for i in begun), at[2]], [one] * len(begun) + [size])
-            assert (quad, logdet) == pytest.approx((alone.quad, alone.logdet), rel=1e-6, abs=1e-6)
+        free = [place for i, place in enumerate(at) if i not in begun]
+        with pytest.MonkeyPatch.context() as patched:
+            patched.setattr(_evidence, "_TOGETHER", together)
+            quads, logdets = before.further(free, np.array(sizes))
+        for i, place in enumerate(free):
+            for j, size in enumerate(sizes):
+                alone = state.raised([*(at[k] for k in begun), place], [one] * len(begun) + [size])
+                found = quads[i, j], logdets[i, j]
+                assert found == pytest.approx((alone.quad, alone.logdet), rel=1e-6, abs=1e-6)
 
 
 def test_the_evidence_is_absolute() -> None:
@@ -260,8 +272,8 @@ def test_owners_of_the_same_space(seed: int, one: float, two: float) -> None:
         alone = [
             log_evidence(state.raised(at, sds)) for at, sds in (([c], [two]), ([a, b, c], [one, 1.0, two]))
         ]
-        beside = np.add(*before.further(c, np.array([two])))
-        found.append([*alone, log_evidence(before), *(-0.5 * beside)])
+        beside = np.add(*before.further([c], np.array([two])))
+        found.append([*alone, log_evidence(before), *(-0.5 * beside[0])])
     assert np.diff(found[0]) == pytest.approx(np.diff(found[1]), rel=1e-3, abs=1e-2)
 
 
