@@ -64,6 +64,8 @@ class GuardedPressure:
         self._lock = threading.Lock()
         self._number = 0
         self._doing = "start"
+        self._vented = True
+        """Whether no guard can have left pressure behind: none was asked to fill or to vent since a confirmed vent."""
 
     def connect(self) -> None:
         """Start the guard and have it open the link; raises `DeviceError` if it or the device does not answer."""
@@ -93,6 +95,7 @@ class GuardedPressure:
             "folder": str(self._config.folder.resolve()),
             "log": str(self._log.resolve()) if self._log is not None else None,
             "offset_s": self._guards_offset_s,
+            "armed": not self._vented,
         }
         self._send(setup)
         self._receive(0, _START_S, silent_s=_START_S)
@@ -103,6 +106,7 @@ class GuardedPressure:
 
     def set(self, pressure_kpa: NDArray[np.float64]) -> None:
         """Command set-points; refused once the guard has vented on its own, until a vent is asked for."""
+        self._vented = False
         self._call({"do": "set", "pressure_kpa": np.asarray(pressure_kpa, float).tolist()}, _USE_S)
 
     def samples(self) -> list[PressureSample]:
@@ -121,7 +125,9 @@ class GuardedPressure:
             except (OSError, DeviceError):
                 return self._vent_from_here(timeout_s)
             self._call({"do": "connect"})
+        self._vented = False
         answer = self._call({"do": "vent", "timeout_s": timeout_s}, timeout_s + _CALL_S)
+        self._vented = True
         return VentReport(np.array(answer["pressure_kpa"], float), answer["took_s"])
 
     def _vent_from_here(self, timeout_s: float) -> VentReport:
@@ -131,9 +137,11 @@ class GuardedPressure:
         device = device_maker(self._config, "pressure", self._config.pressure, self._clock)()
         try:
             device.connect()
-            return device.vent(timeout_s)
+            report = device.vent(timeout_s)
         finally:
             device.close()
+        self._vented = True
+        return report
 
     def allow_silence(self, duration_s: float) -> None:
         """Say that the next sign of life may take this long."""
@@ -170,8 +178,12 @@ class GuardedPressure:
             raise self._gone() from None
 
     def _receive(self, number: int, timeout_s: float, silent_s: float = _SILENT_S) -> Any:
-        """The answer to a request; those to earlier ones, whose callers gave up, are passed over."""
+        """The answer to a request; those to earlier ones, whose callers gave up, are passed over.
+
+        A vent that the guard makes meanwhile, because somebody else asked for it, is waited for.
+        """
         end = time.monotonic() + timeout_s
+        vent_s = time.monotonic() + self._config.safety.vent_timeout_s + _CALL_S
         at_work = False
         while True:
             left_s = end - time.monotonic()
@@ -187,6 +199,8 @@ class GuardedPressure:
             if answer["id"] == number:
                 break
             at_work = answer["id"] is None
+            if answer.get("venting") and vent_s > end:
+                end, timeout_s = vent_s, timeout_s + vent_s - end
         if "error" in answer:
             raise _ERRORS.get(answer["error"], DeviceError)(answer["message"])
         return answer["value"]

@@ -14,8 +14,9 @@ def main() -> int:
     """Vent until it is confirmed, or the guard's patience is over; the guard's setup is all that it is told."""
     setup: Setup = json.loads(sys.stdin.readline())
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
-    guard = Guard(config, Path(setup["log"]) if setup["log"] else None, RealClock(setup["offset_s"]))
-    guard.armed = True
+    guard = Guard(
+        config, Path(setup["log"]) if setup["log"] else None, RealClock(setup["offset_s"]), armed=True
+    )
     guard.answer({"do": "connect"})  # a link that does not open is tried again with every vent
     guard.vent_alone("the driver did not come back", config.safety.guard_patience_s)
     guard.device.close()

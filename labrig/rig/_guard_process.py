@@ -18,6 +18,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
 from typing import Any, TextIO
@@ -30,33 +31,37 @@ from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
 from labrig.rig._guard_words import GuardAnswer, GuardRequest, Identified, Setup, apart
 from labrig.run_contents import VentContent
-from labrig_drivers import DeviceError, RealClock
+from labrig_drivers import DeviceError, RealClock, VentReport
 
 _RETRY_S = 0.5
 _IDLE_S = 0.1
 _BEAT_S = 0.5
 _QUICK = ("set", "samples")
 _HANGS_S = 3.0
+_VENT_MORE_S = 30.0
+"""How much longer than its own limit a vent may take: a link that is dead is opened anew meanwhile."""
 _SIGNALS = ("SIGTERM", "SIGINT", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
 
 
 class Guard:
     """Holds one pressure controller and carries out what the runner asks of it."""
 
-    def __init__(self, config: RigConfig, log: Path | None, clock: RealClock) -> None:
+    def __init__(self, config: RigConfig, log: Path | None, clock: RealClock, armed: bool = False) -> None:
         self.config, self._log_path = config, log
         self.device: Any = device_maker(config, "pressure", config.pressure, clock)()
-        self.armed = False
+        self.armed = armed
+        self.reached = False
         self.vented_alone: str | None = None
         self.stopped: str | None = None
         self.asked: list[Asked] = []
         self.deadline = float("inf")
-        self.waits_since: float | None = None
+        self.waits: tuple[float, float] | None = None
+        """Since when the device has been asked for something, and how long that may take, s."""
         self.stopping = False
 
     def answer(self, request: GuardRequest) -> GuardAnswer:
         """Carry out one request; an error becomes an answer, too."""
-        self.waits_since = time.monotonic() if request["do"] in _QUICK else None
+        self.waits = (time.monotonic(), _HANGS_S) if request["do"] in _QUICK else None
         try:
             return {"value": getattr(self, f"do_{request['do']}")(request)}
         except (DeviceError, LabrigError) as error:
@@ -64,11 +69,22 @@ class Guard:
         except Exception as error:
             return {"error": "DeviceError", "message": f"pressure: {type(error).__name__}: {error}"}
         finally:
-            self.waits_since = None
+            self.waits = None
+
+    def vent(self, timeout_s: float) -> VentReport:
+        """Vent once: it counts as confirmed, and the chambers as empty, where this does not raise."""
+        self.waits = time.monotonic(), timeout_s + _VENT_MORE_S
+        try:
+            report = self.device.vent(timeout_s)
+        finally:
+            self.waits = None
+        self.armed = False
+        return report
 
     def do_connect(self, _request: GuardRequest) -> None:
         """Open the link."""
         self.device.connect()
+        self.reached = True
 
     def do_identify(self, _request: GuardRequest) -> Identified:
         """Who the device is."""
@@ -89,22 +105,23 @@ class Guard:
         return [[sample.time_s, sample.pressure_kpa.tolist()] for sample in self.device.samples()]
 
     def do_vent(self, request: GuardRequest) -> VentContent:
-        """Vent and confirm."""
-        report = self.device.vent(request["timeout_s"])
-        self.armed, self.vented_alone, self.stopped = False, None, None
+        """Vent and confirm: until then the chambers may hold what a run before this one left in them."""
+        self.armed |= self.reached
+        report = self.vent(request["timeout_s"])
+        self.vented_alone = self.stopped = None
         return {"pressure_kpa": report.pressure_kpa.tolist(), "took_s": report.took_s}
 
     def vent_for(self, asked: Asked) -> None:
         """Vent because somebody else asks for it, and let the runner know that its run is over."""
         self.vented_alone = self.stopped = f"stopped by {asked.why}"
+        self.armed |= self.reached
         self.log(f"{asked.why}: venting")
         try:
-            report = self.device.vent(self.config.safety.vent_timeout_s)
+            report = self.vent(self.config.safety.vent_timeout_s)
         except Exception as error:  # whoever asks must hear of it, and asks again
             self.log(f"vent failed: {error}")
             asked.answer.set_exception(LabrigError(str(error)))
             return
-        self.armed = False
         self.log(f"vented: {float(np.nanmax(np.abs(report.pressure_kpa))):.2f} kPa at most")
         asked.answer.set_result({"pressure_kpa": report.pressure_kpa.tolist(), "took_s": report.took_s})
 
@@ -118,18 +135,17 @@ class Guard:
     def vent_alone(self, why: str, patience_s: float) -> None:
         """Vent until it is confirmed or the patience is over."""
         end = time.monotonic() + patience_s
+        self.vented_alone = f"the guard vented: {why}"
         self.log(f"{why}: venting")
         while True:
             try:
-                report = self.device.vent(self.config.safety.vent_timeout_s)
+                report = self.vent(self.config.safety.vent_timeout_s)
             except Exception as error:  # whatever it is, the next attempt must be made
                 self.log(f"vent failed: {error}")
                 if time.monotonic() >= end:
                     return
                 time.sleep(_RETRY_S)
                 continue
-            self.armed = False
-            self.vented_alone = f"the guard vented: {why}"
             self.log(f"vented: {float(np.nanmax(np.abs(report.pressure_kpa))):.2f} kPa at most")
             return
 
@@ -145,22 +161,27 @@ class Guard:
 
 
 class Answers:
-    """The guard's output: one line for each answer, and one twice a second while an answer is being made.
+    """The guard's output: one line for each answer, and one twice a second while the guard is at work.
 
-    That is how the runner tells a device that takes long from a guard that no longer runs.
+    That is how the runner tells a device that takes long, or a vent that it did not ask for, from a guard that is gone.
     """
 
     def __init__(self, output: TextIO) -> None:
         self._output = output
         self._lock = threading.Lock()
         self._busy = threading.Event()
+        self._venting = False
         threading.Thread(target=self._beat, daemon=True).start()
 
-    def __enter__(self) -> None:
+    @contextlib.contextmanager
+    def meanwhile(self, venting: bool = False) -> Iterator[None]:
+        """Say that the guard is at work; or `venting`, which no call of the runner may cut short."""
+        self._venting = venting
         self._busy.set()
-
-    def __exit__(self, *_: object) -> None:
-        self._busy.clear()
+        try:
+            yield
+        finally:
+            self._busy.clear()
 
     def say(self, answer: GuardAnswer) -> None:
         """Write a line; raises `OSError` when nobody reads."""
@@ -173,12 +194,12 @@ class Answers:
             time.sleep(_BEAT_S)
             if self._busy.is_set():
                 try:
-                    self.say({"id": None})
+                    self.say({"id": None, "venting": self._venting})
                 except (OSError, ValueError):  # the runner is gone: the end of the input tells the guard
                     return
 
 
-def serve(guard: Guard, requests: "queue.Queue[str | Asked | None]", answers: Answers) -> None:
+def serve(guard: Guard, requests: "queue.SimpleQueue[str | Asked | None]", answers: Answers) -> None:
     """Answer requests until they end, and see to it that the chambers are vented then."""
     safety = guard.config.safety
     why = "the runner is gone"
@@ -189,7 +210,7 @@ def serve(guard: Guard, requests: "queue.Queue[str | Asked | None]", answers: An
             except queue.Empty:
                 if guard.armed and time.monotonic() > guard.deadline:
                     silent_s = time.monotonic() - guard.deadline + safety.heartbeat_s
-                    with answers:  # a runner that comes back meanwhile finds the guard at work
+                    with answers.meanwhile(venting=True):  # a runner that comes back finds the guard at work
                         guard.vent_alone(
                             f"no sign of life from the runner for {silent_s:.1f} s", safety.vent_patience_s
                         )
@@ -197,13 +218,13 @@ def serve(guard: Guard, requests: "queue.Queue[str | Asked | None]", answers: An
             if line is None:
                 break
             if isinstance(line, Asked):
-                with answers:
+                with answers.meanwhile(venting=True):
                     guard.vent_for(line)
                 guard.asked.remove(line)
                 continue
             request: GuardRequest = json.loads(line)
             guard.deadline = time.monotonic() + max(safety.heartbeat_s, request.get("allow_s", 0.0))
-            with answers:
+            with answers.meanwhile():
                 answer = guard.answer(request)
             guard.deadline = max(guard.deadline, time.monotonic() + safety.heartbeat_s)
             try:
@@ -228,7 +249,7 @@ def _answer_last(guard: Guard) -> None:
 
 def main() -> int:
     """Run the guard: the first line of the input is the rig, the others are requests."""
-    requests: queue.Queue[str | Asked | None] = queue.Queue()
+    requests: queue.SimpleQueue[str | Asked | None] = queue.SimpleQueue()  # a signal may put into it
     for name in _SIGNALS:
         number = getattr(signal, name, None)
         if number is not None:
@@ -238,7 +259,7 @@ def main() -> int:
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
     log = Path(setup["log"]) if setup["log"] else None
     try:
-        guard = Guard(config, log, RealClock(setup["offset_s"]))
+        guard = Guard(config, log, RealClock(setup["offset_s"]), setup["armed"])
     except (DeviceError, LabrigError) as error:
         print(json.dumps({"id": 0, "error": type(error).__name__, "message": str(error)}), flush=True)
         return 1
@@ -261,7 +282,7 @@ def main() -> int:
     return 0
 
 
-def _read(requests: "queue.Queue[str | Asked | None]", ended: threading.Event) -> None:
+def _read(requests: "queue.SimpleQueue[str | Asked | None]", ended: threading.Event) -> None:
     for line in sys.stdin:
         requests.put(line)
     ended.set()
@@ -274,9 +295,9 @@ def _watch(guard: Guard, ended: threading.Event, setup: str) -> None:
     A runner that is well does so itself, and sooner.
     """
     while not guard.stopping:
-        limit_s = _HANGS_S if ended.is_set() else _HANGS_S + guard.config.safety.heartbeat_s
-        since = guard.waits_since
-        if since is not None and time.monotonic() - since > limit_s + _BEAT_S:
+        more_s = _BEAT_S if ended.is_set() else _BEAT_S + guard.config.safety.heartbeat_s
+        waits = guard.waits
+        if waits is not None and time.monotonic() - waits[0] > waits[1] + more_s:
             guard.log("the device does not come back: another process vents")
             with contextlib.suppress(OSError):  # tried again, should there be no more processes now
                 _hand_over(setup)

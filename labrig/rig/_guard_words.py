@@ -13,13 +13,17 @@ def apart() -> dict[str, Any]:
 
 
 class Setup(TypedDict):
-    """The first line: the rig, where its file lies, the guard's own log, and the clock's offset."""
+    """The first line: the rig, where its file lies, the guard's own log, and the clock's offset.
+
+    `armed`: the chambers may be under pressure already, as another guard may have left them.
+    """
 
     id: int
     rig: dict[str, Any]
     folder: str
     log: str | None
     offset_s: float
+    armed: bool
 
 
 class GuardRequest(TypedDict):
@@ -33,12 +37,15 @@ class GuardRequest(TypedDict):
 
 
 class GuardAnswer(TypedDict, total=False):
-    """The value, or the kind of the error and what it says. Without an `id`, a sign that the guard is at work."""
+    """The value, or the kind of the error and what it says. Without an `id`, a sign that the guard is at work, or vents
+    because somebody else asked for it.
+    """
 
     id: int | None
     value: Any
     error: str
     message: str
+    venting: bool
 
 
 class Identified(TypedDict):

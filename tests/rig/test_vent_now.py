@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from labrig._running import GoneError, Note, Reception, SilentError, notes
 from labrig.rig import GuardedPressure, connect, load_rig, vent_now
@@ -26,6 +27,21 @@ def test_the_guard_vents_for_whoever_asks(valves: Any, write_rig: Any, runner: A
     assert valves.pressure_kpa <= 0.5
     assert vented.pressure_kpa == pytest.approx({"c1": 0.0, "c2": 0.0}, abs=0.5)
     assert "guard" in vented.by
+    assert process.wait(SLOW_S) == 1
+    assert "pressure: stopped by the vent page" in process.stderr.read()
+
+
+def test_a_vent_that_takes_long_is_not_cut_short_by_its_run(valves: Any, write_rig: Any, runner: Any) -> None:
+    """The run goes on asking what is measured; its guard, which vents meanwhile, is left alone."""
+    path = write_rig()
+    content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    content["pressure"]["empties_s"] = 5.0
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    process = runner(path)
+    valves.wait_for(39.0, 41.0, SLOW_S)
+    before = valves.sets
+    vented = vent_now(load_rig(path), "the vent page")
+    assert (vented.took_s > 5.0, valves.sets - before) == (True, 1)
     assert process.wait(SLOW_S) == 1
     assert "pressure: stopped by the vent page" in process.stderr.read()
 

@@ -114,9 +114,10 @@ class ValveClient:
         port: int,
         identify_s: float = 0.0,
         hangs_at: float = math.inf,
+        empties_s: float = 0.0,
     ) -> None:
         self.name, self.clock, self.channels, self.port = name, clock, channels, port
-        self._identify_s, self._hangs_at = identify_s, hangs_at
+        self._identify_s, self._hangs_at, self._empties_s = identify_s, hangs_at, empties_s
         self._socket: socket.socket | None = None
         self._file: Any = None
         self._last_s = 0.0
@@ -172,9 +173,10 @@ class ValveClient:
         return [PressureSample(now_s, self._ask({"read": True}))]
 
     def vent(self, timeout_s: float = 10.0) -> VentReport:
-        """Vent and confirm."""
+        """Vent and confirm; not before `empties_s`, as long lines take."""
         begin_s = self.clock.now_s()
         self.set(np.zeros(len(self.channels)))
+        time.sleep(self._empties_s)
         while np.abs(pressure := self._ask({"read": True})).max() > 0.5:
             if self.clock.now_s() - begin_s > timeout_s:
                 raise VentNotConfirmedError(f"{self.name}: not vented after {timeout_s:g} s")
