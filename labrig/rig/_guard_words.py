@@ -6,9 +6,13 @@ from typing import Any, NotRequired, TypedDict
 
 
 def apart() -> dict[str, Any]:
-    """Options of a process that Ctrl-C and a closed terminal do not reach, on each system by its own means."""
+    """Options of a process that Ctrl-C and a closed terminal do not reach, on each system by its own means.
+
+    On Windows a group of its own keeps Ctrl-C away, and a console of its own, which nobody sees, what is sent to all
+    processes of a console window that is closed.
+    """
     if sys.platform == "win32":
-        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
     return {"start_new_session": True}
 
 

@@ -33,9 +33,9 @@ class VentButton:
     def _start(self) -> subprocess.Popen[str]:
         options: dict[str, Any] = {}
         if sys.platform == "win32":
-            options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP
+            options["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
         else:
-            options["start_new_session"] = True  # Ctrl-C is not for it
+            options["start_new_session"] = True  # Ctrl-C and a closed terminal are not for it
         return subprocess.Popen(
             [sys.executable, "-m", "labrig.workbench._vent_page", str(self._rig_file), self._host],
             stdin=subprocess.PIPE,
