@@ -71,6 +71,7 @@ class StepResult(TypedDict, total=False):
     vertices: int
     triangles: int
     registration_error_mm: float
+    unit: str
     pressure_kpa: list[float]
     content: Advice
     commanded_kpa: list[float]

@@ -1,7 +1,7 @@
 """The scanner, by way of the folder that Artec Studio exports into."""
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -204,14 +204,15 @@ class ArtecFolder:
         welded = weld(vertices_mm, geometry.triangles)
         if len(geometry.triangles) and len(welded.triangles) == 0:
             raise ScanFileError(f"{mesh.name} has no triangle with an area")
-        scan = Scan(
+        return Scan(
             max(signature[1] for signature in before) / 1e9,
             welded.vertices,
             welded.triangles,
             files,
             sha256,
+            _registration_error_mm(mesh),
+            self._options.unit,
         )
-        return replace(scan, registration_error_mm=_registration_error_mm(mesh))
 
     def _check_size(self, vertices_mm: np.ndarray, mesh: Path) -> None:
         extent = vertices_mm.max(axis=0) - vertices_mm.min(axis=0)

@@ -81,7 +81,10 @@ class VentReport:
 
 @dataclass(frozen=True)
 class Scan:
-    """One surface scan: vertices mm (V, 3), triangles (T, 3), and the files it came from, hashed together."""
+    """One surface scan: vertices mm (V, 3), triangles (T, 3), and the files it came from, hashed together.
+
+    `unit` is that of the numbers in the files (mm, cm, m, inch).
+    """
 
     time_s: float
     vertices_mm: NDArray[np.float64]
@@ -89,6 +92,7 @@ class Scan:
     files: tuple[Path, ...]
     sha256: str
     registration_error_mm: float | None = None
+    unit: str = "mm"
 
 
 @runtime_checkable

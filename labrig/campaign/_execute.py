@@ -37,6 +37,7 @@ from labrig_drivers import DeviceError, MarkerFrame, PressureSample, RealClock
 
 _STILLNESS_S = 0.5
 _SCAN_GRACE_S = 5.0
+_KEEP_S = 600.0
 _STRAYS = 3
 """So many recordings in a row whose frames are all dated elsewhere: the camera has a clock of its own."""
 
@@ -188,15 +189,21 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, StepResul
         raise LabrigError(f"rig {session.rig.config.name} has no scanner")
     if (skip := getattr(scanner, "skip_existing", None)) is not None:
         skip()  # an export from before this step shows an earlier shape
+    began_s = session.now_s()
     scan = _while_polling(session, lambda: scanner.scan(step.timeout_s), step.timeout_s + _SCAN_GRACE_S)
+    came_s, folder = session.now_s(), session.folder
+    files: tuple[str, ...] = ()
+    if folder is not None:  # hundreds of megabytes, perhaps to a share: the rig is looked after meanwhile
+        files = _while_polling(session, lambda: keep_scan(scan, folder), _KEEP_S, "its scan was not kept")
     vertices = np.asarray(scan.vertices_mm, float)
     result = Scanned(
-        files=keep_scan(scan, session.folder) if session.folder is not None else (),
+        files=files,
         sha256=scan.sha256,
         vertices=len(vertices),
         triangles=len(scan.triangles),
         registration_error_mm=math.nan if scan.registration_error_mm is None else scan.registration_error_mm,
-        folder=session.folder,
+        unit=scan.unit,
+        folder=folder,
     )
     facts: StepResult = {
         "files": list(result.files),
@@ -204,20 +211,23 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, StepResul
         "vertices": result.vertices,
         "triangles": result.triangles,
         "registration_error_mm": result.registration_error_mm,
+        "unit": result.unit,
     }
     if session.log is not None:
         with session.signals.shield():
             session.log.write(
                 Topic.SCAN,
-                scan.time_s,
-                **facts,
+                scan.time_s
+                if began_s <= scan.time_s <= came_s
+                else came_s,  # files may be dated by another clock
+                **{name: value for name, value in facts.items() if name != "unit"},
                 min_mm=vertices.min(axis=0).tolist() if len(vertices) else [],
                 max_mm=vertices.max(axis=0).tolist() if len(vertices) else [],
             )
     return result, facts
 
 
-def _while_polling(session: Session, call: Callable[[], Any], limit_s: float) -> Any:
+def _while_polling(session: Session, call: Callable[[], Any], limit_s: float, what: str = "no scan") -> Any:
     """Run a call that waits on a thread while the devices are polled; on a simulated clock, just run it."""
     if not isinstance(session.clock, RealClock):
         value = call()
@@ -236,7 +246,7 @@ def _while_polling(session: Session, call: Callable[[], Any], limit_s: float) ->
     end_s = session.now_s() + limit_s
     while not future.done():
         if session.now_s() > end_s:
-            raise DeviceError(f"{session.rig.scanner.name}: no scan within {limit_s:g} s")  # type: ignore[union-attr]
+            raise DeviceError(f"{session.rig.scanner.name}: {what} within {limit_s:g} s")  # type: ignore[union-attr]
         session.poll()
         session.clock.sleep(session.tick_s)
     return future.result()

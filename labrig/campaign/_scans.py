@@ -1,6 +1,7 @@
 """Files that belong to a run beside its log: its scans, and what a simulated rig keeps sealed."""
 
 import os
+import re
 import shutil
 from pathlib import Path
 
@@ -14,23 +15,26 @@ _SEALED = "sealed.json"
 
 
 def keep_scan(scan: Scan, folder: Path) -> tuple[str, ...]:
-    """Copy a scan's files into `scans/` of the run, or write its mesh there if it has none.
+    """Copy a scan's files into a folder of its own in `scans/` of the run, or write its mesh there if it has none.
 
-    Returns the files' names relative to the run's folder, with forward slashes. Each scan gets a number, so that
-    names may come again.
+    Returns the files' names relative to the run's folder, with forward slashes. The folder has a number, and the files
+    keep their names, by which a mesh finds its colours.
     """
     scans = folder / "scans"
     if not scans.exists():
         scans.mkdir()
         sync_folder(folder)
-    number = 1 + max((int(path.name[:3]) for path in scans.glob("[0-9][0-9][0-9]_*")), default=-1)
+    used = [int(found[0]) for path in scans.iterdir() if (found := re.match(r"\d+", path.name))]
+    own = scans / f"{1 + max(used, default=-1):03d}"
+    own.mkdir()
+    sync_folder(scans)
     if not scan.files:
-        path = scans / f"{number:03d}_scan.ply"
+        path = own / "scan.ply"
         _write_ply(path, scan)
         return (path.relative_to(folder).as_posix(),)
     kept = []
     for file in scan.files:
-        path = scans / f"{number:03d}_{file.name}"
+        path = own / file.name
         partial = path.with_name(path.name + ".partial")
         shutil.copyfile(file, partial)
         _publish(partial, path)

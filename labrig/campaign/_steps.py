@@ -178,8 +178,8 @@ def _mean(values: Floats) -> Floats:
 class Scanned:
     """A scan: its files as the scanner left them, their common hash, its size, and the registration error.
 
-    `files` are relative to `folder`, the run's, which is None in a dry run: there is no scan then. `missed` is as
-    for a `Recording`.
+    `files` are relative to `folder`, the run's, which is None in a dry run: there is no scan then; their numbers are in
+    `unit`. `missed` is as for a `Recording`.
     """
 
     files: tuple[str, ...]
@@ -187,6 +187,7 @@ class Scanned:
     vertices: int
     triangles: int
     registration_error_mm: float = math.nan
+    unit: str = "mm"
     missed: tuple[str, ...] = ()
     folder: Path | None = field(default=None, repr=False, compare=False)
 

@@ -129,7 +129,7 @@ def outcomes(run: str | Path) -> list[Outcome]:
     )
     setpoints: dict[str, list[Floats]] = {}
     markers: dict[str, Floats] = {}
-    scans: dict[str, Path] = {}
+    scans: dict[str, tuple[Path, str]] = {}
     for done in read_completed(run):
         if getattr(done.result, "missed", ()):  # its pressures did not follow: it is no realisation
             continue
@@ -139,7 +139,7 @@ def outcomes(run: str | Path) -> list[Outcome]:
         elif isinstance(done.step, Record):
             markers[label] = done.result.mean_mm  # type: ignore[union-attr]
         elif isinstance(done.step, Scan):
-            scans[label] = done.result.mesh_file  # type: ignore[union-attr, assignment]
+            scans[label] = done.result.mesh_file, done.result.unit  # type: ignore[union-attr, assignment]
     found: list[Outcome] = []
     plant = simulated_plant(rig, Path(str(facts.get("rig_file", ""))).parent)
     best: dict[str, Floats] = {}
@@ -156,7 +156,7 @@ def outcomes(run: str | Path) -> list[Outcome]:
         while (label := f"{trial.number}/{len(attempts)}") in markers:
             height, registration = None, None
             if label in scans:
-                surface, registration = trial.placed(trial.read_scan(scans[label]))
+                surface, registration = trial.placed(trial.read_scan(*scans[label]))
                 height = trial.heights(surface)
             error = np.linalg.norm(markers[label] - expected, axis=1)
             known = error if not attempts else np.full(len(error), np.nan)

@@ -82,9 +82,9 @@ class Trial:
         found = distances(self.target.mesh.vertices_mm, surface)
         return np.where(found.beyond | self.target.mesh.border, np.nan, -found.signed_mm)
 
-    def read_scan(self, path: str | Path) -> Mesh:
-        """A scan of the realised surface, mm, cleaned, and cut off what it stands on."""
-        return read_mesh(path, "mm", Target(self.predicted).size_mm)
+    def read_scan(self, path: str | Path, unit: str = "mm") -> Mesh:
+        """A scan of the realised surface, in mm, cleaned, and cut off what it stands on; `unit` is its file's."""
+        return read_mesh(path, unit, Target(self.predicted).size_mm)
 
     def placed(self, scan: Mesh) -> tuple[Mesh, Registration]:
         """A scan in the target's frame, and its registration.

@@ -25,13 +25,13 @@ def read_mesh(path: str | Path, unit: str | None = None, like_mm: float | None =
     person's. The mesh's notes say what was guessed and cleaned. Raises `LabrigError`, in one line, for a file that is
     missing, damaged, of another kind, or of no clear size, and without the extra `scan`.
     """
-    from labrig_drivers._artec_files import MM_PER_UNIT, ScanFileError, parse, read_set, scan_set
+    from labrig_drivers._artec_files import MM_PER_UNIT, ScanFileError, parse, read_set
 
     path = Path(path)
     if unit is not None and unit not in MM_PER_UNIT:
         raise LabrigError(f"unit {unit!r}: choose one of {', '.join(MM_PER_UNIT)}")
     try:
-        data, _ = read_set(scan_set(path))
+        data, _ = read_set((path,))  # colours and textures may be missing
         geometry = parse(data, path.name)
     except ScanFileError as error:
         raise LabrigError(f"{path.parent / str(error)}") from None

@@ -150,5 +150,6 @@ def shots_of(path: str | Path, chamber_names: tuple[str, ...]) -> list[Shot]:
             files = values.get("files") or []
             if event >= 0 and files:
                 file = next((f for f in files if not f.endswith((".mtl", ".png", ".jpg"))), files[0])
-                shots.append(Shot(Path(file).name, setpoints[event], read_mesh(path / file)))
+                mesh = read_mesh(path / file, values.get("unit"))  # runs from before 0.11 do not say it
+                shots.append(Shot(file.removeprefix("scans/"), setpoints[event], mesh))
     return shots

@@ -51,7 +51,7 @@ class Validate(Procedure):
             for attempt in range(1, self.refine + 1):
                 if scanned is None or scanned.mesh_file is None:  # a dry run has no scans
                     break
-                surface, _ = trial.placed(trial.read_scan(scanned.mesh_file))
+                surface, _ = trial.placed(trial.read_scan(scanned.mesh_file, scanned.unit))
                 height = trial.heights(surface)
                 misfit = float(np.nanmean(np.abs(height)))
                 if misfit > (1.0 - self.enough) * best:

@@ -338,8 +338,8 @@ def test_scans_are_kept_with_the_run(fake: Any, tmp_path: Path) -> None:
 
     run(Scans(), fake.rig, tmp_path / "run", fake.clock)
     done = read_completed(tmp_path / "run")
-    assert [item.result.files for item in done] == [("scans/000_scan.ply",), ("scans/001_scan.ply",)]  # type: ignore[union-attr]
-    ply = (tmp_path / "run" / "scans" / "000_scan.ply").read_bytes()
+    assert [item.result.files for item in done] == [("scans/000/scan.ply",), ("scans/001/scan.ply",)]  # type: ignore[union-attr]
+    ply = (tmp_path / "run" / "scans" / "000" / "scan.ply").read_bytes()
     assert b"element vertex 3\n" in ply
     assert np.frombuffer(ply[ply.index(b"end_header\n") + 11 :][:36], "<f4").tolist() == [
         1,

@@ -46,11 +46,11 @@ def test_runs_are_found_two_levels_deep(two_sessions: Path, tmp_path: Path) -> N
 def test_recovering_a_whole_run_loses_nothing(two_sessions: Path, tmp_path: Path) -> None:
     """The copy is equal, and the original is untouched."""
     before = {path.name: path.read_bytes() for path in two_sessions.iterdir()}
-    (two_sessions / "scans").mkdir()
-    (two_sessions / "scans" / "000_scan.ply").write_bytes(b"ply")
+    (two_sessions / "scans" / "000").mkdir(parents=True)
+    (two_sessions / "scans" / "000" / "scan.ply").write_bytes(b"ply")
     assert recover(two_sessions, tmp_path / "whole") == []
     assert open_run(tmp_path / "whole").equals(open_run(two_sessions))
-    assert (tmp_path / "whole" / "scans" / "000_scan.ply").read_bytes() == b"ply"
+    assert (tmp_path / "whole" / "scans" / "000" / "scan.ply").read_bytes() == b"ply"
     assert {name: (two_sessions / name).read_bytes() for name in before} == before
 
 

@@ -1,6 +1,8 @@
 """What is learned from a run: the end of each hold, markers that were seen there, and scans with their set-points."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -11,7 +13,9 @@ from labrig.log import Layout, open_run
 from labrig.log._dataset import CampaignArrays, to_dataset
 from labrig.rig import connect, parse_rig
 from labrig.surrogate import Frames, frames_of, shots_of
-from labrig_drivers import SimulatedClock
+from labrig_drivers import Scan as Scanned
+from labrig_drivers import Scanner, SimulatedClock
+from labrig_drivers.simulated._artec_twin import obj_bytes
 
 
 def _run(position, unit="kPa", settled=None):
@@ -104,8 +108,25 @@ class _Two(Procedure):
         yield Scan()
 
 
+class _InCentimetres:
+    """A scanner whose files are OBJ, in cm."""
+
+    def __init__(self, scanner: Scanner, folder: Path) -> None:
+        self._scanner, self._folder = scanner, folder
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._scanner, name)
+
+    def scan(self, timeout_s: float = 120.0) -> Scanned:
+        """The same surface in a file."""
+        scan = self._scanner.scan(timeout_s)
+        path = self._folder / "export.obj"
+        path.write_bytes(obj_bytes(scan.vertices_mm / 10.0, scan.triangles, "export.mtl", False))
+        return replace(scan, files=(path,), unit="cm")
+
+
 def test_scans_of_a_run(tmp_path):
-    """A scan comes with the set-point that it was taken at; a run without scans has none."""
+    """A scan comes with the set-point that it was taken at, whatever unit the scanner's files are in."""
     content = {
         "name": "sheet",
         "chambers": [{"name": f"c{i}", "min_kpa": 0, "max_kpa": 60} for i in (1, 2, 3, 4)],
@@ -117,9 +138,17 @@ def test_scans_of_a_run(tmp_path):
     clock = SimulatedClock(0.0)
     rig = connect(parse_rig(content, "rig", Path()), clock)
     run(_Two(), rig, tmp_path / "run", clock)
+    (whole,) = shots_of(tmp_path / "run", ("c1", "c2", "c3", "c4"))
+    assert rig.scanner is not None
+    rig.scanner = cast(Any, _InCentimetres(rig.scanner, tmp_path))
+    run(_Two(), rig, tmp_path / "in_cm", clock)
     rig.close()
+    (same,) = shots_of(tmp_path / "in_cm", ("c1", "c2", "c3", "c4"))
+    np.testing.assert_allclose(
+        np.ptp(same.mesh.vertices_mm, axis=0), np.ptp(whole.mesh.vertices_mm, axis=0), rtol=0.02
+    )
     shots = shots_of(tmp_path / "run", ("c4", "c1", "c2", "c3"))
-    assert len(shots) == 1
+    assert [shot.name for shot in shots] == ["000/scan.ply"]
     assert shots[0].pressure_kpa.tolist() == [30.0, 30.0, 0.0, 0.0]
     assert len(shots[0].mesh.triangles) > 1000
     assert len(frames_of(open_run(tmp_path / "run"), ("c1", "c2", "c3", "c4"))) == 2

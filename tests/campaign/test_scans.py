@@ -1,0 +1,45 @@
+"""What a scanner exported is kept with its run as it was, and read back from there in its own unit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labrig.campaign._scans import keep_scan
+from labrig.surface import grid, read_mesh
+from labrig_drivers import RealClock, Scan, build_device
+from labrig_drivers.simulated._artec_twin import obj_bytes, png_bytes
+
+MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
+
+
+@pytest.mark.parametrize("unit", list(MM))
+def test_a_scan_with_colours_is_read_back_from_its_run(tmp_path: Path, unit: str) -> None:
+    """An OBJ finds its material and picture beside it, under the names that it knows, and is as large as the body."""
+    uv, triangles = grid(21, 21)
+    body_mm = np.column_stack([300 * uv[:, 0], 80 * np.sin(np.pi * uv[:, 0]), 200 * uv[:, 1]])
+    folder, run = tmp_path / "exports", tmp_path / "run"
+    folder.mkdir()
+    run.mkdir()
+    options = {"folder": "exports", "unit": unit, "settle_s": 0.05}
+    device = build_device("artec", options, name="scanner", clock=RealClock(), base=tmp_path)
+    device.connect()
+    name = "Eva scan 1"
+    (folder / f"{name}.png").write_bytes(png_bytes(4, 4))
+    (folder / f"{name}.mtl").write_text(f"newmtl scan\nmap_Kd {name}.png\n")
+    (folder / f"{name}.obj").write_bytes(obj_bytes(body_mm / MM[unit], triangles, f"{name}.mtl", True))
+    scan = device.scan(timeout_s=20)
+    device.close()
+    kept = keep_scan(scan, run)
+    assert kept == tuple(f"scans/000/{name}{suffix}" for suffix in (".obj", ".mtl", ".png"))
+    mesh = read_mesh(run / kept[0], scan.unit)
+    np.testing.assert_allclose(np.ptp(mesh.vertices_mm, axis=0), np.ptp(body_mm, axis=0), atol=0.1)
+
+
+def test_scans_are_numbered_without_end(tmp_path: Path) -> None:
+    """The one after 999 is 1000, and what older runs called `998_scan.ply` counts, too: nothing is written over."""
+    scan = Scan(0.0, np.eye(3), np.array([[0, 1, 2]]), (), "")
+    (tmp_path / "scans").mkdir()
+    (tmp_path / "scans" / "998_scan.ply").write_bytes(b"ply")
+    kept = [keep_scan(scan, tmp_path) for _ in range(3)]
+    assert kept == [("scans/999/scan.ply",), ("scans/1000/scan.ply",), ("scans/1001/scan.ply",)]
