@@ -18,9 +18,10 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import IO, Any, TypedDict
 
 from labrig._errors import LabrigError
+from labrig._locks import SOMEBODYS, taken
 from labrig._user_folder import cache_folder
 from labrig.run_contents import Asking, Facts
 
@@ -60,6 +61,21 @@ class Note:
     key: str = field(repr=False)
     facts: Facts
     path: Path
+    locked: bool = False
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether its process has ended, whoever has its number or its port now; False where that cannot be known.
+
+        For others than that process itself: asking would take its lock from it.
+        """
+        if not self.locked or self.pid == os.getpid():
+            return False
+        try:
+            with taken(_lock_of(self.path)):
+                return True
+        except OSError as error:
+            return error.errno not in SOMEBODYS
 
     def ask(self, do: str, timeout_s: float = 5.0, **request: Any) -> Any:
         """What it answers; raises `GoneError` where nobody does, `LabrigError` with its own words, where it refuses.
@@ -105,7 +121,8 @@ def notes(what: str) -> list[Note]:
     for path in folder.glob(f"{what}-*.json") if folder.is_dir() else ():
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-            note = Note(what, content["pid"], content["port"], content["key"], content["facts"], path)
+            facts, locked = content["facts"], content.get("locked", False)
+            note = Note(what, content["pid"], content["port"], content["key"], facts, path, locked)
             found.append((path.stat().st_mtime, note))
         except (OSError, ValueError, KeyError):  # it was just removed, or is nobody's
             continue
@@ -128,17 +145,25 @@ class Reception:
         )
         self._thread.start()
         self.path = _folder() / f"{what}-{os.getpid()}-{secrets.token_hex(4)}.json"
+        self._lock: IO[bytes] | None = None
+        with contextlib.suppress(OSError):  # a disk that knows no locks is no reason not to be reached
+            self._lock = taken(_lock_of(self.path))
         content = {"pid": os.getpid(), "port": self.port, "key": self._key, "facts": facts}
         try:
-            _write_private(self.path, json.dumps(content))
+            _write_private(self.path, json.dumps(content | {"locked": self._lock is not None}))
         except OSError:
             self.close()
             raise
 
     def close(self) -> None:
         """Remove the note and stop listening; never raises."""
-        with contextlib.suppress(OSError):
-            self.path.unlink(missing_ok=True)
+        for each in (self.path, _lock_of(self.path)):  # the lock while it is held
+            with contextlib.suppress(OSError):
+                each.unlink(missing_ok=True)
+        if self._lock is not None:
+            self._lock.close()
+            with contextlib.suppress(OSError):  # Windows keeps a file that is open
+                _lock_of(self.path).unlink(missing_ok=True)
         self._server.shutdown()
         self._server.server_close()
         self._thread.join(_SLOW_S)
@@ -185,6 +210,10 @@ class _Handler(socketserver.BaseRequestHandler):
             said.append({"error": str(error)})
         except Exception as error:
             said.append({"error": f"{type(error).__name__}: {error}"})
+
+
+def _lock_of(note: Path) -> Path:
+    return note.with_suffix(".lock")
 
 
 def _folder() -> Path:

@@ -12,10 +12,9 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.campaign._observe import Observation
 from labrig.campaign._signals import SignalGuard
-from labrig.campaign._silence import Gaps, Silence
 from labrig.campaign._steps import Ask, Completed, Step
 from labrig.log import LogWriter, Topic
-from labrig.rig import Rig, link_of
+from labrig.rig import PressureWatch, Rig, Silence, dated
 from labrig.run_contents import Advice, StepResult
 from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
 
@@ -100,9 +99,8 @@ class Session:
         self._steps_in_segment = 0
         now_s = self.clock.now_s()
         self._log_seen_s = now_s
-        self._latest: PressureSample | None = None
-        self._pressures, self._frames = Silence(now_s), Silence(now_s)
-        self._gaps = Gaps([chamber.name for chamber in rig.config.chambers], now_s)
+        self._pressures = PressureWatch(rig.config, rig.pressure.name, now_s)
+        self._frames, self._seen = Silence(now_s), Silence(now_s)
         self.on_tick: Callable[[], None] = _nothing
         self.advise: Callable[[Ask], Advice] = _no_advice
 
@@ -146,14 +144,12 @@ class Session:
 
     def _hear(self, samples: list[PressureSample], frames: list[MarkerFrame]) -> None:
         now_s = self.clock.now_s()
-        if samples:
-            self._pressures.hear(samples[-1].time_s, now_s)
-            self._latest = samples[-1]
+        for missing in self._pressures.hear(samples, now_s):
+            self.event(f"no reading (NaN) from {missing}", "WARNING")
         if any(_is_alive(frame) for frame in frames):
             self._frames.hear(frames[-1].time_s, now_s)
-        for sample in samples:
-            if missing := self._gaps.take(sample.pressure_kpa, now_s):
-                self.event(f"no reading (NaN) from {missing}", "WARNING")
+        if any((frame.status == MarkerStatus.SEEN).any() or not frame.status.size for frame in frames):
+            self._seen.hear(now_s, now_s)
 
     def _write(self, samples: list[PressureSample], frames: list[MarkerFrame]) -> None:
         if self.log is None:
@@ -164,44 +160,27 @@ class Session:
             self.log.frame(frame)
 
     def _check(self, samples: list[PressureSample]) -> None:
-        safety, now_s = self.rig.config.safety, self.clock.now_s()
-        silent_s, limit_s = self._pressures.lasts_s(now_s), safety.stale_pressure_s
-        # Of pressures simulated in this process only this process can be late: they have no link that may be dead.
-        if silent_s > limit_s and link_of(self.rig.config):
-            what = (
-                _dated(silent_s) if self._pressures.behind(now_s) else f"no measurement for {silent_s:.1f} s"
-            )
+        now_s = self.clock.now_s()
+        self._pressures.check(samples, now_s)
+        if self.rig.mocap is None:
+            return
+        limit_s, name = self.rig.config.safety.lost_mocap_s, self.rig.mocap.name
+        silent_s = self._frames.lasts_s(now_s)
+        if silent_s > limit_s:
+            what = dated(silent_s) if self._frames.behind(now_s) else f"no frame for {silent_s:.0f} s"
+            raise DeviceError(f"{name}: {what} (the limit is {limit_s:g} s); check its stream")
+        unseen_s = self._seen.lasts_s(now_s)
+        if unseen_s > limit_s:
             raise DeviceError(
-                f"{self.rig.pressure.name}: {what} (the limit is {limit_s:g} s); check its link"
+                f"{name}: frames come, and no marker was seen for {unseen_s:.0f} s (the limit is {limit_s:g} s); look "
+                "at the cameras and the light"
             )
-        missing, missing_s = self._gaps.longer_than(limit_s, now_s)
-        if missing:
-            raise DeviceError(
-                f"{self.rig.pressure.name}: no reading (NaN) from {missing} for {missing_s:.1f} s "
-                f"(the limit is {limit_s:g} s); check the sensors and their link"
-            )
-        silent_s, limit_s = self._frames.lasts_s(now_s), safety.lost_mocap_s
-        if self.rig.mocap is not None and silent_s > limit_s:
-            what = _dated(silent_s) if self._frames.behind(now_s) else f"no frame for {silent_s:.0f} s"
-            raise DeviceError(f"{self.rig.mocap.name}: {what} (the limit is {limit_s:g} s); check its stream")
-        for sample in samples:
-            for chamber, pressure_kpa in zip(self.rig.config.chambers, sample.pressure_kpa, strict=True):
-                if pressure_kpa > chamber.max_kpa + safety.over_pressure_kpa:
-                    raise DeviceError(
-                        f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
-                        f"{safety.over_pressure_kpa:g} kPa above its limit of {chamber.max_kpa:g} kPa"
-                    )
-                if pressure_kpa < chamber.min_kpa - safety.over_pressure_kpa:
-                    raise DeviceError(
-                        f"{self.rig.pressure.name}: {chamber.name} reads {pressure_kpa:.1f} kPa, more than "
-                        f"{safety.over_pressure_kpa:g} kPa below its limit of {chamber.min_kpa:g} kPa"
-                    )
 
     def last_read(self) -> str:
         """What the chambers read last, in brackets; empty before anything was read."""
-        if self._latest is None:
+        if (latest := self._pressures.latest) is None:
             return ""
-        chambers = zip(self.rig.config.chambers, self._latest.pressure_kpa, strict=True)
+        chambers = zip(self.rig.config.chambers, latest.pressure_kpa, strict=True)
         values = ", ".join(f"{chamber.name} {value:.1f} kPa" for chamber, value in chambers)
         return f" (pressures before it: {values})"
 
@@ -216,7 +195,7 @@ class Session:
 
     def forget_silence(self) -> None:
         """Begin the staleness checks anew, after something that did not poll."""
-        for watch in (self._pressures, self._frames, self._gaps):
+        for watch in (self._pressures, self._frames, self._seen):
             watch.forget(self.clock.now_s())
 
     def command(self, target_kpa: Floats, reason: str) -> None:
@@ -292,10 +271,6 @@ def _nothing() -> None:
 
 def _no_advice(_ask: Ask) -> Advice:
     return {}
-
-
-def _dated(behind_s: float) -> str:
-    return f"what it measures is dated {behind_s:.4g} s before labrig's clock"
 
 
 def _is_alive(frame: MarkerFrame) -> bool:

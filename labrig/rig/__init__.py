@@ -18,7 +18,9 @@ from labrig.rig._findings import chamber_findings, swapped_markers
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._in_use import in_use
 from labrig.rig._last_words import and_vented, by_hand, impatient, not_vented
+from labrig.rig._pressure_watch import PressureWatch
 from labrig.rig._rig import Rig
+from labrig.rig._silence import Silence, dated
 from labrig.rig._unattended import check_unattended, what_vents_alone
 from labrig.rig._vent_now import NOBODY, VentNow, investigations_on, is_there, runs_on, users_of, vent_now
 
@@ -30,9 +32,11 @@ __all__ = [
     "Fillings",
     "FollowConfig",
     "GuardedPressure",
+    "PressureWatch",
     "Rig",
     "RigConfig",
     "SafetyConfig",
+    "Silence",
     "VentNow",
     "and_vented",
     "by_hand",
@@ -41,6 +45,7 @@ __all__ = [
     "check_unattended",
     "clock_of",
     "connect",
+    "dated",
     "device_makers",
     "fill_in_turn",
     "impatient",

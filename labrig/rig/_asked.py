@@ -2,11 +2,14 @@
 
 import hashlib
 import json
+import os
+import re
 from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._running import Reception
@@ -14,6 +17,8 @@ from labrig.rig._config import RigConfig
 from labrig.run_contents import Asking, Facts, VentContent
 
 _ADDRESS = ("port", "host", "serial", "unit_id")
+_DEFAULT = {"modbus": {"port": 502, "unit_id": 1}}
+"""What an address is where a rig file does not say it."""
 _UNITS = ("_s", "_hz", "_kpa", "_mm", "baudrate", "timeout")
 """What an option ends with that says how a controller is used, and not which one it is."""
 
@@ -40,9 +45,23 @@ def link_of(config: RigConfig) -> str:
         address = {name: value for name, value in options.items() if not name.endswith(_UNITS)}
         address["file"] = Path(str(options.get("file"))).name
     else:
-        address = {name: options[name] for name in _ADDRESS if name in options}
+        given = {name: options[name] for name in _ADDRESS if options.get(name) is not None}
+        if "serial" in given:
+            given.pop("port", None)  # of TCP
+        default = {} if "serial" in given else _DEFAULT.get(device.kind, {})
+        address = {name: _alike(value) for name, value in (default | given).items()}
     told = json.dumps([device.kind, address], sort_keys=True, default=str)
     return hashlib.sha256(told.encode()).hexdigest()[:20]
+
+
+def _alike(value: Any) -> Any:
+    """An address as it is, however it is written: what a link to a serial port points to, COM3 for com3."""
+    if not isinstance(value, str):
+        return value
+    if "/dev/" in value and "://" not in value:
+        return os.path.realpath(value)
+    name = value.lower()
+    return re.sub(r"^((?:[a-z0-9]+://)?)localhost\b", r"\g<1>127.0.0.1", name)
 
 
 def receive(config: RigConfig, log: Path | None, ask: Callable[[Asked], None]) -> Reception | None:

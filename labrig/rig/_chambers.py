@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.rig._pressure_watch import PressureWatch
 from labrig.rig._rig import Rig
 from labrig_drivers import DeviceError
 
@@ -54,16 +55,17 @@ def fill_in_turn(rig: Rig, tell: Callable[[str], None] = lambda _: None) -> Fill
     or a vent is not confirmed; the caller vents then.
     """
     rig.vent()
-    rest, still_mm = _read(rig, _REST_S)
+    watch = PressureWatch(rig.config, rig.pressure.name, rig.clock.now_s())
+    rest, still_mm = _read(rig, watch, _REST_S)
     fillings = []
     for index, chamber in enumerate(rig.config.chambers):
         level_kpa = SHARE * (chamber.max_kpa if chamber.max_kpa > 0 else chamber.min_kpa)
         tell(f"filling {chamber.name} to {level_kpa:g} kPa")
-        fillings.append(_fill(rig, index, level_kpa, still_mm))
+        fillings.append(_fill(rig, watch, index, level_kpa, still_mm))
     return Fillings(_mean(rest[1]), fillings)
 
 
-def _fill(rig: Rig, index: int, level_kpa: float, still_mm: Floats | None) -> Filling:
+def _fill(rig: Rig, watch: PressureWatch, index: int, level_kpa: float, still_mm: Floats | None) -> Filling:
     target = np.zeros(len(rig.config.chambers))
     step_kpa = rig.config.chambers[index].slew_kpa_s * _TICK_S
     began_s = rig.clock.now_s()
@@ -73,22 +75,23 @@ def _fill(rig: Rig, index: int, level_kpa: float, still_mm: Floats | None) -> Fi
         while abs(level_kpa - target[index]) > 0:
             target[index] += np.clip(level_kpa - target[index], -step_kpa, step_kpa)
             rig.pressure.set(target)
-            _take(rig, _TICK_S, times, values)
+            _take(rig, watch, _TICK_S, times, values)
     except DeviceError as error:
         if target[index] and len(times):
             raise
         return Filling(index, level_kpa, refused=str(error).removeprefix(f"{rig.pressure.name}: "))
     ramp_s = rig.clock.now_s() - began_s
     while rig.clock.now_s() - began_s < ramp_s + _LONGEST_S:
-        _take(rig, _LOOK_S, times, values)
+        _take(rig, watch, _LOOK_S, times, values)
         if _at_rest(np.array(times), np.array(values), abs(level_kpa)):
             break
     held_s = rig.clock.now_s() - began_s
-    _take(rig, _HOLD_S - _LOOK_S, times, values)
-    last, held_mm = _read(rig, _LOOK_S)
+    _take(rig, watch, _HOLD_S - _LOOK_S, times, values)
+    last, held_mm = _read(rig, watch, _LOOK_S)
     times += last[0].tolist()
     values += list(last[1])
     rig.vent()
+    watch.forget(rig.clock.now_s())
     moved_mm = None if held_mm is None or still_mm is None else held_mm - still_mm
     time_s = np.array(times) - began_s
     return Filling(index, level_kpa, time_s, np.array(values), ramp_s, held_s, moved_mm)
@@ -96,7 +99,7 @@ def _fill(rig: Rig, index: int, level_kpa: float, still_mm: Floats | None) -> Fi
 
 def _at_rest(time_s: Floats, pressure_kpa: Floats, level_kpa: float) -> bool:
     """Whether no chamber changed between the last half second and the one before it."""
-    if time_s[-1] - time_s[0] < 2 * _LOOK_S:
+    if not len(time_s) or time_s[-1] - time_s[0] < 2 * _LOOK_S:
         return False
     late = _mean(pressure_kpa[time_s > time_s[-1] - _LOOK_S])
     before = _mean(pressure_kpa[(time_s <= time_s[-1] - _LOOK_S) & (time_s > time_s[-1] - 2 * _LOOK_S)])
@@ -104,36 +107,32 @@ def _at_rest(time_s: Floats, pressure_kpa: Floats, level_kpa: float) -> bool:
     return not np.any(change > max(_STILL * level_kpa, 0.1))
 
 
-def _take(rig: Rig, duration_s: float, times: list[float], values: list[Floats]) -> None:
-    """Wait, and keep what is measured meanwhile; raises `DeviceError` above a limit."""
+def _take(
+    rig: Rig, watch: PressureWatch, duration_s: float, times: list[float], values: list[Floats]
+) -> None:
+    """Wait, and keep what is measured meanwhile; raises `DeviceError` beyond a limit, and where readings stay out."""
     end_s = rig.clock.now_s() + duration_s
     while True:
-        for sample in rig.pressure.samples():
+        samples = rig.pressure.samples()
+        for sample in samples:
             times.append(sample.time_s)
             values.append(sample.pressure_kpa)
-            _check(rig, sample.pressure_kpa)
+        now_s = rig.clock.now_s()
+        watch.hear(samples, now_s)
+        watch.check(samples, now_s)
         left_s = end_s - rig.clock.now_s()
         if left_s <= 0:
             break
         rig.clock.sleep(min(_TICK_S, left_s))
 
 
-def _check(rig: Rig, pressure_kpa: Floats) -> None:
-    margin = rig.config.safety.over_pressure_kpa
-    for chamber, value in zip(rig.config.chambers, pressure_kpa, strict=True):
-        if value > chamber.max_kpa + margin:
-            raise DeviceError(
-                f"{rig.pressure.name}: {chamber.name} reads {value:.1f} kPa, its limit is {chamber.max_kpa:g} kPa"
-            )
-
-
-def _read(rig: Rig, duration_s: float) -> tuple[tuple[Floats, Floats], Floats | None]:
+def _read(rig: Rig, watch: PressureWatch, duration_s: float) -> tuple[tuple[Floats, Floats], Floats | None]:
     """Read for a while: times (N,), pressures (N, C), and where the markers are on the mean, (M, 3) mm."""
     if rig.mocap is not None:
         rig.mocap.frames()
     times: list[float] = []
     values: list[Floats] = []
-    _take(rig, duration_s, times, values)
+    _take(rig, watch, duration_s, times, values)
     if not values:
         raise DeviceError(f"{rig.pressure.name}: no measurement for {duration_s:g} s; check its link")
     frames = rig.mocap.frames() if rig.mocap is not None else []

@@ -5,23 +5,20 @@ that was killed leaves none behind. A second file says who it is. A vent asks no
 """
 
 import contextlib
-import errno
 import hashlib
 import json
 import os
-import sys
 import threading
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from labrig._errors import LabrigError
+from labrig._locks import SOMEBODYS, taken
 from labrig._user_folder import cache_folder
 from labrig.rig._asked import link_of
 from labrig.rig._config import RigConfig
-
-_SOMEBODYS = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
 
 _TAKING = threading.Lock()
 _HELD: dict[Path, str] = {}
@@ -53,9 +50,9 @@ def _lock(name: str, what: str, does: str) -> Iterator[None]:
         if path in _HELD:
             raise LabrigError(f"{_HELD[path]} {does}; wait, or stop it")
         try:
-            file = _taken(path)
+            file = taken(path)
         except OSError as error:
-            if error.errno in _SOMEBODYS:
+            if error.errno in SOMEBODYS:
                 raise LabrigError(f"{_who(said)} {does}; wait, or stop it") from None
             file = None  # a disk that is full, or knows no locks, is no reason not to measure
         _HELD[path] = f"{what} (process {os.getpid()}, since {since})"
@@ -69,35 +66,6 @@ def _lock(name: str, what: str, does: str) -> Iterator[None]:
             for each in (said, path):  # while it is still locked; Windows keeps a file that is open
                 with contextlib.suppress(OSError):
                     each.unlink(missing_ok=True)
-
-
-def _taken(path: Path) -> IO[bytes]:
-    """The file, locked until it is closed or this process ends; raises `OSError` where another process has it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    while True:
-        file = path.open("ab")
-        try:
-            _take(file)
-            if os.path.samestat(os.fstat(file.fileno()), path.stat()):
-                return file
-        except FileNotFoundError:
-            pass
-        except OSError:
-            file.close()
-            raise
-        file.close()  # whoever had it has just removed it
-
-
-def _take(file: IO[bytes]) -> None:
-    if sys.platform == "win32":
-        import msvcrt
-
-        file.seek(0)
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-    else:
-        import fcntl
-
-        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # unlike flock's, no child of this process has it
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:

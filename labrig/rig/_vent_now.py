@@ -174,7 +174,13 @@ def _from_here(config: RigConfig) -> list[float | None]:
 
 
 def _end(note: Note) -> None:
-    """End a guard that is stopped: it holds the link, and nobody else can vent meanwhile."""
+    """End a guard that is stopped: it holds the link, and nobody else can vent meanwhile.
+
+    One that is gone, as after a power cut, has left its number to somebody else, who is not touched.
+    """
+    if note.is_stale:
+        note.path.unlink(missing_ok=True)
+        return
     with contextlib.suppress(OSError):
         os.kill(note.pid, getattr(signal, "SIGKILL", signal.SIGTERM))  # Windows has one way to end a process
     note.path.unlink(missing_ok=True)

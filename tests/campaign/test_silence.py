@@ -11,7 +11,7 @@ import pytest
 from labrig import LabrigError
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Step, Steps, dry_run, run
 from labrig.log import summarise
-from labrig_drivers import DeviceError
+from labrig_drivers import DeviceError, MarkerStatus
 
 
 class Hold(Procedure):
@@ -23,6 +23,17 @@ class Hold(Procedure):
         yield Settle(20.0)
         yield Record(1.0)
         yield Settle(10.0)
+
+
+class Night(Procedure):
+    """Under pressure for a minute."""
+
+    def steps(self, rig: RigInfo) -> Steps:
+        """Up, and two recordings on the way."""
+        yield Actuate((40.0, 30.0))
+        for _ in range(2):
+            yield Settle(30.0)
+            yield Record(1.0)
 
 
 @pytest.fixture
@@ -68,6 +79,21 @@ def test_readings_that_are_nan_end_the_run(
         run(Hold(), fake.rig, tmp_path / "run", fake.clock)
     assert fake.pressure_kpa.max() <= 0.5
     assert max(command for _, command in fake.pressure.world.commands) == (40.0, 30.0)
+
+
+def test_frames_without_a_marker_end_the_run(fake: Any, meddle: Any, tmp_path: Path) -> None:
+    """With the light out frames go on coming, all markers hidden: a night of such captures is worth nothing."""
+
+    def dark(frame: Any) -> Any:
+        hidden = np.full(len(frame.status), MarkerStatus.OCCLUDED, np.int8)
+        return replace(frame, position_mm=np.full(frame.position_mm.shape, np.nan), status=hidden)
+
+    meddle("mocap", "frames", dark)
+    with pytest.raises(
+        DeviceError, match=r"no marker was seen for 3\d s \(the limit is 30 s\); look at the cameras"
+    ):
+        run(Night(), fake.rig, tmp_path / "run", fake.clock)
+    assert fake.pressure_kpa.max() <= 0.5
 
 
 def test_a_short_gap_is_warned_of(fake: Any, meddle: Any, tmp_path: Path) -> None:

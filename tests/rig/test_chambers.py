@@ -1,5 +1,6 @@
 """`labrig rig check` fills each chamber in turn and says which tube, sensor or chamber is not well."""
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from labrig.rig import Filling, Fillings, Rig, chamber_findings, fill_in_turn, parse_rig, swapped_markers
-from labrig_drivers import SimulatedClock
+from labrig_drivers import DeviceError, PressureSample, SimulatedClock
 
 sys.path.insert(0, str(Path(__file__).parent))
 from pneumatics import Board, Faults
@@ -95,3 +96,25 @@ def test_tubes_that_are_swapped_behind_the_sensors_show_in_the_markers() -> None
     }
     right: Any = Fillings(np.zeros(4), [Filling(n, 30.0, moved_mm=expected[n] + 0.05) for n in range(4)])
     assert [finding.state for finding in swapped_markers(CONFIG, right, expected)] == ["well"]
+
+
+@pytest.mark.parametrize(
+    ("bad", "said"),
+    [
+        (lambda board: [], "no measurement for"),
+        (
+            lambda board: [PressureSample(board.clock.now_s(), np.full(4, np.nan))],
+            "no reading (NaN) from c1, c2, c3, c4",
+        ),
+        (lambda board: [PressureSample(board.clock.now_s(), np.full(4, -40.0))], "below its limit of 0 kPa"),
+    ],
+)
+def test_filling_is_watched_as_a_run_is(bad: Any, said: str) -> None:
+    """Readings that stay out, are none, or lie below the lowest limit end the check: nothing more is filled."""
+    clock = SimulatedClock()
+    board = Board("pressure", clock, CONFIG.channels, Faults())
+    good = board.samples
+    board.samples = lambda: bad(board) if board.target_kpa.any() else good()  # type: ignore[method-assign]
+    with pytest.raises(DeviceError, match=re.escape(said)):
+        fill_in_turn(Rig(CONFIG, clock, board))
+    assert np.count_nonzero(board.target_kpa) == 1

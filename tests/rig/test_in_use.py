@@ -50,6 +50,35 @@ def _files(folder: Path) -> dict[str, tuple[int, bytes]]:
     }
 
 
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ({"host": "10.0.0.7"}, {"host": "10.0.0.7", "port": 502, "unit_id": 1}),
+        ({"host": "localhost"}, {"host": "127.0.0.1"}),
+        ({"serial": "COM3"}, {"serial": "com3"}),
+        ({"serial": "LINK"}, {"serial": "PORT"}),
+    ],
+)
+def test_a_controller_is_one_however_it_is_written(tmp_path: Path, one: dict, other: dict) -> None:
+    """Defaults that are left out, another case, a link to a port: the same rig; another unit of it is another."""
+    port, link = tmp_path / "dev" / "ttyUSB0", tmp_path / "dev" / "serial-by-id"
+    port.parent.mkdir()
+    port.touch()
+    link.symlink_to(port)
+
+    def of(options: dict[str, Any]) -> str:
+        named = {
+            name: {"PORT": str(port), "LINK": str(link)}.get(value, value) for name, value in options.items()
+        }
+        pressure = {"kind": "modbus", "map": "festo-vtem", **named}
+        chambers = [{"name": "c1", "max_kpa": 60}]
+        return link_of(
+            parse_rig({"name": "r", "chambers": chambers, "pressure": pressure}, "rig.yaml", Path())
+        )
+
+    assert of(one) == of(other) != of({**other, "unit_id": 2})
+
+
 def test_a_second_command_is_refused_and_a_vent_is_not(
     labrig: Any, holder: Any, valves: Any, write_rig: Callable[..., Path], tmp_path: Path
 ) -> None:

@@ -1,7 +1,11 @@
 """A vent from outside a run reaches the chambers, whoever holds the link, and reads them back."""
 
+import json
 import os
 import signal
+import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -98,6 +102,23 @@ def test_a_guard_that_is_stopped_is_ended(valves: Any, write_rig: Any, runner: A
     vented = vent_now(config)
     assert vented.by == "this process"
     assert valves.pressure_kpa <= 0.5
+
+
+def test_a_guard_that_is_gone_has_left_its_number_to_nobody(valves: Any, write_rig: Any) -> None:
+    """After a power cut a guard's number may be another process's, and its port a third one's: neither is touched."""
+    config = load_rig(write_rig())
+    other = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    reception = Reception("guard", {"link": link_of(config), "rig": "valves"}, lambda _: None)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        content = json.loads(reception.path.read_text())
+        gone = reception.path.with_name("guard-1-gone.json")
+        reception.close()
+        gone.write_text(json.dumps(content | {"pid": other.pid, "port": silent.getsockname()[1]}))
+        assert content["locked"]
+        vented = vent_now(config)
+    assert (vented.by, other.poll(), gone.exists()) == ("this process", None, False)
+    other.kill()
+    other.wait()
 
 
 def test_without_a_run_the_link_is_opened(valves: Any, write_rig: Any) -> None:

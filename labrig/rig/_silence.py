@@ -63,3 +63,8 @@ class Gaps:
 
     def _named(self, which: np.ndarray) -> str:
         return ", ".join(name for name, yes in zip(self._names, which, strict=True) if yes)
+
+
+def dated(behind_s: float) -> str:
+    """What is wrong where things come in and are dated long ago."""
+    return f"what it measures is dated {behind_s:.4g} s before labrig's clock"
