@@ -26,7 +26,7 @@ from labrig.campaign._steps import (
     Vented,
     step_from_dict,
 )
-from labrig.log import LoadedSegment, RunSeries, Topic, load_segments, run_series, sessions
+from labrig.log import LoadedSegment, RunSeries, Series, Topic, load_segments, run_series, sessions
 from labrig.run_contents import StepResult
 
 
@@ -88,8 +88,8 @@ def _result(step: Step, values: Any, series: RunSeries, index: int, folder: Path
 
 
 def _recording(values: StepResult, series: RunSeries, index: int) -> Recording:
-    frames = series.frames.during(*_span(values["frame_ns"]))
-    samples = series.pressures.during(*_span(values["sample_ns"]))
+    frames = _during(series.frames, values["frame_ns"], values["frames"])
+    samples = _during(series.pressures, values["sample_ns"], values["samples"])
     if len(frames.time_ns) != values["frames"] or len(samples.time_ns) != values["samples"]:
         raise LabrigError(
             f"the recording of step {index} is damaged: {len(frames.time_ns)} of {values['frames']} frames and "
@@ -104,8 +104,17 @@ def _recording(values: StepResult, series: RunSeries, index: int) -> Recording:
     )
 
 
-def _span(span: list[int] | None) -> tuple[int, int]:
-    return (span[0], span[1]) if span else (1, 0)
+def _during(series: Series, span: list[int] | None, count: int) -> Series:
+    """What a recording holds. In a log from before 0.11 more may be dated as its last, and came after it, or as its
+    first, and came before.
+    """
+    found = series.during(*(span or (1, 0)))
+    if (more := len(found.time_ns) - count) <= 0 or not span:
+        return found
+    after = min(more, int(np.count_nonzero(found.time_ns == span[1])) - 1)
+    before = min(more - after, int(np.count_nonzero(found.time_ns == span[0])) - 1)
+    kept = slice(before, len(found.time_ns) - after)
+    return Series(found.time_ns[kept], found.values[kept])
 
 
 def holds_to_restore(completed: list[Completed], next_step: Step) -> list[tuple[Actuate, float]]:

@@ -11,6 +11,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.campaign._observe import Observation
+from labrig.campaign._order import Order
 from labrig.campaign._signals import SignalGuard
 from labrig.campaign._steps import Ask, Completed, Step
 from labrig.log import LogWriter, Topic
@@ -99,6 +100,7 @@ class Session:
         self._steps_in_segment = 0
         now_s = self.clock.now_s()
         self._log_seen_s = now_s
+        self._order, self._frame_order = Order(), Order()
         self._pressures = PressureWatch(rig.config, rig.pressure.name, now_s)
         self._frames, self._seen = Silence(now_s), Silence(now_s)
         self.on_tick: Callable[[], None] = _nothing
@@ -128,8 +130,8 @@ class Session:
         """Take in and log what the devices have; raises `DeviceError` when the rig is not safe to go on with."""
         self.signals.check(self.control.ended)
         with self.signals.shield():
-            samples = self.rig.pressure.samples()
-            frames = self.rig.mocap.frames() if self.rig.mocap is not None else []
+            samples = self._order.of(self.rig.pressure.samples())
+            frames = self._frame_order.of(self.rig.mocap.frames()) if self.rig.mocap is not None else []
             self.held.samples += samples
             self.held.frames += [replace(frame, position_mm=_as_logged(frame)) for frame in frames]
             self._write(samples, frames)

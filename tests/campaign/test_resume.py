@@ -24,7 +24,8 @@ from labrig.campaign import (
     resume,
     run,
 )
-from labrig.log import LogWriter
+from labrig.campaign._replay import _during
+from labrig.log import LogWriter, Series
 
 
 class Three(Procedure):
@@ -136,9 +137,16 @@ def test_a_closed_loop_is_resumed_with_exactly_what_it_was_given(
     assert after[:12] == reference[:12]
 
 
-def test_the_results_of_a_replay_are_those_of_the_run(fake: Any, tmp_path: Path) -> None:
-    """Recordings, settles and the others come back from the log equal to what the procedure got."""
+@pytest.mark.parametrize("step_s", [0.0, 0.0625])
+def test_the_results_of_a_replay_are_those_of_the_run(
+    fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step_s: float
+) -> None:
+    """Recordings, settles and the others come back from the log equal to what the procedure got, also where a clock in
+    coarse steps gives many frames one time.
+    """
     given: list[Any] = []
+    for device, method in ((fake.mocap._device, "frames"), (fake.rig.pressure._device, "samples")):
+        monkeypatch.setattr(device, method, _in_steps(getattr(device, method), step_s))
 
     class Everything(Procedure):
         closed_loop: ClassVar[bool] = True
@@ -163,6 +171,28 @@ def test_the_results_of_a_replay_are_those_of_the_run(fake: Any, tmp_path: Path)
                 np.testing.assert_array_equal(getattr(done.result, name), value)
         else:
             assert done.result == result
+
+
+def _in_steps(measure: Any, step_s: float) -> Any:
+    """The same measurements, dated by a clock that moves in steps."""
+
+    def coarse() -> list[Any]:
+        return [replace(each, time_s=each.time_s // step_s * step_s) for each in measure()]
+
+    return coarse if step_s else measure
+
+
+def test_of_an_older_log_the_recording_is_found_among_equal_times() -> None:
+    """What came after a recording with its last time, or before it with its first, is none of it."""
+    series = Series(np.array([10, 10, 20, 30, 30, 40]), np.arange(6.0))
+    for span, count, found in (
+        ([20, 30], 2, [2, 3]),
+        ([10, 20], 2, [1, 2]),
+        ([20, 40], 4, [2, 3, 4, 5]),
+        ([20, 40], 9, [2, 3, 4, 5]),
+        (None, 0, []),
+    ):
+        assert _during(series, span, count).values.tolist() == found
 
 
 @pytest.mark.parametrize(
