@@ -22,6 +22,11 @@ _NUMBERS = ("address", "version", "serial")
 """What devices say of themselves that does not change from one connection to the next."""
 
 
+_ROLES = ("pressure", "mocap", "scanner")
+_REACHED = ("port", "host", "serial", "unit_id", "baudrate", "parity", "folder", "mode", "formats")
+"""How a device is reached, which may change from one session to the next, as waiting times may (`_s`, `_hz`)."""
+
+
 class DeviceSaid(TypedDict):
     """What a device said of itself."""
 
@@ -90,12 +95,23 @@ def check_resumable(folder: Path, old: dict[str, Any], new: dict[str, Any]) -> N
     old_rig, new_rig = old.get("rig", {}), new["rig"]
     for field, what in (("name", "rig"), ("chambers", "limits of the chambers"), ("markers", "markers")):
         _same(folder, what, old_rig.get(field), new_rig.get(field))
+    for role in _ROLES:
+        _same(folder, f"{role} section of the rig", _means(old_rig.get(role)), _means(new_rig.get(role)))
     _same(folder, "devices", _who(old.get("identity") or {}), _who(new["identity"]))
     if old.get("steps_sha256") != new["steps_sha256"]:
         raise LabrigError(
             f"cannot resume {folder}: procedure {new['procedure']} no longer makes the steps that it made when "
             "the run began; start a new run"
         )
+
+
+def _means(device: dict[str, Any] | None) -> dict[str, Any]:
+    """What of a device's settings decides what its numbers mean: outputs, units, axes, names, and all that it reads."""
+    return {
+        name: value
+        for name, value in (device or {}).items()
+        if name not in _REACHED and not name.endswith(("_s", "_hz"))
+    }
 
 
 def _who(identity: dict[str, DeviceSaid]) -> dict[str, str]:

@@ -169,6 +169,8 @@ def test_the_results_of_a_replay_are_those_of_the_run(
         if isinstance(done.step, Record):
             for name, value in vars(result).items():
                 np.testing.assert_array_equal(getattr(done.result, name), value)
+            assert (np.diff(result.time_s) > 0).all()
+            assert (np.diff(result.pressure_time_s) > 0).all()
         else:
             assert done.result == result
 
@@ -208,6 +210,10 @@ def test_of_an_older_log_the_recording_is_found_among_equal_times() -> None:
             "({'name': 'c2', 'min_kpa': 0.0, 'max_kpa': 60.0, 'slew_kpa_s': 100.0} became "
             "{'name': 'c2', 'min_kpa': 0.0, 'max_kpa': 55.0, 'slew_kpa_s': 100.0}); start a new run",
         ),
+        (
+            {"mocap": {"unit": "m", "timeout_s": 9.0}},
+            "the mocap section of the rig changed (unit was None, now it is 'm'); start a new run",
+        ),
         ({"rig": {"name": "other"}}, "the rig changed ('fake' became 'other'); start a new run"),
         (
             {"rig": {"markers": ["m1", "m2"]}},
@@ -222,6 +228,9 @@ def test_a_changed_plan_or_rig_is_refused(
     first, second = make_rig(), make_rig(**changed.get("rig", {}))
     folder = tmp_path / "run"
     _interrupt_after(first, 5, Three(), folder)
+    if options := changed.get("mocap"):
+        mocap = second.rig.config.mocap.model_copy(update=options)
+        second.rig.config = second.rig.config.model_copy(update={"mocap": mocap})
     with pytest.raises(LabrigError) as caught:
         resume(changed.get("procedure", Three()), second.rig, folder, second.clock)
     assert str(caught.value) == f"cannot resume {folder}: {message}"
