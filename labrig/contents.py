@@ -147,12 +147,14 @@ class Summary(TypedDict, total=False):
     effects_considered: list[Considered]
     units: Required[str]
     error: Required[Errors]
+    error_by_unit: dict[str, Errors]
     where: Required[list[Place]]
     drop: float
     ranking: list[Ranked]
     next_experiment: Next | None
     carried_by: str | None
     unnamed: dict[str, float]
+    unnamed_units: dict[str, str]
     floor: FloorSource
     left_out: list[HeldOff]
     warnings: list[str]
@@ -201,6 +203,7 @@ class Versus(TypedDict):
     units: str
     models: list[Compared]
     error: dict[str, float]
+    error_by_unit: NotRequired[dict[str, dict[str, float]]]
     difference: Difference
     better: str | None
     where: list[PlaceGap]

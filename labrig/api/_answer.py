@@ -55,6 +55,16 @@ class Answer(ABC, Generic[Found]):
         return {name: float(value) for name, value in errors.items() if value is not None}
 
     @property
+    def errors(self) -> "DataFrame":
+        """The same in every unit that was measured in, a row each; the unit that `error` is in comes first."""
+        from pandas import DataFrame
+
+        by_unit = self._result.summary.get("error_by_unit", {})
+        rows: dict[str, Any] = {self.units: self.error}
+        rows |= {unit: dict(row) for unit, row in by_unit.items() if unit != self.units}
+        return DataFrame.from_dict(rows, "index")
+
+    @property
     @abstractmethod
     def where(self) -> "DataFrame":
         """A row for each place, the worst first."""
@@ -109,12 +119,11 @@ class Answer(ABC, Generic[Found]):
         return []
 
     def __repr__(self) -> str:
-        errors = ", ".join(f"{name} {value:.3g}" for name, value in self.error.items())
-        lines = [
-            f"{type(self).__name__}: {self.headline()}",
-            *self.said(),
-            f"error, {self.units} rms: {errors}",
+        errors = [
+            f"error, {unit} rms: " + ", ".join(f"{name} {value:.3g}" for name, value in row.dropna().items())
+            for unit, row in self.errors.iterrows()
         ]
+        lines = [f"{type(self).__name__}: {self.headline()}", *self.said(), *errors]
         return "\n".join([*lines, *(f"note: {line}" for line in self.warnings)])
 
     def _repr_html_(self) -> str:
@@ -124,12 +133,14 @@ class Answer(ABC, Generic[Found]):
         from pandas import DataFrame
 
         headline, *said = map(escape, (self.headline(), *self.said()))
-        shown = [DataFrame([self.error]), *(table for table in self._shown() if len(table))]
-        tables = [table.to_html(**_TABLE) for table in shown]
+        errors = self.errors if len(self.errors) > 1 else DataFrame([self.error])
+        shown = [errors.to_html(**{**_TABLE, "index": len(errors) > 1})]
+        shown += [table.to_html(**_TABLE) for table in self._shown() if len(table)]
         notes = "".join(f"<li>{escape(line)}</li>" for line in self.warnings)
+        units = "" if len(errors) > 1 else f"{escape(self.units)} "
         return (
             f"<p><b>{headline}</b></p>{''.join(f'<p>{line}</p>' for line in said)}"
-            f"<p>error, {escape(self.units)} rms</p>{''.join(tables)}{f'<ul>{notes}</ul>' if notes else ''}"
+            f"<p>error, {units}rms</p>{''.join(shown)}{f'<ul>{notes}</ul>' if notes else ''}"
         )
 
     @abstractmethod

@@ -1,5 +1,8 @@
 """The tables that commands print for a person."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from rich.console import Console
 from rich.table import Table
 
@@ -38,11 +41,7 @@ def print_summary(summary: Summary, title: str) -> None:
             meaning = _TOGETHER if none_surely(summary) else _VERDICTS[verdict]
         console.print(f"verdict: {verdict} ({meaning})", highlight=False)
         _print_effects(console, summary)
-    errors = Table(title=f"error, {units} rms")
-    for name in error:
-        errors.add_column("predictability bound" if name == "ceiling" else name, justify="right")
-    errors.add_row(*(f"{v:.3g}" if isinstance(v, float | int) else "-" for v in error.values()))
-    console.print(errors)
+    _print_errors(console, units, error, summary.get("error_by_unit", {}))
     if ranked := summary.get("ranking"):
         ranking = Table("effect", "form", "held-out error", "drop", title="single-effect ranking")
         for entry in ranked[:_RANKING_ROWS]:
@@ -80,11 +79,7 @@ def print_versus(summary: Versus) -> None:
     units, names = summary["units"], [model["name"] for model in summary["models"]]
     for line in (versus_headline(summary), difference_words(summary), share_words(summary)):
         console.print(line, highlight=False, soft_wrap=True)
-    errors = Table(title=f"error, {units} rms")
-    for name in summary["error"]:
-        errors.add_column(name, justify="right")
-    errors.add_row(*(f"{value:.3g}" for value in summary["error"].values()))
-    console.print(errors)
+    _print_errors(console, units, summary["error"], summary.get("error_by_unit", {}))
     for name in names:
         nearer = [row for row in summary["where"] if row["better"] == name][:_WHERE_ROWS]
         if not nearer:
@@ -98,6 +93,22 @@ def print_versus(summary: Versus) -> None:
         console.print(table)
     for warning in summary["warnings"]:
         console.print(f"note: {warning}", highlight=False, soft_wrap=True)
+
+
+def _print_errors(
+    console: Console, units: str, error: Mapping[str, Any], by_unit: Mapping[str, Mapping[str, Any]]
+) -> None:
+    """The errors, a row for each unit that was measured in."""
+    table = Table(title="error, rms" if by_unit else f"error, {units} rms")
+    if by_unit:
+        table.add_column("in")
+    for name in error:
+        table.add_column("predictability bound" if name == "ceiling" else name, justify="right")
+    for unit, row in (dict(by_unit) | {units: error}).items():
+        values = [row.get(name) for name in error]
+        shown = [f"{value:.3g}" if isinstance(value, float | int) else "-" for value in values]
+        table.add_row(*([unit] if by_unit else []), *shown)
+    console.print(table)
 
 
 def _print_effects(console: Console, summary: Summary) -> None:

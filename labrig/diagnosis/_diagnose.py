@@ -11,6 +11,7 @@ from labrig._near import meant
 from labrig.contents import Errors, Next, Summary
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
+from labrig.diagnosis._by_unit import by_unit
 from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
@@ -226,6 +227,8 @@ def result_of(
         improved = improved.with_effect(entry)
     places = where(context, ready.residual, ready.floor, regression.counted)
     unit_size = observations.unit_size(regression.counted)
+    of_sensor = {f"{name} alone": k for k, name in enumerate(context.rows.observables)}
+    apart = {what: k for what, k in of_sensor.items() if what in verdict.beside}
     summary: Summary = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
@@ -236,12 +239,22 @@ def result_of(
         "effects_considered": [told(c, unit_size) for c in verdict.considered],
         "units": regression.units,
         "error": errors.as_dict(),
+        "error_by_unit": by_unit(
+            regression,
+            ready.floor,
+            base=regression.residual - regression.nothing,
+            model=regression.residual - (chosen.heldout if chosen else regression.nothing),
+        ),
         "where": places,
         "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
         "ranking": ranking_of(regression, found, verdict, errors.base, max(errors.floor, errors.ceiling)),
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
-        "unnamed": {what: size * unit_size for what, size in verdict.beside.items()},
+        "unnamed": {
+            what: size * (observations.unit_size(np.array([apart[what]])) if what in apart else unit_size)
+            for what, size in verdict.beside.items()
+        },
+        "unnamed_units": {what: context.rows.unit[k] for what, k in apart.items()},
         "floor": ready.floor.told(regression.units),
         "left_out": ready.held_off,
         "warnings": [

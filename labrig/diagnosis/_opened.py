@@ -10,6 +10,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
+from labrig.diagnosis._by_unit import by_unit
 from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
 from labrig.diagnosis._falls import Fall, fall_of
 from labrig.diagnosis._floor import UNREPEATED
@@ -90,6 +91,7 @@ class Opened:
         summary: Summary = {
             "units": self.units,
             "error": error,
+            "error_by_unit": by_unit(regression, ready.floor, model=regression.residual),
             "where": self.places,
             "floor": ready.floor.told(self.units),
             "warnings": [*self._warnings(), *_fitted_anew(ready)],
@@ -135,6 +137,12 @@ class Opened:
             "units": self.units,
             "effects": [e.name for e in effects],
             "error": {"base": base, "model": now, "floor": floor},
+            "error_by_unit": by_unit(
+                regression,
+                ready.floor,
+                base=regression.residual - regression.nothing,
+                model=regression.residual - chosen.heldout,
+            ),
             "drop": drop_of(base, now, floor),
             "added": [entry.model_dump(exclude_none=True) for entry in entries],
             "where": self.places,

@@ -153,7 +153,8 @@ class Regression:
         of_seen = [units[k] for k in seen]
         commonest = max(dict.fromkeys(of_seen), key=of_seen.count)
         if of_seen.count(commonest) <= FEW_OBSERVABLES:
-            off = np.nanmean((self.context.residual[:, seen] / self.floor.row[seen]) ** 2, axis=0)
+            left, counts = self.residual[:, seen], self.weight[:, seen] > 0  # without what was mistaken
+            off = np.where(counts, (left / self.floor.row[seen]) ** 2, 0.0).sum(axis=0) / counts.sum(axis=0)
             each = {u: float(off[[v == u for v in of_seen]].mean()) for u in dict.fromkeys(of_seen)}
             most = max(each, key=lambda u: each[u])
             commonest = most if each[most] > _FAR_MORE**2 * each[commonest] else commonest

@@ -12,6 +12,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.contents import PlaceGap, Versus
 from labrig.diagnosis._about import about
+from labrig.diagnosis._by_unit import seen_by_unit
 from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._noise_scale import with_noise_of_few
 from labrig.diagnosis._paired import LEVEL, BlockSums, Difference, by_block, difference
@@ -55,6 +56,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
             for name, model, error in zip(names, (first, second), errors, strict=True)
         ],
         "error": {names[0]: errors[0], names[1]: errors[1], FLOOR: min(floors)},
+        "error_by_unit": _errors_by_unit(both, residual, names),
         "difference": _plain(whole),
         "better": None if whole.nearer is None else names[whole.nearer],
         "where": _where(both[0], residual, group, names),
@@ -76,6 +78,18 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
         fields["error_after"] = other["error_before"]
     steps = [(names[0], errors[0]), (names[1], errors[1]), (FLOOR, min(floors))]
     return VersusResult(summary, fields, steps, [], summary["where"])
+
+
+def _errors_by_unit(
+    both: Sequence[Prepared], residual: Sequence[Floats], names: Sequence[str]
+) -> dict[str, dict[str, float]]:
+    """Both errors and the floor in each unit, where there are several."""
+    of, out = both[0].regression, {}
+    for unit, own in seen_by_unit(of).items():
+        errors = [_sums(left[:, own], both[0], of.row_group, of.use_means).rms() for left in residual]
+        floor = min(float(np.sqrt(np.mean(one.floor.row[own] ** 2))) for one in both)
+        out[unit] = {names[0]: errors[0], names[1]: errors[1], FLOOR: floor}
+    return out
 
 
 def names_of_models(first: Model, second: Model) -> tuple[str, str]:

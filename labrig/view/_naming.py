@@ -312,14 +312,17 @@ def unnamed_words(summary: Summary) -> str:
     """
     error = summary.get("error") or {}
     units, floor = str(summary.get("units", "")), error.get("floor") or 0.0
+    own = summary.get("unnamed_units") or {}  # of one sensor alone
     left, after = inf, error.get("model")
     if summary.get("verdict") in ("identified", "multiple") and after is not None:
         left = sqrt(max(after**2 - floor**2, 0.0))
     found = sorted((summary.get("unnamed") or {}).items(), key=lambda item: -item[1])
-    shown = [(what, min(size, left)) for what, size in found if min(size, left) > WORTH_SAYING * floor]
+    here = {what: what not in own or own[what] == units for what, _ in found}
+    sizes = [(what, min(size, left) if here[what] else size) for what, size in found]
+    shown = [(what, size) for what, size in sizes if not here[what] or size > WORTH_SAYING * floor]
     if not shown:
         return ""
-    parts = [f"{with_unit(f'{size:.2g}', units)} {carries(str(what))}" for what, size in shown]
+    parts = [f"{with_unit(f'{size:.2g}', own.get(what, units))} {carries(what)}" for what, size in shown]
     return f"Unexplained by any effect: {'; '.join(parts)}."
 
 

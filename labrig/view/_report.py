@@ -133,7 +133,15 @@ def _errors(summary: Summary) -> str:
         for key, label, colour in names
         if error.get(key) is not None
     )
-    return f'<div class="figures">{shown}</div>'
+    words = {key: label for key, label, _ in names}
+    others = [
+        f"In {escape(unit)}: "
+        + listed([f"{escape(words[key])} {number(value)}" for key, value in row.items() if key in words])
+        for unit, row in summary.get("error_by_unit", {}).items()
+        if unit != summary.get("units")
+    ]
+    also = f"<p>{'. '.join(others)}.</p>" if others else ""
+    return f'<div class="figures">{shown}</div>{also}'
 
 
 def _waterfall(page: Page, result: "Result") -> None:
