@@ -126,6 +126,10 @@ class TrackRecord(TypedDict):
     there: NotRequired[int]
 
 
+MANY_LEFT_OUT = 0.05
+"""From this share of all values on, what is left out as mistaken is no rare mistake: something makes it."""
+
+
 class HeldOff(TypedDict):
     """A marker or sensor that was left out through whole holds, and by how much it was off there at most."""
 
@@ -157,6 +161,7 @@ class Summary(TypedDict, total=False):
     unnamed_units: dict[str, str]
     floor: FloorSource
     left_out: list[HeldOff]
+    left_out_share: float
     warnings: list[str]
     added: list[dict[str, Any]]
     prior: CarriedOver

@@ -21,13 +21,14 @@ _VERDICTS = {
 _PERHAPS = "an effect is missing; one that labrig knows fits"
 _TOGETHER = "effects are missing that fit together, none of them surely"
 _ASTRAY = "some captures are mistaken, and left out; beside them nothing is missing"
+_BESIDE = "nothing is missing beside what was left out"
 _WHERE_ROWS = 6
 _RANKING_ROWS = 5
 
 
 def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
-    from labrig.view import astray, at_one_moment, none_surely, note, only_perhaps
+    from labrig.view import astray, at_one_moment, much_left_out, none_surely, note, only_perhaps
 
     console = new_console()
     units = summary["units"]
@@ -35,6 +36,8 @@ def print_summary(summary: Summary, title: str) -> None:
     if verdict := summary.get("verdict"):
         if astray(summary):
             meaning = _ASTRAY
+        elif verdict == "nothing_missing" and much_left_out(summary):
+            meaning = _BESIDE
         elif only_perhaps(summary):
             meaning = _PERHAPS
         else:

@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._near import meant
-from labrig.contents import Errors, Next, Summary
+from labrig.contents import MANY_LEFT_OUT, Errors, Next, Summary
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
 from labrig.diagnosis._by_unit import by_unit
@@ -233,7 +233,7 @@ def result_of(
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "probability": verdict.probability,
-        "track_record": track_record(verdict.verdict),
+        "track_record": track_record(verdict.verdict) if ready.left_out_share < MANY_LEFT_OUT else None,
         "rivals": list(verdict.rivals),
         "together": list(verdict.together),
         "effects_considered": [told(c, unit_size) for c in verdict.considered],
@@ -257,6 +257,7 @@ def result_of(
         "unnamed_units": {what: context.rows.unit[k] for what, k in apart.items()},
         "floor": ready.floor.told(regression.units),
         "left_out": ready.held_off,
+        "left_out_share": ready.left_out_share,
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.contents import HeldOff
+from labrig.contents import MANY_LEFT_OUT, HeldOff
 from labrig.diagnosis._dead import without_dead
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._frozen import without_frozen
@@ -75,6 +75,11 @@ class Prepared:
         """What was left out through whole holds."""
         return held_off(self.context.rows, self.context.residual, self.residual) if self.dropped else []
 
+    @cached_property
+    def left_out_share(self) -> float:
+        """The share of all measured values that was left out as mistaken."""
+        return self.dropped / max(int(np.isfinite(self.context.rows.values).sum()), 1)
+
     @property
     def left_out(self) -> list[str]:
         """Lines on outlying values that were left out, and where most of them were; none without any."""
@@ -89,9 +94,24 @@ class Prepared:
         more = ["..."] if sum(values > 0 for values in count.values()) > _NAMED else []
         what = "outlying value was" if self.dropped == 1 else "outlying values were"
         return [
-            f"{self.dropped} {what} left out ({', '.join([*most, *more])})",
+            f"{self.dropped} {what} left out ({', '.join([*most, *more])}){self._often()}",
             *held_off_lines(self.held_off),
         ]
+
+    def _often(self) -> str:
+        """What to make of many values that were left out; empty of few."""
+        if self.left_out_share < MANY_LEFT_OUT:
+            return ""
+        gone = np.isfinite(self.context.rows.values) & ~np.isfinite(self.residual)
+        rows = np.flatnonzero(gone.any(axis=1))
+        steps = np.diff(rows)
+        every = (
+            f", every {steps[0]}th" if len(steps) > 2 and (steps == steps[0]).all() and steps[0] > 1 else ""
+        )
+        return (
+            f", {self.left_out_share:.0%} of all, in {len(rows)} of {len(gone)} rows{every}: what makes them, such as "
+            "interference, is in no verdict; find it"
+        )
 
     @property
     def not_quoted(self) -> list[str]:

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from labrig.view._versus_report import versus_pictures, write_versus
     from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
     from labrig.view._viewer import Viewer, screenshot, start_viewer
-    from labrig.view._words import Lines, Note, note, summary_words
+    from labrig.view._words import Lines, Note, much_left_out, note, summary_words
 
 _LAZY = {
     "CHAMBER_COLOURS": "_scene",
@@ -93,6 +93,7 @@ _LAZY = {
     "live_observers": "_live",
     "live_predict": "_predict",
     "Note": "_words",
+    "much_left_out": "_words",
     "note": "_words",
     "pictures_of": "_pictures",
     "programme_figure": "_experiment",
@@ -148,6 +149,7 @@ __all__ = [
     "legend_picture",
     "live_observers",
     "live_predict",
+    "much_left_out",
     "names_in_short",
     "none_surely",
     "note",

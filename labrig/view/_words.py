@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from labrig._text import amount, capital, counted, listed, number, percent, with_unit, word
-from labrig.contents import HeldOff, Next, Summary
+from labrig.contents import MANY_LEFT_OUT, HeldOff, Next, Summary
 from labrig.view._naming import (
     added,
     astray,
@@ -104,11 +104,19 @@ def summary_words(summary: Summary) -> Lines:
     )
 
 
+def much_left_out(summary: Summary) -> bool:
+    """Whether more was left out as mistaken than single mistakes, or a marker or sensor through whole holds."""
+    return bool(summary.get("left_out")) or summary.get("left_out_share", 0.0) >= MANY_LEFT_OUT
+
+
 def _headline(summary: Summary) -> str:
     effects = [str(name) for name in summary.get("effects", [])]
     match summary.get("verdict"):
         case "nothing_missing" if off := summary.get("left_out"):
             return f"Nothing is missing beside what was left out: {_held_off(off)}."
+        case "nothing_missing" if much_left_out(summary):
+            share = percent(summary["left_out_share"])
+            return f"Nothing is missing beside {share} of the values, which were left out as mistaken."
         case "nothing_missing":
             return "Nothing is missing: the model is as good as the measurements."
         case "identified":
@@ -278,6 +286,8 @@ def next_experiment(summary: Summary) -> str:
             why = f"To learn whether {listed(separated)} is there too: "
         return why + "; or ".join(probes) + ". `labrig next` makes a procedure of it."
     match summary.get("verdict"):
+        case "nothing_missing" if much_left_out(summary):
+            return "Find what makes so many values wrong, and measure these again: what they hide is in no verdict."
         case "nothing_missing":
             return "None needed. More repeats of the same set-points would reveal smaller effects."
         case "identified" | "multiple":
