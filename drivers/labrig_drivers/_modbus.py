@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig_drivers._modbus_map import RegisterMap, Table
+from labrig_drivers._pressure_wire import WireError
 from labrig_drivers._recording import Recorder
 from labrig_drivers._transport import LinkError
-from labrig_drivers._wired_pressure import WireError
 
 MAX_SPAN = 125  # registers in one read
 MAX_GAP = 4  # registers that are read along rather than asked for in a second request

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig_drivers._openpneu_stream import SENSORS, Reply, StreamParser, Telemetry
+from labrig_drivers._pressure_wire import WireError
 from labrig_drivers._recording import RecordedLink, Recorder
 from labrig_drivers._transport import Link, LinkError, open_link
-from labrig_drivers._wired_pressure import WireError
 
 Dialect = Literal["auto", "published", "table"]
 Build = Literal["published", "full"]

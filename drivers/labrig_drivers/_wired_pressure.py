@@ -12,12 +12,13 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from labrig_drivers._clock import Clock
+from labrig_drivers._pressure_wire import PressureWire, WireError
 from labrig_drivers._protocols import (
     Channel,
     DeviceError,
@@ -32,38 +33,7 @@ from labrig_drivers._transport import LinkError
 POLL_S = 0.02
 CALM_SAMPLES = 3
 OVER_SAMPLES = 3
-
-
-class WireError(Exception):
-    """A device answered, but not what it should have; one line."""
-
-
-class PressureWire(Protocol):
-    """One kind of device; every call is bounded in time and raises `LinkError` or `WireError`."""
-
-    def open(self) -> None:
-        """Open the link and leave every set-point at ambient, with measurements coming."""
-        ...
-
-    def identify(self) -> tuple[str, dict[str, str]]:
-        """What the device says of itself: a description, and details."""
-        ...
-
-    def write(self, pressure_kpa: NDArray[np.float64]) -> None:
-        """Command set-points, kPa, (C,); what is unchanged need not be sent."""
-        ...
-
-    def poll(self, timeout_s: float) -> list[NDArray[np.float64]]:
-        """Measurements, kPa, (C,) each, waiting about `timeout_s` at most for the first."""
-        ...
-
-    def stop(self) -> None:
-        """Towards ambient by the shortest way: pumps off, valves open, set-points 0; measuring goes on."""
-        ...
-
-    def close(self) -> None:
-        """Leave the device at rest and release the link; never raises."""
-        ...
+LEAVE_S = 0.5  # after a failed start, for the thread to end in
 
 
 @dataclass(frozen=True)
@@ -120,6 +90,7 @@ class WiredPressure:
         self._samples: deque[PressureSample] = deque(maxlen=options.max_samples)
         self._requests: queue.SimpleQueue[tuple[Callable[[], Any], Future]] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
+        self._left: threading.Thread | None = None
         self._stopping = threading.Event()
         self._open = False
         self._venting = False
@@ -131,8 +102,13 @@ class WiredPressure:
         self._over = 0
 
     def connect(self) -> None:
-        """Open the link; set-points are at ambient afterwards and measurements come in."""
+        """Open the link; set-points are at ambient afterwards and measurements come in.
+
+        Raises `DeviceError` after `open_s`, and while an earlier call still hangs: that one holds the wire.
+        """
         if self._thread is None:
+            if self._hangs():
+                raise DeviceError(f"{self.name}: {self._no_link()}")
             self._stopping.clear()
             self._thread = threading.Thread(target=self._run, name=f"{self.name}-wire", daemon=True)
             self._thread.start()
@@ -141,7 +117,7 @@ class WiredPressure:
         try:
             self._request(self._reopen, self._options.open_s)
         except DeviceError:
-            self.close()
+            self._end(LEAVE_S)
             raise
 
     def identify(self) -> Identity:
@@ -159,7 +135,7 @@ class WiredPressure:
     def samples(self) -> list[PressureSample]:
         """Every measurement since the last call, oldest first; at most `max_samples` are kept."""
         if self._thread is None:
-            raise DeviceError(f"{self.name}: not connected")
+            raise DeviceError(f"{self.name}: {self._no_link()}")
         samples: list[PressureSample] = []
         while self._samples:
             samples.append(self._samples.popleft())
@@ -171,7 +147,7 @@ class WiredPressure:
         """Bring every channel to ambient, at once, and confirm it; tries a lost link again until then."""
         began = time.monotonic()
         if self._thread is None:
-            raise VentNotConfirmedError(f"{self.name}: vent not confirmed: not connected")
+            raise VentNotConfirmedError(f"{self.name}: vent not confirmed: {self._no_link()}")
         trouble = ""
         stopped = False
         asked_at = float("-inf")
@@ -195,11 +171,18 @@ class WiredPressure:
         )
 
     def close(self) -> None:
-        """Leave the device at rest and release the link; never raises."""
+        """Leave the device at rest and release the link; never raises.
+
+        What does not come back in `call_s` is left behind: should it come back later, it does this then.
+        """
+        self._end(self._options.call_s)
+
+    def _end(self, wait_s: float) -> None:
         self._stopping.set()
         thread, self._thread = self._thread, None
         if thread is not None:
-            thread.join()
+            self._left = thread
+            thread.join(wait_s)
         if self._recorder is not None:
             self._recorder.close()
 
@@ -349,7 +332,7 @@ class WiredPressure:
 
     def _request(self, call: Callable[[], Any], timeout_s: float | None = None) -> Any:
         if self._thread is None:
-            raise DeviceError(f"{self.name}: not connected")
+            raise DeviceError(f"{self.name}: {self._no_link()}")
         limit_s = self._options.call_s if timeout_s is None else timeout_s
         future: Future = Future()
         self._requests.put((call, future))
@@ -358,6 +341,14 @@ class WiredPressure:
         except FutureTimeoutError:
             future.cancel()
             raise DeviceError(f"{self.name}: did not answer within {limit_s:g} s") from None
+
+    def _hangs(self) -> bool:
+        return self._left is not None and self._left.is_alive()
+
+    def _no_link(self) -> str:
+        if self._hangs():
+            return "an earlier call hangs and holds the port; unplug the device and plug it in again"
+        return "not connected"
 
     def _raise_problem(self) -> None:
         problem = self._problem
