@@ -15,7 +15,7 @@ class PressureSettings(Settings):
     """What all pressure controllers share."""
 
     outputs: tuple[int, ...] | None = Field(default=None, description="the device's channel of each chamber")
-    stale_after_s: float = Field(default=1.0, gt=0, le=60)
+    stale_after_s: float = Field(default=1.0, gt=0)
     over_kpa: float = Field(default=10.0, ge=0)
     vent_below_kpa: float = Field(default=3.0, gt=0)
     timeout_s: float = Field(default=3.0, gt=0, le=60)

@@ -42,7 +42,8 @@ class PressureOptions:
 
     Without a measurement for `stale_after_s`, or with one more than `over_kpa` above a channel's highest
     (below its lowest) limit `OVER_SAMPLES` times in a row, the device is stopped and refuses set-points
-    until a vent is confirmed: every channel within `vent_below_kpa` of ambient `CALM_SAMPLES` times.
+    until a vent is confirmed: every channel within `vent_below_kpa` of ambient `CALM_SAMPLES` times. A channel
+    that never gave a finite reading has no sensor, and is not waited for, as long as another one has.
     """
 
     stale_after_s: float = 1.0
@@ -96,6 +97,7 @@ class WiredPressure:
         self._venting = False
         self._problem: str | None = None
         self._latest: NDArray[np.float64] | None = None
+        self._measures = np.zeros(count, bool)
         self._heard_at = 0.0
         self._stepped_at = 0.0
         self._calm = 0
@@ -290,11 +292,15 @@ class WiredPressure:
         if len(self._samples) == self._samples.maxlen:
             self.dropped += 1
         self._samples.append(PressureSample(self._clock.now_s(), measured))
-        calm = bool(np.all(np.abs(measured) < self._options.vent_below_kpa))
+        self._measures |= np.isfinite(measured)
+        calm = self._measures.any() and not self._is_up(measured).any()
         self._calm = self._calm + 1 if calm else 0
         margin = self._options.over_kpa
         over = bool(np.any((measured > self._high + margin) | (measured < self._low - margin)))
         self._over = self._over + 1 if over else 0
+
+    def _is_up(self, measured: NDArray[np.float64]) -> NDArray[np.bool_]:
+        return self._measures & ~(np.abs(measured) < self._options.vent_below_kpa)
 
     def _watch(self) -> None:
         if self._problem is not None:
@@ -370,12 +376,11 @@ class WiredPressure:
 
     def _still_up(self) -> str:
         latest = self._latest
-        if latest is None:
+        if latest is None or not self._measures.any():
             return "no pressure reading"
-        calm = np.abs(latest) < self._options.vent_below_kpa
         still = [
             f"{channel.name} reads {value:.1f} kPa"
-            for channel, value, ok in zip(self.channels, latest, calm, strict=True)
-            if not ok
+            for channel, value, up in zip(self.channels, latest, self._is_up(latest), strict=True)
+            if up
         ]
         return ", ".join(still) or "the readings stopped"

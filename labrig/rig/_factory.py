@@ -105,13 +105,21 @@ def _unchecked_maker(config: RigConfig, role: str, device: DeviceConfig, clock: 
         raise LabrigError(f"rig {config.name}: {role}: no kind {device.kind!r}; there are {known}")
     return lambda: build_device(
         device.kind,
-        device.options,
+        {**_limits(config, role), **device.options},
         name=role,
         clock=clock,
         channels=config.channels,
         marker_names=config.markers,
         base=config.folder,
     )
+
+
+def _limits(config: RigConfig, role: str) -> dict[str, float]:
+    # a pressure driver trusts and vents as the rig does, unless its own section says otherwise
+    safety = config.safety
+    if role != "pressure":
+        return {}
+    return {"stale_after_s": safety.stale_pressure_s, "vent_below_kpa": safety.vented_kpa}
 
 
 class _Simulated:

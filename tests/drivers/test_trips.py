@@ -161,6 +161,22 @@ def test_fewer_than_three_calm_readings_in_a_row_confirm_nothing(wire, device, r
         device.vent(timeout_s=0.3)
 
 
+def test_a_channel_without_a_sensor_is_not_waited_for(wire, device):
+    """Of a channel that never gave a reading none can confirm the vent: the others do."""
+    wire.after_stop.extend([[], *([np.array((1.0, np.nan))] for _ in range(3))])
+    assert device.vent().pressure_kpa[0] == 1.0
+
+
+def test_without_any_sensor_no_vent_is_confirmed(wire, device):
+    """Where no channel ever gave a reading nothing says that the chambers are empty."""
+    wire.after_stop.extend([[], *([np.array((np.nan, np.nan))] for _ in range(5))])
+    with pytest.raises(VentNotConfirmedError) as error:
+        device.vent(timeout_s=0.3)
+    assert str(error.value) == (
+        "pressure: vent not confirmed within 0.3 s: no pressure reading; relieve the pressure by hand"
+    )
+
+
 @pytest.mark.parametrize("after", [0, 2], ids=["nothing", "two"])
 def test_calm_readings_from_before_the_vent_do_not_count(wire, device, after):
     """A device that read calm all the time, and says too little after the stop, is not confirmed."""

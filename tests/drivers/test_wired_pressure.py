@@ -154,8 +154,9 @@ def test_vent_that_does_not_succeed_says_what_is_still_up(wire, make):
 
 
 def test_a_channel_without_reading_is_not_confirmed(wire, make):
-    """NaN is no confirmation."""
+    """NaN is no confirmation where there was a reading before."""
     device = make()
+    wait_for(device.samples)
     wire.stuck_kpa = [np.nan, 0.0]
     with pytest.raises(VentNotConfirmedError, match=r"a reads nan kPa; relieve the pressure by hand$"):
         device.vent(timeout_s=0.2)
