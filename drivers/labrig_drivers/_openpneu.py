@@ -89,6 +89,8 @@ class OpenPneuWire:
         self._written: dict[int, float] = {}
         self._partial: list[float] = []
         self._missed = 0
+        self._late = False
+        self._refused = ""
         self._next_round = 0.0
         self._noise = b""
 
@@ -106,6 +108,7 @@ class OpenPneuWire:
         self._measured.clear()
         self._written.clear()
         self._missed = 0
+        self._late = False
         self._noise = b""
         self._wait(options.boot_s)
         self._dialect = self._detect()
@@ -116,7 +119,7 @@ class OpenPneuWire:
         if self._dialect == "published":
             questions = {"address": ("AT+ADDRESS", _no_news), "version": ("AT+VERSION", _no_news)}
         else:
-            questions = {"address": ("AT+ADD", lambda text: text.startswith("ADD="))}
+            questions = {"address": ("AT+ADD", _is_address)}
         details = {}
         for name, (line, accept) in questions.items():
             try:
@@ -127,14 +130,13 @@ class OpenPneuWire:
         return f"OpenPneu ({self._dialect} dialect) at {self._options.port}", details
 
     def write(self, pressure_kpa: NDArray[np.float64]) -> None:
-        """Send the targets that changed."""
-        pairs_done: set[int] = set()
+        """Send the targets that changed, and see that the board refused none; `WireError` where it does."""
+        published = self._dialect == "published"
+        pairs = published and self._options.build == "published"
+        targets: dict[int, float] = {}
         for output, value in zip(self._options.outputs, pressure_kpa.tolist(), strict=True):
-            if self._options.build == "published" and self._dialect == "published":
-                if output // 2 in pairs_done:
-                    continue
-                pairs_done.add(output // 2)
-            self._target(output, round(value, 2))
+            targets.setdefault(output - output % 2 if pairs else output, round(value, 2))
+        (self._set_published if published else self._set_table)(targets)
 
     def poll(self, timeout_s: float) -> list[NDArray[np.float64]]:
         """The measurements that have come in; in the table's dialect, asks for the next channel's."""
@@ -169,9 +171,7 @@ class OpenPneuWire:
     def _start(self) -> None:
         self._written.clear()
         self._partial = []  # a set of readings that was begun before shows what was then
-        pairs = self._options.build == "published" and self._dialect == "published"
-        for output in sorted({n - n % 2 for n in self._options.outputs} if pairs else self._options.outputs):
-            self._target(output, 0.0)
+        self.write(np.zeros(len(self._options.outputs)))
         with contextlib.suppress(WireError):  # what it answers is for a person; the readings tell
             if self._dialect == "published":
                 self._ask("C", lambda text: text.startswith("Timer"), tries=1)
@@ -202,21 +202,40 @@ class OpenPneuWire:
             f"{self._options.baudrate} baud, power on?)"
         )
 
-    def _target(self, output: int, value_kpa: float) -> None:
-        if self._written.get(output) == value_kpa:
-            return
-        if self._dialect == "published":
-            self._ask(f"SC={output}", _anything)
-            self._send(f"T={value_kpa:.2f}")
-        else:
-            self._ask(f"PSET={output},{value_kpa:.2f}", lambda text: text.startswith(f"{output}="))
-        self._written[output] = value_kpa
+    def _changed(self, targets: dict[int, float]) -> dict[int, float]:
+        changed = {output: value for output, value in targets.items() if self._written.get(output) != value}
+        for output in changed:  # until it is known to have arrived, the board may hold either
+            self._written.pop(output, None)
+        return changed
+
+    def _set_published(self, targets: dict[int, float]) -> None:
+        # T= is answered only where it is refused, and before the answer to what is asked next.
+        for _ in range(TRIES):
+            changed = self._changed(targets)
+            if not changed:
+                return
+            self._refused = ""
+            for output, value in changed.items():
+                self._ask(f"SC={output}", _anything)
+                self._send(f"T={value:.2f}")
+            self._ask("AT", lambda text: text == "OK;Successful")
+            if not self._refused:
+                self._written |= changed
+                return
+            self._written.clear()  # it may be SC= that was refused: another channel got the target then
+        raise WireError(f"the board at {self._options.port}: {self._refused!r} to set-points")
+
+    def _set_table(self, targets: dict[int, float]) -> None:
+        for output, value in self._changed(targets).items():
+            self._ask(f"PSET={output},{value:.2f}", lambda text, n=output: text.startswith(f"{n}="))
+            self._written[output] = value
 
     def _read_next(self) -> None:
         if not self._partial:
             self._next_round = max(self._next_round + 1.0 / ASK_HZ, time.monotonic())
         output = self._options.outputs[len(self._partial)]
         try:
+            self._catch_up()
             text = self._ask(f"PREAD={output}", lambda text: text.startswith("Val="), tries=1)
             value = float(text.removeprefix("Val="))
         except (WireError, ValueError) as error:
@@ -230,6 +249,12 @@ class OpenPneuWire:
         if len(self._partial) == len(self._options.outputs):
             self._measured.append(np.array(self._partial))
             self._partial = []
+
+    def _catch_up(self) -> None:
+        # Val= does not say of which channel: one that comes late would be taken for the next channel's.
+        if self._late:
+            self._ask("AT+ADD", _is_address, tries=1)
+            self._late = False
 
     def _ask(self, line: str, accept: Callable[[str], bool], tries: int = TRIES) -> str:
         problem = ""
@@ -249,6 +274,8 @@ class OpenPneuWire:
                         return text
                 if problem.startswith("'"):
                     break
+            else:
+                self._late = True
         raise WireError(f"the board at {self._options.port}: {problem}")
 
     def _send(self, line: str) -> None:
@@ -273,10 +300,16 @@ class OpenPneuWire:
                 self._measured.append(values[list(self._options.outputs)])
             elif isinstance(event, Reply):
                 self._replies.append(event.text)
+                if event.text.startswith("Error"):
+                    self._refused = event.text
 
 
 def _anything(text: str) -> bool:
     return bool(text)
+
+
+def _is_address(text: str) -> bool:
+    return text.startswith("ADD=")
 
 
 def _no_news(text: str) -> bool:

@@ -316,13 +316,130 @@ def test_a_board_of_few_words(script, driver, until):
     device = driver(f"socket://127.0.0.1:{script(talk).port}")
     device.connect()
     assert said == [
-        b"AT", b"SC=0", b"T=0.00", b"SC=1", b"T=0.00", b"SC=2", b"T=0.00", b"SC=3", b"T=0.00", b"C",
+        b"AT", b"SC=0", b"T=0.00", b"SC=1", b"T=0.00", b"SC=2", b"T=0.00", b"SC=3", b"T=0.00", b"AT",
+        b"C",
     ]  # fmt: skip
     assert device.identify().details["version"] == "not stated"
     until(device.samples)
     del said[:]
     device.set(np.array([0.0, 12.345, 0.0, 0.0]))
-    until(lambda: said == [b"SC=1", b"T=12.35"] or said == [b"SC=1", b"T=12.34"])
+    until(lambda: said in ([b"SC=1", b"T=12.35", b"AT"], [b"SC=1", b"T=12.34", b"AT"]))
     assert device.vent().pressure_kpa.tolist() == [1.5] * 4
     device.close()
     until(lambda: said[-1] == b"V")
+
+
+@pytest.fixture
+def board_that(script, driver, shared):
+    """A published board that answers a line as `answer(line)` says, or else as it should: (board, lines, driver)."""
+
+    def start(answer):
+        board, lines = OpenPneuBoard(shared, "published", "full"), []
+
+        def talk(connection):
+            connection.settimeout(0.02)
+            held = b""
+            while True:
+                try:
+                    data = connection.recv(4096)
+                    if not data:
+                        return
+                    held += data
+                except TimeoutError:
+                    if board.running:
+                        board.control(0.02)
+                        connection.sendall(board.telemetry())
+                *whole, held = held.split(b"\r\n")
+                for line in whole:
+                    lines.append(line.decode())
+                    connection.sendall(answer(lines[-1]) or b"".join(board.feed(line + b"\r\n")))
+
+        device = driver(f"socket://127.0.0.1:{script(talk).port}")
+        device.connect()
+        return board, lines, device
+
+    return start
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [("T=20.00", b"Error command\r\n"), ("SC=1", b"Stop All Motors\r\nError command\r\n")],
+    ids=["target", "selection, behind a late answer"],
+)
+def test_a_refused_target_is_sent_again(board_that, line, words):
+    """One disturbed line, the target or its selection, leaves every channel with its own target."""
+    once = []
+
+    def answer(said):
+        if said == line and once:
+            return once.pop()
+        return b""
+
+    board, _, device = board_that(answer)
+    device.set(np.array([5.0, 0.0, 0.0, 0.0]))
+    once.append(words)
+    device.set(np.array([20.0, 10.0, 5.0, 0.0]))
+    assert not once
+    assert board.target_kpa[:4].tolist() == [20.0, 10.0, 5.0, 0.0]
+
+
+def test_a_target_that_is_always_refused_is_an_error(board_that):
+    """A board that does not take a target is named with its answer; the next call sends everything again."""
+    refuses = [True]
+    board, _, device = board_that(
+        lambda said: b"Error command\r\n" if said == "T=20.00" and refuses[0] else b""
+    )
+    with pytest.raises(DeviceError, match=r"^pressure: the board at \S+: 'Error command' to set-points$"):
+        device.set(np.array([20.0, 10.0, 0.0, 0.0]))
+    refuses[0] = False
+    device.vent()
+    device.set(np.array([20.0, 10.0, 0.0, 0.0]))
+    assert board.target_kpa[:4].tolist() == [20.0, 10.0, 0.0, 0.0]
+
+
+def test_a_board_that_refuses_zero_does_not_run_again_after_a_stop(board_that, until):
+    """While the old target is in the board its pumps stay off, and the vent is not confirmed although all read 0."""
+    refuses = []
+    board, lines, device = board_that(
+        lambda said: b"Error command\r\n" if said == "T=0.00" and refuses else b""
+    )
+    device.set(np.array([30.0, 0.0, 0.0, 0.0]))
+    until(device.samples)
+    refuses.append(True)
+    del lines[:]
+    with pytest.raises(
+        VentNotConfirmedError, match=r": 'Error command' to set-points; relieve the pressure by hand$"
+    ):
+        device.vent(timeout_s=0.5)
+    assert "V" in lines
+    assert "C" not in lines
+    refuses.clear()
+    device.vent()
+    assert not board.target_kpa.any()
+
+
+@pytest.mark.parametrize("late_s", [0.7, 1.2])
+def test_a_late_reading_is_not_taken_for_another_channels(script, driver, until, late_s):
+    """One answer of the table that comes late costs a round; every reading stays with its own chamber."""
+    wait_s = []
+
+    def talk(connection):
+        held = b""
+        while data := connection.recv(4096):
+            *lines, held = (held + data).split(b"\r\n")
+            for line in lines:
+                name, _, value = line.decode().partition("=")
+                if name == "PREAD" and wait_s:
+                    time.sleep(wait_s.pop())
+                time.sleep(0.008)
+                words = {"AT+ADD": "ADD=01", "PSET": value.replace(",", "="), "PREAD": f"Val={value}.00"}
+                connection.sendall(words.get(name, "OK").encode() + b"\r\n")
+
+    channels = [Channel(f"c{number}", 0.0, 60.0) for number in range(9)]
+    device = driver(f"socket://127.0.0.1:{script(talk).port}", channels, stale_after_s=5.0)
+    device.connect()
+    until(device.samples)
+    wait_s.append(late_s)
+    read = []
+    until(lambda: not wait_s and (read.extend(device.samples()) or len(read) > 20))
+    assert [sample.pressure_kpa.tolist() for sample in read] == [list(range(9))] * len(read)
