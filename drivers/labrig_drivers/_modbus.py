@@ -103,7 +103,7 @@ class ModbusWire:
                 baudrate=options.baudrate,
                 parity=options.parity,
                 timeout=options.timeout_s,
-                retries=1,
+                retries=0,
                 **trace,
             )
         else:
@@ -255,12 +255,20 @@ class ModbusWire:
             )
 
     def _call(self, call: Callable[[], Any]) -> Any:
-        from pymodbus.exceptions import ModbusException
+        from pymodbus.exceptions import ModbusException, ModbusIOException
 
         if self._client is None:
             raise LinkError("the link is not open")
         try:
-            return call()
+            try:
+                return call()
+            except ModbusIOException:
+                if not self._options.serial:
+                    raise
+                # An answer over RTU does not say to what: a late one has to be in before the next request, with
+                # which the library throws it away.
+                time.sleep(self._options.timeout_s)
+                return call()
         except ModbusException as error:
             why = " ".join(str(error).removeprefix("Modbus Error: ").split())
             raise LinkError(f"lost the Modbus device at {self._options.where}: {why}") from None
