@@ -241,6 +241,7 @@ def _recorded_rig(config: Any) -> dict[str, Any]:
 def _record_session(config: Any, out: Path, clock: Any, seconds: float) -> None:
     import time
 
+    from labrig.rig import driver_limits
     from labrig_drivers import build_device
 
     devices: dict[str, Any] = {}
@@ -250,7 +251,7 @@ def _record_session(config: Any, out: Path, clock: Any, seconds: float) -> None:
                 continue
             devices[role] = build_device(
                 device.kind,
-                device.options,
+                {**driver_limits(config, role), **device.options},
                 name=role,
                 clock=clock,
                 channels=config.channels,

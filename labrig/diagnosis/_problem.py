@@ -102,14 +102,9 @@ class Prepared:
         """What to make of many values that were left out; empty of few."""
         if self.left_out_share < MANY_LEFT_OUT:
             return ""
-        gone = np.isfinite(self.context.rows.values) & ~np.isfinite(self.residual)
-        rows = np.flatnonzero(gone.any(axis=1))
-        steps = np.diff(rows)
-        every = (
-            f", every {steps[0]}th" if len(steps) > 2 and (steps == steps[0]).all() and steps[0] > 1 else ""
-        )
+        gone = (np.isfinite(self.context.rows.values) & ~np.isfinite(self.residual)).any(axis=1)
         return (
-            f", {self.left_out_share:.0%} of all, in {len(rows)} of {len(gone)} rows{every}: what makes them, such as "
+            f", {self.left_out_share:.0%} of all, in {gone.sum()} of {len(gone)} rows: what makes them, such as "
             "interference, is in no verdict; find it"
         )
 

@@ -13,7 +13,7 @@ from labrig.rig._config import (
     load_rig,
     parse_rig,
 )
-from labrig.rig._factory import connect, device_makers
+from labrig.rig._factory import connect, device_makers, driver_limits
 from labrig.rig._findings import chamber_findings, swapped_markers
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._in_use import in_use
@@ -47,6 +47,7 @@ __all__ = [
     "connect",
     "dated",
     "device_makers",
+    "driver_limits",
     "fill_in_turn",
     "impatient",
     "in_use",

@@ -105,7 +105,7 @@ def _unchecked_maker(config: RigConfig, role: str, device: DeviceConfig, clock: 
         raise LabrigError(f"rig {config.name}: {role}: no kind {device.kind!r}; there are {known}")
     return lambda: build_device(
         device.kind,
-        {**_limits(config, role), **device.options},
+        {**driver_limits(config, role), **device.options},
         name=role,
         clock=clock,
         channels=config.channels,
@@ -114,8 +114,8 @@ def _unchecked_maker(config: RigConfig, role: str, device: DeviceConfig, clock: 
     )
 
 
-def _limits(config: RigConfig, role: str) -> dict[str, float]:
-    # a pressure driver trusts and vents as the rig does, unless its own section says otherwise
+def driver_limits(config: RigConfig, role: str) -> dict[str, float]:
+    """What a pressure driver takes from the rig's section safety, unless its own section says otherwise."""
     safety = config.safety
     if role != "pressure":
         return {}

@@ -71,7 +71,7 @@ _WATCHED = (
         "stale_after_s",
         "Stale after",
         "s",
-        "After this time without a reading the device is stopped.",
+        "After this time without a reading the device is stopped; left out, as Safety says.",
         more=True,
     ),
     _number(
@@ -85,7 +85,7 @@ _WATCHED = (
         "vent_below_kpa",
         "Vented below",
         "kPa",
-        "A vent is confirmed when every chamber reads less than this, three times.",
+        "A vent is confirmed when every chamber reads less than this, three times; left out, as Safety says.",
         more=True,
     ),
     _number("timeout_s", "Answers within", "s", more=True),
