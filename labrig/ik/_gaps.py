@@ -11,7 +11,8 @@ TOLERANCE_MM = 2.0
 """Distances up to this are no gap."""
 _SMALLEST = 0.004
 _MOST = 6
-_LIMITS = {-1: "lowest", 0: "", 1: "highest"}
+_NEAR = 1e-6
+"""Share of its range within which a chamber is at its limit."""
 
 
 @dataclass(frozen=True)
@@ -41,18 +42,24 @@ class Gap:
         )
 
 
+def limits_of(pressure_kpa: Floats, low_kpa: Floats, high_kpa: Floats) -> NDArray[np.bool_]:
+    """Which chambers are at their lowest, and which at their highest pressure: (2, C), for limits (C,), kPa."""
+    slack = _NEAR * (high_kpa - low_kpa)
+    return np.stack([pressure_kpa <= low_kpa + slack, pressure_kpa >= high_kpa - slack])
+
+
 def find_gaps(
     signed_mm: Floats,
     uv: Floats,
     points_mm: Floats,
     influence: Floats,
     chambers: tuple[str, ...],
-    limits: NDArray[np.int64],
+    limits: NDArray[np.bool_],
 ) -> tuple[Gap, ...]:
     """Connected parts of the sample grid that are farther from the target than the tolerance, the worst first.
 
     signed_mm (P,) on a square grid, NaN where nothing is opposite; points_mm (P, 3) in the target's frame; influence
-    (P, C) mm/kPa; limits (C,) -1, 0 or 1 for a chamber at its lowest pressure, between, at its highest.
+    (P, C), mm/kPa, by how much each pressure moves the surface outwards; limits (2, C) of `limits_of`.
     """
     side = round(np.sqrt(len(signed_mm)))
     far = np.nan_to_num(signed_mm)
@@ -65,13 +72,10 @@ def find_gaps(
                 continue
             worst = int(own[np.argmax(np.abs(far[own]))])
             x, y, z = (float(value) for value in points_mm[worst])
-            push = influence[worst]
-            blocked = limits == (-1 if sign > 0 else 1)  # to go in, pressures fall; to come out, they rise
-            strong = push > 0.3 * push.max()
-            chosen = (
-                int(np.argmax(np.where(blocked & strong, push, -1.0))) if (blocked & strong).any() else -1
-            )
-            name = int(np.argmax(push)) if chosen < 0 else chosen
+            push = np.abs(influence[worst])
+            falls = sign * influence[worst] > 0.0  # where more pressure moves it away, less would help
+            blocked = np.where(falls, limits[0], limits[1]) & (push > 0.3 * push.max())
+            name = int(np.argmax(np.where(blocked, push, -1.0) if blocked.any() else push))
             found.append(
                 Gap(
                     depth_mm=float(far[worst]),
@@ -79,7 +83,7 @@ def find_gaps(
                     uv=(float(uv[worst, 0]), float(uv[worst, 1])),
                     area_share=float(len(own) / len(far)),
                     chamber=chambers[name],
-                    limit=_LIMITS[int(limits[name])] if chosen >= 0 else "",
+                    limit="" if not blocked[name] else "lowest" if falls[name] else "highest",
                 )
             )
     return tuple(sorted(found, key=lambda gap: -abs(gap.depth_mm))[:_MOST])

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 _FAR_S = 1e8
 """A session so long after the path that no effect is too slow for it; nobody looks at it."""
 _LEVELS = (0.25, 0.5, 0.75, 1.0)
+_IN_A_LINE = 1e-3
+"""Markers that are off a line by less than this, of (u, v), lie in it."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,11 @@ class Approach:
         return float(sum(self.holds_s))
 
 
+def marker_uv(shape: Any) -> Floats:
+    """(u, v) (M, 2) of a shape model's markers; a warped model's are those of its forward model. None is (0, 2)."""
+    return np.asarray(getattr(getattr(shape, "forward", shape), "marker_uv", np.zeros((0, 2))), float)
+
+
 @dataclass
 class _Base:
     """The shape model at its markers, as a base of a model."""
@@ -43,7 +50,7 @@ class _Base:
 
     def predict(self, actuation: Floats) -> Floats:
         """Markers (F, 3 M), mm."""
-        return np.asarray(self.shape.points(actuation, self.shape.marker_uv)).reshape(len(actuation), -1)
+        return np.asarray(self.shape.points(actuation, marker_uv(self.shape))).reshape(len(actuation), -1)
 
     def declared(self, actuation: Floats) -> Floats | None:
         """None: nothing is fitted."""
@@ -54,8 +61,9 @@ class _Base:
 class Remembering:
     """A shape model with the effects of a model file.
 
-    `shape` has `marker_names` and `marker_uv` (M, 2) besides what every shape model has. What acts through the
-    pressures becomes an equivalent change of them; what acts on markers is their displacement.
+    `shape` has `marker_names` and `marker_uv` (M, 2), itself or in its forward model, besides what every shape model
+    has. What acts through the pressures becomes an equivalent change of them; what acts on markers is their
+    displacement.
     """
 
     model: "Model"
@@ -92,6 +100,10 @@ class Remembering:
                 displaced += contribution(context, rest, values)
         return rows.actuation[0] + change[0], displaced[0].reshape(-1, 3)
 
+    def displaced(self, shift_mm: Floats) -> Any:
+        """The surface whose markers are displaced by `shift_mm` (M, 3); raises `LabrigError` as `Displaced` does."""
+        return Displaced(self.shape, shift_mm) if shift_mm.any() else self.shape
+
     def _context(self, rows: "Rows") -> Any:
         from labrig.effects import Context
         from labrig.model import solo_deflection
@@ -99,7 +111,7 @@ class Remembering:
         base = _Base(self.shape)
         if self._alone is None:
             self._alone = solo_deflection(base, rows.low, rows.high)
-        slopes = self.shape.jacobian(rows.actuation, self.shape.marker_uv)
+        slopes = self.shape.jacobian(rows.actuation, marker_uv(self.shape))
         return Context(
             rows=rows,
             base=base.predict(rows.actuation),
@@ -153,7 +165,7 @@ class Remembering:
             marker=np.repeat(np.arange(len(markers)), 3),
             axis=np.tile(np.arange(3), len(markers)),
             markers=markers,
-            rest_mm=np.asarray(shape.points(vented, shape.marker_uv))[0],
+            rest_mm=np.asarray(shape.points(vented, marker_uv(shape)))[0],
             repeat=("",) * rows,
             covariates={},
             between_sessions="vented",
@@ -173,14 +185,23 @@ def _shaped(value: Floats, term: Any, observables: int, effect: str) -> Floats:
 
 
 class Displaced:
-    """A shape model whose surface is displaced by what its markers are displaced by, (M, 3), mm; smooth between."""
+    """A shape model whose surface is displaced by what its markers are displaced by, (M, 3), mm; smooth between.
+
+    Raises `LabrigError` for fewer than three markers, or such that lie in a line: nobody knows what is beside them.
+    """
 
     def __init__(self, shape: Any, shift_mm: Floats) -> None:
         from scipy.interpolate import RBFInterpolator
 
+        uv = marker_uv(shape)
+        if np.linalg.matrix_rank(uv - uv[:1], tol=_IN_A_LINE) < 2:
+            raise LabrigError(
+                "an effect that displaces markers moves the surface between them: that needs three markers, "
+                "not in a line"
+            )
         self.shape = shape
         self.chamber_names, self.low_kpa, self.high_kpa = shape.chamber_names, shape.low_kpa, shape.high_kpa
-        self._shift = RBFInterpolator(np.asarray(shape.marker_uv, float), shift_mm, smoothing=1e-3)
+        self._shift = RBFInterpolator(uv, shift_mm, smoothing=1e-3)
 
     def points(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """Points (F, P, 3), mm."""

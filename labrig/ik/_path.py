@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labrig.arrays import Floats
+from labrig.ik._after import after
 from labrig.ik._descent import Pose
-from labrig.ik._memory import Approach, Displaced, Remembering
+from labrig.ik._memory import Approach, Remembering, marker_uv
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver
 from labrig.surface import Mesh, Target
@@ -38,9 +39,7 @@ class Plan:
 
     def shape_of(self, memory: Remembering) -> Any:
         """The surface as the model expects it after the path, to be asked at `effective_kpa`."""
-        if np.abs(self.displaced_mm).max() == 0.0:
-            return memory.shape
-        return Displaced(memory.shape, self.displaced_mm)
+        return memory.displaced(self.displaced_mm)
 
 
 def paths_to(setpoint: Floats, low: Floats, high: Floats, overshoot: float, dwell_s: float) -> Approach:
@@ -67,7 +66,7 @@ def plan_path(
     wanted = np.asarray(wanted_kpa, float)
     low = np.asarray(memory.shape.low_kpa if low_kpa is None else low_kpa, float)
     high = np.asarray(memory.shape.high_kpa if high_kpa is None else high_kpa, float)
-    slope = np.asarray(memory.shape.jacobian(wanted[None], memory.shape.marker_uv))[0]
+    slope = np.asarray(memory.shape.jacobian(wanted[None], marker_uv(memory.shape)))[0]
     plans: list[Plan] = []
     for dwell_s in dwells_s:
         for overshoot in overshoots:
@@ -118,17 +117,26 @@ def solve_with_path(
 ) -> tuple[IkResult, Plan]:
     """Pressures, pose and path for a target, for a model that remembers.
 
-    The result's pressures are the path's last set-points; its distances are those that the model expects after the
-    path. Displacements of the markers are taken into the surface, and the search is done once more with them.
+    The result's pressures are the path's last set-points; its pose, its distances and what stands against it are those
+    that the model expects after the path. Displacements of the markers are taken into the surface, and the search is
+    done once more with them.
     """
     goal = target if isinstance(target, Target) else Target(target)
     static = Solver(memory.shape, low_kpa, high_kpa)
     result = static.solve(goal, pose)
     plan = plan_path(result.pressure_kpa, memory, static.low, static.high)
     if np.abs(plan.displaced_mm).max() > _WORTH_MM:
-        shifted = Solver(Displaced(memory.shape, plan.displaced_mm), low_kpa, high_kpa)
+        shifted = Solver(plan.shape_of(memory), low_kpa, high_kpa)
         begin = Pose(result.rotation, result.translation_mm)
         result = shifted.solve(goal, begin, result.pressure_kpa)
         plan = plan_path(result.pressure_kpa, memory, static.low, static.high)
     notes = (*result.notes, f"path: {plan.path.name}, {plan.path.duration_s:g} s")
-    return replace(result, pressure_kpa=plan.path.setpoints_kpa[-1], notes=notes), plan
+    result = after(
+        goal,
+        plan.shape_of(memory),
+        plan.effective_kpa,
+        replace(result, notes=notes),
+        plan.path.setpoints_kpa[-1],
+        (static.low, static.high),
+    )
+    return result, plan

@@ -10,6 +10,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.ik._descent import FAR_AWAY, NOWHERE, Descent, History, Pose, State
 from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
+from labrig.ik._gaps import limits_of
 from labrig.ik._poses import lies_near, likeliest, spread_actuations
 from labrig.ik._result import IkResult
 from labrig.ik._stopwatch import stopwatch
@@ -30,7 +31,7 @@ class Solver:
     """Inverse kinematics of one model; keeps what does not depend on the target.
 
     `low_kpa`, `high_kpa` (C,) narrow the model's own limits to the rig's; `samples` x `samples` points of the surface
-    are compared with the target. Raises `LabrigError` where the limits have nothing in common.
+    are compared with the target. Raises `LabrigError` where the limits have nothing in common, or are not C.
     """
 
     def __init__(
@@ -41,6 +42,12 @@ class Solver:
         samples: int = SAMPLES,
     ) -> None:
         self.model = model
+        for given in (low_kpa, high_kpa):
+            if given is not None and np.shape(given) not in ((), np.shape(model.low_kpa)):
+                chambers = ", ".join(model.chamber_names)
+                raise LabrigError(
+                    f"limits of {np.size(given)} chambers are given, the model's are {chambers}"
+                )
         self.low = np.maximum(model.low_kpa, -np.inf if low_kpa is None else np.asarray(low_kpa, float))
         self.high = np.minimum(model.high_kpa, np.inf if high_kpa is None else np.asarray(high_kpa, float))
         if (self.low > self.high).any():
@@ -135,9 +142,8 @@ class Solver:
         signed = np.where(usable, -state.plane if inverted else state.plane, np.nan)
         absolute = np.abs(state.plane[usable])
         H, _ = self.descent.equations(state, state.scale_mm())
-        slack = 1e-6 * (self.high - self.low)
-        limits = (state.pressure >= self.high - slack).astype(int) - (state.pressure <= self.low + slack)
-        influence = np.abs(np.einsum("pi,pik->pk", state.normal, state.slope))
+        limits = limits_of(state.pressure, self.low, self.high)
+        outwards_by = np.einsum("pi,pik->pk", state.normal, state.slope)
         placed = (state.points - state.translation) @ state.rotation
         return IkResult(
             chamber_names=names,
@@ -150,15 +156,15 @@ class Solver:
             share=float(usable.mean()),
             signed_mm=signed,
             uv=self.uv,
-            sd_kpa=_deviations(H, float((absolute**2).mean()), len(names)),
-            limited=tuple(name for name, side in zip(names, limits, strict=True) if side),
+            sd_kpa=_deviations(H, float((absolute**2).mean()), self.high > self.low),
+            limited=tuple(np.array(names)[limits.any(axis=0)].tolist()),
             iterations=len(history) - starts,
             starts=starts,
             time_s=time_s,
             prepare_s=prepare_s,
             history=history,
             inverted=inverted,
-            gap_facts=(placed, influence, limits),
+            gap_facts=(placed, -outwards_by if inverted else outwards_by, limits),
         )
 
 
@@ -178,13 +184,21 @@ class _Cached:
         return self._evaluate.points(pressure_kpa)
 
 
-def _deviations(H: Floats, variance: float, chambers: int) -> Floats:
-    """Standard deviations of the pressures, kPa, if distances of neighbouring samples were independent."""
+def _deviations(H: Floats, variance: float, free: NDArray[np.bool_]) -> Floats:
+    """Standard deviations of the pressures, kPa, if distances of neighbouring samples were independent.
+
+    Zero for chambers that are not `free` (C,): nothing else was possible.
+    """
+    moving = np.concatenate([free, np.ones(len(H) - len(free), bool)])
+    inner = H[np.ix_(moving, moving)]
+    deviation = np.zeros(len(free))
     try:
-        covariance = np.linalg.inv(H + 1e-12 * np.trace(H) * np.eye(len(H)))
+        covariance = np.linalg.inv(inner + 1e-12 * np.trace(inner) * np.eye(len(inner)))
     except np.linalg.LinAlgError:
-        return np.full(chambers, np.nan)
-    return np.sqrt(np.maximum(np.diag(covariance)[:chambers], 0.0) * variance)
+        deviation[free] = np.nan
+        return deviation
+    deviation[free] = np.sqrt(np.maximum(np.diag(covariance)[: free.sum()], 0.0) * variance)
+    return deviation
 
 
 def solve(

@@ -9,11 +9,10 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.ik._after import after
 from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of, target_of
-from labrig.ik._descent import Pose
-from labrig.ik._memory import Approach, Displaced
+from labrig.ik._memory import Approach
 from labrig.ik._refine import Refinement
-from labrig.ik._solve import Solver
 from labrig.surface import Mesh, Registration, Target, distances, grid, read_mesh, register
 
 SETTLE_S = 3.0
@@ -56,17 +55,14 @@ class Trial:
         solver, memory = solver_of(self.solved.job)
         before = self.solved.result
         assert before is not None
-        shape, pressure = solver.model, approach.setpoints_kpa[-1]
+        end = approach.setpoints_kpa[-1]
+        shape, counts = solver.model, end
         if memory is not None:
-            pressure, displaced = memory.after(approach)
-            shape = Displaced(shape, displaced) if displaced.any() else shape
-        held = np.clip(pressure, shape.low_kpa, shape.high_kpa)
-        found = Solver(shape, held, held).solve(
-            self.target, Pose(before.rotation, before.translation_mm), held
-        )
+            counts, displaced = memory.after(approach)
+            shape = memory.displaced(displaced)
+        found = after(self.target, shape, counts, before, end, (solver.low, solver.high))
         uv, triangles = grid(MEASURED, MEASURED)
-        surface = found.to_target(np.asarray(shape.points(pressure[None], uv), float)[0])
-        found = replace(found, pressure_kpa=approach.setpoints_kpa[-1])
+        surface = found.to_target(np.asarray(shape.points(counts[None], uv), float)[0])
         solved = replace(self.solved, result=found, surface_mm=surface, triangles=triangles, path=approach)
         return replace(self, solved=solved)
 

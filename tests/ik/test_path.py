@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 import yaml
 
+from labrig import LabrigError
 from labrig.effects._skin import at_events
-from labrig.ik import Remembering, SurfaceModel, plan_path, solve_with_path
+from labrig.ik import Remembering, Solver, SurfaceModel, plan_path, solve_with_path
+from labrig.ik._after import after
 from labrig.ik._path import SETTLE_S, paths_to
 from labrig.model import EffectEntry, Model, ModelFile
 from labrig.physics import load_surface
-from labrig.surface import Mesh, grid
+from labrig.surface import Mesh, Target, distances, grid
 from labrig_drivers.simulated import build_plant
 
 RIG = {
@@ -116,6 +118,52 @@ def test_displaced_markers_are_taken_into_the_surface():
     assert result.mean_mm < 0.05
 
 
+def test_the_result_is_what_the_path_comes_to():
+    """Where the limits keep a path from what was wanted, distances, limits and gaps are those after the path."""
+    memory = remembering(play(0.5, 0.3))
+    uv, triangles = grid(61, 71)
+    wanted = np.where(np.arange(9) == 5, 59.0, 30.0)
+    target = Mesh(memory.shape.points(wanted[None], uv)[0], triangles)
+    result, plan = solve_with_path(target, memory)
+    left = distances(result.to_target(memory.shape.points(plan.effective_kpa[None], uv)[0]), target).summary()
+    np.testing.assert_array_equal(result.pressure_kpa, plan.path.setpoints_kpa[-1])
+    assert result.mean_mm > 0.2
+    assert result.mean_mm == pytest.approx(left["mean_mm"], rel=0.1)
+    assert result.limited == ("c6",)
+    assert (result.gaps[0].chamber, result.gaps[0].limit) == ("c6", "highest")
+    assert 0.0 < result.sd_kpa.max() < 5.0
+
+
+def test_a_result_speaks_of_pressures_beyond_the_models_limits():
+    """Where creep takes what counts beyond the limits, distances are those at the pressures that count."""
+    memory = remembering(creep(0.3, 1.0))
+    uv, triangles = grid(61, 71)
+    target = Mesh(memory.shape.points(np.full((1, 9), 30.0), uv)[0], triangles)
+    search = Solver(memory.shape).solve(target)
+    found = after(
+        Target(target),
+        memory.shape,
+        np.full(9, 75.0),
+        search,
+        np.full(9, 60.0),
+        (np.zeros(9), np.full(9, 60.0)),
+    )
+    left = distances(found.to_target(memory.shape.points(np.full((1, 9), 75.0), uv)[0]), target).summary()
+    assert found.mean_mm == pytest.approx(left["mean_mm"], rel=0.15)
+
+
+@pytest.mark.parametrize("kept", [1, 2, 3])
+def test_too_few_markers_are_said(kept):
+    """One marker, two, or three in a line do not say how the surface moves beside them: one line says so."""
+    memory = remembering()
+    memory.shape.marker_uv = np.array([[0.2, 0.5], [0.5, 0.5], [0.8, 0.5]])[:kept]
+    with pytest.raises(LabrigError) as error:
+        memory.displaced(np.ones((kept, 3)))
+    assert str(error.value) == (
+        "an effect that displaces markers moves the surface between them: that needs three markers, not in a line"
+    )
+
+
 def campaign_of(rig, tmp_path):
     """A repeatability run on a simulated rig."""
     from labrig import open_run
@@ -173,8 +221,6 @@ def test_entries_of_the_wrong_size_are_said():
     entry = EffectEntry.model_validate(
         {"name": "rest_shape", "parameters": {"offset": {"value": [1.0, 2.0]}}}
     )
-    from labrig import LabrigError
-
     with pytest.raises(LabrigError) as error:
         remembering(entry).after(paths_to(np.full(9, 30.0), np.zeros(9), np.full(9, 60.0), 0.0, 3.0))
     assert str(error.value) == "effect 'rest_shape': 'offset' has 2 values, this surface needs 102"

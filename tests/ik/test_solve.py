@@ -5,6 +5,7 @@ import pytest
 
 from labrig import LabrigError
 from labrig.ik import Pose, Solver
+from labrig.ik._gaps import find_gaps, limits_of
 from labrig.surface import Mesh, clean, distances, grid
 from labrig.surface._pose import angle_deg, rotation_of, spread_rotations
 
@@ -110,6 +111,25 @@ def test_unreachable_target_says_how_much_and_where(solver, mannequin, make_targ
     assert np.hypot(gap.middle_mm[0] - 30, gap.middle_mm[2] - 250) < 25
 
 
+def test_a_chamber_that_sucks_is_at_the_other_limit():
+    """Where more pressure moves the surface inwards, what stands out of the target wants more of it."""
+    high = limits_of(np.array([60.0]), np.array([0.0]), np.array([60.0]))
+    uv, _ = grid(5, 5)
+    for inwards, limit in ((-1.0, "highest"), (1.0, "")):
+        (gap,) = find_gaps(np.full(25, 5.0), uv, np.zeros((25, 3)), np.full((25, 1), inwards), ("c1",), high)
+        assert gap.limit == limit
+
+
+def test_a_chamber_without_a_range_is_at_its_limit(mannequin, make_target):
+    """Limits that leave one pressure leave no doubt of it, and the chamber is named."""
+    low, high = np.zeros(9), np.full(9, 60.0)
+    low[5] = high[5] = 30.0
+    found = Solver(mannequin, low, high).solve(make_target(mannequin, TRUTH))
+    assert found.limited == ("c6",)
+    assert found.sd_kpa[5] == 0.0
+    assert (np.delete(found.sd_kpa, 5) > 0.0).all()
+
+
 def test_what_is_not_there_is_an_error(solver, mannequin, make_target):
     """A target held far away from the surface, and limits that contradict, are errors in one line."""
     target = make_target(mannequin, TRUTH)
@@ -122,6 +142,12 @@ def test_what_is_not_there_is_an_error(solver, mannequin, make_target):
     with pytest.raises(LabrigError) as error:
         Solver(mannequin, low_kpa=np.full(9, 70.0)).solve(target)
     assert str(error.value) == "chamber c1: the rig's limits and the model's have nothing in common"
+    with pytest.raises(LabrigError) as error:
+        Solver(mannequin, high_kpa=np.full(3, 60.0))
+    assert (
+        str(error.value)
+        == "limits of 3 chambers are given, the model's are c1, c2, c3, c4, c5, c6, c7, c8, c9"
+    )
 
 
 def test_plain_values(solver, mannequin, make_target):
