@@ -12,6 +12,7 @@ from labrig.arrays import Floats
 from labrig.ik._batch import MEASURED, solver_of
 from labrig.ik._descent import Pose
 from labrig.ik._evaluate import ShapeModel
+from labrig.ik._memory import marker_uv
 from labrig.ik._models import ShellModel, SurfaceModel
 from labrig.ik._solve import Solver
 from labrig.ik._trial import SETTLE_S, Trial, make_trials
@@ -211,19 +212,15 @@ def _expected_markers(trial: Trial, names: tuple[str, ...]) -> Floats:
     """Where the model has the rig's markers at the trial's actuation, (M, 3), mm; NaN for those it does not know."""
     solver, memory = solver_of(trial.solved.job)
     shape: Any = solver.model
-    places = dict(zip(getattr(shape, "marker_names", ()), _marker_uv(shape), strict=False))
-    known = [name in places for name in names]
+    own = list(getattr(shape, "marker_names", ()))
+    known = [name in own for name in names]
     expected = np.full((len(names), 3), np.nan)
     if any(known):
         assert trial.solved.result is not None
-        pressure = trial.approach.setpoints_kpa[-1]
+        pressure, displaced = trial.approach.setpoints_kpa[-1], np.zeros((len(own), 3))
         if memory is not None:
-            pressure, _ = memory.after(trial.approach)
-        uv = np.array([places[name] for name in names if name in places])
-        expected[known] = np.asarray(shape.points(pressure[None], uv))[0]
+            pressure, displaced = memory.after(trial.approach)
+        which = [own.index(name) for name in names if name in own]
+        points = np.asarray(shape.points(pressure[None], marker_uv(shape)[which]))[0]
+        expected[known] = points + displaced[which]
     return expected
-
-
-def _marker_uv(shape: Any) -> Floats:
-    """(u, v) of the model's markers; a warped model's are those of its forward model."""
-    return np.asarray(getattr(getattr(shape, "forward", shape), "marker_uv", np.zeros((0, 2))))

@@ -105,7 +105,7 @@ class Trial:
         uv, _ = grid(MEASURED, MEASURED)
         index, _ = Target(self.predicted).nearest.one(self.target.mesh.vertices_mm)
         slope = np.asarray(solver.model.jacobian(result.pressure_kpa[None], uv[index]), float)[0]
-        normal = self.target.mesh.normals
+        normal = self.target.mesh.normals * (-1.0 if result.inverted else 1.0)  # heights count outwards
         turned = np.einsum("vd,ed->ve", normal, result.rotation)  # the normals in the rig's frame
         middle = self.target.mesh.vertices_mm.mean(axis=0)
         motions = np.concatenate([np.cross(self.target.mesh.vertices_mm - middle, normal), normal], axis=1)

@@ -12,9 +12,10 @@ from labrig import LabrigError
 from labrig.campaign import dry_run, read_completed, resume, run
 from labrig.campaign._scans import keep_scan
 from labrig.cli._validate import report
-from labrig.ik import Refinement, make_trials, outcomes
+from labrig.ik import Approach, Refinement, make_trials, outcomes
+from labrig.ik._outcome import _expected_markers
 from labrig.rig import connect, load_rig
-from labrig.surface import Mesh, grid
+from labrig.surface import Mesh, grid, read_mesh
 from labrig_drivers import Scan, SimulatedClock
 from labrig_procedures import Validate
 
@@ -192,6 +193,48 @@ def test_broyden_finds_what_the_model_has_wrong():
     assert misfits[-1] < 0.02 * misfits[0]
     assert search.best is not None
     assert search.best[0] == pytest.approx(min(misfits), rel=0.2)
+
+
+def test_refining_goes_the_right_way_for_a_target_that_is_inside_out(lab, mannequin):
+    """On a rig that is a quarter too soft, a target takes as few scans whichever way its triangles face."""
+    whole = read_mesh(lab / "a.ply", "mm")
+    write_target(lab, "b.ply", whole.vertices_mm, whole.triangles[:, ::-1])
+    uv, triangles = grid(31, 41)
+    low, high = np.zeros(9), np.full(9, 60.0)
+    for name in ("a.ply", "b.ply"):
+        names = mannequin.chamber_names
+        (trial,) = make_trials([str(lab / name)], str(lab / "model.yaml"), "mm", (), names, low, high)
+        result, search = trial.solved.result, trial.refinement(low, high)
+        pressure, misfits = result.pressure_kpa, []
+        for _ in range(3):
+            realised = Mesh(result.to_target(mannequin.points(0.75 * pressure[None], uv)[0]), triangles)
+            height = trial.heights(realised)
+            misfits.append(np.nanmean(np.abs(height)))
+            pressure = search.propose(pressure, height)
+        assert result.inverted == (name == "b.ply")
+        assert misfits[2] < 0.4 * misfits[0], name
+
+
+def test_markers_are_expected_where_effects_displace_them(lab):
+    """Markers that an effect shifts are expected where it shifts them, whatever their order in the rig."""
+    shift = {
+        "name": "rest_shape",
+        "parameters": {"offset": {"value": [0.0, 2.0, 0.0] * 33 + [0.0, 5.0, 0.0]}},
+    }
+    plain = _expected_markers(trial_of(lab), ("m34", "other", "m01"))
+    (lab / "model.yaml").write_text(
+        yaml.safe_dump({"base": {"kind": "simulator", "rig": "rig.yaml"}, "effects": [shift]})
+    )
+    moved = _expected_markers(trial_of(lab), ("m34", "other", "m01")) - plain
+    np.testing.assert_allclose(moved, [[0.0, 5.0, 0.0], [np.nan] * 3, [0.0, 2.0, 0.0]], atol=1e-9)
+
+
+def trial_of(lab):
+    """The target of the lab, at the truth's pressures."""
+    names = tuple(f"c{c + 1}" for c in range(9))
+    given = str(lab / "a.ply"), str(lab / "model.yaml")
+    (trial,) = make_trials([given[0]], given[1], "mm", (), names, np.zeros(9), np.full(9, 60.0))
+    return replace(trial, solved=replace(trial.solved, path=Approach("straight", TRUTH[None], (3.0,))))
 
 
 def test_limits_hold_while_refining():
