@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig._executor import Executor
 from labrig.arrays import Floats
-from labrig.ik._load import load_shape_model
+from labrig.ik._load import load_shape_model, state_of
 from labrig.ik._memory import Approach, Remembering
 from labrig.ik._path import solve_with_path
 from labrig.ik._result import IkResult
@@ -91,16 +91,13 @@ def target_of(job: Job) -> Target:
 
 def solver_of(job: Job) -> tuple[Solver, Remembering | None]:
     """The search that a job asks for; the last few are kept. Raises `LabrigError` for a model without that form."""
-    path = Path(job.model).resolve()
-    written_ns = path.stat().st_mtime_ns if path.is_file() else 0
-    return _solver(job.model, str(path), written_ns, job.low_kpa, job.high_kpa, job.without)
+    return _solver(job.model, state_of(job.model), job.low_kpa, job.high_kpa, job.without)
 
 
 @lru_cache(maxsize=4)
 def _solver(
     model: str,
-    _path: str,
-    _written_ns: int,
+    _state: tuple[tuple[str, int, int], ...],
     low: tuple[float, ...] | None,
     high: tuple[float, ...] | None,
     without: str,

@@ -16,6 +16,7 @@ from labrig.api._as_file import as_file
 from labrig.campaign._scans import keep_scan
 from labrig.cli._ik import ik
 from labrig.ik import load_shape_model, solve_files
+from labrig.ik._load import state_of
 from labrig.physics import load_shell
 from labrig.surface import distances, grid, read_mesh
 from labrig.view._ik_report import ik_page
@@ -193,6 +194,34 @@ def test_the_torsos_core_fits_into_the_bodies():
         assert found.summary()["share"] > 0.4
         assert np.quantile(found.within, 0.99) < 0.5
         assert np.median(found.within) < -8.0
+
+
+def test_what_a_model_is_made_of_may_change(desk):
+    """In one session a model whose rig was changed is another one, though its own file is as it was."""
+    (before,) = solve_files(["a.ply"], "model.yaml")
+    rig = yaml.safe_load((desk / "rig.yaml").read_text())
+    rig["chambers"][8]["max_kpa"] = 30
+    (desk / "rig.yaml").write_text(yaml.safe_dump(rig))
+    (now,) = solve_files(["a.ply"], "model.yaml")
+    assert before.result.pressure_kpa[8] == pytest.approx(50.0, abs=0.5)
+    assert now.result.pressure_kpa[8] == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize("changed", ["model.yaml", "rig.yaml", "shell.yaml", "core.npz", "effects/own.py"])
+def test_the_files_of_a_model_are_known(tmp_path, changed):
+    """Base, rig, shell, the shell's points and the user's effects are all part of the state of a model file."""
+    (tmp_path / "effects").mkdir()
+    (tmp_path / "model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n")
+    (tmp_path / "rig.yaml").write_text("simulated: {shell: shell.yaml}\nmarkers: [m01]\n")
+    (tmp_path / "shell.yaml").write_text("core: {kind: spline, control_points: core.npz}\n")
+    (tmp_path / "core.npz").write_bytes(b"")
+    (tmp_path / "effects" / "own.py").write_text("")
+    before = state_of(tmp_path / "model.yaml")
+    assert len(before) == 5
+    assert state_of(tmp_path / "model.yaml") == before
+    with (tmp_path / changed).open("a") as file:
+        file.write("\n")
+    assert state_of(tmp_path / "model.yaml") != before
 
 
 def test_workers_stay_for_the_next_files(desk, monkeypatch):
