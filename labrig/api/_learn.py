@@ -1,9 +1,10 @@
 """train_forward and train_sim2real: models that are learnt, from simulations and from what a rig showed."""
 
+from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
-from labrig._paths import path_of
+from labrig._paths import path_of, paths_of
 from labrig.api._inputs import AnyPath, runs_of
 
 if TYPE_CHECKING:
@@ -60,40 +61,39 @@ def train_sim2real(
     """Learn how a rig differs from its forward model, from a run with markers or scans.
 
     Args:
-        run: a run folder's path; what `labrig.open_run` gives will do where no scans are needed.
+        run: a run folder's path, or several; what `labrig.open_run` gives will do where no scans are needed.
         model: a forward model's file, the model, or what `train_forward` has just given.
         method: ours (markers), scans, both, or the source paper's function and marker.
-        frames: use so many frames only.
+        frames: use so many frames only, the first ones.
         seed: of a network's training.
 
     Returns:
         the `model`, and distances in mm at what was left out of it in turn: `simulated_mm` before, `fixed_mm` after.
 
     Raises:
-        LabrigError: the run has nothing of what the method needs, or the model is no forward model.
+        LabrigError: a run has nothing of what the method needs, the model is no forward model, or `frames` is no count.
 
     Example:
         >>> trained = labrig.train_sim2real("runs/first", "forward.pt")
         >>> print(trained.fixed_mm.mean() < trained.simulated_mm.mean())
         True
     """
-    from pathlib import Path
-
     from labrig import surrogate
 
     if method not in surrogate.METHODS:
         raise LabrigError(f"method {method!r}: choose one of {', '.join(surrogate.METHODS)}")
+    if frames is not None and (isinstance(frames, bool) or not isinstance(frames, Integral) or frames < 1):
+        raise LabrigError(f"frames {frames!r}: how many are used is a whole number, 1 or more")
     if isinstance(model, surrogate.ForwardModel | surrogate.Trained):
         forward = model.model if isinstance(model, surrogate.Trained) else model
     else:
         forward = surrogate.load_forward(path_of(model, "a forward model", "its file, or the model"))
     captured = None
     if method != "scans":
-        captured = surrogate.frames_of(runs_of(run)[0], forward.chamber_names)
-        captured = captured.take(slice(0, frames)) if frames else captured
+        each = [surrogate.frames_of(one, forward.chamber_names) for one in runs_of(run)]
+        captured = surrogate.Frames.joined(each).take(slice(0, frames))
     shots = []
     if method in ("scans", "both"):
-        if not isinstance(run, str | Path):
-            raise LabrigError(f"method {method!r}: scans are files of the run; give its folder's path")
-        shots = surrogate.shots_of(Path(run), forward.chamber_names)
+        folders = paths_of(run, f"method {method!r}: a run folder's path", "scans are files of the run")
+        shots = [shot for folder in folders for shot in surrogate.shots_of(folder, forward.chamber_names)]
     return surrogate.train_warp(forward, captured, shots, method, seed)  # type: ignore[arg-type]

@@ -1,6 +1,7 @@
 """What a rig showed: markers at the quasi-static end of each hold, and scans with the pressures they were taken at."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,6 +46,16 @@ class Frames:
     def take(self, index: Any) -> "Frames":
         """Some of the frames: a mask, indices or a slice."""
         return Frames(self.marker_names, self.pressure_kpa[index], self.position_mm[index])
+
+    @classmethod
+    def joined(cls, several: "Sequence[Frames]") -> "Frames":
+        """The frames of several runs one after the other; markers that a run does not have were not captured there."""
+        names = tuple(dict.fromkeys(name for frames in several for name in frames.marker_names))
+        positions = [np.full((len(frames), len(names), 3), np.nan) for frames in several]
+        for frames, position in zip(several, positions, strict=True):
+            position[:, [names.index(name) for name in frames.marker_names]] = frames.position_mm
+        pressure = np.concatenate([frames.pressure_kpa for frames in several])
+        return cls(names, pressure, np.concatenate(positions))
 
     def set_points(self) -> NDArray[np.int64]:
         """Which set-point each frame is at, (F,), numbered as they first come."""

@@ -62,6 +62,17 @@ def test_markers_that_were_hidden():
     assert frames.complete.tolist() == [False, True]
 
 
+def test_runs_are_joined():
+    """Frames of several runs are all there, each marker by its name, and what a run does not have is not captured."""
+    one = Frames(("m1", "m2"), np.zeros((1, 2)), np.array([[[1.0] * 3, [2.0] * 3]]))
+    two = Frames(("m3", "m1"), np.ones((2, 2)), np.array([[[3.0] * 3, [4.0] * 3]] * 2))
+    joined = Frames.joined([one, two])
+    assert joined.marker_names == ("m1", "m2", "m3")
+    assert joined.pressure_kpa.tolist() == [[0.0, 0.0], [1.0, 1.0], [1.0, 1.0]]
+    expected = [[1.0, 2.0, np.nan], [4.0, np.nan, 3.0], [4.0, np.nan, 3.0]]
+    np.testing.assert_array_equal(joined.position_mm[..., 0], expected)
+
+
 def test_visits_of_one_set_point():
     """Visits of one set-point are one frame: the mean over those that saw the marker."""
     position = np.zeros((3, 2, 3))

@@ -4,8 +4,10 @@ from functools import partial
 
 import numpy as np
 import pytest
+from xarray import Dataset
 
-from labrig import LabrigError
+import labrig
+from labrig import LabrigError, surrogate
 from labrig.surface import Mesh, grid
 from labrig.surrogate import Frames, Shot, _sim_to_real, load_model, save_model, train_forward, train_warp
 
@@ -201,6 +203,33 @@ def test_what_is_missing_is_said(forward, frames, shots):
         "sim2real: the method marker needs 2 frames with every marker, the run has 0; "
         "other methods use incomplete frames too"
     )
+
+
+@pytest.fixture
+def runs(frames, monkeypatch):
+    """Two opened runs, the second with the last ten of the sixteen frames."""
+    opened = [Dataset({"commanded": ("capture", [0.0])}) for _ in range(2)]
+    parts = {id(opened[0]): frames.take(slice(0, 6)), id(opened[1]): frames.take(slice(6, 16))}
+    monkeypatch.setattr(surrogate, "frames_of", lambda run, chambers: parts[id(run)])
+    return opened
+
+
+def test_all_runs_are_used(forward, runs, shots, monkeypatch):
+    """Of a list of runs all markers and all scans are learned from; `frames` counts from the first run on."""
+    assert labrig.train_sim2real(runs, forward).facts["frames"] == 16
+    assert labrig.train_sim2real(runs, forward, frames=8).facts["frames"] == 8
+    monkeypatch.setattr(
+        surrogate, "shots_of", lambda folder, chambers: shots[:4] if folder.name == "a" else shots[4:]
+    )
+    assert labrig.train_sim2real(["a", "b"], forward, method="scans").facts["scans"] == 6
+
+
+@pytest.mark.parametrize("count", [0, -5, 2.5, True, "3"])
+def test_a_number_of_frames_is_a_number(forward, runs, count):
+    """No frames, fewer than none, and what is no whole number are refused in one line."""
+    with pytest.raises(LabrigError) as caught:
+        labrig.train_sim2real(runs, forward, frames=count)
+    assert str(caught.value) == f"frames {count!r}: how many are used is a whole number, 1 or more"
 
 
 @pytest.mark.parametrize("method", ["ours", "both", "function"])
