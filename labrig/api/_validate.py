@@ -66,10 +66,16 @@ class Validation:
         return write_validation(self._outcomes, self.run, folder)
 
     def __repr__(self) -> str:
+        from labrig.ik import WHOLE
+
         table = self.realisations
-        realised = table["realised"].dropna().tolist()
-        mean_mm = sum(realised) / max(len(realised), 1)
-        far = f"{mean_mm:.3g} mm from the target on the mean" if realised else "nothing was scanned"
+        realised = table[table["model"] == WHOLE]["realised"].dropna()
+        form = f" with {WHOLE}" if table["model"].nunique() > 1 else ""
+        far = (
+            f"{realised.mean():.3g} mm from the target on the mean{form}"
+            if len(realised)
+            else "nothing was scanned"
+        )
         return f"Validation: {len(table)} realisations of {table['target'].nunique()} targets, {far}"
 
     def _repr_html_(self) -> str:

@@ -14,9 +14,10 @@ from labrig.ik._path import Plan, plan_path, solve_with_path
 from labrig.ik._refine import Refinement
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver, solve
-from labrig.ik._trial import Trial, make_trials
+from labrig.ik._trial import WHOLE, Trial, make_trials
 
 __all__ = [
+    "WHOLE",
     "Approach",
     "Attempt",
     "BaselineResult",

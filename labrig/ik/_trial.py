@@ -18,7 +18,8 @@ from labrig.surface import Mesh, Registration, Target, distances, grid, read_mes
 SETTLE_S = 3.0
 _FOREIGN = 0.1
 """Distance from the predicted surface, as a share of the target's size, beyond which something else was scanned."""
-_WORDS = {"": "the whole model", "warp": "without the warp", "effects": "without the effects"}
+WHOLE = "the whole model"
+_WORDS = {"": WHOLE, "warp": "without the warp", "effects": "without the effects"}
 
 
 @dataclass(frozen=True)

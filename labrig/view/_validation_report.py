@@ -52,7 +52,9 @@ def validation_page(outcomes: Sequence["Outcome"], run: str | Path) -> Page:
 
 
 def _headline(summaries: Sequence[Realisation]) -> str:
-    whole = [one for one in summaries if one["model"] == "the whole model"]
+    from labrig.ik import WHOLE
+
+    whole = [one for one in summaries if one["model"] == WHOLE]
     realised = [found["mean"] for one in whole if (found := one["realised_mm"])]
     differ = [found["mean"] for one in whole if (found := one["realised_against_predicted_mm"])]
     if not realised:

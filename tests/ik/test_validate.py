@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from labrig import LabrigError
+from labrig.api._validate import Validation
 from labrig.campaign import dry_run, read_completed, resume, run
 from labrig.campaign._scans import keep_scan
 from labrig.cli._validate import report
@@ -90,12 +91,18 @@ def test_what_was_done_counts(lab):
 
 
 def test_with_and_without_effects(lab):
-    """A model that wrongly believes in hysteresis does worse with its effect than without."""
+    """A model that wrongly believes in hysteresis does worse with its effect than without; a word says the former."""
     (lab / "model.yaml").write_text(
         yaml.safe_dump({"base": {"kind": "simulator", "rig": "rig.yaml"}, "effects": [PLAY]})
     )
     whole, without = (one.summary() for one in outcomes(go(lab, procedure(lab, without=("effects",)))))
     assert [whole["model"], without["model"]] == ["the whole model", "without the effects"]
+    said = repr(Validation(lab / "run", outcomes(lab / "run")))
+    mean_mm = f"{whole['realised_mm']['mean']:.3g} mm"
+    assert (
+        said
+        == f"Validation: 2 realisations of 1 targets, {mean_mm} from the target on the mean with the whole model"
+    )
     assert (
         whole["realised_against_predicted_mm"]["mean"] > 3 * without["realised_against_predicted_mm"]["mean"]
     )
