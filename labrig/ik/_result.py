@@ -57,10 +57,6 @@ class IkResult:
         points, influence, limits = self.gap_facts
         return find_gaps(self.signed_mm, self.uv, points, influence, self.chamber_names, limits)
 
-    def to_rig(self, points_mm: Floats) -> Floats:
-        """Points (..., 3) of the target in the rig's frame."""
-        return points_mm @ self.rotation.T + self.translation_mm
-
     def to_target(self, points_mm: Floats) -> Floats:
         """Points (..., 3) of the rig in the target's frame."""
         return (points_mm - self.translation_mm) @ self.rotation

@@ -14,7 +14,6 @@ from labrig.surface._warp import (
     Warp,
     bells,
     design,
-    fit_warp,
     identity_coefficients,
     interpolation_matrix,
 )
@@ -32,7 +31,6 @@ __all__ = [
     "clean",
     "design",
     "distances",
-    "fit_warp",
     "grid",
     "identity_coefficients",
     "interpolation_matrix",

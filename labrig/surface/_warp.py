@@ -1,4 +1,4 @@
-"""A space warp: an affine map plus Gaussian bells around centers, and how it is fitted."""
+"""A space warp: an affine map plus Gaussian bells around centers, and the one through given points."""
 
 from dataclasses import dataclass
 
@@ -110,48 +110,3 @@ def interpolation_matrix(centers_mm: Floats, c_per_mm2: float, slack: float = SL
     matrix[:N, 4:] += slack * np.eye(N)
     matrix[N:, 4:] = matrix[:N, :4].T
     return matrix
-
-
-def fit_warp(
-    points_mm: ArrayLike,
-    targets_mm: ArrayLike,
-    centers_mm: ArrayLike,
-    c_per_mm2: float,
-    noise_mm: float = 0.1,
-    bells_mm: float = 3.0,
-    affine_mm: float = 10.0,
-) -> Warp:
-    """The most probable warp from points (P, 3) to targets (P, 3), by ridge regression.
-
-    Rows with a target that is not finite count for nothing. Before the data the bells move points by `bells_mm`
-    (standard deviation), the affine part by `affine_mm` at the edge of the cloud; targets are known to `noise_mm`.
-    """
-    points = np.asarray(points_mm, dtype=float).reshape(-1, 3)
-    targets = np.asarray(targets_mm, dtype=float).reshape(-1, 3)
-    centers = np.asarray(centers_mm, dtype=float).reshape(-1, 3)
-    seen = np.isfinite(points).all(axis=1) & np.isfinite(targets).all(axis=1)
-    white = whitening(centers, c_per_mm2, bells_mm, affine_mm)
-    X = design(points[seen], centers, c_per_mm2) @ white
-    normal = X.T @ X + noise_mm**2 * np.eye(X.shape[1])
-    solved = white @ np.linalg.solve(normal, X.T @ (targets[seen] - points[seen]))
-    return Warp(centers, solved + identity_coefficients(len(centers)), float(c_per_mm2))
-
-
-def whitening(centers_mm: Floats, c_per_mm2: float, bells_mm: float, affine_mm: float) -> Floats:
-    """A square root (N + 4, N + 4) of the prior covariance of one column of coefficients.
-
-    With it the bells are a Gaussian process of deviation `bells_mm` at the centers, whatever their width; the affine
-    part turns about the middle of the centers and moves the edge of their cloud by `affine_mm`.
-    """
-    N = len(centers_mm)
-    middle = centers_mm.mean(axis=0)
-    extent = max(float(np.sqrt(((centers_mm - middle) ** 2).sum(axis=1)).max()), 1e-9)
-    root = np.zeros((N + 4, N + 4))
-    root[0, 0] = affine_mm
-    root[1:4, 1:4] = affine_mm / extent * np.eye(3)
-    root[0, 1:4] = -affine_mm / extent * middle
-    matrix = bells(centers_mm, centers_mm, c_per_mm2)
-    value, vector = np.linalg.eigh(matrix)
-    kept = np.maximum(value, 1e-8 * value[-1])
-    root[4:, 4:] = bells_mm * (vector / np.sqrt(kept))
-    return root
