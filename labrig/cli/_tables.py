@@ -21,6 +21,7 @@ _VERDICTS = {
 _PERHAPS = "an effect is missing; one that labrig knows fits"
 _TOGETHER = "effects are missing that fit together, none of them surely"
 _ASTRAY = "some captures are mistaken, and left out; beside them nothing is missing"
+_NEARLY = "nothing is surely missing: the model is nearly as good as the measurements"
 _BESIDE = "nothing is missing beside what was left out"
 _WHERE_ROWS = 6
 _RANKING_ROWS = 5
@@ -28,7 +29,7 @@ _RANKING_ROWS = 5
 
 def print_summary(summary: Summary, title: str) -> None:
     """Print what diagnosis.json or compare.json says, as a few lines and two small tables."""
-    from labrig.view import astray, at_one_moment, much_left_out, none_surely, note, only_perhaps
+    from labrig.view import astray, at_one_moment, much_left_out, none_surely, note, only_perhaps, possible
 
     console = new_console()
     units = summary["units"]
@@ -38,6 +39,8 @@ def print_summary(summary: Summary, title: str) -> None:
             meaning = _ASTRAY
         elif verdict == "nothing_missing" and much_left_out(summary):
             meaning = _BESIDE
+        elif verdict == "nothing_missing" and possible(summary):
+            meaning = _NEARLY
         elif only_perhaps(summary):
             meaning = _PERHAPS
         else:

@@ -9,13 +9,15 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern
-from labrig.effects._fields import smooth_places
+from labrig.effects._fields import rigid_places, smooth_places
 from labrig.effects._inside import inside
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, along_own
 
 _HELD = 0.1
 """A marker that moves by less than so much of what the farthest does is held."""
+_LEFT = 0.02
+"""A smooth field of which rigid motions leave less is one; numerical."""
 _FOOT = 5
 """One marker of so many, those that move least, are where a body is held: a grid."""
 
@@ -56,11 +58,11 @@ class RestShape(Effect):
         as a whole, to a dome or a saddle; and one that is off the more the farther it moves: where it is held it can't
         be, and there may be markers, too.
         """
-        smooth = [motion_scale(context) * shape for shape in smooth_places(context).T]
+        smooth = dict(_smooth(context))
         always = np.ones(len(context.base))
 
         def bent(name: str, there: Floats) -> list[Feature]:
-            return [field(f"smooth {i}{name}", there[:, None] * shape, 0.1) for i, shape in enumerate(smooth)]
+            return [field(f"smooth {i}{name}", there[:, None] * shape, 0.1) for i, shape in smooth.items()]
 
         def shapes(name: str, there: Floats) -> list[Feature]:
             return [pattern(f"rest{name}", there, 0.2), *bent(name, there)]
@@ -80,6 +82,17 @@ class RestShape(Effect):
     def sign(self, context: Context, part: Part) -> Sign:
         load = context.rows.actuation.mean(axis=1)
         return along_own(context, part, load, "mean pressure", context.rows.actuation_unit)
+
+
+def _smooth(context: Context) -> Iterator[tuple[int, Floats]]:
+    """Smooth fields over the body (K,), by number, without what rigid motions of all markers make: the frame."""
+    fields = smooth_places(context)
+    if fields.shape[1]:
+        rigid = rigid_places(context)
+        fields = fields - rigid @ (rigid.T @ fields)
+    for i, shape in enumerate(fields.T):
+        if np.sqrt((shape**2).mean()) > _LEFT:
+            yield i, motion_scale(context) * shape
 
 
 def _where_free(context: Context) -> Space | None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         names_in_short,
         none_surely,
         only_perhaps,
+        possible,
         unseen_words,
     )
     from labrig.view._outlines import chamber_outlines
@@ -72,6 +73,7 @@ _LAZY = {
     "at_one_moment": "_naming",
     "none_surely": "_naming",
     "only_perhaps": "_naming",
+    "possible": "_naming",
     "unseen_words": "_naming",
     "effect_rows": "_naming",
     "names_in_short": "_naming",
@@ -156,6 +158,7 @@ __all__ = [
     "only_perhaps",
     "pictures_of",
     "place_tables",
+    "possible",
     "programme_figure",
     "proud",
     "residuals",

@@ -117,6 +117,9 @@ def _headline(summary: Summary) -> str:
         case "nothing_missing" if much_left_out(summary):
             share = percent(summary["left_out_share"])
             return f"Nothing is missing beside {share} of the values, which were left out as mistaken."
+        case "nothing_missing" if perhaps := names(possible(summary)):
+            may = f"{listed(perhaps, 'or')} may be missing"
+            return f"Nothing is surely missing: the model is nearly as good as the measurements, and {may}."
         case "nothing_missing":
             return "Nothing is missing: the model is as good as the measurements."
         case "identified":

@@ -23,6 +23,14 @@ PERHAPS = {"effect": "frame", "probability": 0.4, "call": "possible"}
     ("changes", "headline"),
     [
         ({"verdict": "nothing_missing"}, "Nothing is missing: the model is as good as the measurements."),
+        (
+            {"verdict": "nothing_missing", "effects_considered": [PERHAPS]},
+            "Nothing is surely missing: the model is nearly as good as the measurements, and frame may be missing.",
+        ),
+        (
+            {"verdict": "nothing_missing", "left_out_share": 0.14},
+            "Nothing is missing beside 14 % of the values, which were left out as mistaken.",
+        ),
         ({"verdict": "identified", "effects": ["marker_slip"]}, "Marker slip is missing from the model."),
         ({"verdict": "multiple", "effects": ["creep", "leak"]}, "Creep and leak are missing from the model."),
         (

@@ -1,0 +1,53 @@
+"""A camera that was shifted, before a straight arm: the frame, and no other shape of the arm."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import labrig
+
+MARKERS, LENGTH_MM = 6, 140.0
+REST = np.array([[0.0, 0.0, -LENGTH_MM * (m + 1) / MARKERS] for m in range(MARKERS)])
+
+
+def arm(u: np.ndarray) -> np.ndarray:
+    """Markers along an arm that bends with constant curvature, by two pressures in kPa, (F, 3 M)."""
+    places = []
+    for share in (np.arange(MARKERS) + 1) / MARKERS:
+        angle = 0.015 * np.hypot(u[:, 0], u[:, 1]) * share + 1e-9
+        way, length = np.arctan2(u[:, 1], u[:, 0]), LENGTH_MM * share
+        out = length * (1 - np.cos(angle)) / angle
+        places += [out * np.cos(way), out * np.sin(way), -length * np.sin(angle) / angle]
+    return np.stack(places, axis=1)
+
+
+def sagging() -> np.ndarray:
+    """The arm was cast bent: a cantilever's deflection under its own weight, at each marker, (3 M,)."""
+    x = -REST[:, 2] / LENGTH_MM
+    down = 2.0 * x**2 * (x**2 - 4 * x + 6) / 3
+    return np.column_stack([down, 0 * x, 0 * x]).ravel()
+
+
+@pytest.mark.parametrize(
+    ("off", "first"),
+    [(np.tile([0.5, -0.3, 0.2], MARKERS), "frame"), (sagging(), "rest_shape")],
+    ids=["shifted", "cast bent"],
+)
+def test_what_moves_all_markers_alike_is_no_shape(tmp_path: Path, off: np.ndarray, first: str) -> None:
+    """Markers that all are off by the same are the camera's; a rest shape is what no rigid motion removes."""
+    rng = np.random.default_rng(2)
+    u = rng.uniform(0, 60, (60, 2)).round(1)
+    u[50:] = u[:10]
+    values = arm(u) + off + 0.12 * rng.normal(size=(60, 3 * MARKERS))
+    names = [f"m{m}_{axis}_mm" for m in range(MARKERS) for axis in "xyz"]
+    table = pd.DataFrame(np.column_stack([u, values]), columns=["p1_kPa", "p2_kPa", *names])
+    run = labrig.import_table(table, tmp_path / "run")
+    run["rest_mm"] = (("marker", "axis"), REST)
+    found = labrig.diagnose(run, arm)
+    effects = dict(zip(found.effects["effect"], found.effects["probability"], strict=True))
+    other = {"frame": "rest_shape", "rest_shape": "frame"}[first]
+    assert found.effects["effect"][0] == first
+    assert effects[first] > 0.5
+    assert effects[other] < 0.2
