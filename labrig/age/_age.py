@@ -113,12 +113,16 @@ def summary_of(
     fitted_s = None if fitted is None else fitted.timestamp()
     quantities = _quantities(runs)
     limit = alpha / max(len(quantities), 1)
+    markers = sum(quantity["group"] == "marker" for quantity in quantities)
     found: list[HistoryChange] = []
     unconfirmed: list[str] = []
     for quantity in quantities:
         series = _series(quantity, runs)
         result = changes(series, limit)
-        found += _described(quantity, series, result.changes, runs, fitted_s)
+        found += [
+            {**each, "words": change_words(each, markers)}
+            for each in _described(quantity, series, result.changes, runs, fitted_s)
+        ]
         if result.unconfirmed and quantity["runs"][-1] == len(runs) - 1:
             unconfirmed.append(f"{quantity['group']} {quantity['name']}")
     found.sort(key=lambda each: (each["noticed"], each["begins"]))
@@ -203,7 +207,6 @@ def _described(
             "words": "",
             "since_fit": fitted_s is None or runs[own[change.begins]].time_s > fitted_s,
         }
-        each["words"] = change_words(each)
         out.append(each)
     return out
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 KEPT = "readings.json"
-_VERSION = 1
+_VERSION = 2
 _MOST_MODELS = 6
 
 
