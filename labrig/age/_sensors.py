@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 _HELD = 0.1
-"""Of its range: a chamber with less in it says nothing of its leak."""
+"""Of its range, from where it is vented: a chamber with less in it, or less vacuum, says nothing of its leak."""
 _VENTED = 0.01
 """Of its range: what is commanded below that is vented."""
 _SHORTEST_S = 0.5
@@ -39,32 +39,54 @@ def _chambers(run: "Dataset") -> Iterator[Reading | None]:
     settled, commanded = np.asarray(run["settled"].values, bool), np.asarray(run["commanded"].values, float)
     low, high = np.asarray(run["chamber_min"].values, float), np.asarray(run["chamber_max"].values, float)
     span = high - low
+    vented_at = np.clip(0.0, low, high)
+    away = np.abs(commanded - vented_at) / np.maximum(high - vented_at, vented_at - low)
     unit = str(run["commanded"].attrs.get("units", ""))
     for c, name in enumerate(str(v) for v in run["chamber"].values):
         known = settled & np.isfinite(measured[..., c]) & np.isfinite(hold_s)
+        digit = _digit(measured[..., c], span[c])
         held = [
-            _loss(hold_s[k, known[k]], measured[k, known[k], c])
-            for k in np.flatnonzero(commanded[:, c] > low[c] + _HELD * span[c])
+            _loss(hold_s[k, known[k]], measured[k, known[k], c], digit)
+            for k in np.flatnonzero(away[:, c] > _HELD)
         ]
         rate, sd = _mean([each for each in held if each is not None])
         yield reading("leak", name, rate, sd, "%/min")
         vented = known & (np.abs(commanded).max(axis=1) <= _VENTED * span[c])[:, None]
+        rounding = digit / np.sqrt(12.0)
         zero = [measured[k, vented[k], c] for k in np.flatnonzero(vented.any(axis=1))]
-        value, sd = _mean([(float(z.mean()), _sd_of_mean(z)) for z in zero])
-        yield reading("zero", name, value, sd, unit)
+        value, sd = _mean([(float(z.mean()), max(_sd_of_mean(z), rounding)) for z in zero if len(z) > 1])
+        yield reading("zero", name, value, max(sd, rounding), unit)
 
 
-def _loss(time_s: Floats, pressure: Floats) -> tuple[float, float] | None:
-    """How fast a held pressure falls, % of itself a minute, by a straight line; None for too short a hold."""
+def _digit(values: Floats, span: float) -> float:
+    """The last digit of a sensor: what two of its readings differ by at least, and what single precision can hold."""
+    own = values[np.isfinite(values)]
+    least = float(np.finfo(np.float32).eps) * max(float(np.abs(own).max(initial=0.0)), span)
+    apart = np.diff(np.unique(own))
+    return float(apart[apart > least].min()) if (apart > least).any() else least
+
+
+def _loss(time_s: Floats, pressure: Floats, digit: float) -> tuple[float, float] | None:
+    """How fast a held pressure or vacuum falls, % of itself a minute, by a straight line; None for too short a hold.
+
+    The standard deviation is that of least squares, or, where larger, that of a line through two readings that are
+    rounded to a `digit`, each off by digit / sqrt(12): rounding of a pressure that hardly moves is no noise that more
+    readings average (B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press, 2008).
+    """
     if len(time_s) < 4 or np.ptp(time_s) < _SHORTEST_S:
         return None
-    off = time_s - time_s.mean()
+    off, above = (
+        time_s - time_s.mean(),
+        pressure - pressure[0],
+    )  # a pressure that stays has a slope of exactly 0
     square, mean = float(off @ off), float(pressure.mean())
-    slope = float(off @ pressure) / square
-    left = pressure - mean - slope * off
+    if mean == 0:
+        return None
+    slope = float(off @ above) / square
+    left = above - above.mean() - slope * off
     sd = float(np.sqrt(left @ left / (len(left) - 2) / square))
-    scale = -100.0 * _PER_MINUTE / mean if mean > 0 else np.nan
-    return slope * scale, sd * abs(scale)
+    scale = -100.0 * _PER_MINUTE / mean
+    return slope * scale, max(sd, digit / np.sqrt(6.0) / float(np.ptp(time_s))) * abs(scale)
 
 
 def _sd_of_mean(values: Floats) -> float:
@@ -74,7 +96,7 @@ def _sd_of_mean(values: Floats) -> float:
 def _mean(parts: list[tuple[float, float]]) -> tuple[float, float]:
     """The mean of values weighted by what each says; its standard deviation grows with how they disagree (Birge)."""
     values = np.array(parts, float).reshape(-1, 2)
-    values = values[np.isfinite(values).all(axis=1) & (values[:, 1] > 0)]
+    values = values[np.isfinite(values).all(axis=1)]
     if not len(values):
         return np.nan, np.nan
     weight = values[:, 1] ** -2
