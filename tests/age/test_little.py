@@ -4,12 +4,14 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from labrig.age import _age
+from labrig.age import ALPHA, Series, _age, changes
 from labrig.catalogue import Row
 from labrig.cli._history_steps import print_check
 from labrig.view import history_headline, history_notes
+from labrig.view._history_report import _FEWEST_ALIKE
 
 
 def content(*kinds: str, leak: float = 3.65e-14) -> Any:
@@ -52,22 +54,35 @@ def test_a_run_that_failed_at_once_is_left_out(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize(
     ("kinds", "said"),
     [
-        (["a"], "1 run of gripper: a change shows from the fourth on."),
-        (["a"] * 3, "3 runs of gripper: a change shows from the fourth on."),
         (
-            ["a", "b", "c", "d"],
-            "4 runs of gripper, none of which repeats a programme: a change shows from the fourth on.",
+            "a",
+            "1 run of gripper: nothing can be told yet, a change shows from the seventh run of a programme on.",
         ),
         (
-            ["a", "a", "b", "c"],
-            "4 runs of gripper, 2 of which repeat a programme: a change shows from the fourth on.",
+            "aaaaaa",
+            "6 runs of gripper: nothing can be told yet, a change shows from the seventh run of a programme on.",
         ),
-        (["a"] * 4, "Nothing on gripper has changed by more than chance in 4 runs."),
+        (
+            "aabbccddaabbccdd",
+            "16 runs of gripper, at most 4 of them of the same programme: nothing can be told yet, "
+            "a change shows from the seventh run of a programme on.",
+        ),
+        ("aaabaaaa", "Nothing on gripper has changed by more than chance in 8 runs."),
     ],
 )
-def test_nothing_is_claimed_of_what_was_not_repeated(kinds: list[str], said: str) -> None:
+def test_nothing_is_claimed_of_what_was_not_repeated(kinds: str, said: str) -> None:
     """That nothing has changed is said only where runs of the same programme can be compared."""
     assert history_headline(content(*kinds)) == said
+
+
+@pytest.mark.parametrize(("runs", "found"), [(_FEWEST_ALIKE - 1, False), (_FEWEST_ALIKE, True)])
+@pytest.mark.parametrize("begins", [1, 3, 4])
+def test_a_huge_step_shows_from_the_run_that_is_named(runs: int, found: bool, begins: int) -> None:
+    """From as many runs on as the headline asks for, and from no fewer, a change can show among 500 quantities."""
+    value = 0.01 * np.random.default_rng(0).normal(size=(runs, 1))
+    value[begins:] += 1e4
+    series = Series(np.arange(runs, dtype=float), value, np.full(runs, 0.01), np.array(["a"] * runs))
+    assert bool(changes(series, ALPHA / 500).changes) == found
 
 
 def test_the_first_run_of_a_programme_is_compared_with_none(capsys: pytest.CaptureFixture[str]) -> None:
