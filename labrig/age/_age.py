@@ -11,7 +11,7 @@ from labrig._errors import LabrigError
 from labrig.age._change import Change, Series, changes
 from labrig.age._known import Known, is_fitted
 from labrig.age._read import RunReadings, model_key, read_run
-from labrig.age._reading import GROUPS, LOGARITHMIC, Reading
+from labrig.age._reading import GROUPS, LOGARITHMIC, SHOWN, Reading
 from labrig.age._words import change_words
 from labrig.contents import HistoryChange, HistoryContent, LeftOut, Quantity
 
@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     from labrig.model import Model
 
 ALPHA = 0.05
-"""The chance of a single false change in a rig's whole history, over all quantities and however often one looks."""
+"""The chance of a single false change in a rig's whole history, over all quantities and however often one looks.
+
+It holds for scatter that is normal and independent from run to run; of other scatter see `labrig.age._wander`.
+"""
 _DAY_S = 86400.0
 _LAST = 3
 _FEWEST_CAPTURES = 8
@@ -112,11 +115,12 @@ def summary_of(
     fitted = fitted_until(model)
     fitted_s = None if fitted is None else fitted.timestamp()
     quantities = _quantities(runs)
-    limit = alpha / max(len(quantities), 1)
+    tested = [quantity for quantity in quantities if quantity["group"] not in SHOWN]
+    limit = alpha / max(len(tested), 1)
     markers = sum(quantity["group"] == "marker" for quantity in quantities)
     found: list[HistoryChange] = []
     unconfirmed: list[str] = []
-    for quantity in quantities:
+    for quantity in tested:
         series = _series(quantity, runs)
         result = changes(series, limit)
         found += [

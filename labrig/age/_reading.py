@@ -22,6 +22,9 @@ GROUPS = {
 LOGARITHMIC = {"error", "floor"}
 """Groups of positive values that scatter in proportion to themselves: they are compared as logarithms."""
 
+SHOWN = {"ambient"}
+"""Groups that are shown and never tested: a warm day is no change of the rig, and is like the day before it."""
+
 
 class ReadingContent(TypedDict):
     """A reading as plain values."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.age import ALPHA, Series, _age, changes
+from labrig.age import ALPHA, Reading, RunReadings, Series, _age, changes
 from labrig.catalogue import Row
 from labrig.cli._history_steps import print_check
 from labrig.view import history_headline, history_notes
@@ -49,6 +49,21 @@ def test_a_run_that_failed_at_once_is_left_out(monkeypatch: pytest.MonkeyPatch) 
     read, left_out = _age.read_rows(Path(), rows, None)  # type: ignore[arg-type]
     assert sorted(each.run for each in read) == ["far", "good", "short"]
     assert left_out == [{"run": "bad", "why": "it ended early, after 1 capture"}]
+
+
+def test_the_room_is_shown_and_is_no_change_of_the_rig() -> None:
+    """A temperature that steps is in the history and is no change; the same step of a zero is one."""
+    runs = [
+        RunReadings(
+            str(day), 86400.0 * day, "check", (Reading(group, "c1", (20.0 + 9.0 * (day > 15),), 0.1, ""),)
+        )
+        for group in ("ambient", "zero")
+        for day in range(30)
+    ]
+    model: Any = SimpleNamespace(file=SimpleNamespace(fitted_until=None), path=None)
+    warm, off = (_age.summary_of("gripper", model, runs[begin : begin + 30]) for begin in (0, 30))
+    assert (len(warm["quantities"]), warm["changes"]) == (1, [])
+    assert len(off["changes"]) == 1
 
 
 @pytest.mark.parametrize(
