@@ -50,7 +50,7 @@ def write_history(content: HistoryContent, folder: Path) -> Path:
     if changes:
         page.section(
             "What changed",
-            f"By chance none of these in {1 / content['alpha']:.0f} histories like this, if runs scatter independently.",
+            f"By chance none of these in {1 / content['alpha']:.0f} histories, if runs scatter independently.",
         )
         header = ["what", "begins, UTC", "earliest", "latest", "noticed"]
         page.add(table(header, [_row(change) for change in changes]))

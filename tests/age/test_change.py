@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from labrig.age import Series, changes
+from labrig.age._moments import Moments
+from labrig.age._wander import WANDERS
 
 ALPHA = 0.05
 DAYS = 50
@@ -29,6 +31,18 @@ def test_chance_is_seldom_taken_for_a_change() -> None:
     """Of series that only scatter, looked at after every run, no more have a change than alpha says."""
     false = sum(bool(changes(series(noise(seed)), ALPHA).changes) for seed in range(300))
     assert false <= ALPHA * 300
+
+
+@pytest.mark.parametrize("correlation", [0.7, 0.8])
+def test_what_is_as_it_was_yesterday_is_seldom_taken_for_a_change(correlation: float) -> None:
+    """Of quantities of a rig that wander, such as its softness with the room, few are named in 50 days."""
+    false = 0
+    for seed in range(40):
+        value = noise(seed)
+        for day in range(1, DAYS):
+            value[day] = correlation * value[day - 1] + np.sqrt(1 - correlation**2) * value[day]
+        false += bool(changes(series(value), ALPHA / 60).changes)
+    assert false <= 4
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -99,6 +113,35 @@ def test_readings_that_never_differ_are_no_evidence_against_a_small_step() -> No
     assert changes(series(value, sd=1.0), ALPHA).changes == ()
     value[40:] += 20.0
     assert len(changes(series(value, sd=1.0), ALPHA).changes) == 1
+
+
+@pytest.mark.parametrize("wander", range(len(WANDERS)))
+def test_sums_are_least_squares_under_each_way_to_wander(wander: int) -> None:
+    """The likelihood and the size of a step are what generalised least squares says of one moment."""
+    n, now, begin = 20, 15, 9
+    kind = ["check", "capture", "capture", "check"] * 5
+    runs = series(noise(7, n), kind)
+    share, days = WANDERS[wander]
+    part = np.arange(now + 1)
+    alike = share * np.exp(-np.abs(part[:, None] - part) / days) + (1 - share) * np.eye(now + 1)
+    levels = np.array([[name == "check", name == "capture"] for name in kind[: now + 1]], float)
+    y, known = runs.value[: now + 1, 0], np.linalg.inv(alike)
+    with_step = np.column_stack([levels, part >= begin])
+
+    def fitted(columns: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+        gram = columns.T @ known @ columns
+        found = np.linalg.solve(gram, columns.T @ known @ y)
+        left = y - columns @ found
+        return found, float(left @ known @ left), gram
+
+    _, left, gram = fitted(levels)
+    likely = -0.5 * (np.linalg.slogdet(alike)[1] + np.linalg.slogdet(gram)[1] + (now + 1 - 2) * np.log(left))
+    moments = Moments(runs, False, wander)
+    assert moments.unchanged[now] == pytest.approx(likely)
+    found, left, gram = fitted(with_step)
+    amount, sd = moments.amount(0, begin, now)
+    assert amount[0] == pytest.approx(found[2])
+    assert sd == pytest.approx(np.sqrt(left / (now + 1 - 3) * np.linalg.inv(gram)[2, 2]))
 
 
 def test_few_runs_say_nothing() -> None:
