@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.arrays import Floats, Ints
+from labrig.arrays import Bools, Floats, Ints
 
 _FEWEST = 3
 """Estimates from which on their own scatter is believed; of fewer the scatter that is stated counts, if larger."""
@@ -42,8 +42,9 @@ def pooled(value: Floats, sd: Floats, spread: float = 0.0) -> Pool:
 
     R. DerSimonian, N. Laird, Meta-analysis in clinical trials, Controlled Clinical Trials 7 (1986) 177-188: the scatter
     between places is (Q - (m - 1)) / (sum w - sum w^2 / sum w), w = 1 / sd^2, Q = sum w (x - mean)^2, not below zero.
-    From fewer than three estimates it says little: there it is such that two places differ by `spread`, a share of the
-    mean, or more.
+    From fewer than three estimates it says little: there it is such that two places differ by `spread` or more, a share
+    of the mean, or of what is usual among the Q values where that is larger: that a chamber has none of an effect here
+    is no reason to expect none elsewhere.
     """
     value, sd = np.atleast_2d(value), np.atleast_2d(sd)
     w = np.where(np.isfinite(sd) & (sd > 0), 1.0 / np.maximum(sd, 1e-300) ** 2, 0.0)
@@ -54,10 +55,16 @@ def pooled(value: Floats, sd: Floats, spread: float = 0.0) -> Pool:
     excess = (w * (known - mean) ** 2).sum(axis=0) - (m - 1)
     room = total - (w**2).sum(axis=0) / total
     between = np.sqrt(np.maximum(excess, 0.0) / np.where(room > 0, room, np.inf))
-    least = np.where(m < _FEWEST, spread * np.abs(mean) / np.sqrt(2.0), 0.0)
-    between = np.maximum(between, least)
+    least = spread * np.maximum(np.abs(mean), _usual(mean, total, m > 0)) / np.sqrt(2.0)
+    between = np.maximum(between, np.where(m < _FEWEST, least, 0.0))
     w = np.where(w > 0, 1.0 / (1.0 / np.where(w > 0, w, 1.0) + between**2), 0.0)
     total = w.sum(axis=0)
     some = total > 0
     mean = np.where(some, (w * known).sum(axis=0) / np.where(some, total, 1.0), 0.0)
     return Pool(mean, np.where(some, 1.0 / np.sqrt(np.where(some, total, 1.0)), np.inf), between, m)
+
+
+def _usual(mean: Floats, precision: Floats, some: Bools) -> float:
+    """The root mean square of the Q values of which something is known, less what their own errors make of it."""
+    beyond = np.maximum(mean**2 - 1.0 / precision, 0.0)
+    return float(np.sqrt(beyond[some].mean())) if some.any() else 0.0

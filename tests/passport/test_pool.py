@@ -52,6 +52,16 @@ def test_one_place_is_as_uncertain_as_is_said() -> None:
     assert pool.predicted_sd == pytest.approx([np.hypot(0.1, 0.6)])
 
 
+def test_a_chamber_with_none_of_it_may_have_some_elsewhere() -> None:
+    """A value near zero may differ by the share of what its neighbours have; an unsure one adds nothing."""
+    pool = pooled(np.array([[0.02, 1.0, -1.0]]), np.full((1, 3), 0.01), spread=0.3)
+    usual = np.sqrt((0.02**2 + 2 * 1.0 - 3 * 0.01**2) / 3)
+    assert pool.predicted_sd[0] == pytest.approx(np.hypot(0.01, 0.3 * usual))
+    assert pool.predicted_sd[1:] == pytest.approx(np.hypot(0.01, 0.3), rel=1e-3)
+    unsure = pooled(np.array([[0.02, 5.0]]), np.array([[0.01, 9.0]]), spread=0.3)
+    assert unsure.predicted_sd[0] < 0.02
+
+
 def test_what_says_nothing_counts_for_nothing() -> None:
     """An estimate with an infinite standard deviation, or all of them."""
     pool = pooled(np.array([[1.0, 5.0], [9.0, 7.0]]), np.array([[0.1, np.inf], [np.inf, np.inf]]))
