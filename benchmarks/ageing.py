@@ -1,12 +1,16 @@
 """On which day a rig's ageing is noticed by the morning's check, and what is noticed that is not there.
 
     python benchmarks/ageing.py [--rigs 20] [--days 60] [--workers 2] [--out benchmarks/RESULTS.md]
+    python benchmarks/ageing.py --wander 200
 
 Simulated rigs (the mannequin's reduced surface, nine chambers, 34 markers) that are checked every morning for 60 days.
 Creep doubles between day 15 and the last day, by another formula than the library's; one chamber begins to leak on day
 31; one marker slips on some day between. Besides, every day is a little different: temperature softens the membrane by
 some 0.5 %, the cameras are off by some 0.1 mm, sensors' zeros by some 0.05 kPa. Every morning's history is made of the
 runs up to it alone. Writes the section "A rig that ages" of the results.
+
+`--wander` prints instead how often a drawn quantity that is today much as it was yesterday is taken for one that
+changed, and how many days after a step or a growth of so many scatters from day 20 on it is noticed.
 """
 
 import argparse
@@ -42,6 +46,8 @@ from labrig_procedures import Capture, Check
 DAY_S = 86_400.0
 START_S = 1_767_252_600.0
 CREEP_DAY, LEAK_DAY = 15, 31
+BEGINS = 20
+"""The day of the change in `--wander`."""
 RIG = {
     "name": "mannequin",
     "chambers": [{"name": f"c{n}", "max_kpa": 60, "slew_kpa_s": 2000} for n in range(1, 10)],
@@ -260,6 +266,43 @@ def section(lives: list[dict[str, Any]], days: int) -> list[str]:
     ]
 
 
+def quantity(seed: int, correlation: float, size: float, growth: bool) -> age.Series:
+    """60 days of a quantity of unit scatter that is alike from day to day, with a step, or a growth in 30 days."""
+    random, day = np.random.default_rng(seed), np.arange(60.0)
+    value = random.normal(size=60)
+    for today in range(1, 60):
+        value[today] = correlation * value[today - 1] + np.sqrt(1 - correlation**2) * value[today]
+    value += size * (np.maximum(day - BEGINS + 1, 0) / 30 if growth else day >= BEGINS)
+    return age.Series(day, value[:, None], np.full(60, np.nan), np.array(["check"] * 60))
+
+
+def late(correlation: float, size: float, growth: bool, count: int) -> list[int]:
+    """After how many days each of these is noticed that is noticed at all; of no change, that one is named."""
+    found = [
+        age.changes(quantity(n, correlation, size, growth), age.ALPHA / 60).changes for n in range(count)
+    ]
+    first = [next((c.noticed for c in each if not size or c.noticed >= BEGINS), None) for each in found]
+    return [day - BEGINS for day in first if day is not None]
+
+
+def wandering(count: int) -> list[str]:
+    """The table of `--wander`: each cell the median days, and in how many of `count` series."""
+    sizes = [
+        (0.0, False),
+        *((size, False) for size in (3.0, 4.0, 6.0, 10.0)),
+        *((s, True) for s in (5.0, 10.0, 20.0)),
+    ]
+    heads = [
+        f"{'growth' if growth else 'step'} of {size:g}" if size else "no change" for size, growth in sizes
+    ]
+    lines = [f"| lag-1 correlation | {' | '.join(heads)} |", "|---" * (len(sizes) + 1) + "|"]
+    for correlation in (0.0, 0.5, 0.7, 0.8, 0.9):
+        days = [late(correlation, size, growth, count) for size, growth in sizes]
+        cells = [f"{len(days[0])} named", *(f"{statistics.median(d or [60]):g} ({len(d)})" for d in days[1:])]
+        lines.append(f"| {correlation:g} | {' | '.join(cells)} |")
+    return lines
+
+
 def main() -> None:
     """Let the rigs live, print and write the section."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -268,7 +311,11 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path(__file__).parent / "RESULTS.md")
     parser.add_argument("--picture", type=Path, help="draw the history of the first rig, and of no other")
+    parser.add_argument("--wander", type=int, default=0, help="draw so many quantities, and let no rigs live")
     options = parser.parse_args()
+    if options.wander:
+        print("\n".join(wandering(options.wander)))
+        return
     if options.picture is not None:
         print(life(0, options.days, options.picture)["late"])
         return
