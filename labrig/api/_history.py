@@ -22,7 +22,8 @@ _RIG_FILES = (".yaml", ".yml")
 class History:
     """A rig over its runs: what each says, and since when the rig is another.
 
-    The chance of a single false change in all of it is 5 % at most, however often one looks.
+    The chance of a single false change in all of it is 5 % at most, however often one looks, if runs scatter
+    independently of each other; what else was logged (the group ambient) is shown and never counts as a change.
     """
 
     _content: HistoryContent = field(repr=False)

@@ -28,8 +28,8 @@ def history(
 ) -> None:
     """Show how a rig aged over all its runs: effects, noise, leaks, sensors, markers; and what changed, since when.
 
-    Only changes that are more than chance are named: for a rig that stays as it is, the chance that any is ever named
-    is 5 % at most, however often you look.
+    Only changes that are more than chance are named: for a rig that stays as it is, whose runs scatter independently
+    of each other, the chance that any is ever named is 5 % at most, however often you look. Dates are UTC.
     """
     import labrig
     from labrig.cli._history_steps import print_history, reading_progress
