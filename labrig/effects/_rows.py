@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig._lost_markers import lost_markers
+from labrig._ranges import ends
 from labrig.arrays import Floats, Ints
 from labrig.effects._resolution import levels_of, resolution_of
 
@@ -123,16 +124,6 @@ class Rows:
             name: replace(cov, values=cov.values[keep]) for name, cov in self.covariates.items()
         }
         return replace(self, **changed)
-
-
-def ends(low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """Where ranges from `low` to `high` begin, and how far they go from there with its sign, (C,) each.
-
-    A range begins at the limit that is nearer to a vented chamber: a rig that is driven by vacuum, -60 to 0 kPa, is the
-    same rig as one whose vacuum is counted from 0 to 60.
-    """
-    origin = np.where(np.abs(high) < np.abs(low), high, low)
-    return origin, low + high - 2 * origin
 
 
 def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from labrig._ranges import within
 from labrig.arrays import Floats
 from labrig.effects import TRANSIENT_S, Covariate, Rows, ends
 
@@ -44,6 +45,11 @@ class Limits:
             still = low >= high
             low, high = np.where(still, rows.low, low), np.where(still, rows.high, high)
         return cls(low, high, np.full(len(low), SLEW_PER_S))
+
+    def up_to(self, highest: float) -> "Limits":
+        """The same rig, which goes no farther than a share of the way from vented to either limit."""
+        both = within(self.low, self.high, [[0.0], [1.0]], highest=highest)
+        return replace(self, low=both.min(axis=0), high=both.max(axis=0))
 
     @property
     def rest(self) -> tuple[float, ...]:

@@ -87,7 +87,7 @@ def experiment(work: Work, result: "Result", left_min: float) -> Procedure | Non
             state.opened(),
             work.model,
             summary=summary,
-            limits=limits_of(config),
+            limits=limits_of(config).up_to(state.settings.highest),
             minutes=min(LONGEST_MIN, left_min - 0.1),
         )
     except LabrigError as error:

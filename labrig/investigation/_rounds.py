@@ -2,14 +2,19 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from labrig._errors import LabrigError
-from labrig.campaign import Procedure, dry_run
+from labrig.campaign import Actuate, Plan, Procedure, dry_run
 from labrig.investigation._bench import complete, procedure_of, started
 from labrig.investigation._programmes import CONFIRMED, names_left
 from labrig.investigation._work import Work
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
+
+_ROUNDED_KPA = 1e-3
+"""To this procedures round set-points."""
 
 
 def given_round(work: Work) -> "Result":
@@ -37,6 +42,7 @@ def measured_round(work: Work, programme: str, procedure: Procedure) -> "Result"
     if started(folder):  # cut short the last time: the same programme goes on
         procedure, seed = procedure_of(folder)
     plan = dry_run(procedure, work.bench.config, seed)
+    _check_highest(plan, work)
     minutes = plan.duration_s / 60
     work.reporter.round_started(number, programme, minutes)
     state.doing("measuring", programme, name, minutes, plan.captures)
@@ -47,6 +53,24 @@ def measured_round(work: Work, programme: str, procedure: Procedure) -> "Result"
     state.doing("diagnosing", programme, name, minutes, captures + sum(r["captures"] for r in state.rounds))
     _note(work, programme, name, minutes, captures)
     return diagnosed(work)
+
+
+def _check_highest(plan: Plan, work: Work) -> None:
+    """Raise `LabrigError` for a set-point that is farther from vented than the settings allow."""
+    from labrig.experiment import limits_of
+
+    allowed = limits_of(work.bench.config).up_to(work.state.settings.highest)
+    for step in plan.steps:
+        if not isinstance(step, Actuate):
+            continue
+        kept = np.clip(step.pressure_kpa, allowed.low, allowed.high)
+        if (over := np.flatnonzero(np.abs(kept - step.pressure_kpa) > _ROUNDED_KPA)).size:
+            c = int(over[0])
+            raise LabrigError(
+                f"nothing was moved: the programme goes to {step.pressure_kpa[c]:g} kPa in "
+                f"{work.bench.config.chambers[c].name}, and {kept[c]:g} kPa is allowed there "
+                f"(highest {work.state.settings.highest:g})"
+            )
 
 
 def _note(work: Work, programme: str, run: str, minutes: float, captures: int) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from labrig._ranges import within
 from labrig.arrays import Floats
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
@@ -26,8 +27,10 @@ class Capture(Procedure):
     )
     repeated: int = Field(3, ge=0, description="set-points that are visited again")
     repeats: int = Field(3, ge=1, description="visits of each of them with the same history")
-    lowest: float = Field(0.0, ge=0.0, le=1.0, description="lower end of the range, as a share of it")
-    highest: float = Field(1.0, ge=0.0, le=1.0, description="upper end of the range, as a share of it")
+    lowest: float = Field(
+        0.0, ge=0.0, le=1.0, description="least set-point, as a share of the way from vented to the limit"
+    )
+    highest: float = Field(1.0, ge=0.0, le=1.0, description="highest set-point, as such a share")
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
 
@@ -78,8 +81,7 @@ class Capture(Procedure):
     def setpoints(self, rig: RigInfo, count: int) -> Floats:
         """`count` different set-points, kPa, shape (count, C)."""
         unit = _PATTERNS[self.pattern](count, len(rig.channels), rig.rng())
-        share = self.lowest + (self.highest - self.lowest) * unit
-        return np.round(rig.min_kpa + share * (rig.max_kpa - rig.min_kpa), 3)
+        return np.round(within(rig.min_kpa, rig.max_kpa, unit, self.lowest, self.highest), 3)
 
 
 def _random(count: int, chambers: int, rng: np.random.Generator) -> Floats:

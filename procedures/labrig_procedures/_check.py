@@ -3,6 +3,7 @@
 import numpy as np
 from pydantic import Field
 
+from labrig._ranges import within
 from labrig.arrays import Floats
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
@@ -19,9 +20,11 @@ class Check(Procedure):
     rests: int = Field(2, ge=1, description="recordings at rest before anything is filled")
     points: int = Field(4, ge=1, description="different set-points")
     visits: int = Field(4, ge=2, description="visits of each set-point, all with the same history")
-    highest: float = Field(0.7, gt=0.0, le=1.0, description="highest set-point, as a share of the range")
+    highest: float = Field(
+        0.7, gt=0.0, le=1.0, description="highest set-point, as a share of the way from vented to the limit"
+    )
     hold_share: float = Field(
-        0.6, gt=0.0, le=1.0, description="pressure of the hold, as a share of the range"
+        0.6, gt=0.0, le=1.0, description="pressure of the hold, as such a share; no more than `highest`"
     )
     hold_s: float = Field(90.0, gt=1.0, description="length of the hold, s")
     recovery_s: float = Field(30.0, gt=1.0, description="how long the recovery after the hold is recorded, s")
@@ -45,7 +48,8 @@ class Check(Procedure):
                 yield Actuate(point)
                 yield Settle(self.settle_s)
                 yield Record(self.record_s, repeat=f"p{number}")
-        held = np.round(rig.min_kpa + self.hold_share * (rig.max_kpa - rig.min_kpa), 3)
+        share = min(self.hold_share, self.highest)
+        held = np.round(within(rig.min_kpa, rig.max_kpa, 1.0, highest=share), 3)
         for target, length_s, label in ((held, self.hold_s, "hold"), (vented, self.recovery_s, "recovery")):
             settle_s = min(self.settle_s, length_s / 2)
             yield Actuate(target)
@@ -56,5 +60,5 @@ class Check(Procedure):
         """The set-points, kPa, (points, C): each chamber at levels that fill its range, in an order of its own."""
         chamber = np.arange(len(rig.channels))
         number = np.arange(1, self.points + 1)[:, None]
-        share = self.highest * ((number / self.points + chamber * _GOLDEN) % 1.0)
-        return np.round(rig.min_kpa + share * (rig.max_kpa - rig.min_kpa), 3)
+        share = (number / self.points + chamber * _GOLDEN) % 1.0
+        return np.round(within(rig.min_kpa, rig.max_kpa, share, highest=self.highest), 3)

@@ -3,6 +3,7 @@
 import numpy as np
 from pydantic import Field
 
+from labrig._ranges import within
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
 
@@ -12,10 +13,12 @@ class Sweep(Procedure):
     chamber: str = Field("", description="the chamber that is swept; the rig's first if left out")
     levels: int = Field(9, ge=2, description="pressures from the lowest to the highest")
     cycles: int = Field(2, ge=1, description="how often it goes up and down")
-    lowest: float = Field(0.0, ge=0.0, le=1.0, description="lower end, as a share of the chamber's range")
-    highest: float = Field(1.0, ge=0.0, le=1.0, description="upper end, as a share of the chamber's range")
+    lowest: float = Field(
+        0.0, ge=0.0, le=1.0, description="lower end, as a share of the way from vented to the limit"
+    )
+    highest: float = Field(1.0, ge=0.0, le=1.0, description="upper end, as such a share")
     others: float = Field(
-        0.0, ge=0.0, le=1.0, description="where the other chambers are held, as a share of theirs"
+        0.0, ge=0.0, le=1.0, description="where the other chambers are held, as such a share"
     )
     settle_s: float = Field(3.0, ge=0.0, description="wait after each actuation, s")
     record_s: float = Field(1.0, gt=0.0, description="length of each recording, s")
@@ -27,14 +30,13 @@ class Sweep(Procedure):
     def steps(self, rig: RigInfo) -> Steps:
         """Up, and down again without stopping twice at the top."""
         chosen = rig.chamber(self.chamber or rig.chamber_names[0])
-        span = rig.max_kpa - rig.min_kpa
-        up = np.linspace(self.lowest, self.highest, self.levels)
+        others = within(rig.min_kpa, rig.max_kpa, 1.0, highest=self.others)
+        up = np.linspace(0.0, 1.0, self.levels)
         for share in np.concatenate(
             [np.concatenate([up, up[-2::-1]])] + [np.r_[up[1:], up[-2::-1]]] * (self.cycles - 1)
         ):
-            setpoint = rig.min_kpa + self.others * span
-            setpoint[chosen] = rig.min_kpa[chosen] + share * span[chosen]
-            setpoint = np.round(setpoint, 3)
+            swept = within(rig.min_kpa, rig.max_kpa, share, self.lowest, self.highest)
+            setpoint = np.round(np.where(np.arange(len(others)) == chosen, swept, others), 3)
             yield Actuate(setpoint)
             yield Settle(self.settle_s)
             yield Record(self.record_s, repeat=f"{rig.chamber_names[chosen]}={setpoint[chosen]:g}")

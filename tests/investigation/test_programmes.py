@@ -11,8 +11,10 @@ from labrig.investigation import Reporter, Settings, State, _loop
 from labrig.investigation import _programmes as programmes
 from labrig.investigation._bench import Bench
 from labrig.investigation._reporter import names_in
+from labrig.investigation._rounds import measured_round
 from labrig.investigation._work import Work
 from labrig.rig import parse_rig
+from labrig_procedures import Programme
 
 RIG = {
     "name": "bench",
@@ -156,6 +158,51 @@ def test_a_budget_that_is_too_small_names_one_that_does(tmp_path: Path) -> None:
     programmes.first_campaign(work_in(tmp_path, [], budget_min=least), 0.5)
     with pytest.raises(LabrigError):
         programmes.first_campaign(work_in(tmp_path, [], budget_min=least - 1), 0.5)
+
+
+def test_an_experiment_keeps_to_the_highest_that_is_allowed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is proposed is looked for within that share of the way to either limit."""
+    asked = []
+
+    def propose(*_: Any, limits: Any, **__: Any) -> None:
+        asked.append(limits)
+        raise LabrigError("enough")
+
+    monkeypatch.setattr(experiment, "propose_experiment", propose)
+    monkeypatch.setattr(State, "opened", lambda _: [])
+    work = work_in(tmp_path, [], highest=0.4)
+    chambers = [*RIG["chambers"][:3], {"name": "c4", "min_kpa": -30, "max_kpa": 60}]  # type: ignore[index]
+    work.bench.config = parse_rig({**RIG, "chambers": chambers}, "rig.yaml", tmp_path)
+    programmes.experiment(work, SimpleNamespace(summary=said_of("confounded")), 10.0)  # type: ignore[arg-type]
+    assert asked[0].high.tolist() == [24.0] * 4
+    assert asked[0].low.tolist() == [0.0, 0.0, 0.0, -12.0]
+
+
+def test_a_programme_above_the_highest_is_refused_before_anything_moves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever wrote it; what is just as high as is allowed is measured."""
+    measured = []
+
+    def measure(*_: Any) -> None:
+        measured.append(True)
+        raise LabrigError("enough")
+
+    monkeypatch.setattr(Bench, "measure", measure)
+    work = work_in(tmp_path, [], highest=0.4)
+    high, allowed = (
+        Programme.model_validate({"points": [{"pressure_kpa": {"c1": 10, "c2": kpa}}]}) for kpa in (25, 24)
+    )
+    with pytest.raises(LabrigError) as caught:
+        measured_round(work, "experiment", high)
+    assert str(caught.value) == (
+        "nothing was moved: the programme goes to 25 kPa in c2, and 24 kPa is allowed there (highest 0.4)"
+    )
+    assert not measured
+    with pytest.raises(LabrigError, match="enough"):
+        measured_round(work, "experiment", allowed)
 
 
 @pytest.mark.parametrize(

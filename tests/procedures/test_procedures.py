@@ -143,12 +143,35 @@ def test_halton_fills_the_range_better_than_chance() -> None:
 
 
 def test_a_narrower_range_is_kept() -> None:
-    """lowest and highest are shares of each chamber's own range."""
+    """lowest and highest are shares of the way from vented to the limit of each chamber, on either side of 0."""
     info = _info()
     points = Capture(lowest=0.4, highest=0.6).setpoints(info, 50)
-    span = info.max_kpa - info.min_kpa
-    assert (points >= info.min_kpa + 0.4 * span - 1e-3).all()
-    assert (points <= info.min_kpa + 0.6 * span + 1e-3).all()
+    share = np.abs(points / np.where(points < 0, info.min_kpa, info.max_kpa))
+    assert (share >= 0.4 - 1e-3).all()
+    assert (share <= 0.6 + 1e-3).all()
+    assert (points[:, 0] < 0).any()
+
+
+LOW = {"capture": Capture(highest=0.4), "check": Check(highest=0.4), "sweep": Sweep(highest=0.4, others=0.4)}
+
+
+@pytest.mark.parametrize("name", LOW)
+@pytest.mark.parametrize(("low", "high"), [(0.0, 60.0), (-60.0, 0.0), (-30.0, 60.0), (-60.0, 30.0)])
+def test_a_low_highest_is_gentle_on_every_rig(name: str, low: float, high: float) -> None:
+    """No set-point, nor a hold, is farther from vented than that share, and vacuum is counted as pressure is."""
+    procedure, info = LOW[name], RigInfo("made", (Channel("c1", low, high), Channel("c2", low, high)))
+    points = np.array([setpoint for setpoint, _ in _captures(_steps(procedure, info))])
+    assert points.min() >= 0.4 * low - 1e-3
+    assert points.max() <= 0.4 * high + 1e-3
+    assert np.abs(points).max() > 0.3 * max(-low, high)
+
+
+@pytest.mark.parametrize("name", LOW)
+def test_a_rig_of_vacuum_is_the_mirror_of_one_of_pressure(name: str) -> None:
+    """The same procedure goes to the same set-points with the other sign."""
+    rigs = [RigInfo("made", (Channel("c1", *ends), Channel("c2", *ends))) for ends in ((0, 60.0), (-60.0, 0))]
+    up, down = (np.array([p for p, _ in _captures(_steps(LOW[name], rig))]) for rig in rigs)
+    np.testing.assert_array_equal(up, -down)
 
 
 def test_repeatability_comes_from_both_sides() -> None:
@@ -163,7 +186,7 @@ def test_sweep_goes_up_and_down() -> None:
     """One chamber moves, in even steps, and turns without stopping twice."""
     captures = _captures(_steps(Sweep(chamber="c2", levels=3, cycles=2, others=0.5)))
     assert [setpoint[1] for setpoint, _ in captures] == [0.0, 29.5, 59.0, 29.5, 0.0, 29.5, 59.0, 29.5, 0.0]
-    assert {setpoint[0] for setpoint, _ in captures} == {25.0}
+    assert {setpoint[0] for setpoint, _ in captures} == {30.0}
     assert [record.repeat for _, record in captures][:3] == ["c2=0", "c2=29.5", "c2=59"]
 
 
