@@ -149,6 +149,31 @@ def test_interrupted_in_python_it_goes_on(tmp_path: Path, monkeypatch: pytest.Mo
     assert found.model is None
 
 
+@pytest.mark.slow
+def test_no_round_goes_higher_than_it_was_allowed(tmp_path: Path) -> None:
+    """Two states leave the verdict open: the experiment that settles it and the confirmation keep to the highest."""
+    make_lab(tmp_path, "hysteresis")
+    up = {"pressure_kpa": {"c1": 21, "c2": 18, "c3": 15, "c4": 22}, "hold_s": 4, "repeat": "up"}
+    points = [up, {"hold_s": 4, "repeat": "rest"}]
+    labrig.run("programme", tmp_path / "rig.yaml", out=tmp_path / "first", rounds=8, points=points)
+    made: list[str] = []
+
+    class Stopping(Reporter):
+        def round_started(self, number: int, programme: str, minutes: float) -> None:
+            made.append(programme)
+
+        def diagnosed(self, number: int, summary: Any) -> None:
+            if made[-1] == "confirmation":
+                raise KeyboardInterrupt("enough")
+
+    files = (tmp_path / name for name in ("first", "model.yaml", "rig.yaml"))
+    with pytest.raises(KeyboardInterrupt, match="enough"):
+        labrig.investigate(*files, out=tmp_path / "asked", budget_min=5, highest=0.4, reporter=Stopping())
+    assert made == ["given", "experiment", "confirmation"]
+    runs = [labrig.open_run(tmp_path / "asked" / f"run-{number}") for number in (2, 3)]
+    assert all(0 < float(run["commanded"].max()) <= 24.0 for run in runs)
+
+
 @pytest.mark.parametrize(
     ("runs", "changes", "said"),
     [
