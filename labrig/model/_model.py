@@ -38,7 +38,7 @@ from labrig.model._bases import (
     jacobian,
     solo_deflection,
 )
-from labrig.model._beyond import beyond
+from labrig.model._beyond import beyond, beyond_base
 from labrig.model._file import EffectEntry, ModelFile, PythonBase, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
 
@@ -213,7 +213,9 @@ class Predictor:
         context, changes = self.model._changes(begun(own, np.ones((len(own.base), 1)) if X is None else X))
         rows = context.rows
         predicted = self.base.predict_rows(rows) if isinstance(self.base, StaticModel) else context.base
-        rows = replace(rows, warnings=(*rows.warnings, *self.model.unsaid(context)))
+        rows = replace(
+            rows, warnings=(*rows.warnings, *beyond_base(self.base, rows), *self.model.unsaid(context))
+        )
         total, moved = predicted + _sum(changes), context.displacement
         learned = is_learned(self.model.file)
         return replace(context, rows=rows, base=total, displaced=moved, learned=learned, _memo={}), changes

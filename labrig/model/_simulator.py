@@ -1,6 +1,7 @@
 """The simulator of a rig as a base, with those of its physical parameters that each run says anew."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -10,12 +11,18 @@ from labrig.arrays import Floats
 from labrig.effects import Rows, ends
 from labrig.model._deflection import GRID
 from labrig.model._file import SimulatorBase
+from labrig.model._kpa import in_kpa
 from labrig.model._robust import robust_fit
+
+if TYPE_CHECKING:
+    from labrig.physics import ShellSurface
 
 _SOLVED = np.array([0.0, 0.15, 0.5, 1.0])
 """Where on a chamber's way up a simulator is asked for its shape and slope: a sheet that lifts off moves most at first.
 Between these the curve is a cubic."""
 _INSIDE = ("prestretch_", "stiffening_", "core_offset", "contact_", "gravity_")
+_VENTED_KPA = -1.0
+"""Down to this a chamber is taken for vented: what the zero of a sensor may be off by, where a run has no other."""
 _UNIT = 0.1
 """Calibrated parameters are counted in such a part of their value, or of their bounds' distance where that is zero."""
 
@@ -23,7 +30,8 @@ _UNIT = 0.1
 class SimulatorModel:
     """labrig's simulator, told the rig's geometry; observables are matched by marker and axis.
 
-    What its `calibrated` parameters change is taken as linear.
+    What its `calibrated` parameters change is taken as linear. `known` are the lowest and the highest pressures of its
+    shell, (C,) each, in the run's unit; None for a reduced surface, which has no range.
     """
 
     kind = "simulator"
@@ -41,6 +49,11 @@ class SimulatorModel:
             raise LabrigError(f"{path}: the simulator knows nothing of {what}, which the run has")
         if tuple(self._surface.chamber_names) != tuple(rows.chambers):
             raise LabrigError(f"{path}: its chambers are not the run's ({', '.join(rows.chambers)})")
+        self._path, self._unit, self._kpa = path, rows.actuation_unit, in_kpa(rows, path)
+        self.known: tuple[Floats, Floats] | None = None
+        if self._surface.parameters:
+            highest = self._shell_surface().shell.max_kpa / self._kpa
+            self.known = np.zeros_like(highest), highest
         self._marker = np.array([names.index(rows.markers[m]) for m in rows.marker])
         self._axis = rows.axis
         self._calibrated = tuple(dict.fromkeys(spec.calibrated))
@@ -72,7 +85,7 @@ class SimulatorModel:
         }
 
     def predict(self, actuation: Floats) -> Floats:
-        """The settled surface with the calibrated parameters as they were fitted; chamber pressures in kPa."""
+        """The settled surface with the calibrated parameters as they were fitted."""
         predicted = self.simulate(actuation)
         if not self._off.any():
             return predicted
@@ -81,8 +94,18 @@ class SimulatorModel:
         return predicted + fields @ self._off
 
     def simulate(self, actuation: Floats) -> Floats:
-        """The settled surface as the simulator has it."""
-        return np.asarray(self._surface.predict(actuation))[:, self._marker, self._axis]
+        """The settled surface as the simulator has it; raises `LabrigError` for a vacuum under a shell, and NaN."""
+        return np.asarray(self._surface.predict(self._in_kpa(actuation)))[:, self._marker, self._axis]
+
+    def _in_kpa(self, actuation: Floats) -> Floats:
+        kpa = self._kpa * actuation
+        if self.known is not None and not (kpa >= _VENTED_KPA).all():
+            row, chamber = np.argwhere(~(kpa >= _VENTED_KPA))[0]
+            raise LabrigError(
+                f"{self._path}: its shell knows no vacuum, and chamber {self._surface.chamber_names[chamber]} is at "
+                f"{actuation[row, chamber]:.4g} {self._unit}"
+            )
+        return kpa
 
     def declared(self, actuation: Floats) -> Floats | None:
         """None: nothing is fitted to each observable of a run on its own."""
@@ -96,8 +119,9 @@ class SimulatorModel:
         return (self._by(unique, self._calibrated) * self._units())[inverse.reshape(-1)]
 
     def slope(self, actuation: Floats) -> Floats:
-        """Change of the prediction per kPa, (F, K, C), as the simulator itself works it out."""
-        return np.asarray(self._surface.jacobian(actuation))[:, self._marker, self._axis]
+        """Change of the prediction per unit of the run's actuation, (F, K, C), as the simulator itself works it out."""
+        by_kpa = self._surface.jacobian(self._in_kpa(actuation))
+        return self._kpa * np.asarray(by_kpa)[:, self._marker, self._axis]
 
     def inside(self, actuation: Floats) -> dict[str, Floats]:
         """Change of the prediction, (F, K), by each physical parameter that an effect may stand for."""
@@ -107,18 +131,20 @@ class SimulatorModel:
         by = self._by(actuation, tuple(names))
         return {name: by[..., i] for i, name in enumerate(names)}
 
-    def _by(self, actuation: Floats, names: tuple[str, ...]) -> Floats:
-        from labrig.physics import ShellSurface
+    def _shell_surface(self) -> "ShellSurface":
+        from labrig.physics import ShellSurface  # waits for a compiler
 
         assert isinstance(self._surface, ShellSurface)  # nothing else has parameters
-        return np.asarray(self._surface.parameter_jacobian(actuation, names))[:, self._marker, self._axis]
+        return self._surface
+
+    def _by(self, actuation: Floats, names: tuple[str, ...]) -> Floats:
+        by = self._shell_surface().parameter_jacobian(self._in_kpa(actuation), names)
+        return np.asarray(by)[:, self._marker, self._axis]
 
     def _units(self) -> Floats:
-        from labrig.physics import ShellSurface
-
-        if not isinstance(self._surface, ShellSurface):
+        if not self._calibrated:
             return np.zeros(0)
-        own = [self._surface.shell.parameters[name] for name in self._calibrated]
+        own = [self._shell_surface().shell.parameters[name] for name in self._calibrated]
         return np.array([_UNIT * (abs(p.value) or p.high - p.low) for p in own])
 
 
@@ -135,7 +161,9 @@ def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> tuple[Floa
         few = np.unique([0.0, *(empty[c] + _SOLVED * (1 - empty[c]))])
         alone = np.tile(vented, (len(few) + 1, 1))
         alone[:-1, c] = origin[c] + few * span[c]
-        predicted, slope = base.simulate(alone), base.slope(alone[:-1])[..., c] * span[c]
+        asked = alone if base.known is None else np.maximum(alone, 0.0)  # below vented nothing moves
+        predicted = base.simulate(asked)
+        slope = base.slope(asked[:-1])[..., c] * span[c] * (alone >= asked)[:-1, c, None]
         change = predicted[:-1] - predicted[-1]
         size = np.sqrt((change**2).mean(axis=1))
         still = size <= 1e-9 * max(size.max(), 1e-300)

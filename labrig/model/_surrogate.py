@@ -7,10 +7,14 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.effects import Rows
+from labrig.model._kpa import in_kpa
 
 
 class SurrogateModel:
-    """A learned model from a file of `labrig train`; observables are matched by marker and axis, chambers by name."""
+    """A learned model from a file of `labrig train`; observables are matched by marker and axis, chambers by name.
+
+    `known` are the lowest and the highest pressures that it learned from, (C,) each, in the run's unit.
+    """
 
     kind = "surrogate"
 
@@ -28,21 +32,24 @@ class SurrogateModel:
             raise LabrigError(
                 f"{path}: its chambers ({', '.join(have)}) are not the run's ({', '.join(rows.chambers)})"
             )
-        if rows.actuation_unit not in ("kPa", ""):
-            raise LabrigError(f"{path}: needs pressures in kPa; the run has them in {rows.actuation_unit}")
+        self._kpa = in_kpa(rows, path)
         self._order = [rows.chambers.index(name) for name in have]
+        own = [have.index(name) for name in rows.chambers]
+        self.known = self._model.low_kpa[own] / self._kpa, self._model.high_kpa[own] / self._kpa
         self._uv = self._model.markers(rows.markers)
         self._marker, self._axis = rows.marker, rows.axis
 
     def predict(self, actuation: Floats) -> Floats:
-        """The markers on the learned surface; chamber pressures in kPa."""
-        return self._model.points(actuation[:, self._order], self._uv)[:, self._marker, self._axis]
+        """The markers on the learned surface."""
+        kpa = self._kpa * actuation[:, self._order]
+        return self._model.points(kpa, self._uv)[:, self._marker, self._axis]
 
     def slope(self, actuation: Floats) -> Floats:
-        """Change of the prediction per kPa, (F, K, C)."""
-        J = self._model.jacobian(actuation[:, self._order], self._uv)[:, self._marker, self._axis]
+        """Change of the prediction per unit of the run's actuation, (F, K, C)."""
+        kpa = self._kpa * actuation[:, self._order]
+        J = self._model.jacobian(kpa, self._uv)[:, self._marker, self._axis]
         result = np.empty_like(J)
-        result[..., self._order] = J
+        result[..., self._order] = self._kpa * J
         return result
 
     def declared(self, actuation: Floats) -> Floats | None:

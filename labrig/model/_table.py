@@ -19,6 +19,7 @@ class TableModel:
     Spline Models for Observational Data, SIAM 1990).
 
     Columns are named as the run's chambers and observables, in the run's units; rows of one set-point are averaged.
+    `known` are the least and the highest of its set-points, (C,) each.
     """
 
     kind = "table"
@@ -32,6 +33,7 @@ class TableModel:
         points, index = np.unique((at - self._low) / self._span, axis=0, return_inverse=True)
         count = np.bincount(index.reshape(-1))
         mean = np.stack([np.bincount(index.reshape(-1), v) / count for v in values.T], axis=1)
+        self.known = at.min(axis=0), at.max(axis=0)
         C = points.shape[1]
         if np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-6) < C:
             raise LabrigError(

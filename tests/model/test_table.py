@@ -35,6 +35,18 @@ def test_a_table_says_what_it_holds_and_is_smooth_between(make_lab) -> None:
     assert np.sqrt(np.mean((of_table.jacobian - of_function.jacobian) ** 2)) < 0.1 * scale
 
 
+def test_a_table_says_where_it_ends(make_lab) -> None:
+    """A run that goes farther than its set-points has a line that names the chamber; one within them has none."""
+    lab = make_lab(chambers=2, markers=4, captures=20)
+    rows = rows_of(lab.dataset(lab.predict(lab.u)))
+    half = lab.commanded * [1.0, 0.5]
+    far, near = (with_table(lab, u).context(rows).rows.warnings for u in (half, lab.commanded))
+    assert not near
+    assert [line.split(" to ")[0] for line in far] == [
+        f"base (table): it is known from c2 {half[:, 1].min():.3g}"
+    ]
+
+
 def test_an_effect_is_named_beside_a_table(make_lab) -> None:
     """Creep acts through the slopes of the table."""
     lab = make_lab(chambers=2, markers=8, captures=80, rows_s=(1.0, 3.0, 8.0))
