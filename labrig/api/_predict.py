@@ -28,8 +28,9 @@ def predict(runs: Any, model: Any, set_points: Any, *, hold_s: float = 4.0) -> "
         hold_s: how long each is held, s, from 1.5 on.
 
     Returns:
-        `predicted` (capture, observable), means over each hold, the first second left out; `commanded` (capture,
-        chamber); `unit` of each observable; `attrs["warnings"]`, a line on each effect that says little there.
+        `predicted` (capture, observable), means over the time of each hold, the first second left out; `commanded`
+        (capture, chamber); `unit` of each observable; `attrs["warnings"]`, a line on each effect, and on a base, that
+        says little there.
 
     Raises:
         LabrigError: the set-points do not fit the run's chambers, or a run or the model cannot be read.
@@ -46,22 +47,21 @@ def predict(runs: Any, model: Any, set_points: Any, *, hold_s: float = 4.0) -> "
 
     rows, questioned = rows_from(runs_of(runs)), model_of(model)
     u = _set_points(set_points, rows)
-    if not positive(hold_s, "hold_s", "in seconds") >= _SHORTEST_S:
-        raise LabrigError(f"hold_s {hold_s:g}: must be {_SHORTEST_S:g} s or more")
-    planned = as_rows(rows, u, float(hold_s))
+    if not _SHORTEST_S <= positive(hold_s, "hold_s", "in seconds") < np.inf:
+        raise LabrigError(f"hold_s {hold_s:g}: must be {_SHORTEST_S:g} s or more, and have an end")
+    planned, share = as_rows(rows, u, float(hold_s))
     context = questioned.predictor(rows).context(planned)
     unknown = [
         f"{entry.name} is read off the measured pressures, which nobody knows before: it changes nothing here"
         for entry in questioned.file.effects
         if entry.form == _AS_MEASURED
     ]
-    count = np.bincount(planned.capture)
-    total = np.zeros((len(u), context.base.shape[1]))
-    np.add.at(total, planned.capture, context.base)
+    mean = np.zeros((len(u), context.base.shape[1]))
+    np.add.at(mean, planned.capture, share[:, None] * context.base)
     return xr.Dataset(
         {
             "commanded": (("capture", "chamber"), u, {"units": rows.actuation_unit}),
-            "predicted": (("capture", "observable"), total / count[:, None]),
+            "predicted": (("capture", "observable"), mean),
         },
         coords={
             "capture": np.arange(len(u)),

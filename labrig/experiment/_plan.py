@@ -1,7 +1,7 @@
 """A pressure programme that could be measured next: its points, how long it takes, and the rows it would give."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,6 +12,11 @@ from labrig.arrays import Floats
 from labrig.effects import TRANSIENT_S, Covariate, Rows, ends
 
 SLEW_PER_S = 100.0
+"""What a rig's chamber may change by where its file states no other, kPa/s."""
+
+WHOLE_WAY_S = 0.6
+"""How long a chamber takes over its range where nobody states its rate, s, in whatever unit: 60 kPa at that rate."""
+
 SETTLE_S = 1.0
 PAUSE_S = 600.0
 """From the run to the programme, s."""
@@ -21,6 +26,9 @@ START_S = 2.0
 
 _ROWS_SHORT, _ROWS_LONG = 3, 6
 _LONG_S = 8.0
+_NODES = 6
+"""Moments of a hold for a mean over time: of what creeps, whatever its time constant, within 0.1 % in ten minutes."""
+_DIGITS = 4
 
 
 @dataclass(frozen=True)
@@ -32,8 +40,13 @@ class Limits:
     slew_per_s: Floats
 
     @classmethod
+    def between(cls, low: Floats, high: Floats) -> "Limits":
+        """Limits of which nobody states how fast a chamber may change, in any unit."""
+        return cls(low, high, np.abs(high - low) / WHOLE_WAY_S)
+
+    @classmethod
     def of(cls, rows: Rows) -> "Limits":
-        """The limits that a run states; how fast is not stated, so 100 per second.
+        """The limits that a run states; how fast is not stated.
 
         What is no pressure has no vent: it goes no farther down or up than it has been, since a table that states no
         limits has zero as one of them, and a stage may not be sent there.
@@ -44,7 +57,7 @@ class Limits:
             low, high = np.maximum(low, went.min(axis=0)), np.minimum(high, went.max(axis=0))
             still = low >= high
             low, high = np.where(still, rows.low, low), np.where(still, rows.high, high)
-        return cls(low, high, np.full(len(low), SLEW_PER_S))
+        return cls.between(low, high)
 
     def up_to(self, highest: float) -> "Limits":
         """The same rig, which goes no farther than a share of the way from vented to either limit."""
@@ -58,9 +71,10 @@ class Limits:
         return tuple(((np.clip(0.0, self.low, self.high) - origin) / span).tolist())
 
     def actuation(self, share: Sequence[float]) -> Floats:
-        """Shares of the range (C,) as set-points, rounded to what a person would type."""
+        """Shares of the range (C,) as set-points, rounded to what a person would type: four digits of the range."""
         origin, span = ends(self.low, self.high)
-        return np.clip(np.round(origin + np.asarray(share) * span, 2), self.low, self.high)
+        decimals = _DIGITS - 1 - int(np.floor(np.log10(np.abs(span).min())))
+        return np.clip(np.round(origin + np.asarray(share) * span, decimals), self.low, self.high)
 
     def way_s(self, before: Sequence[float], after: Sequence[float]) -> float:
         """How long it takes to go from one set-point to another, s."""
@@ -116,11 +130,23 @@ class Planned:
     point: Any
 
 
-def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: Limits) -> Planned:
+def _moments(first: float, end: float) -> Floats:
+    """The moments of a hold that say most of it, denser at its beginning."""
+    count = _ROWS_LONG if end > _LONG_S else _ROWS_SHORT
+    return np.geomspace(min(first + 0.1, 0.8 * end), end, count)
+
+
+def planned_rows(
+    template: Rows,
+    programmes: Sequence[Sequence[Point]],
+    limits: Limits,
+    moments: Callable[[float, float], Floats] = _moments,
+) -> Planned:
     """What the programmes would record, as rows without values, shaped like the run `template`.
 
     Each is a session of its own, which begins vented, `START_S` before it. Where the run measured its pressures, they
-    are taken to be what is commanded.
+    are taken to be what is commanded. `moments` are those of a hold that are looked at, s, from when its first second
+    is over to its end.
     """
     event_at: list[float] = []
     event_u: list[Floats] = []
@@ -139,7 +165,7 @@ def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: 
             event_at.append(clock)
             event_u.append(limits.actuation(point.share))
             event_session.append(number)
-            for hold in _moments(max(TRANSIENT_S, way) + 0.1, end):
+            for hold in moments(max(TRANSIENT_S, way), end):
                 kept["u"].append(event_u[-1])
                 kept["capture"].append(capture)
                 kept["event"].append(len(event_at) - 1)
@@ -175,32 +201,34 @@ def planned_rows(template: Rows, programmes: Sequence[Sequence[Point]], limits: 
     return Planned(rows, owner, np.array(kept["point"], dtype=np.int64))
 
 
-def as_rows(template: Rows, actuation: Floats, hold_s: float) -> Rows:
-    """What set-points (n, C) would record, each held for `hold_s`, as rows without values, from a vented rig on."""
+def as_rows(template: Rows, actuation: Floats, hold_s: float) -> tuple[Rows, Floats]:
+    """What set-points (n, C) would record, each held for `hold_s`, as rows without values, from a vented rig on.
+
+    Each is reached at once. Beside them the share of each row in the mean over the time of its hold, the first second
+    left out, (F,): by Gauss and Legendre's rule in the logarithm of time (Abramowitz and Stegun, Handbook of
+    Mathematical Functions, 25.4.29).
+    """
     low, high = (
         pick(np.vstack([limit, actuation]), axis=0)
         for pick, limit in ((np.min, template.low), (np.max, template.high))
     )
     origin, span = ends(low, high)
-    limits = Limits(low, high, np.full(len(low), SLEW_PER_S))
+    limits = Limits(low, high, np.full(len(low), np.inf))
     points = [Point(tuple(((u - origin) / span).tolist()), hold_s) for u in actuation]
-    rows = planned_rows(template, [points], limits).rows
+    node, weight = np.polynomial.legendre.leggauss(_NODES)
+    hold = TRANSIENT_S * (hold_s / TRANSIENT_S) ** ((1 + node) / 2)
+    rows = planned_rows(template, [points], limits, lambda *_: hold).rows
     exact = np.vstack([rows.event_actuation[:1], actuation])  # not as a person would type them
     own = actuation[rows.capture]
     measured = own if np.isfinite(rows.measured).all() else rows.measured
-    return replace(rows, actuation=own, event_actuation=exact, measured=measured)
+    share = np.tile(hold * weight / (hold @ weight), len(actuation))
+    return replace(rows, actuation=own, event_actuation=exact, measured=measured), share
 
 
 def _as_before(covariate: Covariate, n: int) -> Covariate:
     """What else was logged, taken to stay as it last was."""
     known = covariate.values[np.isfinite(covariate.values)]
     return Covariate(covariate.unit, np.full(n, known[-1] if len(known) else np.nan))
-
-
-def _moments(first: float, end: float) -> Floats:
-    """The moments of a hold that say most of it, denser at its beginning."""
-    count = _ROWS_LONG if end > _LONG_S else _ROWS_SHORT
-    return np.geomspace(min(first, 0.8 * end), end, count)
 
 
 def repeat_labels(points: Sequence[Point], rest: tuple[float, ...]) -> list[str]:

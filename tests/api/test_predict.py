@@ -38,6 +38,34 @@ def test_effects_act_with_their_history(lab: Path) -> None:
     assert 0 < moved[4.0] < 0.8 * moved[100.0]
 
 
+@pytest.mark.parametrize("hold_s", [4.0, 60.0, 300.0])
+@pytest.mark.parametrize(("unit", "each"), [("kPa", 1.0), ("Pa", 1000.0)])
+def test_what_creeps_is_a_mean_over_time(lab: Path, hold_s: float, unit: str, each: float) -> None:
+    """In each hold the mean of 1 - exp(-t / tau) from its first second to its end, whatever the unit of the run."""
+    run = labrig.open_run(lab / "first").copy()
+    for name in ("commanded", "event_commanded", "chamber_min", "chamber_max"):
+        run[name] = run[name] * each
+    run["commanded"].attrs["units"] = unit
+    n = len(labrig.compare(lab / "first", lab / "model.yaml").fields["observable"])
+    model = labrig.Model.of(lambda u: 0.1 / each * np.outer(u.sum(axis=1), np.ones(n)))
+    creep = EffectEntry(
+        name="creep",
+        form="Kelvin-Voigt",
+        parameters={
+            "amplitude": Value(value=0.3),
+            "tau_s": Value(value=30.0),
+            "known": Value(value=0.0),
+        },
+    )
+    u = [[40.0 * each] * 4]
+    plain, crept = (
+        labrig.predict(run, m, u, hold_s=hold_s)["predicted"].values
+        for m in (model, model.with_effect(creep))
+    )
+    mean = 1 - 30 * (np.exp(-1 / 30) - np.exp(-hold_s / 30)) / (hold_s - 1)
+    np.testing.assert_allclose(crept - plain, 0.3 * 16 * mean, rtol=2e-3)
+
+
 def test_what_is_read_off_measured_pressures_is_said_to_be_unknown(lab: Path) -> None:
     """A leak that follows the measured pressures cannot be predicted before a run: that it changes nothing is said."""
     leak = EffectEntry(name="leak", form="as measured", parameters={"sensor": Value(value=1.0)})
@@ -71,6 +99,7 @@ def test_set_points_of_a_table_go_by_the_names_of_its_columns(lab: Path) -> None
         ([[np.nan] * 4], {}, "set_points: row 0 is not finite"),
         ([[1.0] * 4], {"hold_s": "3 s"}, "hold_s '3 s': a number is needed, in seconds"),
         ([[1.0] * 4], {"hold_s": 0.5}, "hold_s 0.5: must be 1.5 s or more"),
+        ([[1.0] * 4], {"hold_s": np.inf}, "hold_s inf: must be 1.5 s or more, and have an end"),
     ],
 )
 def test_what_is_no_set_point_is_said(lab: Path, given, more, said: str) -> None:

@@ -52,6 +52,19 @@ def test_a_probe_knows_how_long_it_takes() -> None:
     assert probe.seconds(limits) == pytest.approx(1.5 + 4.0 + 1.5 + 2.0)
 
 
+@pytest.mark.parametrize("each", [1.0, 1000.0, 10.0, 0.01, 0.001])
+def test_a_plan_is_the_same_in_every_unit(each: float) -> None:
+    """Where no rig states a rate: the same time, and set-points as fine, for kPa, Pa, mbar, bar and MPa."""
+    shares = [(0.6, 0.123456), (0.75, 0.3), (0.0, 0.0)]
+    probe = Probe("p", "s", tuple(Point(share, 4.0) for share in shares))
+    plain, other = (Limits.between(np.zeros(2), k * np.array([60.0, 30.0])) for k in (1.0, each))
+    assert plain.slew_per_s.tolist() == [100.0, 50.0]
+    assert probe.seconds(other) == pytest.approx(probe.seconds(plain))
+    for share in shares:
+        np.testing.assert_allclose(other.actuation(share) / each, plain.actuation(share), rtol=1e-12)
+    assert plain.actuation(shares[0]).tolist() == [36.0, 3.7]
+
+
 def test_a_model_that_follows_measured_pressures_can_be_asked_about_a_plan(make_lab) -> None:
     """In a programme that nobody has run, pressures are what is commanded, where the run says what they were."""
     lab = make_lab(captures=12, chambers=2)
