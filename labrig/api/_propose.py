@@ -166,11 +166,12 @@ def propose_experiment(
             takes; by default the limits that the runs state.
         diagnosis: that of these runs; it is made where it is not given.
         minutes: the longest that the programme may take.
-        tolerance: the smallest effect that matters, in the units of the observables.
+        tolerance: the smallest effect that matters, in the units of the observables; not beside a `diagnosis`, which
+            has its own.
 
     Raises:
-        LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, or the rig is not the
-            one of the runs.
+        LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, the time is too short for
+            any, or the rig is not the one of the runs.
 
     Example:
         >>> next = labrig.propose_experiment("runs/on_off", "model.yaml", rig="rig.yaml", minutes=3)

@@ -99,6 +99,12 @@ class Probe:
     separates: str
     points: tuple[Point, ...]
 
+    @property
+    def title(self) -> str:
+        """Its name, and how long its longest hold is, where that is long."""
+        longest_s = max(point.hold_s for point in self.points)
+        return f"{self.name}, {longest_s:g} s" if longest_s > _LONG_S else self.name
+
     def seconds(self, limits: Limits) -> float:
         """How long it takes, s: ways and holds."""
         before, total = limits.rest, 0.0

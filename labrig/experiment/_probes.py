@@ -92,11 +92,10 @@ class _Maker:
         for hold_s in _HOLDS_S:
             for level in _LEVELS:
                 points = [self.at(level, hold_s), self.release(min(hold_s, 60.0))]
-                name = f"hold {hold_s:g} s at {level:.0%}, and recovery"
-                out.append(self._probe(name, "creep, drift, leak", points))
+                out.append(self._probe("hold and recovery", "creep, drift, leak", points))
         for wait_s in _WAITS_S:
             points = [self.at(0.6), self.release(), self.release(wait_s), self.at(0.6)]
-            out.append(self._probe(f"early, and {wait_s:g} s later", "drift", points))
+            out.append(self._probe("early and late", "drift", points))
         return out
 
     def _probe(self, what: str, separates: str, points: list[Point]) -> Probe:

@@ -90,16 +90,18 @@ def propose_experiment(
         summary: the diagnosis of these runs; it is made where it is not given.
         limits: what the rig allows; by default what the runs state.
         minutes: the longest that the programme may take.
-        tolerance: the smallest effect that matters, for `underpowered`.
+        tolerance: the smallest effect that matters, for `underpowered`; of a diagnosis that is made here.
         without: names of effects to leave out of the library.
         changes: how often the probes that were chosen are changed a little, and chosen from again.
 
     Raises:
-        LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, or the model's
-            prediction does not depend on the pressures.
+        LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, the time is too short for
+            any, or the model's prediction does not depend on the pressures.
     """
     if not minutes > 0:
         raise LabrigError(f"an experiment of {minutes:g} min: give it some time")
+    if tolerance is not None and summary is not None:
+        raise LabrigError("tolerance is for a diagnosis that is made here, and one is given: it has its own")
     rows = rows_from(runs)
     ready = _some(prepared(rows, model))
     context = ready.context
@@ -210,15 +212,15 @@ def _named(
         for (m, n), each, goal in zip(problem.pairs, behind, problem.goals, strict=True)
     ]
     probes: list[ProbeRow] = []
-    for name in dict.fromkeys(p.name for p in choice.probes):
-        alike = [i for i, p in enumerate(choice.probes) if p.name == name]
+    for title in dict.fromkeys(p.title for p in choice.probes):
+        alike = [i for i, p in enumerate(choice.probes) if p.title == title]
         outlook = reduce(Outlook.beside, [choice.outlooks[i] for i in alike])
         alone = problem.log_bayes(outlook)
         best = problem.pairs[int(np.argmax(problem.matters * alone))]
         typical = float(np.average(alone, weights=problem.matters))
         probes.append(
             {
-                "probe": name,
+                "probe": title,
                 "separates": f"{titles[best[0]]} from {titles[best[1]]}",
                 "shows": choice.probes[alike[0]].separates,
                 "times": len(alike),
@@ -279,7 +281,7 @@ def _unnamed(
     unseen = not carried
     probes: list[ProbeRow] = [
         {
-            "probe": probe.name,
+            "probe": probe.title,
             "separates": "what was not looked at yet" if unseen else in_words(carried),
             "shows": probe.separates,
             "times": times,
@@ -332,7 +334,7 @@ def _experiment(
         summary=summary,
         points=tuple(points),
         repeats=tuple(repeat_labels(points, problem.limits.rest)),
-        labels=tuple(choice.probes[i].name for i in owner),
+        labels=tuple(choice.probes[i].title for i in owner),
         limits=problem.limits,
         chambers=rows.chambers,
     )

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis import STATIC, covariates, kernel
 from labrig.experiment._plan import Probe
@@ -26,11 +27,15 @@ def search_unknown(
 ) -> tuple[Choice, list[float]]:
     """The probes that say most about a function of what carries the error, and how much each says (nats).
 
-    Without `carried_by` (a word of `_unnamed`), of everything that was logged.
+    Without `carried_by` (a word of `_unnamed`), of everything that was logged. Raises `LabrigError` where no probe is
+    done in the time.
     """
-    probes = [p for p in seeds if _VISITS * p.seconds(problem.limits) <= budget_s] or [
-        min(seeds, key=lambda p: p.seconds(problem.limits))
-    ]
+    probes = [p for p in seeds if p.seconds(problem.limits) <= budget_s]
+    if not probes:
+        shortest = min(p.seconds(problem.limits) for p in seeds) / 60
+        raise LabrigError(
+            f"no programme takes {budget_s / 60:g} min or less: the shortest takes {shortest:.2g}"
+        )
     joint, planned = problem.joint([p.points for p in probes])
     sets = covariates(joint)
     features = sets.get(_covariates_of(carried_by or ""), list(sets.values())[-1])

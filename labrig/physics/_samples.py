@@ -12,6 +12,7 @@ from labrig.physics._shell import Shell, load_shell
 
 _COARSE = 16
 LEVELS = np.array([0.0, 0.08, 0.2, 0.4, 0.7, 1.0])
+_MOST_DIGITS = 30
 _MOST_CORNERS = 0.6
 """All corners are simulated if they are at most this part of all samples; else half as many, drawn."""
 
@@ -19,12 +20,20 @@ _MOST_CORNERS = 0.6
 def corners(chambers: int, count: int, seed: int) -> NDArray[np.int8]:
     """Rows of zeros and ones, (n, C), in Gray order: all 2^C, or `count` / 2 of them if that is too many."""
     if 2**chambers <= _MOST_CORNERS * count:
-        number = np.arange(2**chambers)
+        digits = _digits(np.arange(2**chambers), chambers)
     else:
-        drawn = np.random.default_rng(seed).choice(2 ** min(chambers, 30), max(count // 2, 1), replace=False)
-        number = np.sort(drawn)
-    gray = number ^ (number >> 1)
-    return ((gray[:, None] >> np.arange(chambers)) & 1).astype(np.int8)
+        random, few = np.random.default_rng(seed), max(count // 2, 1)
+        drawn = np.sort(random.choice(2 ** min(chambers, _MOST_DIGITS), few, replace=False))
+        # of more chambers the others follow by chance: the corners differ already
+        others = random.integers(0, 2, (few, max(chambers - _MOST_DIGITS, 0)))
+        digits = np.concatenate([_digits(drawn, min(chambers, _MOST_DIGITS)), others], axis=1)
+    digits[:, :-1] ^= digits[:, 1:].copy()
+    return digits.astype(np.int8)
+
+
+def _digits(number: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """The binary digits of numbers (n,), lowest first, (n, count)."""
+    return (number[:, None] >> np.arange(count)) & 1
 
 
 def sample_pressures(shell: Shell, count: int, seed: int, executor: Executor) -> tuple[Floats, list[str]]:

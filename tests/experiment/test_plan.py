@@ -6,7 +6,7 @@ import pytest
 from labrig.effects import rows_of
 from labrig.experiment import Limits
 from labrig.experiment._plan import Point, Probe, planned_rows, repeat_labels
-from labrig.experiment._probes import on_few_levels
+from labrig.experiment._probes import moves, on_few_levels
 
 
 def test_repeats_are_the_same_hold_after_the_same_one() -> None:
@@ -32,6 +32,16 @@ def test_few_levels_for_a_base_that_is_slow() -> None:
     (probe,) = on_few_levels([Probe("c1: steps", "s", points)], rest)
     assert [p.share for p in probe.points] == [(0.0, 0.1), (0.3, 0.1), (0.9, 0.1), (0.0, 0.1)]
     assert 60.0 in [p.hold_s for p in probe.points]
+
+
+def test_a_probe_is_called_by_what_it_does() -> None:
+    """A long hold is in its title as it is planned, also once it was changed; short ones need no words."""
+    rest = (0.0,)
+    long = Probe("c1: hold and recovery", "creep", (Point((0.9,), 300.0), Point(rest, 60.0)))
+    assert long.title == "c1: hold and recovery, 300 s"
+    changed = [p for p in moves(long, rest) if p.points[0].hold_s == 120.0]
+    assert [p.title for p in changed] == ["c1: hold and recovery, 120 s"]
+    assert Probe("c1: steps up and down", "s", (Point((0.9,), 4.0),)).title == "c1: steps up and down"
 
 
 @pytest.mark.parametrize(("unit", "low", "high"), [("mm", 20.5, 44.0), ("kPa", 0.0, 60.0)])

@@ -1,5 +1,6 @@
 """The next experiment: what is proposed, and that the diagnosis with it is right. All formulas are the tests' own."""
 
+import re
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -204,6 +205,30 @@ def test_clear_verdicts_need_no_experiment(make_lab) -> None:
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, minutes=0)
     assert str(caught.value) == "an experiment of 0 min: give it some time"
+
+
+def test_what_is_not_done_in_the_time_is_not_proposed(doubt) -> None:
+    """Where nothing has a name, too, a programme takes no longer than it may: the shortest that there is is named."""
+    run, model, _ = doubt
+    found = {**open_between(), "verdict": "unknown", "carried_by": None}
+    with pytest.raises(LabrigError) as caught:
+        propose_experiment(run, model, summary=found, minutes=0.2)
+    said = re.fullmatch(
+        r"no programme takes 0\.2 min or less: the shortest takes (\d\.\d+)", str(caught.value)
+    )
+    assert said
+    least = float(said[1]) + 0.01
+    assert propose_experiment(run, model, summary=found, minutes=least).summary["minutes"] <= least
+
+
+def test_a_tolerance_is_not_for_a_diagnosis_that_is_given(doubt) -> None:
+    """It was made with its own: another one beside it is refused, not left aside."""
+    run, model, found = doubt
+    with pytest.raises(LabrigError) as caught:
+        propose_experiment(run, model, summary=found, tolerance=0.1)
+    assert str(caught.value) == (
+        "tolerance is for a diagnosis that is made here, and one is given: it has its own"
+    )
 
 
 def test_what_may_be_there_beside_three_that_are_sure(doubt) -> None:

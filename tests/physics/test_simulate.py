@@ -28,6 +28,10 @@ def test_corners_come_in_gray_order():
     assert (np.abs(np.diff(every.astype(int), axis=0)).sum(1) == 1).all()
     assert corners(9, 100, 0).shape == (50, 9)
     assert len(np.unique(corners(12, 200, 1), axis=0)) == 100
+    many = corners(70, 200, 0)
+    assert len(np.unique(many, axis=0)) == 100
+    assert (many.mean(axis=0) > 0.2).all()
+    assert (many.mean(axis=0) < 0.8).all()
 
 
 def test_pressures_spread_by_inflation(membrane):
