@@ -161,9 +161,7 @@ def solved_curves(base: SimulatorModel, low: Floats, high: Floats) -> tuple[Floa
         few = np.unique([0.0, *(empty[c] + _SOLVED * (1 - empty[c]))])
         alone = np.tile(vented, (len(few) + 1, 1))
         alone[:-1, c] = origin[c] + few * span[c]
-        asked = alone if base.known is None else np.maximum(alone, 0.0)  # below vented nothing moves
-        predicted = base.simulate(asked)
-        slope = base.slope(asked[:-1])[..., c] * span[c] * (alone >= asked)[:-1, c, None]
+        predicted, slope = base.simulate(alone), base.slope(alone[:-1])[..., c] * span[c]
         change = predicted[:-1] - predicted[-1]
         size = np.sqrt((change**2).mean(axis=1))
         still = size <= 1e-9 * max(size.max(), 1e-300)
