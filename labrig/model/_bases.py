@@ -243,8 +243,9 @@ def solo_deflection(base: BaseModel, low: Floats, high: Floats) -> Deflection:
     if isinstance(base, MemoryModel):
         return base.deflection(low, high)
     if isinstance(base, SimulatorModel):
-        low = low if base.known is None else np.maximum(low, base.known[0])  # below vented a shell does not move
-        return Deflection(*ends(low, high), *solved_curves(base, low, high))
+        moving = low if base.known is None else np.maximum(low, base.known[0])
+        alone = Deflection(*ends(moving, high), *solved_curves(base, moving, high))
+        return alone.over(low, high) if (moving > low).any() else alone
     vented, (origin, span) = np.clip(0.0, low, high), ends(low, high)
     curves = np.zeros((GRID, len(low)))
     reach = []

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labrig._ranges import ends
 from labrig.arrays import Floats
 
 GRID = 33
@@ -30,6 +31,12 @@ class Deflection:
         """Its derivative by the fraction of the range, (n, C), kept away from zero."""
         slopes = np.gradient(self.curves, 1 / (GRID - 1), axis=0, edge_order=2)
         return np.maximum(self._interpolate(actuation, slopes), _FLATTEST)
+
+    def over(self, low: Floats, high: Floats) -> "Deflection":
+        """The same over wider ranges (C,): beyond its own a chamber does not move."""
+        origin, span = ends(low, high)
+        grid = origin + np.linspace(0, 1, GRID)[:, None] * span
+        return Deflection(origin, span, self.at(grid), self.reach * np.abs(self.span / span))
 
     def _interpolate(self, actuation: Floats, curves: Floats) -> Floats:
         x = (actuation - self.origin) / self.span

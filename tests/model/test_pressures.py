@@ -126,9 +126,12 @@ def test_a_zero_that_is_off_and_limits_that_are_not_used_are_no_vacuum(tmp_path:
     shares = np.linspace(0.0, 1.0, 5)[:, None] * np.full(2, 60.0) - 10.0
     alone = model.context(rows_at(POINTS, low=-10.0)).alone
     assert alone is not None
-    moved = alone(np.full(2, -10.0), np.full(2, 50.0)).at(shares)
+    curves = alone(np.full(2, -10.0), np.full(2, 50.0))
+    moved = curves.at(shares)
     np.testing.assert_allclose(moved[0], 0.0, atol=1e-6)
     assert (np.diff(moved[1:], axis=0) > 0.1).all()
+    narrow = alone(np.zeros(2), np.full(2, 50.0))
+    np.testing.assert_allclose(curves.slope(shares[2:]), narrow.slope(shares[2:]) * 60 / 50, rtol=0.1)
 
 
 @pytest.mark.parametrize(
