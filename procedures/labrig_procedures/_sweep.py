@@ -36,7 +36,9 @@ class Sweep(Procedure):
             [np.concatenate([up, up[-2::-1]])] + [np.r_[up[1:], up[-2::-1]]] * (self.cycles - 1)
         ):
             swept = within(rig.min_kpa, rig.max_kpa, share, self.lowest, self.highest)
-            setpoint = np.round(np.where(np.arange(len(others)) == chosen, swept, others), 3)
+            setpoint = others.copy()
+            setpoint[chosen] = swept[chosen]
+            setpoint = np.round(setpoint, 3)
             yield Actuate(setpoint)
             yield Settle(self.settle_s)
             yield Record(self.record_s, repeat=f"{rig.chamber_names[chosen]}={setpoint[chosen]:g}")
