@@ -330,6 +330,7 @@ class Proposed(TypedDict):
     separates: list[str]
     units: str
     actuation_units: str
+    units_of: dict[str, str]
     minutes: float
     captures: int
     why: str

@@ -72,20 +72,16 @@ class Proposal:
         Its pressures are in kPa, as a rig's are, whatever the runs' unit is. Raises `LabrigError` where the set-points
         are no pressures.
         """
-        unit, points = self.summary["actuation_units"], self._experiment.programme()
-        if unit == "kPa":
-            return {"points": points}
-        try:
-            kpa = factor(unit or "1", "kPa", "set-points")
-        except LabrigError:
-            raise LabrigError(
-                f"a rig's procedure is in kPa, and these set-points are in {unit or 'no unit'}: {PROGRAMME} has them"
-            ) from None
+        points = self._experiment.programme()
+        kpa = {name: _in_kpa(self._unit_of(name)) for name in self._experiment.chambers}
         for point in points:
-            point["pressure_kpa"] = {
-                c: float(f"{kpa * p:.9g}") for c, p in point.get("pressure_kpa", {}).items()
-            }
+            given = point.get("pressure_kpa", {})
+            point["pressure_kpa"] = {c: float(f"{kpa[c] * p:.9g}") for c, p in given.items()}
         return {"points": points}
+
+    def _unit_of(self, chamber: str) -> str:
+        """The unit of an input's set-points: that of all, or its own where they differ."""
+        return self.summary.get("units_of", {}).get(chamber) or self.summary["actuation_units"] or "1"
 
     def plot(self) -> "Figure":
         """Each chamber's set-point over the time of the programme, as a plotly Figure."""
@@ -109,14 +105,15 @@ class Proposal:
         folder, summary, refused = Path(folder), self.summary.copy(), None
         if procedure is not None:
             check_procedure_file(Path(procedure))
+        folder.mkdir(parents=True, exist_ok=True)
+        if procedure is not None:
             try:
                 write_procedure(self._experiment, self.procedure()["points"], Path(procedure))
                 summary["procedure"] = str(procedure)
             except LabrigError as error:
                 refused = error
-        folder.mkdir(parents=True, exist_ok=True)
         write_json(dict(summary), folder / "next.json")
-        in_unit = {name: f"{name} [{summary['actuation_units'] or 1}]" for name in self._experiment.chambers}
+        in_unit = {name: f"{name} [{self._unit_of(name)}]" for name in self._experiment.chambers}
         self.points.rename(columns=in_unit).to_csv(folder / PROGRAMME, index=False)
         report = write_experiment(summary, self._experiment.programme(), folder)
         if refused is not None:
@@ -146,6 +143,17 @@ def _check_same(diagnosis: Diagnosis, runs: "list[Dataset]") -> None:
     if known and of and sorted(known) != sorted(each["id"] for each in of):
         named = ", ".join(each["run"] for each in of)
         raise LabrigError(f"the diagnosis is one of {named}: give the diagnosis of these runs, or none")
+
+
+def _in_kpa(unit: str) -> float:
+    """How many kPa one of a unit is; raises `LabrigError` where it is none of pressure."""
+    try:
+        return factor(unit, "kPa", "set-points")
+    except LabrigError:
+        raise LabrigError(
+            f"a rig's procedure is in kPa, and these set-points are in {'no unit' if unit == '1' else unit}: "
+            f"{PROGRAMME} has them"
+        ) from None
 
 
 def propose_experiment(

@@ -22,7 +22,7 @@ def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
     if len(parts) == 1:
         return first
     for part in parts[1:]:
-        for name in ("chambers", "observables", "unit", "actuation_unit"):
+        for name in ("chambers", "observables", "unit", "actuation_unit", "own_units"):
             if getattr(part, name) != getattr(first, name):
                 raise LabrigError(f"the runs differ in their {name}: they can't be diagnosed together")
     later = _later(parts)

@@ -85,6 +85,8 @@ class Rows:
     resolution: Floats = field(default_factory=lambda: np.zeros(0))
     early: Floats = field(default_factory=lambda: np.zeros(0))
     goes_on: tuple[int, ...] = ()
+    own_units: tuple[str, ...] = ()
+    """Of each input its unit, where they differ."""
 
     @property
     def n_captures(self) -> int:
@@ -207,6 +209,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     return Rows(
         chambers=tuple(str(v) for v in dataset["chamber"].values),
         actuation_unit=str(dataset["commanded"].attrs.get("units", "")),
+        own_units=tuple(map(str, dataset.attrs.get("chamber_units", ()))),
         low=low,
         high=high,
         actuation=commanded[capture],

@@ -321,6 +321,7 @@ def _experiment(
         "separates": list(names),
         "units": rows.unit[int(problem.counted[0])],
         "actuation_units": rows.actuation_unit,
+        "units_of": dict(zip(rows.chambers, rows.own_units, strict=False)),
         "minutes": whole.seconds(problem.limits) / 60,
         "captures": len(points),
         "why": why,

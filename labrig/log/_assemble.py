@@ -165,7 +165,10 @@ def _dataset(
         data["covariates"] = (("capture", "time", "covariate"), padded(rows["covariates"]))
         coords["covariate"] = [e.name for e in mapping.covariates]
         coords["covariate_unit"] = ("covariate", [e.unit for e in mapping.covariates])
-    attrs = {"source": "table", "between_sessions": mapping.between_sessions}
+    attrs: dict[str, object] = {"source": "table", "between_sessions": mapping.between_sessions}
+    own = [each.unit for each in mapping.actuation]
+    if len(set(own)) > 1:
+        attrs["chamber_units"] = own
     return xr.Dataset(data, coords=coords, attrs=attrs)  # type: ignore[arg-type]
 
 

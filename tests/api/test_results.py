@@ -173,6 +173,23 @@ def test_pressures_of_another_unit_are_a_procedure_in_kpa(
     assert max(kpa) > 0
 
 
+def test_each_input_is_planned_in_its_own_unit(lab: Path, doubt: labrig.Diagnosis, tmp_path: Path) -> None:
+    """Where one input is in bar and the others in psi, the table says so of each, and the procedure is in kPa."""
+    few, model = _few(lab), lab / "model.yaml"
+    units = ["bar", *["psi"] * (few.sizes["chamber"] - 1)]
+    for name in ("commanded", "event_commanded"):
+        few[name].attrs["units"] = "bar or psi"
+    few.attrs["chamber_units"] = units
+    proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=2)
+    proposal.save(tmp_path / "next", tmp_path / "next" / "next.yaml")
+    table = pd.read_csv(tmp_path / "next" / "programme.csv")
+    points = yaml.safe_load((tmp_path / "next" / "next.yaml").read_text())["points"]
+    for chamber, unit, kpa in (("c1", "bar", 100.0), ("c2", "psi", 6.894757)):
+        planned = [point.get("pressure_kpa", {}).get(chamber, 0.0) for point in points]
+        assert planned == pytest.approx((kpa * table[f"{chamber} [{unit}]"]).tolist(), rel=1e-6)
+        assert max(planned) > 0
+
+
 def test_what_needs_a_person_is_no_set_point_of_the_table(lab: Path) -> None:
     """Who goes through the table alone is not sent to a set-point before which something is to be done by hand."""
     from labrig.api import _propose

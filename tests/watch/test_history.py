@@ -70,7 +70,7 @@ def test_the_history_of_a_rig_is_a_job(asked: Any, until: Any) -> None:
     until(lambda: asked.ask(f"/api/jobs/{job['job']}")[1]["state"] != "running", "the job does not end")
     found = asked.ask(query)[1]["found"]
     assert found["headline"].startswith(f"{found['runs']} run")
-    assert "a change shows from the fourth on" in found["headline"]
+    assert "a change shows from the seventh run of a programme on" in found["headline"]
     assert found["changes"] == []
     assert {"data", "layout"} <= set(found["pictures"]["error"])
     assert asked.ask("/api/history?run=runs/run&model=worse.yaml")[1]["found"] is None
