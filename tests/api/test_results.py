@@ -13,6 +13,8 @@ import yaml
 
 import labrig
 from labrig import LabrigError
+from labrig.physics import reduced_surface
+from tests.rigs import RIG
 
 
 def test_a_comparison_says_how_far_off_the_model_is_and_where(lab: Path, tmp_path: Path) -> None:
@@ -142,7 +144,9 @@ def test_set_points_that_are_no_kpa_are_a_table_only(
     """A rig of somebody's own that takes volts has its set-points in volts, and no procedure that calls them kPa; the
     table is there all the same.
     """
-    few, model = _few(lab), lab / "model.yaml"
+    surface = reduced_surface(RIG)
+    # the simulator as a function: by itself it takes no volts
+    few, model = _few(lab), labrig.Model.of(lambda u: surface.predict(u).reshape(len(u), -1))
     for name in ("commanded", "event_commanded"):
         few[name].attrs["units"] = "V"
     proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=2)
