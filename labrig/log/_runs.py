@@ -43,7 +43,7 @@ def summarise(folder: Path) -> RunSummary:
     segments, warnings = load_segments(folder)
     steps = [step for loaded in segments for step in _done_steps(loaded)]
     kinds = Counter(kind for _, kind, _ in steps)
-    tables = sum(_table_captures(loaded) for loaded in segments)
+    captured = [session for loaded in segments for session in _table_captures(loaded)]
     messages: Counter[str] = Counter()
     for loaded in segments:
         for topic, of_topic in loaded.segment.topics.items():
@@ -54,9 +54,10 @@ def summarise(folder: Path) -> RunSummary:
         folder=folder,
         run=segments[0].run or (read_run_yaml(folder) if folder.is_dir() else {}),
         state=_state(segments[-1]),
-        captures=sum(kind == "record" and not values.get("missed") for _, kind, values in steps) + tables,
+        captures=sum(kind == "record" and not values.get("missed") for _, kind, values in steps)
+        + len(captured),
         steps_done=len({index for index, _, _ in steps}),
-        sessions=len({loaded.layout.session for loaded in segments}),
+        sessions=len(set(captured) or {loaded.layout.session for loaded in segments}),
         duration_s=(max(t[-1] for t in times) - min(t[0] for t in times)) * 1e-9 if times else 0.0,
         size_bytes=sum(path.stat().st_size for path in files),
         warnings=warnings,
@@ -69,11 +70,16 @@ def summarise(folder: Path) -> RunSummary:
     )
 
 
-def _table_captures(loaded: LoadedSegment) -> int:
-    """How many captures an imported table has, whichever way it was written."""
+def _table_captures(loaded: LoadedSegment) -> list[str]:
+    """The session of each capture of an imported table, whichever way it was written; none for any other run."""
+    from labrig_schema.step_pb2 import Capture
+
     from labrig.log._table_blocks import read_blocks
 
-    return len(loaded.messages(Topic.CAPTURE).payload) or len(read_blocks(loaded).get("capture_number", ()))
+    captures = loaded.messages(Topic.CAPTURE).payload
+    if captures:
+        return [Capture.FromString(payload).session for payload in captures]
+    return [str(session) for session in read_blocks(loaded).get("session", ())]
 
 
 def _off_kpa(chambers: Sequence[str], results: list[StepResult]) -> dict[str, float]:

@@ -3,9 +3,10 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from labrig import LabrigError, open_run
+from labrig import LabrigError, import_table, open_run
 from labrig.log import find_runs, recover, summarise
 
 
@@ -82,3 +83,15 @@ def test_a_copy_never_replaces_anything(small_log, tmp_path: Path) -> None:
     with pytest.raises(LabrigError) as caught:
         recover(small_log.folder, tmp_path)
     assert str(caught.value) == f"{tmp_path} exists already; choose another name or remove it"
+
+
+@pytest.mark.parametrize("long", [False, True])
+def test_an_imported_run_has_the_sessions_of_its_captures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, long: bool
+) -> None:
+    """Two days in one table are two sessions in its summary, as the import says, however the table was written."""
+    monkeypatch.setattr("labrig.log._table._ROW_BY_ROW", 0 if long else 100)
+    frame = pd.DataFrame({"day": [1, 1, 2, 2], "p_kPa": [0.0, 10.0, 0.0, 10.0], "F_N": [0.1, 5.0, 0.2, 5.1]})
+    import_table(frame, tmp_path / "run")
+    summary = summarise(tmp_path / "run")
+    assert (summary.captures, summary.sessions) == (4, 2)
