@@ -46,20 +46,21 @@ def import_(
         raise labrig.LabrigError("name a table, or a mapping with --mapping")
     output = output or Path(first.stem)
     check_folder(output, "-o")
+    said: list[str] = []
     if mapping is not None:
         run = import_table(mapping, output, tables=table or (), replace=replace)
     else:
         assert table is not None
         run, guess, written = import_guessed(table, output, replace=replace)
         _show(guess, written)
+        said = guess.remarks
     for remark in run.attrs["warnings"]:
-        typer.echo(f"note: {remark}")
+        if not any(remark.endswith(line) for line in said):
+            typer.echo(f"note: {remark}")
     sizes = run.sizes
     observables = 3 * sizes.get("marker", 0) + sizes.get("observable", 0)
-    segments = len(set(run["segment"].values.tolist()) - {""}) if "segment" in run.coords else 0
-    named = f" in {segments} segments" if segments else ""
     typer.echo(
-        f"{output}: {sizes['capture']} captures{named}, {sizes['chamber']} actuated, {observables} observables, "
+        f"{output}: {sizes['capture']} captures, {sizes['chamber']} actuated, {observables} observables, "
         f"{len(set(run['session'].values))} session(s)"
     )
 

@@ -72,9 +72,8 @@ def summarise(folder: Path) -> RunSummary:
 
 def _table_captures(loaded: LoadedSegment) -> list[str]:
     """The session of each capture of an imported table, whichever way it was written; none for any other run."""
-    from labrig_schema.step_pb2 import Capture
-
     from labrig.log._table_blocks import read_blocks
+    from labrig_schema.step_pb2 import Capture
 
     captures = loaded.messages(Topic.CAPTURE).payload
     if captures:

@@ -12,13 +12,14 @@ from labrig._errors import LabrigError
 from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
 from labrig.tables._names import Name, unit_of
+from labrig.tables._numerals import decimal_of
 from labrig.tables._order import in_order
 from labrig.tables._rate import rate_above
 from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
 from labrig.tables._several import as_one, count_names, is_steps, joins_of, plain
-from labrig.tables._sniff import layout, sniff
+from labrig.tables._sniff import layout, numbers_in, sign_in_doubt, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
 from labrig.tables._units import factor
@@ -134,7 +135,8 @@ def _text(path: Path) -> tuple[Format, Table]:
     """A text table and how it is written; without names where a comment looked like them and has too few."""
     how = sniff(path)
     try:
-        return how, read_file(path, how)
+        table, doubt = read_file(path, how), sign_in_doubt(path, how)
+        return how, replace(table, said=(*table.said, doubt)) if doubt else table
     except LabrigError:
         if not how.header or how.groups or not begins_with_a_comment(path, how):
             raise
@@ -148,11 +150,15 @@ def _text(path: Path) -> tuple[Format, Table]:
 
 
 def _sheet_format(path: Path, how: Format) -> Format:
-    """Where a sheet has its names and units; as it is where no rows of numbers are found."""
-    top = read_file(path, how.model_copy(update={"header": False, "rows": _TOP})).frame
-    cells = [["" if v is None or v != v else str(v) for v in row] for row in top.to_numpy().tolist()]
-    found = layout(cells)
-    return how if found is None else found[1].model_copy(update={"part": how.part})
+    """Where a sheet has its names and units, and the decimal sign of numbers in cells of text; as it is where no rows
+    of numbers are found.
+    """
+    rows = read_file(path, how.model_copy(update={"header": False, "rows": _TOP})).frame.to_numpy().tolist()
+    found = layout([["" if v is None or v != v else str(v) for v in row] for row in rows])
+    if found is None:
+        return how
+    written = numbers_in([[v if isinstance(v, str) else "" for v in row] for row in rows[found[0] :]])
+    return found[1].model_copy(update={"part": how.part, "decimal": decimal_of(written, quoted=False)})
 
 
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig.tables._numerals import numeral
 from labrig.tables._packed import open_text
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ def without_text(
     for column in words:
         if number.all():
             break
-        number = number | _numbers(frame[column], decimal).notna().to_numpy()
+        cells = frame[column].astype(str).str.strip()
+        number = number | (_numbers(cells).notna() | cells.str.fullmatch(numeral(decimal))).to_numpy()
     lines = np.arange(len(frame)) + first_row
     if number.all() or not number.any():
         return frame, lines, []
@@ -48,7 +50,7 @@ def without_text(
     blank = frame.isna().all(axis=1).to_numpy()
     out = frame.loc[number].reset_index(drop=True)
     for column in words:
-        values = _numbers(out[column], ".")
+        values = _numbers(out[column])
         if decimal == "." and bool((values.notna() == out[column].notna()).all()):
             out[column] = values
     said = [int(i) for i in lines[~number & ~blank]]
@@ -64,13 +66,10 @@ def without_text(
     )
 
 
-def _numbers(values: Any, decimal: str) -> Any:
+def _numbers(values: Any) -> Any:
     import pandas as pd
 
-    text = values.astype(str).str.strip() if decimal != "." else values
-    return pd.to_numeric(
-        text.str.replace(decimal, ".", regex=False) if decimal != "." else text, errors="coerce"
-    )
+    return pd.to_numeric(values, errors="coerce")
 
 
 def check_blanks(path: Path, encoding: str, skip: int, width: int) -> None:

@@ -258,8 +258,15 @@ class Mapping(_Strict):
 
     def any_thousands(self) -> bool:
         """Whether some column has signs between its thousands, so that the table must be read as text."""
-        columns = [self.time, self.hold, *self.actuation, *self.measured, *self.observables, *self.covariates]
-        return any(c is not None and c.thousands for c in columns)
+        return any(c is not None and c.thousands for c in (self.time, *self._numbers()))
+
+    def without_thousands(self) -> list[str | int]:
+        """The columns of numbers of which nothing is said of signs between their thousands."""
+        found = (c.column for c in self._numbers() if c is not None and not c.thousands)
+        return [column for column in found if column is not None]
+
+    def _numbers(self) -> list[Column | Actuation | Covariate | None]:
+        return [self.hold, *self.actuation, *self.measured, *self.observables, *self.covariates]
 
     def marker_table(self) -> dict[str, Marker]:
         """Markers by name, whichever way they were written."""

@@ -24,9 +24,10 @@ from labrig.tables._inputs import (
 from labrig.tables._labels import find_labels, numbers_rows, refuse_long, refuse_turns
 from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
+from labrig.tables._numerals import why_no_number
 from labrig.tables._pairs import Clock
 from labrig.tables._stages import find_stages
-from labrig.tables._table import MINUS, Table, short
+from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK, are_dates, counts_frames, find_clock, may_be_clock
 from labrig.tables._units import is_length, is_screen
 
@@ -90,8 +91,13 @@ def roles_of(
             elif out.repeat is None:
                 out.repeat = name
         else:
-            what = "is empty" if numbers is not None else _words_among(table, column) or "holds no numbers"
+            what = (
+                "is empty"
+                if numbers is not None
+                else _words_among(table, column) or _no_numbers(table, column)
+            )
             out.remarks.append(f"column {name.column!r} {what} and is left out")
+    out.remarks += table.parted([table.key(n.column) for n in parsed])
     frames = next((n for n in parsed if counts_frames(n, out.values[n.column])), None)
     parsed = [n for n in parsed if n is not frames]
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
@@ -170,12 +176,11 @@ def _numbers(table: Table, column: Any) -> Floats | None:
         return np.asarray(values, dtype=float)
     if values.dtype.kind in "Mm":
         return None
-    text = table.filled(column).head(1000)
-    if len(text) and np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), float)).mean() > 0.02:
+    text = table.filled(column)
+    known = pd.to_numeric(text, errors="coerce")
+    if len(text) and known.head(1000).isna().mean() > 0.02:
         return None
-    every = values.astype(str).str.strip().str.replace(MINUS, "-", regex=False)
-    every = every.str.replace(table.decimal, ".", regex=False)
-    return np.asarray(pd.to_numeric(every, errors="coerce"), dtype=float)
+    return known.reindex(table.frame.index).to_numpy(dtype=float)
 
 
 def _words_among(table: Table, column: Any) -> str:
@@ -193,6 +198,13 @@ def _words_among(table: Table, column: Any) -> str:
         f"holds numbers, but in {len(words)} of {len(table.frame)} cells words, first {short(first)} "
         f"(missing: [{short(first)}] under 'format:' makes them missing),"
     )
+
+
+def _no_numbers(table: Table, column: Any) -> str:
+    """What a column holds that has no numbers, or none with the decimal sign of the table."""
+    first = table.frame[column].dropna().iloc[0]
+    why = why_no_number(first, table.decimal)
+    return f"holds {short(first)}, no number{why}," if why else "holds no numbers"
 
 
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:

@@ -1,6 +1,5 @@
 """How a text table is written, by its first lines: separator, header, units below it, decimal sign."""
 
-import re
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
@@ -10,6 +9,7 @@ from labrig.tables._header import groups_above, split
 from labrig.tables._labelled import LABELS, is_labelled
 from labrig.tables._mapping import Format
 from labrig.tables._names import is_unit
+from labrig.tables._numerals import decimal_of, in_doubt, numeral
 from labrig.tables._packed import open_text
 from labrig.tables._read import readable
 from labrig.tables._text import find_encoding
@@ -20,21 +20,17 @@ _ABOVE = 12
 _FEW = 3
 _LONGEST = 1 << 16
 _USUAL = {"utf-8", "utf-8-sig"}
-_NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
-_THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}")
+_ENDS = "0123456789.,"
+"""What the last character of a number is; nan and inf end otherwise."""
 _ARROW = " -> "
 _CHOICES = {",": ",", ";": ";", "tab": "\t", "|": "|", "whitespace": None}
 
 
 def sniff(path: Path) -> Format:
     """The format of a text table; raises `LabrigError` for a file without rows, or that is no text."""
-    with readable(path, "text"), open_text(path, encoding := find_encoding(path), "replace") as file:
-        lines = [line for _ in range(_LINES) if (line := file.readline(_LONGEST))]
-    lines = [line.rstrip("\r\n") for line in lines]
+    lines, encoding = _first_lines(path)
     if not any(line.strip() for line in lines):
         raise LabrigError(f"{path}: has no rows")
-    if len(lines) == _LINES:
-        lines = lines[:-1]
     if is_labelled(lines):
         return Format(separator=LABELS, encoding=None if encoding in _USUAL else encoding)
     scores = {name: _score(lines, name) for name in _CHOICES}
@@ -54,10 +50,25 @@ def sniff(path: Path) -> Format:
     return how.model_copy(
         update={
             "separator": separator,
-            "decimal": "," if _commas(body, separator) else ".",
+            "decimal": decimal_of(numbers_in(body), quoted=separator == ","),
             "encoding": None if encoding in _USUAL else encoding,
         }
     )
+
+
+def sign_in_doubt(path: Path, how: Format) -> str:
+    """What is said of a text table whose decimal sign may as well part thousands; empty where its numbers tell."""
+    if how.separator == LABELS:
+        return ""
+    cells = [split(line, how.separator) for line in _first_lines(path)[0]]
+    return in_doubt(numbers_in([row for row in cells if len(row) == _width(cells)]), how.decimal)
+
+
+def _first_lines(path: Path) -> tuple[list[str], str]:
+    """The first lines of a text file, all of them whole, and its encoding."""
+    with readable(path, "text"), open_text(path, encoding := find_encoding(path), "replace") as file:
+        lines = [line.rstrip("\r\n") for _ in range(_LINES) if (line := file.readline(_LONGEST))]
+    return (lines[:-1] if len(lines) == _LINES else lines), encoding
 
 
 def layout(cells: list[list[str]]) -> tuple[int, Format] | None:
@@ -168,15 +179,14 @@ def _are_units(row: list[str]) -> bool:
     return bool(filled) and all(is_unit(c) or c in {"-", "1"} for c in filled)
 
 
-def _commas(body: list[list[str]], separator: str) -> bool:
-    """Whether numbers are written with a decimal comma; between commas, in quotes, which may part thousands as well."""
-    with_comma = [c for row in body for c in row if "," in c and _is_number(c)]
-    with_dot = sum("." in c and _is_number(c) for row in body for c in row)
-    if separator == "," and all(_THOUSANDS.fullmatch(c.strip()) for c in with_comma):
-        return False
-    return len(with_comma) > with_dot
+def numbers_in(body: list[list[str]]) -> list[list[str]]:
+    """The cells of each column of rows, all of one length, that are numbers."""
+    columns = zip(*body, strict=True)
+    return [[c.strip() for c in column if _is_number(c) and c.strip()[-1] in _ENDS] for column in columns]
 
 
 def _is_number(cell: str) -> bool:
     cell = cell.strip()
-    return bool(cell) and (_NUMBER.fullmatch(cell) is not None or cell.lower() in {"nan", "inf", "-inf"})
+    if any(numeral(decimal).fullmatch(cell) for decimal in ".,"):
+        return True
+    return cell.lower() in {"nan", "inf", "-inf"}

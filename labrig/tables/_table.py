@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.tables._dates import Stamps, UnreadableError, as_text, read_stamps
+from labrig.tables._numerals import as_cells, said_of, sign_between, why_no_number, with_points
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,8 +65,6 @@ _OF_SHEETS = (
     "#bezug!",
 )
 _SIGNS = r"[^\w]*"
-MINUS = "\u2212"
-"""What some programs write before a number below zero."""
 NOTHING = frozenset((*_WORDS, *_OF_SHEETS))
 """What instruments, loggers and spreadsheets write, in any case, where they have no number."""
 
@@ -100,8 +99,9 @@ class Table:
         thousands: str | None = None,
         unit: str | None = None,
     ) -> Floats:
-        """A column as floats; raises `LabrigError` for a missing column, text, (if required) a gap, or cells that say
-        another `unit`.
+        """A column as floats; `thousands` is the sign between groups of three digits, where its cells do not tell.
+
+        Raises `LabrigError` for a missing column, text, (if required) a gap, or cells that say another `unit`.
         """
         import pandas as pd
 
@@ -116,19 +116,20 @@ class Table:
             out[np.isin(out, [float(word) for word in self.missing if _is_number(word)])] = np.nan
             blank = np.isnan(out)
         else:
-            text = values.astype(str).str.strip().str.replace(MINUS, "-", regex=False)
+            text = as_cells(values, self.decimal)
             blank = np.asarray(values.isna() | is_nothing(text, self.missing))
-            if thousands:
-                text = text.str.replace(thousands, "", regex=False)
-            if self.decimal != ".":
-                text = text.str.replace(self.decimal, ".", regex=False)
+            thousands = thousands or sign_between(text[~blank].tolist(), self.decimal)
+            text = with_points(text, self.decimal, thousands)
             out = np.asarray(pd.to_numeric(text.where(~blank), errors="coerce"), dtype=float)
         wrong = ~np.isfinite(out) & ~blank
         if wrong.any():
             i = int(np.flatnonzero(wrong)[0])
             found: Any = values.iloc[i]
             found = found if isinstance(found, str) else float(out[i]) if np.isinf(out[i]) else str(found)
-            raise LabrigError(f"{self.at(i)}: column {column!r} ({what}) holds {short(found)}, not a number")
+            why = why_no_number(found, self.decimal)
+            raise LabrigError(
+                f"{self.at(i)}: column {column!r} ({what}) holds {short(found)}, not a number{why}"
+            )
         if required and blank.any():
             i = int(np.flatnonzero(blank)[0])
             raise LabrigError(f"{self.at(i)}: column {column!r} ({what}) is empty or NaN; every row needs it")
@@ -169,10 +170,23 @@ class Table:
         return np.array([*names, ""], dtype=object)[code]
 
     def filled(self, column: str | int) -> "pd.Series":
-        """The cells of a column that hold something, as text with decimal points."""
-        text: Any = self.frame[column].dropna().astype(str).str.strip().str.replace(MINUS, "-", regex=False)
-        if self.decimal != ".":
-            text = text.str.replace(self.decimal, ".", regex=False)
+        """The cells of a column that hold something, as text with decimal points, and no sign between thousands."""
+        text = self._cells(column)
+        return with_points(text, self.decimal, sign_between(text.tolist(), self.decimal))
+
+    def parted(self, columns: Sequence[str | int]) -> list[str]:
+        """What is said of those columns, if any, that have a sign between their thousands: one line."""
+        found = {}
+        for column in columns:
+            if self.frame[column].dtype.kind not in "fiubMm":
+                cells = self._cells(column).tolist()
+                if sign := sign_between(cells, self.decimal):
+                    found[str(column)] = cells, sign
+        return [said_of([*found], *next(iter(found.values())))] if found else []
+
+    def _cells(self, column: str | int) -> "pd.Series":
+        """The cells of a column that hold something, as they are written."""
+        text = as_cells(self.frame[column].dropna(), self.decimal)
         return text[~is_nothing(text, self.missing)]
 
     def key(self, name: str) -> str | int:

@@ -207,6 +207,6 @@ def test_a_second_table_in_the_file(desk: Path) -> None:
 
 @pytest.mark.parametrize(("written", "decimal"), [("1,5", ","), ("1,500", ".")])
 def test_commas_in_quotes(desk: Path, written: str, decimal: str) -> None:
-    """Between commas a number in quotes may have a decimal comma; one that may part thousands is taken for neither."""
+    """Between commas a number in quotes may have a decimal comma, but for one that may part thousands."""
     path = write(["t_s,p_set_kPa,F_N", *[f'{i},"{written}","{written}"' for i in range(9)]])
     assert sniff(path).decimal == decimal
