@@ -106,3 +106,53 @@ def test_a_table_without_noise_says_nothing_of_stages(tmp_path: Path) -> None:
     """One row for each set-point, or means filled down: what was measured stands as still as what was set."""
     found, _ = inputs(tmp_path, {"pressure (kPa)": VOLUME, "length (mm)": LENGTH, "force (N)": 2 * VOLUME})
     assert found == {"pressure (kPa)"}
+
+
+PLACES = {"nine": np.linspace(0, 40, 9), "three": np.array([5.0, 10.0, 20.0])}
+
+
+def factorial(places: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pressures and places of 96 holds of three rows: each of nine pressures comes at several places, some in a row."""
+    random = np.random.default_rng(seed)
+    pressure = random.choice(np.linspace(0, 30, 9), 96)
+    pressure[5::12] = pressure[4::12]
+    place = random.choice(places, 96)
+    place[5::12] = np.where(place[4::12] == places[-1], places[0], places[-1])
+    return np.repeat(pressure, 3), np.repeat(place, 3)
+
+
+@pytest.mark.parametrize("kind", PLACES)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_stage_that_moves_while_the_pressure_stays_is_an_input(
+    tmp_path: Path, kind: str, seed: int
+) -> None:
+    """A campaign that sets each pressure at each of a few places: every jump of the place begins a hold."""
+    pressure, place = factorial(PLACES[kind], seed)
+    columns = {"t_s": np.arange(288) * 4.0, "p_kPa": pressure, "stage_mm": place}
+    columns["F (N)"] = noisy(2 * pressure + 0.1 * place, 0.5)
+    assert inputs(tmp_path, columns)[0] == {"p_kPa", "stage_mm"}
+    run = labrig.import_table(tmp_path / "t.csv", tmp_path / "run")
+    begins = (np.diff(pressure) != 0) | (np.diff(place) != 0)
+    assert run.sizes["capture"] == begins.sum() + 1
+
+
+def test_a_force_is_no_stage(tmp_path: Path) -> None:
+    """What is in N was measured, in whatever steps it is read, and though it follows what no column says."""
+    pressure, place = factorial(PLACES["nine"], 0)
+    columns = {"t_s": np.arange(288) * 4.0, "p_kPa": pressure, "Kraft [N]": np.round(0.3 * place) / 2}
+    assert inputs(tmp_path, columns | {"height (mm)": noisy(pressure, 0.5)})[0] == {"p_kPa"}
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("beside", ["a pressure", "a stage"])
+def test_a_coarse_sensor_is_no_stage(tmp_path: Path, beside: str, seed: int) -> None:
+    """What is read in steps of a half creeps within holds, or follows what was set: it was measured."""
+    pressure, place = factorial(PLACES["nine"], seed)
+    columns = {"t_s": np.arange(288) * 4.0, "p_kPa": pressure}
+    creep = 0.3 * np.tile([0.0, 0.6, 1.0], 96) if beside == "a pressure" else 0.0
+    if beside == "a stage":
+        columns["stage_mm"] = place
+    exact = np.maximum(0.1 * (pressure - 12) + 0.06 * (place - 15), 0) + creep
+    columns |= {"gauge (mm)": np.round(2 * exact) / 2, "F (N)": noisy(2 * pressure + 0.1 * place, 0.5)}
+    expected = {"p_kPa", "stage_mm"} if beside == "a stage" else {"p_kPa"}
+    assert inputs(tmp_path, columns)[0] == expected
