@@ -47,7 +47,9 @@ class Part:
         self.mapping, self.file, self.mapping_path = mapping, file, mapping_path
         self.remarks: list[str] = []
         self.table: Table = read_table(folder / file.file, mapping, file.part)
-        self.remarks += [f"{self.table.path.name}: {line}" for line in (*self.table.said, *self._parted())]
+        own = [c for c in mapping.without_thousands() if c in self.table.frame.columns]
+        said = (*self.table.said, *self.table.parted(own))
+        self.remarks += [f"{self.table.path.name}: {line}" for line in said]
         self.n = len(self.table.frame)
         self.time_s = np.array(self._time())
         if mapping.time is not None and mapping.time.sort:
@@ -87,11 +89,6 @@ class Part:
         if "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d":
             return self.table.numbers("time_s", "time")
         return np.arange(self.n, dtype=float)
-
-    def _parted(self) -> list[str]:
-        """What is said of commas between thousands where the decimal sign is a point, as it is if nobody says it."""
-        own = [c for c in self.mapping.without_thousands() if c in self.table.frame.columns]
-        return self.table.parted(own) if self.table.decimal == "." else []
 
     def _sort(self) -> None:
         """Put the rows in the order of their time."""
