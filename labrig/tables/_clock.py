@@ -1,5 +1,7 @@
 """The clock of a table, in seconds."""
 
+from datetime import UTC, datetime
+
 import numpy as np
 
 from labrig.arrays import Floats
@@ -17,6 +19,14 @@ _SUMMER_TIME = (
     "; time goes back by about an hour, as clocks do at the end of summer time: write the times with their offset "
     "(2026-10-25T02:30:00+01:00), or in UTC"
 )
+_SPRING = (
+    "time goes ahead over the hour that is left out where summer time begins: a local clock counts one too many here; "
+    "write the times with their offset (2026-03-29T03:30:00+02:00), or in UTC"
+)
+_CHANGES = {(3, 2), (3, -1), (9, -1), (10, 1)}
+"""Months, and which of their Sundays: summer time begins in North America, Europe, New Zealand and Australia."""
+_LEFT_OUT = (1, 2, 3)
+"""Hours of the day that are left out then, in one zone or another."""
 SHUFFLED = 0.25
 """Share of steps that go back from which on rows were shuffled: half of all, in the mean."""
 
@@ -29,11 +39,11 @@ def seconds(table: Table, time: TimeColumn, what: str, remarks: list[str] | None
     if time.column is None:
         return np.arange(len(table.frame)) / (time.rate_hz or 1.0)
     parts = list(zip(time.columns(), time.units(), strict=True))
-    out = np.zeros(len(table.frame))
+    out, local = np.zeros(len(table.frame)), False
     if dated := [column for column, unit in parts if unit in (DATE, MINUTES)]:
         minutes = any(unit == MINUTES for _, unit in parts)
         stamps = table.dates(dated, what, day_first=time.day_first, minutes=minutes)
-        out = out + stamps.seconds
+        out, local = out + stamps.seconds, stamps.dated and not stamps.zoned
         if remarks is not None and len(stamps.nights):
             remarks.append(
                 f"{_at(table, int(stamps.nights[0]))}: the time of day passes midnight: the next day is taken"
@@ -48,8 +58,11 @@ def seconds(table: Table, time: TimeColumn, what: str, remarks: list[str] | None
         else:
             scale = 1 / time.rate_hz if time.rate_hz else factor(unit, "s", f"{table.path}: {what}")
             out = out + numbers * scale
-    if remarks is not None and dated and (row := _hour_ahead(out)):
-        remarks.append(f"{_at(table, row)}: an hour is missing in the time: summer time, or a pause?")
+    if remarks is not None and dated:
+        if row := _begins_summer_time(out) if local else 0:
+            remarks.append(f"{_at(table, row)}: {_SPRING}")
+        elif row := _hour_ahead(out):
+            remarks.append(f"{_at(table, row)}: an hour is missing in the time: summer time, or a pause?")
     return out
 
 
@@ -100,6 +113,25 @@ def _usual(time_s: Floats) -> float:
     ahead = np.diff(time_s)
     ahead = ahead[ahead > 0]
     return float(np.median(ahead)) if len(ahead) else 0.0
+
+
+def _begins_summer_time(time_s: Floats) -> int:
+    """The row before which a local clock (n,), s since 1970, jumps over the hour of a day on which clocks go ahead; 0
+    where none does.
+    """
+    for row in (np.flatnonzero(np.diff(time_s) >= _HOUR_S) + 1).tolist():
+        before, after = (datetime.fromtimestamp(float(t), UTC) for t in time_s[row - 1 : row + 1])
+        ends = before.hour + (before.minute + before.second > 0)
+        over = any(ends <= hour < after.hour for hour in _LEFT_OUT)
+        if over and before.date() == after.date() and after.weekday() == 6 and _sundays(after) & _CHANGES:
+            return row
+    return 0
+
+
+def _sundays(day: datetime) -> set[tuple[int, int]]:
+    """The month of a Sunday and which of its Sundays it is, from its beginning and, where it is the last, its end."""
+    last = {(day.month, -1)} if day.day > (30 if day.month == 9 else 31) - 7 else set()
+    return {(day.month, (day.day - 1) // 7 + 1)} | last
 
 
 def _hour_ahead(time_s: Floats) -> int:

@@ -27,6 +27,7 @@ _SIX = re.compile(r"^(\d{4}) (\d\d?) (\d\d?) (\d\d?) (\d\d?) (\d\d?)(?=$|[.,])")
 _AMOUNT = re.compile(r"(?P<number>[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)\s*(?P<unit>[A-Za-zµμ]+)\.?")
 _SAYS_MINUTES = re.compile(r"(?<!:)\b(mm?|min):s", re.IGNORECASE)
 _SAYS_HOURS = re.compile(r"\bh{1,2}:m", re.IGNORECASE)
+_ZONED = re.compile(r":\d\d(?:[.,]\d+)?\s*(?:Z|UTC|GMT|[+-]\d{1,2}:?(?:\d\d)?)$")
 _OFTEN = 0.3  # share of rows with the time of the row before, from which on 0:05 is no hour
 
 
@@ -39,13 +40,14 @@ class Stamps:
     """A column of n cells as seconds.
 
     `seconds` (n,) count from 1970 (UTC where no zone is named) if `dated`, else from midnight or from the beginning;
-    NaN where a cell is none of it. `calendar` says in which order dates are read, `minutes` whether ``0:05`` is
-    minutes and seconds; `unsure` are one line for each thing that the cells leave open, `nights` the rows (from 0)
-    before which a time of day without a date passed midnight.
+    NaN where a cell is none of it. `zoned` says whether a zone is named, `calendar` in which order dates are read,
+    `minutes` whether ``0:05`` is minutes and seconds; `unsure` are one line for each thing that the cells leave open,
+    `nights` the rows (from 0) before which a time of day without a date passed midnight.
     """
 
     seconds: Floats
     dated: bool
+    zoned: bool = False
     amounts: bool = False
     minutes: bool = False
     calendar: Calendar | None = None
@@ -64,11 +66,21 @@ def read_stamps(
 
     kind = cells[0].dtype.kind if len(cells) == 1 else "O"
     if kind == "M":
-        return Stamps(_in_seconds(pd.to_datetime(cells[0], utc=True) - _1970()), dated=True)
+        zoned = getattr(cells[0].dtype, "tz", None) is not None
+        return Stamps(_in_seconds(pd.to_datetime(cells[0], utc=True) - _1970()), dated=True, zoned=zoned)
     if kind == "m":
         return Stamps(_in_seconds(cells[0]), dated=False)
     text = as_text(cells)
-    if len(cells) == 1 and text.head(1).str.match(r"\d{4}-\d").any():
+    out = _read(text, called, day_first=day_first, minutes=minutes, alone=len(cells) == 1)
+    out.zoned = bool(text.head(1).str.contains(_ZONED).any())
+    return out
+
+
+def _read(text: "pd.Series", called: str, *, day_first: bool | None, minutes: bool, alone: bool) -> Stamps:
+    """The same of cells of text, which stood in one column `alone` or in several."""
+    import pandas as pd
+
+    if alone and text.head(1).str.match(r"\d{4}-\d").any():
         stamps = pd.to_datetime(text, errors="coerce", utc=True, format="ISO8601")
         if stamps.notna().all():
             return Stamps(_in_seconds(stamps - _1970()), dated=True)

@@ -156,6 +156,26 @@ def test_midnight_and_summer_time() -> None:
     assert any("line 22: an hour is missing in the time" in remark for remark in remarks)
 
 
+@pytest.mark.parametrize(
+    ("day", "zone", "said"),
+    [
+        ("2025-03-30", "", True),
+        ("2025-03-09", "", True),
+        ("2025-10-05", "", True),
+        ("2025-03-23", "", False),
+        ("2025-03-30", "+00:00", False),
+    ],
+)
+def test_the_begin_of_summer_time_in_a_pause(day: str, zone: str, said: bool) -> None:
+    """A local clock that jumps over the hour which a day of change leaves out is said to, once, however long it is."""
+    before = stamps("%Y-%m-%d %H:%M:%S.~", f"{day} 01:59:50")[:20]
+    after = stamps("%Y-%m-%d %H:%M:%S.~", f"{day} 03:09:50")[20:]
+    write({"time": [text + zone for text in before + after]})
+    remarks = mapped({"column": "time", "unit": "date"}).attrs["import_remarks"]
+    assert sum("hour" in remark for remark in remarks) == int(said)
+    assert any("line 22: time goes ahead over the hour" in remark for remark in remarks) == said
+
+
 def test_the_end_of_summer_time_between_two_holds() -> None:
     """It is seen where the rows beside it are as far apart as others of the record are; a counter has no summer time,
     and dates are no counter of 32 bits.
