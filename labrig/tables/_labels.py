@@ -5,12 +5,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._inputs import is_held
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import OF_A_DATE, counts_parts
+from labrig.tables._stages import parts_holds
 from labrig.tables._table import Table, short
 
 if TYPE_CHECKING:
@@ -24,6 +27,8 @@ _TURNS = 3
 _SPREAD = {"sd", "std", "stdev", "stddev", "sem", "deviation", "sigma"}
 _MEAN = {"mean", "avg", "average", "median"}
 _A_FEW = 4  # set-points after the first
+_HOLDS = 3
+"""Holds of the inputs in a session, at least, in the mean: fewer of one number are counted."""
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
@@ -84,6 +89,38 @@ def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[
         else:
             kept.append(n)
     return kept
+
+
+def find_counters(out: "Roles", rest: list[Name], inputs: list[Name]) -> list[Name]:
+    """The columns of `rest` that only count, and were neither set nor measured; what each is taken for is said.
+
+    Few whole numbers that never fall, though an input does, and change only where a hold may begin: the session, if
+    several holds have each of them.
+    """
+    u = np.column_stack([out.values[n.column] for n in inputs] or [np.zeros((0, 1))])
+    begins = np.r_[True, (np.diff(u, axis=0) != 0).any(axis=1)]
+    found = [n for n in rest if n.unit is None and _only_counts(out.values[n.column], begins)]
+    if not (np.diff(u, axis=0) < 0).any() or (len(found) == len(rest) and not out.markers):
+        return []
+    for n in found:
+        jumps = np.r_[False, np.diff(out.values[n.column]) != 0]
+        several = (begins | jumps).sum() >= _HOLDS * (jumps.sum() + 1)
+        what = "taken for a counter, and is left out"
+        if several and out.session is None:
+            out.session, what = n, "taken for the session"
+        out.remarks.append(
+            f"column {n.column!r} is a whole number that never falls and stands still in holds: {what}"
+        )
+    return found
+
+
+def _only_counts(values: Floats, begins: NDArray[np.bool_]) -> bool:
+    """Whether numbers (n,) are whole, hardly one left out, and go up where holds begin, by the inputs or by them."""
+    step = np.diff(values)
+    few = (
+        is_held(values) and (values == np.round(values)).all() and np.ptp(values) < 2 * len(np.unique(values))
+    )
+    return bool(few and step.any() and (step >= 0).all()) and parts_holds(np.r_[False, step != 0], begins)
 
 
 def _is_clock_too(name: Name, values: Floats, clock_s: Floats | None) -> bool:

@@ -21,7 +21,10 @@ _AS_SUFFIX = {
 }  # fmt: skip
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
-TIME = {"t", "time", "timestamp", "stamp", "clock", "elapsed", "zeit", "tempo", "temps", "datetime", "date"}
+TIME = {
+    "t", "time", "timestamp", "stamp", "clock", "elapsed", "datetime", "date", "zeit", "uhrzeit", "datum", "temps",
+    "heure", "tiempo", "hora", "fecha", "tempo", "ora",
+}  # fmt: skip
 PRESSURE = {
     "p", "pressure", "press", "pres", "druck", "solldruck", "istdruck", "pressures", "pression", "vacuum", "vakuum",
 }  # fmt: skip
@@ -36,12 +39,27 @@ MEASURED = {
 }  # fmt: skip
 CONVERTER = {"adc"}
 """Who reads a sensor: no input, whatever else a column is called."""
-COUNTER = {"index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq"}
+COUNTER = {
+    "index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq", "nummer", "zeile",
+    "numéro", "número", "numero", "ligne", "fila", "riga",
+}  # fmt: skip
 LABEL = {"marker", "tag", "body", "object", "point", "track", "sensor", "target"}
-CAPTURE = {"capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage", "cycle"}
-SESSION = {"session", "day", "run", "experiment", "exp", "test", "specimen"}
-REPEAT = {"repeat", "repetition", "rep"}
-AMBIENT = {"temp", "temperature", "room", "ambient", "humidity", "payload", "tilt"}
+CAPTURE = {
+    "capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage", "cycle", "schritt", "stufe",
+    "zyklus", "étape", "etape", "palier", "paso", "ciclo", "passo",
+}  # fmt: skip
+DAY = {"day", "tag", "jour", "día", "dia", "giorno"}
+SESSION = DAY | {
+    "session", "run", "experiment", "exp", "test", "specimen", "sitzung", "lauf", "versuch", "prüfling", "séance",
+    "seance", "essai", "éprouvette", "eprouvette", "sesión", "sesion", "ensayo", "prueba", "probeta", "sessione",
+    "prova", "provino",
+}  # fmt: skip
+REPEAT = {
+    "repeat", "repetition", "rep", "wiederholung", "wdh", "répétition", "repetición", "repeticion", "ripetizione",
+}  # fmt: skip
+AMBIENT = {
+    "temp", "temperature", "room", "ambient", "humidity", "payload", "tilt", "temperatur", "température", "temperatura",
+}  # fmt: skip
 LOAD = {"load"}
 """What is beside the measurement where it stands still: else it was measured."""
 TURNED = {"tilt", "inclination", "pitch", "roll", "orientation"}

@@ -21,7 +21,7 @@ from labrig.tables._inputs import (
     with_siblings,
     without_twice,
 )
-from labrig.tables._labels import find_labels, numbers_rows, refuse_long, refuse_turns
+from labrig.tables._labels import find_counters, find_labels, numbers_rows, refuse_long, refuse_turns
 from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._numerals import why_no_number
@@ -83,7 +83,7 @@ def roles_of(
             parsed.append(name)
         elif numbers is None and may_be_clock(name) and are_dates(table, column):
             dated.append(column)
-        elif numbers is None and name.has(names.SESSION) and out.session is None:
+        elif numbers is None and name.has(names.SESSION - names.LABEL) and out.session is None:
             out.session = name
         elif numbers is None and (name.has(names.CAPTURE) or name.has(names.REPEAT)):
             if out.capture is None and name.has(names.CAPTURE):
@@ -264,7 +264,10 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     out.surmised = not inputs
     inputs = inputs or _any_input(out, own, remarks)
     out.remarks += remarks
-    inputs = [*inputs, *_stages(out, [n for n in own if n not in inputs], inputs)]
+    own = [n for n in own if n not in inputs]
+    counters = find_counters(out, own, inputs)
+    rest = [n for n in rest if n not in counters]
+    inputs = [*inputs, *_stages(out, [n for n in own if n not in counters], inputs)]
     out.actuation = inputs
     for n in [n for n in beside if is_moved(n, inputs, out.values)]:
         beside.remove(n)

@@ -56,20 +56,20 @@ def _is_set(n: Name, own: Floats, begins: _Rows) -> bool:
     again = int(jumps.sum()) + 1 >= _AGAIN * levels
     if levels < (_FEWEST if again and n.unit is not None else _LEVELS):
         return False
-    return not (jumps & ~begins).any() or (again and _parts_holds(jumps, begins))
+    return (again or not (jumps & ~begins).any()) and parts_holds(jumps, begins)
 
 
 def _is_force(n: Name) -> bool:
     return n.unit is not None and (like(n.unit, "N") or like(n.unit, "N*m"))
 
 
-def _parts_holds(jumps: _Rows, begins: _Rows) -> bool:
+def parts_holds(jumps: _Rows, begins: _Rows) -> bool:
     """Whether the jumps of a column within what the inputs hold leave holds of the usual length: a sensor's do not."""
     starts = np.flatnonzero(begins | jumps)
     length = np.diff(np.r_[starts, len(begins)])
     inside = (jumps & ~begins)[starts]
     beside = inside | np.r_[inside[1:], False]
-    return bool(length[beside].min() > np.median(length) / 2)
+    return not beside.any() or bool(length[beside].min() > np.median(length) / 2)
 
 
 def _explained(own: Floats, u: Floats, others: Sequence[Floats]) -> float:

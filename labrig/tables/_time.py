@@ -29,7 +29,7 @@ NO_CLOCK = "no column is a time: rows are taken as 1 s apart; say so under 'time
 
 def may_be_clock(name: Name) -> bool:
     """Whether dates of a column with this name are its clock, not the name of a session."""
-    return name.has(names.TIME) or not name.has(names.SESSION - {"day"})
+    return name.has(names.TIME) or not name.has(names.SESSION - names.DAY)
 
 
 def counts_frames(name: Name, values: Floats) -> bool:

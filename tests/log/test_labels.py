@@ -1,0 +1,95 @@
+"""What numbers days, runs and repeats, in the languages of the people who write it, and where no name says so."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from labrig.log import Guess, guess_mapping
+
+HOLDS = np.random.default_rng(2).choice([0.0, 10.0, 20.0, 30.0], 60)
+P = np.repeat(HOLDS, 3)
+F = (0.3 * P + np.random.default_rng(3).normal(0, 0.05, 180)).round(3)
+DAYS = np.repeat([1, 2, 4], 60)
+SAID = "is a whole number that never falls and stands still in holds: taken for"
+
+
+def guess(folder: Path, **columns: object) -> Guess:
+    """The guess for a table of one pressure and one force with these columns."""
+    frame = pd.DataFrame({"t_s": np.arange(180) * 4.0, "p_set_kPa": P, "force_N": F, **columns})
+    frame.to_csv(folder / "t.csv", index=False)
+    return guess_mapping(folder / "t.csv")
+
+
+def observables(found: Guess) -> list[str]:
+    """The columns that a guess takes for what was measured."""
+    return [each["column"] for each in found.mapping["observables"]]
+
+
+@pytest.mark.parametrize(
+    "name", ["Tag", "Versuch", "Prüfling Nr", "jour", "Séance", "día", "ensayo", "giorno", "prova"]
+)
+def test_a_day_is_a_session_in_other_languages(tmp_path: Path, name: str) -> None:
+    """German, French, Spanish and Italian words for days, runs and specimens mean what the English ones do."""
+    found = guess(tmp_path, **{name: DAYS})
+    assert found.mapping["session"] == {"column": name}
+    assert (observables(found), found.remarks) == (["force_N"], [])
+
+
+@pytest.mark.parametrize("name", ["Wiederholung", "répétition", "repetición", "ripetizione"])
+def test_a_repeat_in_other_languages(tmp_path: Path, name: str) -> None:
+    """So do those for repeats."""
+    assert guess(tmp_path, **{name: np.tile([1, 2, 3], 60)}).mapping["repeat"] == {"column": name}
+
+
+@pytest.mark.parametrize("name", ["Tag", "jour", "día", "giorno"])
+def test_dates_of_days_are_a_clock(tmp_path: Path, name: str) -> None:
+    """A column of dates is the clock, though it is called a day."""
+    stamps = pd.date_range("2026-05-04 09:00", periods=180, freq="5s").strftime("%d.%m.%Y %H:%M:%S")
+    frame = pd.DataFrame({name: stamps, "p_set_kPa": P, "force_N": F})
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    found = guess_mapping(tmp_path / "t.csv").mapping
+    assert found["time"]["column"] == name
+    assert "session" not in found
+
+
+def test_words_in_a_column_of_tags_name_no_session(tmp_path: Path) -> None:
+    """A tag in English is a label: of words that come again and again it makes no sessions."""
+    assert "session" not in guess(tmp_path, tag=np.tile(["up", "down"], 90)).mapping
+
+
+@pytest.mark.parametrize("levels", [3, 10])
+def test_a_number_that_never_falls_is_the_session(tmp_path: Path, levels: int) -> None:
+    """Few whole numbers in blocks of several holds are the session, whatever they are called, and that is said."""
+    found = guess(tmp_path, Messreihe=np.repeat(np.arange(levels), 180 // levels))
+    assert found.mapping["session"] == {"column": "Messreihe"}
+    assert (observables(found), len(found.mapping["actuation"])) == (["force_N"], 1)
+    assert found.remarks == [f"column 'Messreihe' {SAID} the session"]
+
+
+def test_a_second_number_that_never_falls_is_a_counter(tmp_path: Path) -> None:
+    """Beside a session, or with another number every hold or two, it is left out, and that is said."""
+    found = guess(tmp_path, day=DAYS, Messreihe=np.repeat(np.arange(6), 30), Bild=np.repeat(np.arange(30), 6))
+    assert found.mapping["session"] == {"column": "day"}
+    assert observables(found) == ["force_N"]
+    assert [
+        f"column {n!r} {SAID} a counter, and is left out" in found.remarks for n in ("Messreihe", "Bild")
+    ] == [
+        True,
+        True,
+    ]
+
+
+@pytest.mark.parametrize("kind", ["falls", "in a hold", "fractions", "far apart"])
+def test_what_was_measured_is_no_counter(tmp_path: Path, kind: str) -> None:
+    """What falls once, steps within holds, has fractions or is far apart is no number of anything."""
+    values = {
+        "falls": np.repeat([1, 2, 1], 60),
+        "in a hold": np.repeat([1, 2, 3], [61, 60, 59]),
+        "fractions": DAYS / 2,
+        "far apart": np.repeat([150, 160, 200], 60),
+    }
+    found = guess(tmp_path, reading=values[kind])
+    assert observables(found) == ["force_N", "reading"]
+    assert "session" not in found.mapping
