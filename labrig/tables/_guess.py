@@ -1,5 +1,6 @@
 """A mapping for a foreign file, guessed from its names and numbers; what was assumed is said."""
 
+import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -32,6 +33,9 @@ _TOP = 200
 _MOST_PARTS = 12
 _NAMED = 3
 _NOTES = 4
+_UNIT = re.compile(
+    r"the unit of (?P<name>'.*') (?P<what>is not said: .*?|is written as .*)(?P<size> \(95 %.*\))?"
+)
 _PLAIN = tuple(
     f" {what} left out"
     for what in (
@@ -194,7 +198,21 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
             f"{path}: nothing is left that was measured (columns: {short(have, quote=False)}); {with_words}"
             "write a mapping, which may join the file of what was measured (docs/how-to/your-data.md)"
         )
-    return Guess(mapping, table.frame.head(_PREVIEW), remarks)
+    return Guess(mapping, table.frame.head(_PREVIEW), _units_in_one(remarks))
+
+
+def _units_in_one(remarks: list[str]) -> list[str]:
+    """Remarks, of which those on units that say the same of many columns are one."""
+    alike: dict[str, list[str]] = {}
+    for line in remarks:
+        same = _UNIT.fullmatch(line)
+        alike.setdefault(same["what"] if same else line, []).append(line)
+    out = []
+    for lines in alike.values():
+        if len(lines) > _NAMED and (first := _UNIT.fullmatch(lines[0])):
+            lines = [f"the unit of {first['name']} (and {len(lines) - 1} more) {first['what']}"]
+        out += lines
+    return out
 
 
 def _read(how: Format, table: Table) -> tuple[Format, Table, Roles]:

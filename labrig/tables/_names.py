@@ -1,7 +1,7 @@
 """What the name of a column says of it: a unit, an axis, and what it is likely to be."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from labrig.tables._spelling import is_unit as is_unit
 from labrig.tables._spelling import ungauged, unit_of
@@ -9,6 +9,7 @@ from labrig.tables._spelling import ungauged, unit_of
 _BRACKETS = re.compile(r"[\[({<]((?:[^\[\](){}<>]|\([^()]*\)|\[[^\[\]]*\])*)[\])}>]")
 _IN_FRONT = re.compile(r"(?!min|px|pixel|[mun]?s)([A-Za-z]{2,})(?:[\W_]*(?:\d+|[A-F]))?")
 """A unit is all of a name, but for a number, as in kPa_1."""
+_PLACE = re.compile(r"(.*[^\W\d_])((?:\.\d+)+)")
 _LETTER = r"[^\W\d_]"
 _SPLIT = re.compile(
     rf"(?:[^\w°%]|_)+|(?<=[a-z])(?=[A-Z])|(?<={_LETTER})(?=\d)|(?<=\d)(?={_LETTER})|(?<=[\d])(?=[°%])"
@@ -112,7 +113,17 @@ class Name:
 
 
 def take_apart(column: str | int, unit: str | None = None) -> Name:
-    """A column's name in its parts; `unit` is what a row below the header says."""
+    """A column's name in its parts; `unit` is what a row below the header says.
+
+    A column of an array, p_kPa.0, has the unit of the array.
+    """
+    if unit is None and (place := _PLACE.fullmatch(str(column).strip())):
+        array = take_apart(place[1])
+        if array.unit is not None:
+            words, called, owner = (*array.words, *place[2].split(".")[1:]), array.called, array.owner
+            return replace(
+                array, column=str(column), words=words, called=called + place[2], owner=owner + place[2]
+            )
     text, said, written = _bracketed(ungauged(str(column).strip()))
     if said is None and not written:
         text, said = _behind_slash(text)

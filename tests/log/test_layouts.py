@@ -278,3 +278,30 @@ def test_holds_without_a_clock(desk: Path) -> None:
     assert run["time_s"].to_numpy().ravel() == pytest.approx(np.cumsum(hold) - hold[0])
     assert run["hold_s"].to_numpy().ravel() == pytest.approx(hold)
     assert guess.remarks == ["each hold is taken to begin where the one before ended, by 'hold_s'"]
+
+
+def test_the_unit_of_an_array_is_that_of_its_columns(desk: Path) -> None:
+    """p_kPa and heights_mm say the units of all that they hold, and x_mm, y_mm and z_mm are places of as many."""
+    random = np.random.default_rng(1)
+    arrays = {"p_kPa": random.uniform(0, 30, (N, 2)), "heights_mm": random.normal(size=(N, 2, 2))}
+    arrays |= {f"{axis}_mm": random.normal(size=(N, 2)) for axis in "xyz"}
+    np.savez("t.npz", t_s=np.arange(N), **arrays)
+    guess = guess_mapping(Path("t.npz"))
+    found = [(o["name"], o["unit"], o.get("marker")) for o in guess.mapping["observables"]]
+    assert found == [
+        *((f"marker.{i}.{axis}", "mm", f"marker.{i}") for i in range(2) for axis in "xyz"),
+        *((f"heights.{i}.{j}", "mm", None) for i in range(2) for j in range(2)),
+    ]
+    assert [(a["name"], a["unit"]) for a in guess.mapping["actuation"]] == [("p.0", "kPa"), ("p.1", "kPa")]
+    assert not any("unit" in line for line in guess.remarks)
+
+
+def test_many_columns_without_a_unit_are_said_once(desk: Path) -> None:
+    """One line says that four pressures and 25 heights have no unit."""
+    random = np.random.default_rng(1)
+    np.savez(
+        "t.npz", t_s=np.arange(N), p=random.uniform(0, 30, (N, 4)), heights=random.normal(size=(N, 5, 5))
+    )
+    assert guess_mapping(Path("t.npz")).remarks == [
+        "the unit of 'p.0' (and 28 more) is not said: written as 1"
+    ]
