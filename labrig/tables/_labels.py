@@ -104,7 +104,7 @@ def find_counters(out: "Roles", rest: list[Name], inputs: list[Name]) -> list[Na
         return []
     for n in found:
         jumps = np.r_[False, np.diff(out.values[n.column]) != 0]
-        several = (begins | jumps).sum() >= _HOLDS * (jumps.sum() + 1)
+        several = np.logical_or(begins, jumps).sum() >= _HOLDS * (jumps.sum() + 1)
         what = "taken for a counter, and is left out"
         if several and out.session is None:
             out.session, what = n, "taken for the session"

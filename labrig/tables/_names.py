@@ -18,7 +18,7 @@ _AS_SUFFIX = {
     "s", "ms", "us", "ns", "min", "sec", "secs", "seconds", "msec", "usec", "nsec", "nanosec", "kpa", "mpa", "pa",
     "bar", "mbar", "psi", "inhg", "mmhg", "mm", "cm", "m", "um", "n", "kn", "mn", "nm", "mnm", "nmm", "deg", "rad",
     "degc", "v", "mv", "ma", "kg", "g", "px", "pixel", "pixels", "hpa", "volts", "newton", "pct", "percent", "hz",
-    "ohm", "ohms", "kohm", "mohm", "°c", "°", "%",
+    "ohm", "ohms", "kohm", "mohm", "lbf", "kgf", "°c", "°", "%",
 }  # fmt: skip
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""

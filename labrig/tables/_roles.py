@@ -177,7 +177,7 @@ def _numbers(table: Table, column: Any) -> Floats | None:
     if values.dtype.kind in "Mm":
         return None
     text = table.filled(column)
-    known = pd.to_numeric(text, errors="coerce")
+    known: Any = pd.to_numeric(text, errors="coerce")
     if len(text) and known.head(1000).isna().mean() > 0.02:
         return None
     return known.reindex(table.frame.index).to_numpy(dtype=float)

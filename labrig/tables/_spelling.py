@@ -9,7 +9,7 @@ from labrig.tables._units import check, names_of
 _SPELT = {
     "sec": "s", "secs": "s", "seconds": "s", "second": "s", "msec": "ms", "millis": "ms", "usec": "us",
     "nsec": "ns", "nanosec": "ns", "minutes": "min", "°": "deg", "degree": "deg", "degrees": "deg", "°c": "degC",
-    "celsius": "degC", "deg_c": "degC", "c": "degC", "°f": "degF", "degf": "degF",
+    "grad": "deg", "celsius": "degC", "deg_c": "degC", "c": "degC", "°f": "degF", "degf": "degF",
     "kpa": "kPa", "mpa": "MPa", "pa": "Pa", "hpa": "hPa", "mbar": "mbar", "bar": "bar", "psi": "psi", "torr": "torr",
     "inhg": "inHg", "newton": "N", "newtons": "N", "n": "N", "kn": "kN", "mn": "mN", "grams": "g", "gram": "g",
     "ohm": "ohm", "ohms": "ohm", "kohm": "kohm", "kohms": "kohm", "mohm": "Mohm",

@@ -186,7 +186,8 @@ class Table:
 
     def _cells(self, column: str | int) -> "pd.Series":
         """The cells of a column that hold something, as they are written."""
-        text = as_cells(self.frame[column].dropna(), self.decimal)
+        values: Any = self.frame[column].dropna()
+        text = as_cells(values, self.decimal)
         return text[~is_nothing(text, self.missing)]
 
     def key(self, name: str) -> str | int:

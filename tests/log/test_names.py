@@ -26,6 +26,8 @@ from labrig.tables._spelling import unit_of
         ("F/N", "N", "F"),
         ("t/s", "s", "t"),
         ("kPa_1", "kPa", "kPa_1"),
+        ("load_lbf", "lbf", "load"),
+        ("Winkel [Grad]", "deg", "Winkel"),
         ("p_kPa.3", "kPa", "p.3"),
         ("heights_mm.0.4", "mm", "heights.0.4"),
         ("room_temp_C", "degC", "room_temp"),
