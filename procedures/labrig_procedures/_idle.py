@@ -3,6 +3,7 @@
 import numpy as np
 from pydantic import Field
 
+from labrig._ranges import within
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
 
@@ -23,7 +24,7 @@ class Idle(Procedure):
 
     def steps(self, rig: RigInfo) -> Steps:
         """A visit of both set-points, then rest until the next one is due."""
-        middle = np.round(rig.min_kpa + self.share * (rig.max_kpa - rig.min_kpa), 3)
+        middle = np.round(within(rig.min_kpa, rig.max_kpa, 1.0, highest=self.share), 3)
         visit_s = 2 * (self.settle_s + self.record_s)
         for _ in range(max(1, round(self.duration_min * 60.0 / self.every_s))):
             for setpoint, label in ((middle, "middle"), (np.zeros(len(middle)), "rest")):

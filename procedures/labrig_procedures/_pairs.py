@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
+from labrig._ranges import within
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
 
@@ -30,7 +31,7 @@ class Pairs(Procedure):
         pairs = itertools.pairwise(names) if self.which == "neighbours" else itertools.combinations(names, 2)
         groups = [(), *[(name,) for name in names], *pairs]
         rng = rig.rng()
-        high = np.round(rig.min_kpa + self.share * (rig.max_kpa - rig.min_kpa), 3)
+        high = np.round(within(rig.min_kpa, rig.max_kpa, 1.0, highest=self.share), 3)
         for _ in range(self.rounds):
             for index in rng.permutation(len(groups)):
                 group = groups[index]

@@ -152,7 +152,14 @@ def test_a_narrower_range_is_kept() -> None:
     assert (points[:, 0] < 0).any()
 
 
-LOW = {"capture": Capture(highest=0.4), "check": Check(highest=0.4), "sweep": Sweep(highest=0.4, others=0.4)}
+LOW = {
+    "capture": Capture(highest=0.4),
+    "check": Check(highest=0.4),
+    "sweep": Sweep(highest=0.4, others=0.4),
+    "hold": Hold(shares=(0.4,), durations_s=(3.0,)),
+    "pairs": Pairs(share=0.4),
+    "idle": Idle(share=0.4, duration_min=2.0),
+}
 
 
 @pytest.mark.parametrize("name", LOW)
