@@ -244,7 +244,7 @@ def investigate(
     if highest is None:
         highest = investigation.highest_of(Path(out)) if resume else HIGHEST
     if not 0 < highest <= 1:
-        raise LabrigError(f"highest {highest:g}: a share of the range is above 0 and at most 1")
+        raise LabrigError(f"highest {highest:g}: a share of the limit is above 0 and at most 1")
     told = reporter if reporter is None or isinstance(reporter, Reporter) else None
     if told is None and reporter is not None:
         if not callable(reporter):

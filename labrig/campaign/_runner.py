@@ -100,6 +100,8 @@ def resume(
     open_end = procedure.closed_loop or watching.adviser is not None
     if not open_end and len(completed) >= len(plan.steps):
         raise LabrigError(f"{folder} is complete: all {len(completed)} steps are done")
+    left = 1.0 - len(completed) / max(len(plan.steps), len(completed), 1)
+    check_disk(folder, left * plan.duration_s, len(rig.config.markers))
     return _Run(procedure, rig, folder, old, plan, completed, watching, progress).go()
 
 
@@ -331,9 +333,10 @@ class _Run:
         if isinstance(error, LogGoneError):
             raise LabrigError(f"{error}; {self._saved()}; the chambers are vented") from error
         if isinstance(error, OSError):
-            raise LabrigError(
-                f"the log in {self.folder} cannot be written: {error.strerror or error}; the chambers are vented"
-            ) from error
+            what = f"the log in {self.folder} cannot be written"
+            if error.filename and self.folder.resolve() not in Path(error.filename).resolve().parents:
+                what = str(error.filename)  # such as a scan's file that somebody moved
+            raise LabrigError(f"{what}: {error.strerror or error}; the chambers are vented") from error
         if isinstance(error, KeyboardInterrupt):
             done = f"after {self.walk.index} steps and {self.captures_done} captures"
             raise Interrupted(f"stopped by {reason_of(error)} {done}; the chambers are vented") from error

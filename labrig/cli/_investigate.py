@@ -38,7 +38,7 @@ def investigate(
         typer.Option(
             min=0.1,
             max=1.0,
-            help="Highest pressure of a campaign, share of the range: 0.85, or with --resume what it was.",
+            help="Highest pressure (or vacuum), as a share of the limit: 0.85, or with --resume what it was.",
         ),
     ] = None,
     resume: Annotated[

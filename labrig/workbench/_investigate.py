@@ -29,7 +29,7 @@ from labrig.workbench._run import models_of, named, run_folder
 FOLDER = "investigations"
 MINUTES = 30.0
 LOWEST = 0.1
-"""The lowest share of the range that a campaign may be held to, as the command has it."""
+"""The lowest share of the limit that a campaign may be held to, as the command has it."""
 _MOST_MINUTES = 100_000.0
 _MINE = "nothing was moved: say first that the rig is yours and nobody is near it"
 
@@ -98,7 +98,7 @@ def _start(desk: Desk, request: Request) -> Any:
         raise LabrigError(f"{asked.get('budget_min')}: give the time on the rig in minutes, more than 0")
     if not LOWEST <= highest <= 1:
         raise LabrigError(
-            f"{asked.get('highest')}: the highest pressure is a share of the range, {LOWEST:g} to 1"
+            f"{asked.get('highest')}: the highest pressure is a share of the limit, {LOWEST:g} to 1"
         )
     out = desk.path(str(asked.get("out") or ""))
     if out == desk.folder or out.exists():

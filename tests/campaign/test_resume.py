@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -249,6 +250,19 @@ def test_a_procedure_whose_steps_changed_is_refused(make_rig: Callable[..., Any]
         f"cannot resume {folder}: procedure three no longer makes the steps that it made when the run began; "
         "start a new run"
     )
+
+
+def test_a_full_disk_is_said_before_a_resumed_run_fills_the_chambers(
+    make_rig: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run that ended since the disk was full ends again only once there is room: nothing moves until then."""
+    first, second = make_rig(), make_rig()
+    folder = tmp_path / "run"
+    _interrupt_after(first, 5, Three(), folder)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1_000_000))
+    with pytest.raises(LabrigError, match="1 MB are free, and this run may need"):
+        resume(Three(), second.rig, folder, second.clock)
+    assert second.pressure.world.commands == []
 
 
 def test_a_complete_run_is_not_resumed(make_rig: Callable[..., Any], tmp_path: Path) -> None:

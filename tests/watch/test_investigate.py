@@ -70,7 +70,7 @@ def test_what_could_be_begun_moves_nothing(bench: Any) -> None:
         ({"mine": False}, "nothing was moved: say first that the rig is yours and nobody is near it"),
         ({"budget_min": -1}, "-1: give the time on the rig in minutes, more than 0"),
         ({"budget_min": "nan"}, "nan: give the time on the rig in minutes, more than 0"),
-        ({"highest": 1.2}, "1.2: the highest pressure is a share of the range, 0.1 to 1"),
+        ({"highest": 1.2}, "1.2: the highest pressure is a share of the limit, 0.1 to 1"),
         ({"out": "runs"}, "runs: choose the name of a new folder"),
         ({"out": "../elsewhere"}, "../elsewhere: lies outside the workbench's folder "),
         ({"model": "none.yaml"}, "there is no none.yaml in "),

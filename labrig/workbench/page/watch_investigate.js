@@ -61,7 +61,7 @@ export async function investigate(place, context) {
     h("p", {}, "It measures, diagnoses, measures what settles the doubt, adds what is missing to a copy of the model, and confirms that on fresh set-points."),
     h("p", { id: "investigate-acts" }, h("b", {}, `It actuates ${offered.rig} again and again without asking, within its limits, until nothing is open or the time is used.`), " It goes on when this page is closed; End and VENT stop it."),
     given || !context.run ? null : h("p", { class: "small muted" }, `${offered.other_rig}: it cannot begin with this run.`),
-    h("div", { class: "asking" }, field("begin with", begin), field("model", model), field("time on the rig", budget, " min"), field("highest pressure", highest, " % of the range"), field("folder", out)),
+    h("div", { class: "asking" }, field("begin with", begin), field("model", model), field("time on the rig", budget, " min"), field("highest pressure", highest, " % of the limit"), field("folder", out)),
     line,
     h("div", { class: "bar" }, h("label", {}, mine, ` ${MINE}`), offered.simulated ? h("label", { title: "on a simulated clock: its runs cannot be watched" }, fast, " as fast as it goes") : null, start, why),
     wrong,
