@@ -68,7 +68,8 @@ def train_sim2real(
         seed: of a network's training.
 
     Returns:
-        the `model`, and distances in mm at what was left out of it in turn: `simulated_mm` before, `fixed_mm` after.
+        the `model`, and distances in mm at what was left out of it in turn: `simulated_mm` before, `fixed_mm` after;
+        both are empty where nothing can be left out, with a single set-point or marker.
 
     Raises:
         LabrigError: a run has nothing of what the method needs, the model is no forward model, or `frames` is no count.

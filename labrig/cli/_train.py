@@ -82,7 +82,10 @@ def train_sim2real(
     trained = labrig.train_sim2real(run, model, method=method, frames=frames, seed=seed)
     of_model, of_report = replaced(output), replaced(out / "report.html")
     save_model(trained.model, output)
-    _print(sim2real_table(trained), f"{run.name}, method {method}: errors in mm at held-out points")
+    if len(trained.fixed_mm):
+        _print(sim2real_table(trained), f"{run.name}, method {method}: errors in mm at held-out points")
+    else:
+        typer.echo(trained.left_out)
     report = write_sim2real_report(trained, run.name, method, output.name, out)
     typer.echo(f"{output}: the corrected model{of_model}")
     typer.echo(f"report: {report}{of_report}")

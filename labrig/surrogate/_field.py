@@ -16,7 +16,6 @@ from labrig.surrogate._field_settings import Grid, Settings, Spatial
 
 _Map = Callable[[Floats], Floats]
 
-_FOLDS = 4
 _ITERATIONS = 300
 _TOLERANCE = 1e-5
 
@@ -35,6 +34,16 @@ class Seen:
     directions: Floats
     direction_sd: Floats
 
+    @property
+    def share(self) -> Floats:
+        """The share of the frames that saw each place, whole or in part, (Q,)."""
+        return np.asarray((np.trace(self.known, axis1=2, axis2=3) > 0.5).mean(axis=0), np.float64)
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which places were seen in which frames, whole or in part, (J, Q)."""
+        return np.asarray(np.trace(self.known, axis1=2, axis2=3) > 0.5)
+
     def part(self, frames: NDArray[np.int64], places: NDArray[np.int64]) -> "Seen":
         """Some of the frames and places."""
         chosen = np.ix_(frames, places)
@@ -52,13 +61,15 @@ class Posterior:
     """What is known of the field.
 
     `weights` (J, Q, 3): the displacement at any place is its prior covariance times them; `theta` (D,) the sizes of the
-    directions; `expected` (J, Q, 3) displacements after all, at the places themselves.
+    directions; `expected` (J, Q, 3) displacements after all, at the places themselves. `grid` is the process as if all
+    had been seen.
     """
 
     settings: Settings
     weights: Floats
     theta: Floats
     expected: Floats
+    grid: Grid
 
 
 def infer(
@@ -90,7 +101,7 @@ def infer(
     weights = _conjugate_gradients(product, lambda v: only_seen(grid.solve(v)), wanted, first)
     theta = variance * np.tensordot(directions, weights, axes=([1, 2], [0, 1]))
     expected = (spread(weights) / root).reshape(J, Q, 3)
-    return Posterior(settings, (weights * root).reshape(J, Q, 3), theta, expected)
+    return Posterior(settings, (weights * root).reshape(J, Q, 3), theta, expected, grid)
 
 
 def _conjugate_gradients(product, precondition, wanted: Floats, x: Floats) -> Floats:
@@ -110,40 +121,6 @@ def _conjugate_gradients(product, precondition, wanted: Floats, x: Floats) -> Fl
         inner, before = float((residual * z).sum()), inner
         step = z + inner / before * step
     return x
-
-
-def left_out(
-    seen: Seen, covariance: Floats, precision: Floats, posterior: Posterior
-) -> tuple[Floats, Floats]:
-    """Errors (J, Q, 3) at places that were left out in all frames, in frames that were left out at all places.
-
-    And the doubt (J,) of each frame's pressures, were it not known itself.
-    """
-    rng = np.random.default_rng(0)
-    settings, (J, Q) = posterior.settings, seen.value_mm.shape[:2]
-    frame, place = rng.permutation(J) % _FOLDS, rng.permutation(Q) % _FOLDS
-    kernel = settings.kernel(seen.x.shape[1])
-    bent = kernel.bent(seen.x)
-    pressure = kernel.covariance(bent, bent)
-    P = settings["still"] ** 2 + settings["moving"] ** 2 * pressure
-    errors = np.full((J, Q, 3), np.nan)
-    for f in range(min(_FOLDS, J)):
-        for q in range(_FOLDS):
-            rows, columns = np.flatnonzero(frame != f), np.flatnonzero(place != q)
-            own, there = np.flatnonzero(frame == f), np.flatnonzero(place == q)
-            if not len(rows) or not len(columns):
-                continue
-            inner = covariance[np.ix_(coordinates(columns), coordinates(columns))]
-            start = posterior.weights[np.ix_(rows, columns)]
-            known = infer(seen.part(rows, columns), inner, precision[columns], settings, start)
-            across = covariance[np.ix_(coordinates(columns), coordinates(there))]
-            expected = P[np.ix_(own, rows)] @ known.weights.reshape(len(rows), -1) @ across
-            expected = expected.reshape(len(own), len(there), 3)
-            expected += np.tensordot(known.theta, seen.directions[:, own][:, :, there], axes=1)
-            errors[np.ix_(own, there)] = expected - np.nan_to_num(seen.value_mm[np.ix_(own, there)])
-    errors = np.einsum("jqab,jqb->jqa", seen.known, np.nan_to_num(errors))
-    inverse = np.linalg.inv(pressure + 1e-6 * np.eye(J))
-    return errors, 1.0 / np.sqrt(np.diagonal(inverse))
 
 
 def coordinates(places: NDArray[np.int64]) -> NDArray[np.int64]:

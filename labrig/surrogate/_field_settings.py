@@ -16,12 +16,16 @@ from scipy.optimize import minimize
 
 from labrig.arrays import Floats
 from labrig.surface import bells
+from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._kernel import Kernel
 
 _NAMES = ("still", "moving", "noise_mm", "length", "share", "shape_power", "bells", "affine", "c")
 _START = np.log([1.0, 1.5, 0.2, 0.6, 0.4, 0.8, 0.2, 0.1, 6e-5])
 _SD = np.array([1.5, 1.0, 1.5, 0.7, 1.0, 0.4, 1.5, 1.5, 0.8])
 _EDGE = 4.0
+_LEAST_EXTENT_MM = 10.0
+"""Places nearer together than this, such as a single one, count as far apart as this."""
+_DRAWS = 400
 _FILLINGS, _ROUNDS = 20, 3
 
 
@@ -44,10 +48,20 @@ class Settings:
     def __getitem__(self, name: str) -> float:
         return float(np.exp(self.values[_NAMES.index(name)]))
 
+    @property
+    def variance(self) -> float:
+        """P at any pressures, mm^2: what is expected of a place where B is one."""
+        return self["still"] ** 2 + self["moving"] ** 2
+
     def kernel(self, chambers: int) -> Kernel:
         """The part of P that varies; all chambers alike."""
         ones = np.ones(chambers)
         return Kernel(self["length"] * ones, ones, self["share"] * ones)
+
+    def pressure(self, x: Floats, y: Floats) -> Floats:
+        """P, mm^2, between fractions x (J, C) and y (F, C): (J, F)."""
+        kernel = self.kernel(x.shape[1])
+        return self["still"] ** 2 + self["moving"] ** 2 * kernel.covariance(kernel.bent(x), kernel.bent(y))
 
     def facts(self) -> dict[str, float]:
         """The values by name."""
@@ -72,20 +86,41 @@ class Places:
         size = np.maximum(self.size / self.size.max(), 1e-12) ** power
         return size / max(float((self.modes**2 @ size).mean()), 1e-12)
 
-    def affine(self) -> Floats:
-        """Constant and linear functions (Q, 4) of the places, the linear ones of unit size at the edge."""
-        centred = self.middle_mm - self.middle_mm.mean(axis=0)
-        extent = max(float(np.linalg.norm(centred, axis=1).max()), 1e-9)
-        return np.concatenate([np.ones((len(centred), 1)), centred / extent], axis=1)
+    def affine(self, middle_mm: Floats | None = None) -> Floats:
+        """Constant and linear functions (Q, 4) of the places, or of others; linear ones of unit size at the edge."""
+        centred = (self.middle_mm if middle_mm is None else middle_mm) - self.middle_mm.mean(axis=0)
+        return np.concatenate([np.ones((len(centred), 1)), centred / self.extent_mm], axis=1)
+
+    @property
+    def extent_mm(self) -> float:
+        """How far from their middle the places reach."""
+        off = self.middle_mm - self.middle_mm.mean(axis=0)
+        return max(float(np.linalg.norm(off, axis=1).max()), _LEAST_EXTENT_MM)
 
     def covariance(self, settings: Settings) -> Floats:
         """B between all coordinates of all places, (3 Q, 3 Q)."""
+        return self.towards(self, settings)[0]
+
+    def towards(self, others: "Places", settings: Settings) -> tuple[Floats, Floats]:
+        """B between the coordinates of the places and of R others, (3 Q, 3 R), and of each of the others, (3 R,)."""
         prior = self.latent_prior(settings["shape_power"])
-        shape = (self.modes * prior) @ self.modes.T
-        smooth = settings["bells"] ** 2 * bells(self.middle_mm, self.middle_mm, settings["c"])
-        linear = self.affine()
-        smooth += settings["affine"] ** 2 * linear @ linear.T
-        return shape + np.kron(smooth, np.eye(3))
+        smooth = settings["bells"] ** 2 * bells(self.middle_mm, others.middle_mm, settings["c"])
+        there = self.affine(others.middle_mm)
+        smooth += settings["affine"] ** 2 * self.affine() @ there.T
+        own = settings["bells"] ** 2 + settings["affine"] ** 2 * (there**2).sum(axis=1)
+        across = (self.modes * prior) @ others.modes.T + np.kron(smooth, np.eye(3))
+        return across, others.modes**2 @ prior + np.repeat(own, 3)
+
+
+def places_of(forward: ForwardModel, uv: Floats, precision: Floats | None = None) -> Places:
+    """The places of a simulated surface at (u, v) (Q, 2), of some `precision` (Q,), by default of one."""
+    rng = np.random.default_rng(0)
+    z = forward.head.latent(rng.random((_DRAWS, len(forward.chamber_names))))
+    basis = forward.basis(uv)
+    modes = np.stack([(basis @ m.reshape(-1, 3)).ravel() for m in forward.modes_mm], axis=1)
+    mean = (basis @ forward.mean_mm.reshape(-1, 3)).ravel()
+    middle = (mean + modes @ z.mean(axis=0)).reshape(-1, 3)
+    return Places(modes, z.var(axis=0), middle, np.ones(len(uv)) if precision is None else precision)
 
 
 class Grid:
@@ -99,10 +134,7 @@ class Grid:
         self, x: Floats, spatial: "Spatial", directions: Floats, direction_sd: Floats, settings: Settings
     ) -> None:
         self.spatial = spatial
-        kernel = settings.kernel(x.shape[1])
-        bent = kernel.bent(x)
-        self.pressure = kernel.covariance(bent, bent)
-        self.P = settings["still"] ** 2 + settings["moving"] ** 2 * self.pressure
+        self.P, self.variance = settings.pressure(x, x), settings.variance
         values, self.Q = np.linalg.eigh(self.P)
         self.noise = settings["noise_mm"] ** 2
         self.total = np.outer(np.maximum(values, 0.0), spatial.E) + self.noise

@@ -14,7 +14,8 @@ from labrig._errors import LabrigError
 from labrig._paths import check_parent
 
 FORMAT = "labrig learned model"
-VERSION = 1
+VERSION = 2
+"""2: corrected models tell how well their field is known; 1 is read as ever."""
 _FACTS = "facts.json"
 _LARGEST = 2**31
 """Bytes that a file may unpack to: a small file must not fill the memory."""

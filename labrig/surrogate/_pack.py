@@ -9,13 +9,14 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.surface import Spline
 from labrig.surrogate._corrected import CorrectedHead
+from labrig.surrogate._field_settings import Settings
 from labrig.surrogate._file import Arrays
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._gaussian import GaussianHead
 from labrig.surrogate._kernel import Kernel
 from labrig.surrogate._network import Network, NetworkHead
 from labrig.surrogate._warp_heads import FieldHead, FunctionHead, MarkerHead
-from labrig.surrogate._warped import WarpedModel
+from labrig.surrogate._warped import Doubt, WarpedModel
 
 
 class NetworkFacts(TypedDict):
@@ -46,8 +47,14 @@ class WarpHeadFacts(TypedDict):
     slack: NotRequired[float]
 
 
+class DoubtFacts(TypedDict):
+    """Of what tells how well a field is known."""
+
+    rough: float
+
+
 class WarpedFacts(TypedDict):
-    """Of a warped model."""
+    """Of a warped model; `doubt` is that of a field, since format 2."""
 
     forward: ForwardFacts
     head: WarpHeadFacts
@@ -55,6 +62,7 @@ class WarpedFacts(TypedDict):
     noise_mm: float
     factor: float
     provenance: dict[str, Any]
+    doubt: NotRequired[DoubtFacts]
 
 
 class Unpacking:
@@ -243,7 +251,7 @@ def pack_warped(model: WarpedModel, arrays: Arrays) -> WarpedFacts:
     elif isinstance(model.head, MarkerHead):
         head["slack"] = model.head.slack
         head["network"] = pack_network(model.head.network, arrays, "head.network.")
-    return {
+    facts: WarpedFacts = {
         "forward": pack_forward(model.forward, arrays, "forward."),
         "head": head,
         "c_per_mm2": model.c,
@@ -251,6 +259,11 @@ def pack_warped(model: WarpedModel, arrays: Arrays) -> WarpedFacts:
         "factor": model.factor,
         "provenance": model.provenance,
     }
+    if model.doubt is not None:
+        for name in ("settings", "precision", "gain_sd"):
+            arrays[f"doubt.{name}"] = getattr(model.doubt, name)
+        facts["doubt"] = {"rough": model.doubt.rough}
+    return facts
 
 
 def unpack_warped(part: Unpacking) -> WarpedModel:
@@ -269,6 +282,19 @@ def unpack_warped(part: Unpacking) -> WarpedModel:
         rotation=part.array("rotation", 3, 3),
         translation_mm=part.array("translation_mm", 3),
         provenance=part.fact("provenance", dict),
+        doubt=_unpack_doubt(part.inner("doubt"), forward, len(uv)) if "doubt" in part.facts else None,
+    )
+
+
+def _unpack_doubt(part: Unpacking, forward: ForwardModel, centers: int) -> Doubt:
+    """What tells how well the field is known, for a forward model that it has corrected."""
+    if not isinstance(forward.head, CorrectedHead):
+        part.fail("a doubt of a field, and no field")
+    return Doubt(
+        part.array("settings", len(Settings.usual().values)),
+        part.array("precision", centers),
+        part.array("gain_sd", len(forward.chamber_names)),
+        part.fact("rough", float),
     )
 
 

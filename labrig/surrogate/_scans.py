@@ -57,14 +57,14 @@ def _normals(shot: Shot, feet: Floats) -> Floats:
     return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
 
 
-def confidence_map(matched: Matched, distance: Floats, used: NDArray[np.bool_]) -> Floats:
+def confidence_map(matched: Matched, distance: Floats) -> Floats:
     """How far scans stand behind each place, (n, n), u first: the share of scans that show it, times their agreement.
 
-    `distance` (J, Q): by how much each scan's place is missed by what the others say; `used` (J, Q) where it is known.
+    `distance` (J, Q): by how much each scan's place is missed by what the others say; NaN where it is not known.
     """
     seen = matched.found.mean(axis=0)
-    count = np.maximum(used.sum(axis=0), 1)
-    square = (np.where(used, distance, 0.0) ** 2).sum(axis=0) / count
+    count = np.maximum(np.isfinite(distance).sum(axis=0), 1)
+    square = np.nansum(distance**2, axis=0) / count
     agreement = 1.0 / (1.0 + square / _AGREED_MM**2)
     side = round(len(seen) ** 0.5)
     return (seen * agreement).reshape(side, side).T

@@ -7,16 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats
-from labrig.surface import grid, identity_coefficients
+from labrig.surface import identity_coefficients
 from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._corrected import CorrectedHead
-from labrig.surrogate._field import Posterior, Seen, infer, left_out
-from labrig.surrogate._field_settings import Places, Settings, Spatial, fit_settings
+from labrig.surrogate._field import Posterior, Seen, infer
+from labrig.surrogate._field_settings import Places, Settings, Spatial, fit_settings, places_of
 from labrig.surrogate._forward import ForwardModel
+from labrig.surrogate._left_out import factor_of, left_out, rough_of
 from labrig.surrogate._scans import Matched, confidence_map, match
+from labrig.surrogate._unseen import by_gain
 from labrig.surrogate._warp_heads import FieldHead
-from labrig.surrogate._warped import WarpedModel
-from labrig.surrogate._warped import on_grid as interpolated
+from labrig.surrogate._warped import Doubt, WarpedModel
 
 GAIN_SD = 0.1
 """How far a chamber's pressure may count for more or less than simulated, before anything was seen."""
@@ -28,13 +29,14 @@ PLACES_ACROSS = 13
 """Places of the surface, in each direction, at which scans are looked at."""
 SCAN_PRECISION = 0.1
 """Of one such place, relative to a marker: a scanner is less exact, and its neighbours say nearly the same."""
-_DRAWS = 400
-_NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True)
 class Correction:
-    """A corrected model, and how it did on held-out frames: distances, mm, `left_out` (n,)."""
+    """A corrected model, and how far it was off, mm, (J, Q), at places and frames that were left out of it.
+
+    NaN where nothing was seen, or nothing could be left out. The places are the markers, or those of scans alone.
+    """
 
     model: WarpedModel
     left_out_mm: Floats
@@ -49,16 +51,15 @@ def learn_correction(
     scan_uv = _scan_places() if shots else np.zeros((0, 2))
     uv = np.concatenate([marker_uv, scan_uv])
     pressure, of_frame, of_shot = _set_points(frames, shots)
-    above = pressure - forward.low_kpa
-    places = _places(forward, uv, np.repeat([1.0, SCAN_PRECISION], [len(marker_uv), len(scan_uv)]))
+    places = places_of(forward, uv, np.repeat([1.0, SCAN_PRECISION], [len(marker_uv), len(scan_uv)]))
     gain = np.ones(len(forward.chamber_names))
     settings, matched, posterior, covariance = None, None, None, np.zeros((0, 0))
     seen = None
     for step in range(_MATCHINGS if shots else _RELINEARISED):
-        counted = forward.low_kpa + gain * above
+        counted = forward.low_kpa + gain * (pressure - forward.low_kpa)
         simulated = forward.points(counted, uv)
-        by_gain = forward.jacobian(counted, uv) * above[:, None, None, :]
-        from_gain = by_gain @ (gain - 1.0)
+        directions = by_gain(forward, gain, pressure, uv)
+        from_gain = np.tensordot(gain - 1.0, directions, axes=1)
         value = np.full(simulated.shape, np.nan)
         known = np.zeros((*simulated.shape, 3))
         if frames is not None:
@@ -71,7 +72,7 @@ def learn_correction(
             forward.fraction(pressure),
             value + from_gain,  # directions count from a gain of one
             known,
-            np.moveaxis(by_gain, -1, 0),
+            directions,
             np.full(len(gain), gain_sd),
         )
         if settings is None or (frames is None and step == _AGAIN):
@@ -82,8 +83,7 @@ def learn_correction(
         gain = 1.0 + posterior.theta
     assert posterior is not None
     assert seen is not None
-    errors, doubt = left_out(seen, covariance, places.precision, posterior)
-    return _correction(forward, places, uv, pressure, posterior, seen, errors, doubt, len(marker_uv), matched)
+    return _correction(forward, places, uv, pressure, posterior, seen, covariance, len(marker_uv), matched)
 
 
 def _settings(
@@ -157,16 +157,6 @@ def _scan_places() -> Floats:
     return np.stack(np.meshgrid(line, line, indexing="xy"), axis=-1).reshape(-1, 2)
 
 
-def _places(forward: ForwardModel, uv: Floats, precision: Floats) -> Places:
-    rng = np.random.default_rng(0)
-    z = forward.head.latent(rng.random((_DRAWS, len(forward.chamber_names))))
-    basis = forward.basis(uv)
-    modes = np.stack([(basis @ m.reshape(-1, 3)).ravel() for m in forward.modes_mm], axis=1)
-    mean = (basis @ forward.mean_mm.reshape(-1, 3)).ravel()
-    middle = (mean + modes @ z.mean(axis=0)).reshape(-1, 3)
-    return Places(modes, z.var(axis=0), middle, precision)
-
-
 def _put_markers(
     frames: Frames, rows: NDArray[np.int64], simulated: Floats, value: Floats, known: Floats
 ) -> None:
@@ -191,8 +181,7 @@ def _correction(
     pressure: Floats,
     posterior: Posterior,
     seen: Seen,
-    errors: Floats,
-    doubt: Floats,
+    covariance: Floats,
     markers: int,
     matched: Matched | None,
 ) -> Correction:
@@ -205,50 +194,26 @@ def _correction(
     own = _coefficients(places, posterior.weights, settings)
     identity = identity_coefficients(len(uv))
     field_head = FieldHead(kernel, x, identity + still * own.sum(axis=0), moving * own)
-    distance = np.linalg.norm(errors, axis=-1)
-    used = np.trace(seen.known, axis1=2, axis2=3) > 0.5
+    left = left_out(seen, covariance, places.precision, posterior)
+    simulated_mm = forward.sd_mm(pressure, uv)
     model = WarpedModel(
-        replace(forward, head=head), uv, settings["c"], field_head, noise_mm=settings["noise_mm"]
+        replace(forward, head=head),
+        uv,
+        settings["c"],
+        field_head,
+        factor=factor_of(left, seen, places.precision, settings["noise_mm"], simulated_mm),
+        doubt=Doubt(settings.values, places.precision, seen.direction_sd, rough_of(left)),
     )
-    model = _with_deviations(model, forward, places, uv, pressure, settings, doubt, distance, used)
     if matched is not None:
-        model = replace(model, confidence=confidence_map(matched, distance[:, markers:], used[:, markers:]))
+        model = replace(model, confidence=confidence_map(matched, left.both_mm[:, markers:]))
     facts = {"gain": gain.tolist(), "settings": settings.facts(), "set_points": len(x)}
-    counted = used[:, :markers] if markers else used
-    return Correction(model, distance[:, : counted.shape[1]][counted], facts)
+    return Correction(model, left.both_mm[:, :markers] if markers else left.both_mm, facts)
 
 
 def _coefficients(places: Places, weights: Floats, settings: Any) -> Floats:
     """Coefficients (J, Q + 4, 3) of the smooth part of the field that each frame's weights (J, Q, 3) stand for."""
     centred = places.middle_mm.mean(axis=0)
-    extent = max(float(np.linalg.norm(places.middle_mm - centred, axis=1).max()), 1e-9)
     linear = settings["affine"] ** 2 * np.einsum("qk,jqd->jkd", places.affine(), weights)
-    turn = linear[:, 1:] / extent
+    turn = linear[:, 1:] / places.extent_mm
     still = linear[:, :1] - np.einsum("k,jkd->jd", centred, turn)[:, None]
     return np.concatenate([still, turn, settings["bells"] ** 2 * weights], axis=1)
-
-
-def _with_deviations(
-    model: WarpedModel,
-    forward: ForwardModel,
-    places: Places,
-    uv: Floats,
-    pressure: Floats,
-    settings: Settings,
-    doubt: Floats,
-    distance: Floats,
-    used: NDArray[np.bool_],
-) -> WarpedModel:
-    """The model with deviations that hold 95 % of what was left out."""
-    across = 25
-    on_grid, _ = grid(across, across)
-    basis = forward.basis(on_grid)
-    prior = places.latent_prior(settings["shape_power"])
-    modes = np.stack([(basis @ m.reshape(-1, 3)).ravel() for m in forward.modes_mm], axis=1)
-    variance = (modes**2 @ prior).reshape(-1, 3).sum(axis=1) + 3 * settings["bells"] ** 2
-    field_mm = settings["moving"] * np.sqrt(variance).reshape(across, across).T
-    model = replace(model, field_mm=field_mm)
-    learned = doubt[:, None] * interpolated(field_mm, uv)
-    expected = np.sqrt(model.noise_mm**2 + learned**2 + forward.sd_mm(pressure, uv) ** 2)
-    ratio = (distance / expected)[used]
-    return replace(model, factor=float(np.quantile(ratio, 0.95)) / _NORMAL_95 if ratio.size else 1.0)

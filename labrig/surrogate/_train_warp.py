@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
@@ -21,6 +22,9 @@ from labrig.surrogate._warped import WarpedModel
 WarpMethod = Literal["ours", "scans", "both", "function", "marker"]
 METHODS: tuple[WarpMethod, ...] = ("ours", "scans", "both", "function", "marker")
 
+NOTHING_LEFT_OUT = (
+    "nothing was left out, so how far it is off is not known: that takes two set-points and two markers"
+)
 _FOLDS = 4
 _MESH = 61
 _TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
@@ -31,7 +35,8 @@ _TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
 class TrainedWarp:
     """A corrected model, and distances, mm, at held-out points: as simulated and as corrected; time, s.
 
-    Both are of the same points, one after the other. `simulated_mm` is empty where there are no markers.
+    Both are of the same points, one after the other. `simulated_mm` is empty where there are no markers; both are where
+    nothing could be left out: with a single set-point, or a single marker.
     """
 
     model: WarpedModel
@@ -45,9 +50,15 @@ class TrainedWarp:
         save_model(self.model, path)
 
     def __repr__(self) -> str:
+        return f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}\n{self.left_out}"
+
+    @property
+    def left_out(self) -> str:
+        """How far off it is at what was left out of it, in a line."""
+        if not len(self.fixed_mm):
+            return NOTHING_LEFT_OUT
         before = f"{self.simulated_mm.mean():.3g} -> " if len(self.simulated_mm) else ""
-        left_out = f"left out: mean {before}{self.fixed_mm.mean():.3g} mm"
-        return f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}\n{left_out}"
+        return f"left out: mean {before}{self.fixed_mm.mean():.3g} mm"
 
 
 def train_warp(
@@ -84,8 +95,9 @@ def train_warp(
     else:
         merged = None if method == "scans" or frames is None else frames.merged()
         correction = learn_correction(forward, merged, [] if method == "ours" else shots, gain_sd)
-        model, left_out, facts = correction.model, correction.left_out_mm, correction.facts
-        simulated = np.zeros(0) if merged is None else _off(forward, merged)
+        known = np.isfinite(correction.left_out_mm)  # frames first, then scans at set-points of their own
+        model, left_out, facts = correction.model, correction.left_out_mm[known], correction.facts
+        simulated = np.zeros(0) if merged is None else _off(forward, merged, known[: len(merged)])
     about = {
         "frames": 0 if frames is None else len(frames),
         "complete_frames": 0 if frames is None else int(frames.complete.sum()),
@@ -121,10 +133,10 @@ def _paper(
     return replace(model, noise_mm=deviation), left_out, np.concatenate(simulated), {"c_per_mm2": PAPER_C}
 
 
-def _off(model: ForwardModel | WarpedModel, frames: Frames) -> Floats:
-    """How far a model's markers are from where they were captured, mm, frame by frame."""
+def _off(model: ForwardModel | WarpedModel, frames: Frames, which: NDArray[np.bool_] | None = None) -> Floats:
+    """How far a model's markers are from where they were captured, mm, frame by frame; all, or `which` (F, M)."""
     off = model.points(frames.pressure_kpa, model.markers(frames.marker_names)) - frames.position_mm
-    return np.linalg.norm(off[frames.captured], axis=1)
+    return np.linalg.norm(off[frames.captured if which is None else which], axis=1)
 
 
 def _placed(forward: ForwardModel, shots: list[Shot]) -> list[Shot]:

@@ -1,6 +1,7 @@
 """The model that was learned on the rig: the forward model's surface, moved by a warp that depends on the pressures."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -8,7 +9,9 @@ from numpy.typing import ArrayLike
 
 from labrig.arrays import Floats
 from labrig.surface import Warp, design
+from labrig.surrogate._field_settings import Settings
 from labrig.surrogate._forward import ForwardModel
+from labrig.surrogate._unseen import Unseen
 from labrig.surrogate._warp_heads import State
 
 
@@ -27,14 +30,28 @@ class WarpHead(Protocol):
 
 
 @dataclass(frozen=True)
+class Doubt:
+    """What tells how well a field is known, beside where it was seen.
+
+    The values of its `settings`; the relative `precision` (N,) of what was seen at each center; `gain_sd` (C,), how far
+    pressures were expected to count otherwise than simulated; `rough`, see `Unseen`.
+    """
+
+    settings: Floats
+    precision: Floats
+    gain_sd: Floats
+    rough: float
+
+
+@dataclass(frozen=True)
 class WarpedModel:
     """p* = R Phi_a(B(u, v, N_fk(a))) + t: the forward model's surface after a warp, in the rig's frame.
 
     Centers of the bells are the forward model's points at `marker_uv` (N, 2), which move with the shape; `c` is their
     width, mm^-2; `rotation` (3, 3) and `translation_mm` (3,) take the simulator's frame to the rig's. Deviations:
-    `noise_mm` everywhere, `field_mm` (n_u, n_v) on a regular grid of the surface per unit of the head's doubt, and the
-    forward model's own, all times `factor`. `confidence` (n_u, n_v), 0 to 1, says where scans stand behind the model;
-    ones without scans.
+    `noise_mm` everywhere, the field's by its `doubt`, and the forward model's own, all times `factor`. In files from
+    before there was a `doubt`, the field's are `field_mm` (n_u, n_v), on a regular grid of the surface, per unit of the
+    head's doubt. `confidence` (n_u, n_v), 0 to 1, says where scans stand behind the model; ones without scans.
     """
 
     forward: ForwardModel
@@ -48,6 +65,7 @@ class WarpedModel:
     rotation: Floats = field(default_factory=lambda: np.eye(3))
     translation_mm: Floats = field(default_factory=lambda: np.zeros(3))
     provenance: dict[str, Any] = field(default_factory=dict)
+    doubt: Doubt | None = None
 
     def __repr__(self) -> str:
         return f"WarpedModel: {self.forward!r}, moved by {len(self.marker_uv)} bells; noise {self.noise_mm:.2g} mm"
@@ -106,10 +124,27 @@ class WarpedModel:
     def sd_mm(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """Standard deviation (F, P), mm, a distance: about 95 % of the real surface lies within 1.96 of it."""
         pressure = np.atleast_2d(np.asarray(pressure_kpa, dtype=float))
-        doubt = self.head.doubt(self.forward.fraction(pressure))
-        learned = doubt[:, None] * on_grid(self.field_mm, uv)[None]
-        simulated = self.forward.sd_mm(pressure, uv)
-        return self.factor * np.sqrt(self.noise_mm**2 + learned**2 + simulated**2)
+        if self.doubt is not None:
+            learned = self._unseen.variance(pressure, np.asarray(uv, dtype=float).reshape(-1, 2))
+        else:
+            doubt = self.head.doubt(self.forward.fraction(pressure))
+            learned = (doubt[:, None] * on_grid(self.field_mm, uv)[None]) ** 2
+        return self.factor * np.sqrt(self.noise_mm**2 + learned + self.forward.sd_mm(pressure, uv) ** 2)
+
+    @cached_property
+    def _unseen(self) -> Unseen:
+        assert self.doubt is not None
+        corrected: Any = self.forward.head
+        return Unseen(
+            replace(self.forward, head=corrected.base),
+            Settings(self.doubt.settings),
+            corrected.points,
+            self.marker_uv,
+            self.doubt.precision,
+            corrected.gain,
+            self.doubt.gain_sd,
+            self.doubt.rough,
+        )
 
     def confidence_at(self, uv: ArrayLike) -> Floats:
         """How far scans stand behind the model at (u, v) (P, 2): (P,), 0 to 1."""

@@ -125,6 +125,8 @@ def write_sim2real_report(trained: "TrainedWarp", run: str, method: str, output:
         [("Errors, mm", table.head, table.rows)],
         [
             "Left out: a quarter of the set-points at a time, and by labrig's own methods a quarter of the places."
+            if table.rows
+            else f"{trained.left_out[0].upper()}{trained.left_out[1:]}."
         ],
         pictures,
     )

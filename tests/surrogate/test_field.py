@@ -1,11 +1,15 @@
 """The field between simulation and reality: what it says is what the dense equations of a Gaussian process say."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from labrig.surrogate._field import Seen, coordinates, infer, left_out
+from labrig.surrogate._field import Seen, coordinates, infer
 from labrig.surrogate._field_settings import Grid, Places, Settings, Spatial, fit_settings
+from labrig.surrogate._left_out import left_out
+from labrig.surrogate._unseen import unseen
 
 J, Q, C, K = 5, 4, 2, 6
 
@@ -79,14 +83,51 @@ def test_what_was_left_out(problem):
     seen, places, settings = problem
     covariance = places.covariance(settings)
     posterior = infer(seen, covariance, places.precision, settings)
-    errors, doubt = left_out(seen, covariance, places.precision, posterior)
+    left = left_out(seen, covariance, places.precision, posterior)
     value = seen.value_mm.copy()
-    value[3, 2] += 100.0
-    changed = Seen(seen.x, value, seen.known, seen.directions, seen.direction_sd)
-    again, _ = left_out(changed, covariance, places.precision, posterior)
-    assert np.allclose(again[3, 2] - errors[3, 2], -100.0)
-    assert np.allclose(again[3, [0, 1, 3]], errors[3, [0, 1, 3]], atol=1e-2)
-    assert ((doubt > 0) & (doubt <= 1.0)).all()
+    value[3, 2] += 1000.0
+    changed = replace(seen, value_mm=value)
+    again = left_out(changed, covariance, places.precision, posterior)
+    assert again.both_mm[3, 2] == pytest.approx(np.sqrt(3.0) * 1000.0, rel=0.01)
+    assert np.allclose(again.both_mm[3, [0, 1, 3]], left.both_mm[3, [0, 1, 3]], atol=1e-2)
+    assert np.isnan(left.both_mm[0, 0])
+    assert (left.both_mm2[seen.used] > left.frames_mm2[seen.used]).mean() > 0.8
+
+
+@pytest.mark.parametrize("part", [slice(0, 1), slice(0, 5)])
+def test_what_cannot_be_left_out_is_not_known(problem, part):
+    """With one frame, or one place, nothing is said of errors, above all not that there are none."""
+    seen, places, settings = problem
+    frames, which = np.arange(J)[part], np.arange(Q if part.stop == 1 else 1) + (part.stop == 1)
+    which = which[which < Q]
+    few, own = seen.part(frames, which), coordinates(which)
+    covariance = places.covariance(settings)[np.ix_(own, own)]
+    posterior = infer(few, covariance, places.precision[which], settings)
+    assert np.isnan(left_out(few, covariance, places.precision[which], posterior).both_mm).all()
+
+
+def test_variance_is_exact(problem):
+    """What is not known of other frames and places is what the dense equations leave open, directions included."""
+    seen, places, settings = problem
+    rng = np.random.default_rng(4)
+    others = Places(rng.normal(size=(9, K)), places.size, 80 * rng.normal(size=(3, 3)), np.ones(3))
+    x, directions = rng.random((2, C)), rng.normal(size=(2, 2, 9))
+    across, own = places.towards(others, settings)
+    prior, noise = _dense(seen, places, settings)
+    pressure = settings.pressure(seen.x, x)
+    G = seen.directions.reshape(2, -1)
+    matrix = prior + np.diag(noise)
+    root = np.repeat(np.sqrt(places.precision), 3)
+    spatial = Spatial(places.covariance(settings), root)
+    grid = Grid(seen.x, spatial, seen.directions.reshape(2, J, -1) * root, seen.direction_sd, settings)
+    found = unseen(grid, pressure, own, across * root[:, None], directions)
+    for f in range(2):
+        towards = np.kron(pressure[:, f : f + 1], across) + (G.T * seen.direction_sd**2) @ directions[:, f]
+        there = settings.variance * own + (directions[:, f] ** 2 * seen.direction_sd[:, None] ** 2).sum(
+            axis=0
+        )
+        expected = there - (towards * np.linalg.solve(matrix, towards)).sum(axis=0)
+        assert np.allclose(found[f], expected, atol=1e-8)
 
 
 def test_settings_find_the_noise():

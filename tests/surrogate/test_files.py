@@ -65,11 +65,11 @@ def _facts(entries, **changes):
 
 def test_newer_format(path):
     """A file of a newer labrig is named as such."""
-    _rewrite(path, lambda e: _facts(e, version=2))
+    _rewrite(path, lambda e: _facts(e, version=3))
     with pytest.raises(LabrigError) as caught:
         load_model(path)
     assert str(caught.value) == (
-        f"{path}: was written by a newer labrig (format 2, this one reads 1); update labrig"
+        f"{path}: was written by a newer labrig (format 3, this one reads 2); update labrig"
     )
 
 

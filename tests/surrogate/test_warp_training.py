@@ -1,5 +1,6 @@
 """From simulation to reality: what each method makes of markers, incomplete frames and scans of a small rig."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -10,6 +11,7 @@ import labrig
 from labrig import LabrigError, surrogate
 from labrig.surface import Mesh, grid
 from labrig.surrogate import Frames, Shot, _sim_to_real, load_model, save_model, train_forward, train_warp
+from labrig.view import write_sim2real_report
 
 NAMES = tuple(f"m{i + 1:02d}" for i in range(9))
 UV, TRIANGLES = grid(21, 21)
@@ -113,11 +115,68 @@ def test_confidence_falls_where_scans_have_holes(forward, shots):
 
 
 def test_deviations_are_honest(forward, frames, error):
-    """About 95 % of the real surface lies within 1.96 standard deviations."""
+    """About 95 % of the real surface lies within 1.96 standard deviations, and they are no wider than that needs."""
     fixed = train_warp(forward, frames).model
     pressure = np.random.default_rng(7).random((20, 3)) * 60.0
-    inside = error(fixed) <= 1.96 * fixed.sd_mm(pressure, UV)
+    sd_mm = fixed.sd_mm(pressure, UV)
+    inside = error(fixed) <= 1.96 * sd_mm
     assert 0.85 < inside.mean() <= 1.0
+    assert sd_mm.mean() < 2.0 * error(fixed).mean()
+
+
+@pytest.mark.parametrize("bent", [0.0, 2.0])
+def test_deviations_at_markers_are_not_those_of_their_noise(forward, data, reality, bent):
+    """At markers, at new set-points, deviations hold the model's error and are near to it, not to ten times as much."""
+
+    def real(pressure):
+        shift = bent * np.sin(3 * data.marker_uv[None, :, :1]) * [0.0, 1.0, 0.0]
+        return data.spline.evaluate(reality(pressure, data.spline), data.marker_uv) + shift
+
+    held, ratio = [], []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        pressure, new = rng.random((20, 3)) * 60.0, rng.random((40, 3)) * 60.0
+        noise = 0.1 * rng.normal(size=(20, 9, 3))
+        model = train_warp(forward, Frames(NAMES, pressure, real(pressure) + noise)).model
+        off = np.linalg.norm(model.points(new, data.marker_uv) - real(new), axis=-1)
+        sd_mm = model.sd_mm(new, data.marker_uv)
+        held.append((off <= 1.96 * sd_mm).mean())
+        ratio.append(sd_mm.mean() / off.mean())
+    assert np.mean(held) > 0.9
+    assert np.mean(ratio) < 2.5
+
+
+@pytest.mark.parametrize(("count", "markers"), [(20, 1), (1, 9)])
+def test_what_one_marker_or_one_set_point_says(forward, data, reality, count, markers, tmp_path):
+    """With nothing to leave out no error is claimed, deviations hold what is really off, and it is said."""
+    pressure = np.random.default_rng(5).random((count, 3)) * 50.0
+    place = data.marker_uv[:markers]
+    position = data.spline.evaluate(reality(pressure, data.spline), place)
+    position += [0.0, 2.0, 0.0] * np.sin(3 * place[None, :, :1])
+    trained = train_warp(forward, Frames(NAMES[:markers], pressure, position))
+    assert len(trained.fixed_mm) == len(trained.simulated_mm) == 0
+    said = (
+        "nothing was left out, so how far it is off is not known: that takes two set-points and two markers"
+    )
+    assert repr(trained).endswith(said)
+    assert said[1:] in write_sim2real_report(trained, "run", "ours", "rig.pt", tmp_path).read_text()
+    new = np.random.default_rng(7).random((20, 3)) * 50.0
+    real = data.spline.evaluate(reality(new, data.spline), data.marker_uv)
+    real += [0.0, 2.0, 0.0] * np.sin(3 * data.marker_uv[None, :, :1])
+    off = np.linalg.norm(trained.model.points(new, data.marker_uv) - real, axis=-1)
+    assert (off <= 1.96 * trained.model.sd_mm(new, data.marker_uv)).mean() > 0.6
+
+
+def test_deviations_of_older_files(forward, frames, tmp_path):
+    """A model from before a field's doubt was kept has the deviations of its grid, times the doubt of its pressures."""
+    now = train_warp(forward, frames).model
+    older = replace(now, doubt=None, noise_mm=0.1, field_mm=np.array([[1.0, 2.0]]), factor=0.5)
+    save_model(older, tmp_path / "older.pt")
+    pressure = np.array([[14.0, 33.0, 48.0]])
+    doubt = now.head.doubt(now.forward.fraction(pressure))[0]
+    simulated = now.forward.sd_mm(pressure, [[0.3, 0.5]])[0, 0]
+    expected = 0.5 * np.sqrt(0.1**2 + (1.5 * doubt) ** 2 + simulated**2)
+    assert load_model(tmp_path / "older.pt").sd_mm(pressure, [[0.3, 0.5]])[0, 0] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("method", ["ours", "function", "marker"])
