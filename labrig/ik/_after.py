@@ -1,12 +1,12 @@
 """What is left between surface and target after a path, where other pressures count than were asked for."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.ik._descent import Pose
+from labrig.ik._evaluate import ShapeModel
 from labrig.ik._gaps import limits_of
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver
@@ -16,17 +16,15 @@ from labrig.surface import Target
 class Held:
     """A shape model that stays at one set of pressures (C,), kPa, be it beyond the model's own limits."""
 
-    def __init__(self, shape: Any, pressure_kpa: Floats) -> None:
-        self._shape = shape
+    def __init__(self, shape: ShapeModel, pressure_kpa: Floats) -> None:
+        self.chamber_names = shape.chamber_names
         self.low_kpa = self.high_kpa = pressure_kpa
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._shape, name)
+        self.points, self.jacobian = shape.points, shape.jacobian
 
 
 def after(
     goal: Target,
-    shape: Any,
+    shape: ShapeModel,
     counts_kpa: Floats,
     search: IkResult,
     setpoint_kpa: Floats,
@@ -38,8 +36,7 @@ def after(
     result's pressures; whether they are at one of the `limits`, lowest and highest (C,), kPa, stands in the result.
     """
     pose = Pose(search.rotation, search.translation_mm)
-    held: Any = Held(shape, counts_kpa)
-    found = Solver(held).solve(goal, pose, counts_kpa)
+    found = Solver(Held(shape, counts_kpa)).solve(goal, pose, counts_kpa)
     at_limits = limits_of(setpoint_kpa, *limits)
     points, influence, _ = found.gap_facts
     return replace(
