@@ -19,6 +19,8 @@ _AGAIN = 2
 """How often each value is set, in the mean, where values come again."""
 _FOLLOWS = 0.5
 """Share of its variance from which on a column follows the inputs, so that it was measured, and filled down."""
+_TWICE = 0.999
+"""The same share from which on what was set is said by another column as well, and does not just follow it."""
 _Rows = NDArray[np.bool_]
 
 
@@ -36,10 +38,11 @@ def find_stages(rest: Sequence[Name], inputs: Sequence[Name], values: Mapping[st
     said = names.MEASURED | names.AMBIENT | names.TURNED | names.LOAD | names.SIDE | names.FORCE | _WEIGHTS
     able = [n for n in find_held(list(rest), values) if not n.has(said) and not _is_force(n)]
     found = [n for n in able if _is_set(n, values[n.column], begins)]
+    found = [n for n in found if _explained(values[n.column], u, []) < _FOLLOWS]
     while found:
-        share = [
-            _explained(values[n.column], u, [values[m.column] for m in found if m is not n]) for n in found
-        ]
+        own = [values[n.column] for n in found]
+        share = [_explained(v, u, [w for w in own if w is not v]) for v in own]
+        share = [part if part < _TWICE else 0.0 for part in share]
         if max(share) < _FOLLOWS:
             break
         del found[int(np.argmax(share))]

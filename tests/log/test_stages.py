@@ -136,6 +136,14 @@ def test_a_stage_that_moves_while_the_pressure_stays_is_an_input(
     assert run.sizes["capture"] == begins.sum() + 1
 
 
+def test_a_stage_that_two_columns_say_is_both(tmp_path: Path) -> None:
+    """A place in mm and in turns of the spindle was set in both: neither was measured."""
+    pressure, place = factorial(PLACES["nine"], 0)
+    columns = {"t_s": np.arange(288) * 4.0, "p_kPa": pressure, "stage_mm": place, "spindle": place / 4 + 0.5}
+    found, _ = inputs(tmp_path, columns | {"F (N)": noisy(2 * pressure + 0.1 * place, 0.5)})
+    assert found == {"p_kPa", "stage_mm", "spindle"}
+
+
 def test_a_force_is_no_stage(tmp_path: Path) -> None:
     """What is in N was measured, in whatever steps it is read, and though it follows what no column says."""
     pressure, place = factorial(PLACES["nine"], 0)
