@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -124,7 +124,7 @@ def summary_of(
         series = _series(quantity, runs)
         result = changes(series, limit)
         found += [
-            {**each, "words": change_words(each, markers)}
+            cast("HistoryChange", {**each, "words": change_words(each, markers)})
             for each in _described(quantity, series, result.changes, runs, fitted_s)
         ]
         if result.unconfirmed and quantity["runs"][-1] == len(runs) - 1:

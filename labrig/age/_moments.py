@@ -57,7 +57,7 @@ class Moments:
     def odds(self) -> Floats:
         """The logarithm (n,) of the Bayes factor, after each run, of a change at some time against none ever."""
         none_yet = np.arange(len(self.whole)) * np.log1p(-HAZARD)
-        return np.asarray(np.logaddexp(logsumexp(self.factors, axis=(0, 2)), none_yet))
+        return np.asarray(np.logaddexp(np.asarray(logsumexp(self.factors, axis=(0, 2)), float), none_yet))
 
     @cached_property
     def factors(self) -> Floats:

@@ -69,7 +69,8 @@ class Validation:
         from labrig.ik import WHOLE
 
         table = self.realisations
-        realised = table[table["model"] == WHOLE]["realised"].dropna()
+        whole: Any = table[table["model"] == WHOLE]
+        realised = whole["realised"].dropna()
         form = f" with {WHOLE}" if table["model"].nunique() > 1 else ""
         far = (
             f"{realised.mean():.3g} mm from the target on the mean{form}"

@@ -102,7 +102,7 @@ class Prepared:
         """What to make of many values that were left out; empty of few."""
         if self.left_out_share < MANY_LEFT_OUT:
             return ""
-        gone = (np.isfinite(self.context.rows.values) & ~np.isfinite(self.residual)).any(axis=1)
+        gone = np.any(np.isfinite(self.context.rows.values) & ~np.isfinite(self.residual), axis=1)
         return (
             f", {self.left_out_share:.0%} of all, in {gone.sum()} of {len(gone)} rows: what makes them, such as "
             "interference, is in no verdict; find it"

@@ -89,7 +89,7 @@ def _read(text: "pd.Series", called: str, *, day_first: bool | None, minutes: bo
     if not known.any():
         return _other(text)
     out = _stamps(found, called, day_first, minutes)
-    rest = text[~known & text.ne("").to_numpy()]
+    rest: Any = text[~known & text.ne("").to_numpy()]
     if out.dated and len(rest):
         out.seconds[rest.index.to_numpy()] = _other(rest).seconds
     return out

@@ -190,7 +190,7 @@ def _words_among(table: Table, column: Any) -> str:
     if table.frame[column].dtype.kind == "M":
         return ""
     text = table.filled(column)
-    words = text[np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), dtype=float))]
+    words: Any = text[np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), dtype=float))]
     if len(words) > 0.5 * len(text):
         return ""
     first = str(table.frame[column][words.index[0]]).strip()

@@ -187,7 +187,7 @@ class Table:
     def _cells(self, column: str | int) -> "pd.Series":
         """The cells of a column that hold something, as they are written."""
         values: Any = self.frame[column].dropna()
-        text = as_cells(values, self.decimal)
+        text: Any = as_cells(values, self.decimal)
         return text[~is_nothing(text, self.missing)]
 
     def key(self, name: str) -> str | int:

@@ -44,7 +44,7 @@ def are_dates(table: Table, column: Any) -> bool:
     values = table.frame[column]
     if values.dtype.kind in "Mm":
         return True
-    sample = values.dropna().head(20)
+    sample: Any = values.dropna().head(20)
     sample = sample[sample.astype(str).str.strip().ne("")]
     if not len(sample):
         return False
