@@ -60,6 +60,7 @@ def test_the_file_is_of_the_documented_form(slip) -> None:
     documented |= {"next_experiment", "warnings", "effects_considered"}
     assert set(content) >= documented
     more = {"together", "drop", "carried_by", "floor", "left_out", "unnamed", "runs", "model", "track_record"}
+    more |= {"error_by_unit", "left_out_share", "unnamed_units"}
     assert set(content) - documented == more
     assert (content["verdict"], content["effects"], content["rivals"]) == ("identified", ["marker_slip"], [])
     assert content["units"] == "mm"

@@ -28,7 +28,7 @@ def test_compare_measures_without_fitting(leaking) -> None:
     """The error of the model as it stands, the floor, and where; the same figures as a hand would find."""
     lab, data = leaking
     summary = compare(data, lab.model()).summary
-    assert set(summary) == {"units", "error", "where", "floor", "warnings", "runs", "model"}
+    assert set(summary) == {"units", "error", "error_by_unit", "where", "floor", "warnings", "runs", "model"}
     assert set(summary["error"]) == {"model", "floor"}
     left = data["position_mm"].values.reshape(40, -1, 18) - lab.predict(lab.u)
     means = np.nanmean(left, axis=1)
@@ -48,6 +48,7 @@ def test_an_effect_is_added(leaking) -> None:
         "units",
         "effects",
         "error",
+        "error_by_unit",
         "drop",
         "added",
         "where",
@@ -144,7 +145,7 @@ def test_from_measurements_to_a_better_model_by_commands(make_lab, labrig, monke
     assert "where it fails" in out
     assert "old model" not in out
     before = json.loads(Path("c/compare.json").read_text())
-    assert set(before) == {"units", "error", "where", "floor", "warnings", "runs", "model"}
+    assert set(before) == {"units", "error", "error_by_unit", "where", "floor", "warnings", "runs", "model"}
     code, out, err = labrig("diagnose", "run", "--model", "model.yaml", "--out", "d")
     assert (code, err) == (0, "")
     assert out.startswith("verdict: identified (one effect is missing)\n")

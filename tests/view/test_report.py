@@ -79,7 +79,9 @@ def test_nothing_missing_shows_one_pale_surface(make_result, fields):
     """Where nothing was added there is no before and after, and what is not above the floor has no colour."""
     error = {"base": 0.11, "model": 0.11, "floor": 0.11, "ceiling": 0.11}
     quiet = fields.assign(base=fields["model"])
-    html = report_html(make_result(fields=quiet, verdict="nothing_missing", effects=[], error=error))
+    html = report_html(
+        make_result(fields=quiet, verdict="nothing_missing", effects=[], effects_considered=[], error=error)
+    )
     (surface,) = surfaces_of(html)
     assert np.median(surface["intensity"]) < 0.25
     assert "Nothing is missing" in body_of(html)
