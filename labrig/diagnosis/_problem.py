@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig._text import percent
 from labrig.arrays import Floats, Ints
 from labrig.contents import MANY_LEFT_OUT, HeldOff
 from labrig.diagnosis._dead import without_dead
@@ -104,7 +105,7 @@ class Prepared:
             return ""
         gone = np.any(np.isfinite(self.context.rows.values) & ~np.isfinite(self.residual), axis=1)
         return (
-            f", {self.left_out_share:.0%} of all, in {gone.sum()} of {len(gone)} rows: what makes them, such as "
+            f", {percent(self.left_out_share)} of all, in {gone.sum()} of {len(gone)} rows: what makes them, such as "
             "interference, is in no verdict; find it"
         )
 
