@@ -70,13 +70,10 @@ class Validation:
 
         table = self.realisations
         whole: Any = table[table["model"] == WHOLE]
-        realised = whole["realised"].dropna()
+        realised: list[float] = whole["realised"].dropna().tolist()
         form = f" with {WHOLE}" if table["model"].nunique() > 1 else ""
-        far = (
-            f"{realised.mean():.3g} mm from the target on the mean{form}"
-            if len(realised)
-            else "nothing was scanned"
-        )
+        mean_mm = sum(realised) / max(len(realised), 1)
+        far = f"{mean_mm:.3g} mm from the target on the mean{form}" if realised else "nothing was scanned"
         return f"Validation: {len(table)} realisations of {table['target'].nunique()} targets, {far}"
 
     def _repr_html_(self) -> str:
