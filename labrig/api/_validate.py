@@ -71,7 +71,7 @@ class Validation:
         table = self.realisations
         whole: Any = table[table["model"] == WHOLE]
         realised: list[float] = whole["realised"].dropna().tolist()
-        form = f" with {WHOLE}" if table["model"].nunique() > 1 else ""
+        form = f" with {WHOLE}" if len(set(table["model"])) > 1 else ""
         mean_mm = sum(realised) / max(len(realised), 1)
         far = f"{mean_mm:.3g} mm from the target on the mean{form}" if realised else "nothing was scanned"
         return f"Validation: {len(table)} realisations of {table['target'].nunique()} targets, {far}"
