@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig._outliving import outlives
 from labrig.rig._config import RigConfig
 from labrig.rig._guard_words import GuardRequest, Setup, apart
 from labrig_drivers import (
@@ -159,6 +160,7 @@ class GuardedPressure:
             process.wait(_CLOSE_S)
             _close_pipes(process)
             self._process = None
+        outlives(process)
 
     def _call(self, request: GuardRequest, timeout_s: float = _CALL_S) -> Any:
         with self._lock:

@@ -23,6 +23,7 @@ from statistics import median
 from typing import Any, TypedDict
 
 from labrig._errors import LabrigError, NothingToDoError
+from labrig._outliving import outlives
 from labrig.workbench._child import ALIVE, CANCELLED, ENDED, INTERRUPTED, PID, write_ended
 from labrig.workbench._locked import is_held
 
@@ -168,6 +169,7 @@ class Jobs:
                 )
             (job.folder / PID).write_text(str(child.pid), encoding="ascii")
             self._children[job.folder] = child
+            outlives(child)
         return job
 
     def join(self, words: Sequence[object], title: str, run: str = "") -> Job:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypedDict
 
 from labrig._errors import LabrigError
+from labrig._outliving import outlives
 
 _ENDS_S = 3.0
 
@@ -73,6 +74,7 @@ class VentButton:
         self._let_go()
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(_ENDS_S)
+        outlives(self._process)
 
     def _let_go(self) -> None:
         for pipe in (self._process.stdin, self._process.stdout):
