@@ -144,21 +144,6 @@ def smooth_places(context: Context) -> Floats:
     return np.array(fields).T if fields else np.zeros((len(rows.marker), 0))
 
 
-def rigid_places(context: Context) -> Floats:
-    """An orthonormal basis (K, up to 6) of how small rigid motions move the markers at rest, whose places are known."""
-    rows = context.rows
-    assert rows.rest_mm is not None
-    own = np.flatnonzero((rows.marker >= 0) & (rows.axis >= 0))
-    place = rows.rest_mm - rows.rest_mm.mean(axis=0)
-    place = place / (np.sqrt((place**2).mean()) + 1e-12)
-    motions = np.zeros((len(rows.marker), 6))
-    for i, e in enumerate(np.eye(3)):
-        motions[own, i] = e[rows.axis[own]]
-        motions[own, 3 + i] = np.cross(e, place)[rows.marker[own], rows.axis[own]]
-    basis, size, _ = np.linalg.svd(motions, full_matrices=False)
-    return basis[:, size > 1e-6 * size[0]]
-
-
 def centre_of(context: Context) -> Floats:
     """The mean place of the markers at rest, mm, (3,): measured, else predicted of the vented rig."""
     if context.centre is not None:

@@ -9,8 +9,9 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern
-from labrig.effects._fields import rigid_places, smooth_places
+from labrig.effects._fields import smooth_places
 from labrig.effects._inside import inside
+from labrig.effects._obstacles import to_rows
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, along_own
 
@@ -86,10 +87,15 @@ class RestShape(Effect):
 
 def _smooth(context: Context) -> Iterator[tuple[int, Floats]]:
     """Smooth fields over the body (K,), by number, without what rigid motions of all markers make: the frame."""
-    fields = smooth_places(context)
-    if fields.shape[1]:
-        rigid = rigid_places(context)
-        fields = fields - rigid @ (rigid.T @ fields)
+    fields, rest = smooth_places(context), context.rows.rest_mm
+    if rest is not None and fields.shape[1]:
+        place = (rest - rest.mean(axis=0)) / np.maximum(
+            np.sqrt(((rest - rest.mean(axis=0)) ** 2).mean()), 1e-12
+        )
+        axes = np.eye(3)
+        shifts, turns = np.broadcast_to(axes[:, None], (3, *place.shape)), np.cross(axes[:, None], place)
+        rigid = to_rows(context, np.concatenate([shifts, turns])).T
+        fields = fields - rigid @ np.linalg.lstsq(rigid, fields, rcond=1e-6)[0]
     for i, shape in enumerate(fields.T):
         if np.sqrt((shape**2).mean()) > _LEFT:
             yield i, motion_scale(context) * shape
