@@ -1,5 +1,6 @@
 """On the real clock: the devices are polled while a scanner is waited for, and nothing waits for ever."""
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import pytest
 
 from labrig import open_run
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Steps, read_completed, run
+from labrig.campaign._scans import keep_scan
 from labrig.rig import connect
 from labrig_drivers import DeviceError, RealClock
 
@@ -31,13 +33,24 @@ def rig(make_rig: Any) -> Any:
     return connect(make_rig().rig.config, RealClock(), guard=False)
 
 
-def test_a_scan_is_waited_for_while_everything_is_logged(rig: Any, tmp_path: Path) -> None:
-    """Frames and pressures go on during the two seconds of the scan."""
+@pytest.fixture
+def slow_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A share to which a scan takes two seconds to be copied."""
+
+    def keep(*given: Any) -> Any:
+        time.sleep(2.0)
+        return keep_scan(*given)
+
+    monkeypatch.setattr("labrig.campaign._execute.keep_scan", keep)
+
+
+def test_a_scan_is_waited_for_while_everything_is_logged(rig: Any, tmp_path: Path, slow_disk: None) -> None:
+    """Frames and pressures go on during the two seconds of the scan, and the two in which its files are copied."""
     run(Scans(), rig, tmp_path / "run")
     done = read_completed(tmp_path / "run")
     assert [item.step.kind for item in done] == ["actuate", "settle", "scan", "record"]
     scan = done[2]
-    assert scan.ended_s - scan.started_s >= 2.0
+    assert scan.ended_s - scan.started_s >= 4.0
     hold = open_run(tmp_path / "run").isel(capture=0)
     during = hold["time_s"].to_numpy() - hold["time_s"].to_numpy()[0]
     assert np.diff(during[np.isfinite(during)]).max() < 1.0

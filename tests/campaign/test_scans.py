@@ -1,13 +1,19 @@
 """What a scanner exported is kept with its run as it was, and read back from there in its own unit."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from labrig import LabrigError
+from labrig.campaign import Procedure, RigInfo, Scan, Steps, run
 from labrig.campaign._scans import keep_scan
+from labrig.log import last_logged_s
 from labrig.surface import grid, read_mesh
-from labrig_drivers import RealClock, Scan, build_device
+from labrig_drivers import RealClock, build_device
+from labrig_drivers import Scan as Scanned
 from labrig_drivers.simulated._artec_twin import obj_bytes, png_bytes
 
 MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
@@ -38,8 +44,43 @@ def test_a_scan_with_colours_is_read_back_from_its_run(tmp_path: Path, unit: str
 
 def test_scans_are_numbered_without_end(tmp_path: Path) -> None:
     """The one after 999 is 1000, and what older runs called `998_scan.ply` counts, too: nothing is written over."""
-    scan = Scan(0.0, np.eye(3), np.array([[0, 1, 2]]), (), "")
+    scan = Scanned(0.0, np.eye(3), np.array([[0, 1, 2]]), (), "")
     (tmp_path / "scans").mkdir()
     (tmp_path / "scans" / "998_scan.ply").write_bytes(b"ply")
     kept = [keep_scan(scan, tmp_path) for _ in range(3)]
     assert kept == [("scans/999/scan.ply",), ("scans/1000/scan.ply",), ("scans/1001/scan.ply",)]
+
+
+class Once(Procedure):
+    """One scan."""
+
+    def steps(self, rig: RigInfo) -> Steps:
+        """Nothing else."""
+        yield Scan()
+
+
+def _scanning(fake: Any, monkeypatch: pytest.MonkeyPatch, **changes: Any) -> None:
+    scanner = fake.rig.scanner._device
+    scan = scanner.scan
+    monkeypatch.setattr(scanner, "scan", lambda timeout_s: replace(scan(timeout_s), **changes))
+
+
+def test_a_scanners_clock_does_not_set_the_runs(
+    fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Files that another computer dates an hour ahead are logged when they came: a resumed run loses no hour."""
+    _scanning(fake, monkeypatch, time_s=fake.clock.now_s() + 3600.0)
+    run(Once(), fake.rig, tmp_path / "run", fake.clock)
+    assert last_logged_s(tmp_path / "run") <= fake.clock.now_s()
+
+
+def test_a_scan_whose_file_is_gone_is_not_the_log(
+    fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where somebody moved the export, the message names it, and not the run's log."""
+    _scanning(fake, monkeypatch, files=(tmp_path / "exports" / "Eva scan 1.ply",))
+    with pytest.raises(
+        LabrigError, match=r"Eva scan 1\.ply: No such file or directory; the chambers are vented$"
+    ) as caught:
+        run(Once(), fake.rig, tmp_path / "run", fake.clock)
+    assert "the log" not in str(caught.value)

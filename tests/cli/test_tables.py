@@ -48,6 +48,42 @@ def test_sure_possible_and_not_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert "10 %" not in printed
 
 
+def test_a_row_for_each_unit(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a run in two units the errors stand in both; what is no figure in one of them is a dash."""
+    by_unit = {
+        "mm": {"base": 2.1, "model": 0.5, "floor": 0.1},
+        "N": {"base": 4.2, "model": 0.7, "floor": 0.2},
+    }
+    print_summary(
+        {**SUMMARY, "error": {**SUMMARY["error"], "ceiling": 0.3}, "error_by_unit": by_unit}, "diagnosis"
+    )
+    rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in capsys.readouterr().out.splitlines()]
+    assert ["mm", "2.1", "0.5", "0.1", "0.3"] in rows
+    assert ["N", "4.2", "0.7", "0.2", "-"] in rows
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, "nothing is missing: the model is as good as the measurements"),
+        ({"left_out_share": 0.2}, "nothing is missing beside what was left out"),
+        ({"effects_considered": [SUMMARY["effects_considered"][1]]}, "nothing is surely missing"),
+    ],
+)
+def test_what_nothing_missing_means(capsys: pytest.CaptureFixture[str], changes: Any, said: str) -> None:
+    """It is not called as good as the measurements where much was left out, or something may be missing."""
+    quiet = {
+        **SUMMARY,
+        "verdict": "nothing_missing",
+        "effects": [],
+        "rivals": [],
+        "unnamed": {},
+        "ranking": [],
+    }
+    print_summary({**quiet, "effects_considered": [], **changes}, "diagnosis")
+    assert f"verdict: nothing_missing ({said}" in " ".join(capsys.readouterr().out.split())
+
+
 def test_too_few_data(capsys: pytest.CaptureFixture[str]) -> None:
     """Where nothing could be weighed no effect is said to be not it."""
     rows = [{"effect": "leak", "probability": 0.0, "call": "not it", **NOWHERE}]

@@ -162,7 +162,7 @@ def test_a_page_of_failures():
 
 def test_a_learned_model_is_read(tmp_path, net):
     """forward.pt is a model, and the one that was learnt is such a file; what is none is said by what reads it."""
-    from labrig.surrogate import ForwardModel, save_forward
+    from labrig.surrogate import ForwardModel, Measured, Trained, save_forward
     from labrig.surrogate._gaussian import fit_gaussian
 
     x = np.random.default_rng(3).uniform(0, 1, (30, 4))
@@ -171,9 +171,10 @@ def test_a_learned_model_is_read(tmp_path, net):
         net.chamber_names, net.low_kpa, net.high_kpa, net.spline, net.mean_mm, net.modes_mm, head, np.zeros((6, 1)), 1.0
     )  # fmt: skip
     save_forward(model, tmp_path / "forward.pt")
-    with as_file(model) as path:
-        assert path.read_bytes() == (tmp_path / "forward.pt").read_bytes()
-    assert not path.exists()
+    for given in (model, Trained(model, 0.0, 0.0, Measured({}, *np.zeros((3, 1))))):
+        with as_file(given) as path:
+            assert path.read_bytes() == (tmp_path / "forward.pt").read_bytes()
+        assert not path.exists()
     shape, memory = load_shape_model(tmp_path / "forward.pt")
     assert shape.chamber_names == net.chamber_names
     assert memory is None

@@ -88,6 +88,17 @@ def test_nothing_missing_shows_one_pale_surface(make_result, fields):
     assert "data-show" not in body_of(html)
 
 
+def test_each_unit_has_its_errors(make_result) -> None:
+    """Beside the unit that is quoted the page says what the errors are in every other."""
+    by_unit = {
+        "mm": {"base": 1.9, "model": 0.3, "floor": 0.1},
+        "N": {"base": 4.2, "model": 0.7, "floor": 0.2},
+    }
+    said = body_of(report_html(make_result(error_by_unit=by_unit)))
+    assert "In N: the model as it was 4.2, with creep 0.7 and noise floor 0.2." in said
+    assert "In mm:" not in said
+
+
 def test_without_geometry_measured_against_predicted(make_result, fields):
     """A run of forces has no surface: measured is drawn against predicted."""
     plain = fields.drop_vars("rest_mm").isel(observable=slice(0, 2))
