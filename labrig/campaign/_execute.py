@@ -214,12 +214,13 @@ def _scan(session: Session, step: Scan, _reason: str) -> tuple[Result, StepResul
         "unit": result.unit,
     }
     if session.log is not None:
+        dated_s = (
+            scan.time_s if began_s <= scan.time_s <= came_s else came_s
+        )  # files may be dated by another clock
         with session.signals.shield():
             session.log.write(
                 Topic.SCAN,
-                scan.time_s
-                if began_s <= scan.time_s <= came_s
-                else came_s,  # files may be dated by another clock
+                dated_s,
                 **{name: value for name, value in facts.items() if name != "unit"},
                 min_mm=vertices.min(axis=0).tolist() if len(vertices) else [],
                 max_mm=vertices.max(axis=0).tolist() if len(vertices) else [],

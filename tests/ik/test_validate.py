@@ -219,6 +219,7 @@ def test_refining_goes_the_right_way_for_a_target_that_is_inside_out(lab, manneq
             misfits.append(np.nanmean(np.abs(height)))
             pressure = search.propose(pressure, height)
         assert result.inverted == (name == "b.ply")
+        assert misfits[1] < 0.6 * misfits[0], name
         assert misfits[2] < 0.4 * misfits[0], name
 
 
