@@ -28,6 +28,8 @@ from labrig.bench._report import write_section
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
+PACKAGES = ("", "drivers", "procedures", "logs_schema")
+"""Where the packages lie in a tree: else the tests would run on those that are installed."""
 LIST = HERE / "safety_mutants.yaml"
 HEADING = "## Safety net"
 LIMIT_S = 600.0
@@ -94,7 +96,8 @@ def run_tests(tree: Path, tests: tuple[str, ...]) -> tuple[str | None, float]:
     Raises `RuntimeError` when the tests could not be run at all.
     """
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-m", "not slow", "-p", "no:cacheprovider", *tests]
-    env = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
+    path = os.pathsep.join(str(tree / folder) for folder in PACKAGES)
+    env = {**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
     began = time.monotonic()
     try:
         done = subprocess.run(
