@@ -94,7 +94,7 @@ def _smooth(context: Context) -> Iterator[tuple[int, Floats]]:
         )
         axes = np.eye(3)
         shifts, turns = np.broadcast_to(axes[:, None], (3, *place.shape)), np.cross(axes[:, None], place)
-        rigid = to_rows(context, np.concatenate([shifts, turns])).T
+        rigid = to_rows(context, np.concatenate([shifts, turns]).astype(np.float64)).T
         fields = fields - rigid @ np.linalg.lstsq(rigid, fields, rcond=1e-6)[0]
     for i, shape in enumerate(fields.T):
         if np.sqrt((shape**2).mean()) > _LEFT:
