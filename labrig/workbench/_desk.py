@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from labrig._errors import LabrigError
+from labrig.rig import RigConfig, load_rig
 from labrig.workbench._events import Events
 from labrig.workbench._jobs import Jobs, command_line
 from labrig.workbench._vent_button import VentButton
@@ -20,7 +21,7 @@ class Desk:
     """A folder of runs that is worked on.
 
     `token` opens its pages; `rig_token` goes only to the page that was opened for the rig, and moves it. `planner`
-    makes plans while `worker` fits; `at_end` is called when the server ends.
+    makes plans while `worker` fits; `at_end` is called when the server ends. `rig` is what `rig_file` said at first.
     """
 
     folder: Path
@@ -28,6 +29,7 @@ class Desk:
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
     rig_token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
     rig_file: Path | None = None
+    rig: RigConfig | None = field(default=None, repr=False)
     events: Events = field(default_factory=Events, repr=False)
     vent: VentButton | None = field(default=None, repr=False)
     worker: Worker = field(default_factory=Worker, repr=False)
@@ -47,6 +49,16 @@ class Desk:
             raise LabrigError(f"{relative}: lies outside the workbench's folder {self.folder}")
         return found
 
+    def known_rig(self) -> RigConfig | None:
+        """The rig as its file says now, or as it said at first where somebody has broken it since.
+
+        To see and to end what goes on, which a slip in the file must not prevent; nothing is begun with it.
+        """
+        try:
+            return self.rig_file and load_rig(self.rig_file)
+        except LabrigError:
+            return self.rig
+
     def command(self, words: Sequence[object]) -> str:
         """A labrig command as it is typed in the folder."""
         return command_line(words)
@@ -64,10 +76,12 @@ class Desk:
 
 
 def open_desk(folder: Path, rig_file: Path | None = None) -> Desk:
-    """The desk of a folder; raises `LabrigError` where there is none, or a rig file does not exist."""
+    """The desk of a folder; raises `LabrigError` where there is none, or a rig file is none."""
     if not folder.is_dir():
         raise LabrigError(f"{folder}: there is no such folder; name one with runs in it, or an empty one")
     if rig_file is not None and not rig_file.is_file():
         raise LabrigError(f"{rig_file}: there is no such rig file")
+    rig = rig_file and load_rig(rig_file)
     folder = folder.resolve()
-    return Desk(folder, Jobs(folder, folder / OWN / "jobs"), rig_file=rig_file and rig_file.resolve())
+    jobs = Jobs(folder, folder / OWN / "jobs")
+    return Desk(folder, jobs, rig_file=rig_file and rig_file.resolve(), rig=rig)

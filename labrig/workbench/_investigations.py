@@ -10,7 +10,7 @@ from labrig._errors import LabrigError
 from labrig._running import Note, notes
 from labrig.investigation import OPEN, STATE
 from labrig.investigation_contents import InvestigationContent, Round
-from labrig.rig import investigations_on, is_there, load_rig
+from labrig.rig import investigations_on, is_there
 from labrig.view import investigation_pictures
 from labrig.workbench._child import INTERRUPTED
 from labrig.workbench._desk import Desk
@@ -29,8 +29,7 @@ def going_on(desk: Desk) -> list[str]:
 
     By their names below the folder; of one that lies elsewhere the whole path.
     """
-    on_rig = investigations_on(load_rig(desk.rig_file)) if desk.rig_file is not None else []
-    names = [name_of(desk, note) for note in on_rig]
+    names = [name_of(desk, note) for note in _on_rig(desk)]
     names += [name for note in _inside(desk) if (name := name_of(desk, note)) not in names and is_there(note)]
     return list(dict.fromkeys([*names, *(out_of(job) for job in jobs_of(desk) if job.state == "running")]))
 
@@ -43,10 +42,7 @@ def name_of(desk: Desk, note: Note) -> str:
 
 def note_of(desk: Desk, name: str) -> Note | None:
     """How to reach the investigation of this name, if it goes on."""
-    known = [
-        *_inside(desk),
-        *(investigations_on(load_rig(desk.rig_file)) if desk.rig_file is not None else []),
-    ]
+    known = [*_inside(desk), *_on_rig(desk)]
     return next((note for note in known if name_of(desk, note) == name and is_there(note)), None)
 
 
@@ -187,6 +183,11 @@ def _now(desk: Desk, name: str, content: InvestigationContent) -> dict[str, Any]
                 "paused": status["paused"],
             }
     return told
+
+
+def _on_rig(desk: Desk) -> list[Note]:
+    rig = desk.known_rig()
+    return [] if rig is None else investigations_on(rig)
 
 
 def _inside(desk: Desk) -> list[Note]:

@@ -14,7 +14,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig._running import GoneError, Note, notes
 from labrig.log import RunSummary, summarise
-from labrig.rig import load_rig, runs_on
+from labrig.rig import runs_on
 from labrig.run_contents import LiveError
 from labrig.view import ERROR_SCALE, STEPS, skin
 from labrig.workbench._desk import Desk
@@ -29,7 +29,8 @@ _ENDS_S = 3.0
 
 def live_runs(desk: Desk) -> list[Note]:
     """The runs that go on with the desk's rig or in its folder, the latest first; others on this computer are not."""
-    on_rig = runs_on(load_rig(desk.rig_file)) if desk.rig_file is not None else []
+    rig = desk.known_rig()
+    on_rig = [] if rig is None else runs_on(rig)
     ports = {note.port for note in on_rig}
     inside = [note for note in notes("run") if _inside(desk, note)]
     return [*on_rig, *(note for note in inside if note.port not in ports)]

@@ -51,19 +51,25 @@ def routes(desk: Desk) -> list[Route]:
 
 def _rig(desk: Desk) -> Any:
     """The rig of this workbench, where its vent button is, what goes on, and what could be run."""
-    if desk.rig_file is None:
-        return {"rig": None, "running": alive(desk), "investigating": going_on(desk), "vent": None}
-    config = load_rig(desk.rig_file)
+    always = {
+        "running": alive(desk),
+        "investigating": going_on(desk),
+        "vent": desk.vent.place if desk.vent is not None else None,
+    }
+    if desk.rig is None:
+        return {"rig": None, **always}
+    try:
+        config = _config(desk)
+    except LabrigError as error:
+        return {"rig": desk.rig.name, **always, "wrong": str(error)}
     return {
         "rig": config.name,
+        **always,
         "file": str(desk.rig_file),
         "simulated": config.pressure.kind == "simulated",
         "reached": _reached(config),
         "chambers": [[c.name, c.min_kpa, c.max_kpa] for c in config.chambers],
         "markers": len(config.markers),
-        "running": alive(desk),
-        "investigating": going_on(desk),
-        "vent": desk.vent.place if desk.vent is not None else None,
         "vent_command": desk.command(["rig", "vent", desk.rig_file]),
         "procedures": sorted(shipped()),
         "files": (files := _files(desk)),
@@ -230,7 +236,8 @@ def _models(desk: Desk, name: str) -> Any:
     note = live_run(desk, name)
     if note is None:
         raise LabrigError(f"{name or 'no run'}: does not go on")
-    names = names_of_rig(_config(desk)) if desk.rig_file is not None else None
+    rig = desk.known_rig()
+    names = None if rig is None else names_of_rig(rig)
     return {"models": [desk.name(path) for path in models_of(desk, Path(str(note.facts["folder"])), names)]}
 
 

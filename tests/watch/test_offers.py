@@ -85,3 +85,26 @@ def test_nothing_to_settle_is_said_to_stay(asked: Any, page: Any) -> None:
     assert "--minutes 2 " in page.inner_text("#next .command code")
     page.fill("#minutes", "-5")
     assert page.is_disabled("#propose")
+
+
+def test_a_rig_file_that_was_broken_is_said_and_vent_stays(asked: Any, page: Any) -> None:
+    """A slip in the file is told where campaigns are begun, which none is until it is mended."""
+    file = asked.folder / "rig.yaml"
+    right = file.read_text("utf-8")
+    file.write_text(right.replace("name: small", "nam: small"), encoding="utf-8")
+    page.reload()
+    assert "nam: there is no such field" in page.inner_text("#rig-wrong")
+    page.wait_for_selector("#vent iframe")
+    assert page.locator("#campaign, #investigate").count() == 0
+    file.write_text(right, encoding="utf-8")
+    page.reload()
+    page.wait_for_selector("#campaign")
+
+
+def test_a_file_that_is_no_rig_is_told_before_a_page_opens(asked: Any) -> None:
+    """A page without VENT would be all that somebody sees who names the wrong file."""
+    from labrig import LabrigError
+    from labrig.workbench import open_desk
+
+    with pytest.raises(LabrigError, match=r"better\.yaml"):
+        open_desk(asked.folder, asked.folder / "better.yaml")

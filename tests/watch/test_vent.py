@@ -165,3 +165,22 @@ def test_without_its_key_the_button_does_nothing(bench: Any) -> None:
             urllib.request.urlopen(urllib.request.Request(given, data=b"", method="POST"), timeout=180)
         caught.value.close()
         assert caught.value.code == 403
+
+
+def test_a_slip_in_the_rig_file_takes_nothing_away_that_ends_a_run(bench: Any, rig: Any, until: Any) -> None:
+    """Whoever breaks the file while a run goes on still has the button, the run, its pause and its end; no new run."""
+    run = bench.start("first", *LONG)
+    bench.live(run)
+    address = bench.vent_address()
+    rig.file.write_text(rig.file.read_text("utf-8") + "chamberss: []\n", encoding="utf-8")
+    status, facts = bench.ask("/api/watch/rig")
+    assert status == 200
+    assert facts["running"] == [run]
+    assert "chamberss" in facts["wrong"]
+    assert bench.vent_address() == address
+    assert bench.now(run)["live"]
+    status, said = bench.ask("/api/watch/plan", {"procedure": "capture"})
+    assert (status, "chamberss" in said["error"]) == (400, True)
+    assert bench.ask("/api/watch/end", {"run": run})[0] == 200
+    until(lambda: not bench.now(run)["live"], "the run goes on")
+    assert rig.highest_kpa < 3.0

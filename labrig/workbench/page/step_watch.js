@@ -33,9 +33,11 @@ export async function show(root, context) {
   const cards = h("div", { class: "watch-cards" });
   fill(root, cards);
   if (context.run) ends.push(await versus(cards, context));
-  if (context.run && facts.rig) ends.push(await next(cards, context));
-  if (facts.rig) ends.push(await plan(cards, context, facts));
-  if (facts.rig) ends.push(await investigate(cards, context));
+  if (facts.wrong) cards.append(h("p", { class: "wrong", id: "rig-wrong" }, facts.wrong, ". Nothing can be begun until the rig file is mended; VENT works as before."));
+  const ready = facts.rig && !facts.wrong;
+  if (context.run && ready) ends.push(await next(cards, context));
+  if (ready) ends.push(await plan(cards, context, facts));
+  if (ready) ends.push(await investigate(cards, context));
   if (context.run) ends.push(await history(cards, context));
   if (!facts.rig) await noRig(cards, context).catch((error) => cards.append(h("p", { class: "wrong" }, error.message)));
   return () => ends.forEach((end) => end?.());
