@@ -22,7 +22,7 @@ from labrig.view._signature_figure import signature
 from labrig.view._style import AFTER, BEFORE, CEILING, FLOOR, VERDICT_COLOURS
 from labrig.view._values import units_of
 from labrig.view._waterfall import waterfall_svg
-from labrig.view._words import fitted_anything, has_improved, meanings, note
+from labrig.view._words import fitted_anything, has_improved, meanings, note, runs_in_short
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -79,13 +79,12 @@ def report_html(result: "Result") -> str:
 def _opening(page: Page, result: "Result") -> None:
     summary, fields = result.summary, result.fields
     words = note(summary)
-    run = str(fields.attrs.get("run", ""))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
     sizes = [counted(fields.sizes["capture"], "capture"), counted(fields.sizes[measured], measured)]
+    model = Path(str(summary.get("model") or "")).name
+    when = datetime.now().astimezone().strftime("%d %B %Y, %H:%M")
     about = " · ".join(
-        filter(
-            None, ["labrig", Path(run).name, *sizes, datetime.now().astimezone().strftime("%d %B %Y, %H:%M")]
-        )
+        filter(None, ["labrig", runs_in_short(summary.get("runs") or []), model, *sizes, when])
     )
     # only where the verdict's own probability is that of all that is said: each effect has one of its own
     alone = summary.get("verdict") in ("nothing_missing", "unknown")

@@ -20,6 +20,7 @@ from labrig.view._report import GROUPS, REPORT_NAME
 from labrig.view._style import AFTER, BEFORE, FLOOR, MUTED
 from labrig.view._versus_figure import differences
 from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
+from labrig.view._words import runs_in_short
 
 if TYPE_CHECKING:
     from labrig.diagnosis import VersusResult
@@ -87,10 +88,9 @@ def _opening(page: Page, result: "VersusResult", headline: str) -> None:
     summary, fields, names = result.summary, result.fields, _names(result.summary)
     units = escape(str(summary["units"]))
     measured = "marker" if fields.sizes.get("marker", 0) else "observable"
-    run = Path(str(fields.attrs.get("run", ""))).name
     sizes = [counted(fields.sizes["capture"], "capture"), counted(fields.sizes[measured], measured)]
     when = datetime.now().astimezone().strftime("%d %B %Y, %H:%M")
-    about = " · ".join(filter(None, ["labrig", run, *sizes, when]))
+    about = " · ".join(filter(None, ["labrig", runs_in_short(summary.get("runs") or []), *sizes, when]))
     page.add(
         f'<div class="over"><span class="badge" style="background:{MUTED}">two models</span>'
         f"<span>{escape(about)}</span></div><h1>{escape(headline)}</h1>"

@@ -1,9 +1,11 @@
 """A verdict in words: what a colleague would write on top of the pictures."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 
 from labrig._text import amount, capital, counted, listed, number, percent, with_unit, word
-from labrig.contents import MANY_LEFT_OUT, HeldOff, Next, Summary
+from labrig.contents import MANY_LEFT_OUT, HeldOff, Next, RunNamed, Summary
 from labrig.view._naming import (
     added,
     astray,
@@ -35,7 +37,7 @@ AFTER_IMPROVING = (
     "Run `labrig diagnose` with the new model to see whether anything else is missing, preferably on a new run with "
     "other set-points, another order and other holds."
 )
-MOST_NAMED = 3  # of the effects that are possible, in a headline
+MOST_NAMED = 3  # of the effects that are possible, in a headline; of runs, above it
 STANDS_OUT = 1.15  # an error worth a word, as a multiple of the usual one
 
 
@@ -331,3 +333,9 @@ def _after_comparison(summary: Summary) -> str:
     if model > 1.5 * floor:
         return "Run `labrig diagnose` with the same arguments to find out which effect is missing."
     return "The model's error is close to the noise floor."
+
+
+def runs_in_short(runs: Sequence[RunNamed]) -> str:
+    """The runs that a result is about, each with the folder that it lies in; of many the first. Empty for none."""
+    named = ["/".join(PurePosixPath(each["run"]).parts[-2:]) for each in runs]
+    return ", ".join(named) if len(named) <= MOST_NAMED else f"{named[0]} and {len(named) - 1} more runs"

@@ -46,7 +46,6 @@ def make_fields(captures=40, seed=0):
             "repeat": ("capture", ["a" if i % 10 == 0 else "" for i in range(captures)]),
             "session": ("capture", ["s1"] * captures),
         },
-        attrs={"run": "runs/demo"},
     )
 
 

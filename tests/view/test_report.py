@@ -115,6 +115,14 @@ def test_units_that_differ_are_scaled(make_result, fields):
     assert x_titles(report_html(make_result(fields=mixed)))[0] == "predicted, standard deviations"
 
 
+def test_a_report_names_what_it_is_of(make_result):
+    """Beside the sizes stand the runs, each with its folder, and the model's file: reports are called alike."""
+    one = {"runs": [{"run": "/lab/demo/run", "id": "a"}], "model": "demo/model.yaml"}
+    assert "labrig · demo/run · model.yaml · " in body_of(report_html(make_result(**one)))
+    many = {"runs": [{"run": f"runs/{k}", "id": str(k)} for k in range(5)], "model": None}
+    assert "labrig · runs/0 and 4 more runs · " in body_of(report_html(make_result(**many)))
+
+
 def test_names_are_escaped(make_result):
     """What a file names cannot inject markup, in words or in figures."""
     html = report_html(make_result(effects=["</script><b>x"], warnings=["<img src=x>"]))
