@@ -12,6 +12,7 @@ from starlette.requests import Request
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
+from labrig._running import notes
 from labrig.catalogue import Row, list_runs
 from labrig.contents import Summary
 from labrig.log import run_id, segment_paths
@@ -70,6 +71,13 @@ class Pair:
             raise LabrigError(f"{self.run_name} has no diagnosis.json with {self.model_name} yet")
         return json.loads((self.results / "diagnosis.json").read_text(encoding="utf-8"))
 
+    @cached_property
+    def _measured_ns(self) -> int:
+        """When the run was measured to its end, for one that was gone on with has other results; 0 while it goes on."""
+        if any(note.facts.get("folder") == str(self.run) and not note.is_stale for note in notes("run")):
+            return 0
+        return max(path.stat().st_mtime_ns for _, path in segment_paths(self.run))
+
     def _is_about(self, path: Path) -> bool:
         try:
             written = path.stat().st_mtime_ns
@@ -78,7 +86,7 @@ class Pair:
             named = Path(content["model"])
         except (OSError, ValueError, KeyError, TypeError):
             return False
-        if run_id(self.run) not in runs or written < self.model.stat().st_mtime_ns:
+        if run_id(self.run) not in runs or written < max(self.model.stat().st_mtime_ns, self._measured_ns):
             return False
         told = (named, self.desk.folder / named, path.parent / named)
         if self.model in {each.resolve() for each in told}:
