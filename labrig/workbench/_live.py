@@ -67,7 +67,10 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
     if note is not None:
         with suppress(GoneError):
             return {"live": True, "run": name, **note.ask("status", since_s=since_s, event=event)}
-    summary = summarise(desk.existing(name))
+    try:
+        summary = summarise(desk.existing(name))
+    except LabrigError as error:
+        return _not_begun(desk, name, error)
     return {
         "live": False,
         "run": name,
@@ -78,6 +81,17 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
         "missed": summary.missed,
         "events": [[index, time_s, "", text] for index, (time_s, text) in enumerate(summary.events[-30:])],
     }
+
+
+def _not_begun(desk: Desk, name: str, error: LabrigError) -> dict[str, Any]:
+    """Why a run that was started here left no log, in the words of its command; for others raises the `error`."""
+    job = next((job for job in desk.jobs.all() if job.run == name and job.words[:1] == ("run",)), None)
+    if job is None or job.state == "done":
+        raise error
+    if job.state == "running":
+        raise LabrigError(f"{name}: begins, or has just ended")
+    why = job.facts()["last"].removeprefix("labrig: ") or f"it was {job.state}"
+    return {"live": False, "run": name, "state": "not begun", "why": why}
 
 
 def _is_vented(summary: RunSummary) -> bool:

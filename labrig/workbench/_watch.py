@@ -222,7 +222,7 @@ def _now(desk: Desk, request: Request, errors: Errors) -> Any:
     given = request.query_params
     name = given.get("run", "")
     state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
-    state["investigation"] = part_of(desk, Path(state["folder"]) if state["live"] else desk.existing(name))
+    state["investigation"] = part_of(desk, Path(state["folder"]) if state["live"] else desk.path(name))
     if state["live"] and given.get("model"):
         folder, model = Path(state["folder"]), desk.existing(given["model"])
         other = misfit(model, names_of(folder), named(desk, model))

@@ -33,7 +33,11 @@ export function live(root, name, { model, models, choose }, over) {
       show(parts, kept, state, surface, model);
     } catch (error) {
       missed += 1;
-      if (missed === 3) complain(error);
+      if (missed >= 3) {
+        parts.state.textContent = "no answer"; // what is drawn was true when it answered last
+        parts.state.className = "state waiting";
+        parts.words.textContent = error.message;
+      }
     }
     setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
   }

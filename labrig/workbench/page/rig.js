@@ -4,6 +4,7 @@
 
 import { address } from "./main.js";
 import { fill, h } from "./dom.js";
+import { ended } from "./jobs.js";
 import { get, rigFile } from "./server.js";
 
 const LOOK_MS = 3000;
@@ -19,10 +20,13 @@ export async function look() {
   return facts;
 }
 
-// A run answers a moment after its process has begun.
-export async function answers(run) {
+// A run answers a moment after its process has begun; an Error says why one whose process has ended never did.
+export async function answers(run, id) {
+  let job = null;
+  ended(id).then((found) => (job = found));
   for (let k = 0; k < 60; k++) {
     if ((await look()).running.includes(run)) return;
+    if (job && job.state !== "done") throw new Error(job.last.replace(/^labrig: /, "") || `${run}: ${job.state}`);
     await new Promise((resolve) => setTimeout(resolve, 500));
   }
 }

@@ -58,7 +58,7 @@ function resume(context, state) {
     button.disabled = true;
     try {
       const begun = await post("/api/watch/resume", { run: state.run });
-      await answers(begun.run);
+      await answers(begun.run, begun.job);
       context.again();
     } catch (error) {
       button.disabled = false;
@@ -69,6 +69,10 @@ function resume(context, state) {
 }
 
 function over(root, context, state) {
+  if (state.state === "not begun") {
+    fill(root, h("section", { class: "card", id: "not-begun" }, h("h1", {}, `${state.run} did not begin`), h("p", { class: "wrong" }, state.why), h("p", {}, h("a", { href: context.address("watch", { live: "" }) }, "Back to the plan"))));
+    return;
+  }
   const well = state.state === "completed";
   fill(
     root,

@@ -1,7 +1,7 @@
 // A campaign on the rig: its plan first, as a dry run, then its start.
 
 import { draw, legend } from "./curves.js";
-import { command, complain, duration, fill, h, number } from "./dom.js";
+import { command, duration, fill, h, number } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { answers } from "./rig.js";
 import { mayMoveRig, post } from "./server.js";
@@ -69,6 +69,7 @@ function drawn(place, found, isInBoxes, context, facts) {
   diagnose.addEventListener("change", () => (settled.disabled = !diagnose.checked));
   const start = h("button", { type: "button", class: "main", id: "start" }, "Start");
   const why = h("span", { class: "muted", id: "start-why" });
+  const wrong = h("p", { class: "wrong", id: "start-wrong", role: "alert", hidden: true });
   const open = () => {
     why.textContent = !mayMoveRig() ? "only the page that `labrig workbench --rig` opened moves the rig" : isInBoxes() ? "" : "this plan is not that of the boxes above: show the plan first";
     start.disabled = Boolean(why.textContent) || found.broken.length > 0;
@@ -77,14 +78,16 @@ function drawn(place, found, isInBoxes, context, facts) {
   open();
   start.addEventListener("click", async () => {
     start.disabled = true;
+    wrong.hidden = true;
     try {
       const begun = await post("/api/watch/start", { ...found.asked, plan: found.plan, out: name.value.trim(), realtime: !fast.checked, diagnose: diagnose.checked ? model : "", settled: settled.checked });
       if (fast.checked) return void (await measured(place, begun, context));
-      await answers(begun.run);
+      await answers(begun.run, begun.job);
       context.go("watch", { live: begun.run }, context.run);
     } catch (error) {
       open();
-      complain(error);
+      wrong.textContent = error.message;
+      wrong.hidden = false;
     }
   });
   const steps = h("tbody", {}, found.steps.slice(0, 200).map((step, k) => h("tr", {}, h("td", { class: "number" }, String(k)), h("td", { class: "number" }, `${step.at_s.toFixed(1)} s`), h("td", {}, step.kind), h("td", {}, what(step)))));
@@ -99,6 +102,7 @@ function drawn(place, found, isInBoxes, context, facts) {
     h("details", {}, h("summary", {}, "steps"), h("table", {}, h("thead", {}, h("tr", {}, ["step", "at", "", ""].map((text) => h("th", {}, text)))), steps)),
     command(found.command),
     h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, model ? h("label", { title: "in a process of its own; its probabilities appear while the run goes on" }, diagnose, ` diagnose ${model} meanwhile`) : null, model ? h("label", { title: "every effect sure or out, or one name left, or not worth the minutes" }, settled, " end when settled") : null, start, why),
+    wrong,
   );
   const acts = found.steps.filter((step) => step.kind === "actuate" || step.kind === "vent");
   const series = found.limits.map(([chamber], c) => ({
