@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import Any, TypedDict
 
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.routing import Route
 
@@ -62,6 +62,8 @@ def _drop(desk: Desk) -> Any:
         try:
             path = await _kept(desk, request)
             return says(await asyncio.to_thread(_looked_at, desk, path))
+        except ClientDisconnect:  # the page was closed meanwhile
+            return Response(status_code=400)
         except Exception as error:
             return failed(error)
 

@@ -1,10 +1,13 @@
 """Files dropped on the page: what is made of them."""
 
+import socket
 import time
 from urllib.parse import quote
 
 import pytest
 import yaml
+
+from tests.waiting import wait_for
 
 CSV = "t,pressure_1 [kPa],pressure_2 [kPa],force [N]\n" + "".join(
     f"{10 * i},{20 * (i % 3)},{15 * (i % 4)},{0.1 + 0.5 * (i % 3) + 0.2 * (i % 4):.1f}\n" for i in range(24)
@@ -116,3 +119,15 @@ def test_other_yaml_is_refused(drop, bench, content, said):
     assert status == 400
     assert answer["error"].startswith(said)
     assert not [p for p in bench.desk.folder.rglob("*") if p.name == "other.yaml"]
+
+
+def test_an_upload_that_is_broken_off_leaves_nothing(ask, bench, capsys):
+    """A page that is closed in the middle is no error for the terminal, and no half a file."""
+    head = f"POST /api/drop?name=half.csv HTTP/1.1\r\nHost: 127.0.0.1:{bench.port}\r\n"
+    head += f"x-labrig-token: {bench.desk.token}\r\ncontent-length: 1000000\r\n\r\n"
+    with socket.create_connection(("127.0.0.1", bench.port)) as connection:
+        connection.sendall(head.encode() + b"t,p\n" * 1000)
+        wait_for(lambda: list(bench.desk.folder.glob(".workbench/dropped/*/half.csv.part")))
+    wait_for(lambda: not list(bench.desk.folder.glob(".workbench/dropped/*")))
+    assert ask("/api/runs")[0] == 200
+    assert capsys.readouterr().err == ""
