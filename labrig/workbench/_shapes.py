@@ -53,9 +53,10 @@ class CaptureErrors(TypedDict):
 
 
 class Captures(CaptureErrors):
-    """What is drawn of every capture; of markers, where each was, should be, and how far that is off."""
+    """What is drawn of captures, of how many; of markers, where each was, should be, and how far that is off."""
 
     index: list[int]
+    of: int
     names: list[str]
     words: list[str]
     measured: NotRequired[Numbers]
@@ -112,6 +113,7 @@ def captures_of(result: "Result | VersusResult") -> Captures:
     kept = _kept(errors)
     content: Captures = {
         "index": kept.tolist(),
+        "of": len(errors),
         "names": [str(fields["capture"].values[k]) for k in kept],
         "words": [capture_words(fields, int(k)) for k in kept],
         "error": short(errors[kept], 4),

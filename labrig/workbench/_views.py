@@ -3,6 +3,7 @@
 import hashlib
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from labrig.workbench._desk import OWN, Desk
 from labrig.workbench._held import Key, stamp
 
 _KEPT = 200
-_FORMAT = 1  # of what is kept; another number where `view` gives something else
+_FORMAT = 2  # of what is kept; another number where `view` gives something else
 _making = (
     threading.Lock()
 )  # the worker does one thing at a time: who asks for what is being made waits for it
@@ -23,7 +24,12 @@ def kept(desk: Desk, work: Callable[..., str], *keys: Key) -> str:
     if not path.is_file():
         with _making:
             if not path.is_file():
-                _keep(path, desk.worker.ask(work, *keys))
+                text = desk.worker.ask(work, *keys)
+                with suppress(
+                    OSError
+                ):  # a folder that is only read, or a full disk: it is made again next time
+                    _keep(path, text)
+                return text
     return path.read_text(encoding="utf-8")
 
 

@@ -4,6 +4,8 @@ import json
 import os
 from typing import Any
 
+import pytest
+
 from labrig._running import Reception
 from labrig.log import run_id
 from labrig.workbench._run import Pair, pair_of
@@ -34,3 +36,28 @@ def test_a_run_that_was_gone_on_with_is_looked_at_anew(bench: Any, make_run: Any
         assert _pair(bench, run).has("compare.json")
     finally:
         going.close()
+
+
+def test_what_cannot_be_kept_is_shown_all_the_same(ask: Any, bench: Any, make_run: Any) -> None:
+    """A folder that is only read, or a disk that is full, keeps no view: it is made for whoever asks."""
+    run = make_run()
+    _compared(bench, run)
+    own = bench.desk.folder / ".workbench"
+    own.mkdir(exist_ok=True)
+    (own / "views").write_text("a file where the folder would be", encoding="utf-8")
+    status, said = ask(f"/api/compare?run={run}&model=model.yaml")
+    assert (status, said["compared"]) == (200, True)
+
+
+def test_of_many_captures_it_is_said_how_many_are_not_shown(
+    bench: Any, make_run: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A list of some would pass for one of all."""
+    from labrig.workbench import _shapes
+    from labrig.workbench._compare import view
+
+    run = make_run(captures=70)
+    monkeypatch.setattr(_shapes, "MOST", 60)
+    captures = json.loads(view(_pair(bench, run).key))["captures"]
+    assert captures["of"] == 70
+    assert len(captures["names"]) <= 60
