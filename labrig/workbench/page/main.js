@@ -125,6 +125,9 @@ async function refreshed() {
   about(state);
 }
 
+// A step, or a part of one, in which somebody is in the middle of something says so, and is not made anew.
+const inTheMiddle = () => document.querySelector(".step[data-keeps], .step [data-keeps]") !== null;
+
 const kept = (state) => Object.fromEntries([...state.query].filter(([name]) => LASTS.includes(name)));
 const label = (step) => STEPS.find(([name]) => name === step)[1];
 
@@ -194,9 +197,8 @@ addEventListener("keydown", keys);
 document.addEventListener("job-ended", ({ detail: job }) => {
   say(`${job.title}: ${job.state}${job.state === "failed" ? `: ${job.last}` : ""}`, job.state === "failed" ? "bad" : "");
   if (job.run && job.run !== wanted?.run && wanted?.step !== "choose") return;
-  // A step in which somebody is in the middle of something says so, and is not made anew.
-  const inTheMiddle = document.querySelector(".step")?.dataset.keeps !== undefined;
-  (inTheMiddle ? refreshed() : route()).catch(complain);
+  (inTheMiddle() ? refreshed() : route()).catch(complain);
 });
-document.addEventListener("theme", () => route().catch(complain));
+// Plots have their colours drawn in; Choose has none, and may hold what somebody is in the middle of.
+document.addEventListener("theme", () => wanted?.step === "choose" || route().catch(complain));
 route().catch(complain);

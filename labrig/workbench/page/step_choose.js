@@ -4,7 +4,7 @@ import { command, complain, duration, empty, fill, h, labrig, number, withUnit }
 import { dropZone } from "./dropped.js";
 import { folder, get, post } from "./server.js";
 
-const COLUMNS = [["run", ""], ["when", ""], ["rig", ""], ["captures", "number"], ["length", "number"], ["verdict", ""], ["error", "number"], ["floor", "number"], ["tags", ""]];
+const COLUMNS = [["run", ""], ["when, UTC", ""], ["rig", ""], ["captures", "number"], ["length", "number"], ["verdict", ""], ["error", "number"], ["floor", "number"], ["tags", ""]];
 const AT_ONCE = 200;
 
 export async function show(root, context) {
@@ -68,7 +68,7 @@ function line(run, context) {
 // A button that becomes a field: Enter hands over what was typed, Escape makes it a button again.
 function typed(sign, label, title, asked, size, done) {
   const button = h("button", { type: "button", class: "quiet", "aria-label": label, title, onclick: () => {
-    const field = h("input", { type: "text", size, "aria-label": asked, placeholder: asked, onkeydown: (event) => {
+    const field = h("input", { type: "text", size, data: { keeps: "" }, "aria-label": asked, placeholder: asked, onkeydown: (event) => {
       if (event.key === "Enter" && field.value.trim()) done(field.value.trim());
       if (event.key === "Escape") field.replaceWith(button);
     } });
