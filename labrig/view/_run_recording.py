@@ -24,9 +24,9 @@ def draw_run(recording: "Recording", run: "xr.Dataset") -> None:
     from labrig.view import _rerun
 
     views: list[Any] = []
-    if "position_mm" in run and run.sizes.get("marker", 0):
+    if "position_mm" in run and np.isfinite(run["position_mm"].values).any():  # no cameras, or no capture yet
         views.append(_markers(recording, run))
-    if "observed" in run:
+    if "observed" in run and run.sizes["capture"]:
         views.append(_observables(recording, run))
     pressures = [_commanded(recording, run), _measured(recording, run)]
     recording.text("/about", _about(run))

@@ -112,6 +112,16 @@ def test_imported_run_without_markers(run, tmp_path):
     assert "/observed/force" in entities(write_recording(force, tmp_path / "force.rrd"))
 
 
+@pytest.mark.parametrize("captures", [0, 3])
+def test_a_run_in_which_no_marker_was_seen(run, captures, tmp_path):
+    """One that ended before its first capture, or whose cameras saw nothing, shows the pressures all the same."""
+    blind = run.isel(capture=slice(captures))
+    blind = blind.assign(position_mm=blind["position_mm"] * np.nan).drop_vars("rest_mm")
+    drawn = entities(write_recording(blind, tmp_path / "run.rrd"))
+    assert "/commanded/c2" in drawn
+    assert "/rig/measured" not in drawn
+
+
 def test_a_recording_that_fails_leaves_nothing(run, tmp_path):
     """Nothing half-written stays behind."""
     with pytest.raises(KeyError):
