@@ -39,11 +39,14 @@ class Desk:
     def path(self, relative: str) -> Path:
         """The file or folder of this name below the desk's folder, there or not.
 
-        Raises `LabrigError` for a name that leads out of it, by `..`, as an absolute path or by a link.
+        Raises `LabrigError` for a name that leads out of it, by `..`, as an absolute path or by a link, and for one
+        that commands take for an option.
         """
         if "\0" in relative:  # which no file's name has, and `resolve` does not take
             raise LabrigError(f"{relative!r}: is no name of a file")
         parts = PurePosixPath(relative.replace("\\", "/"))
+        if str(parts).startswith("-"):
+            raise LabrigError(f"{relative}: begins with -, as options of commands do; give it another name")
         found = (self.folder / parts).resolve()
         if parts.is_absolute() or not found.is_relative_to(self.folder):
             raise LabrigError(f"{relative}: lies outside the workbench's folder {self.folder}")

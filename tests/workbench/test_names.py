@@ -87,3 +87,14 @@ def test_good_news_is_no_failure(tmp_path: Any) -> None:
         assert job.facts()["state"] == state
         assert job.facts()["last"] == said[code]
         assert job.had_nothing_to_do == (code == 4)
+
+
+def test_a_name_that_commands_take_for_an_option(bench: Any, ask: Any, make_run: Any) -> None:
+    """No run of such a name is made, and of one that is there it is said what to do, before a command fails on it."""
+    make_run("-x")
+    status, said = ask("/api/run?run=-x")
+    assert (status, "give it another name" in said["error"]) == (400, True)
+    status, said = ask(
+        "/api/import", {"table": ".workbench/dropped/a/b.csv", "name": "--help", "mapping": ""}
+    )
+    assert (status, "give it another name" in said["error"]) == (400, True)
