@@ -99,6 +99,15 @@ def effects_in(model: Path) -> int:
         return 0
 
 
+def base_file(model: Path) -> Path | None:
+    """The file in which a model's base is: a Python function, a network, an FMU; None for other bases."""
+    try:
+        base = _read(str(model), model.stat().st_mtime_ns)["base"]
+        return model.parent / str(base["file"]) if base.get("file") else None
+    except _WRONG:
+        return None
+
+
 def made_for(model: Path) -> str:
     """The name of the run that the workbench made a model for; empty where its name says no such thing."""
     return model.stem.removesuffix(_MADE) if model.stem.endswith(_MADE) else ""

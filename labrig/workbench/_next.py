@@ -92,10 +92,26 @@ def _versus_words(desk: Desk, run: str, models: list[str]) -> tuple[list[str], P
 
 
 def _versus(desk: Desk, asked: Any) -> Any:
-    """Two models on one run, as comparison.json has it; None where they were not compared yet."""
+    """Two models on one run, as comparison.json has it; None where they were not compared as they are now."""
     run, models = str(asked.get("run") or ""), [str(asked.get("a") or ""), str(asked.get("b") or "")]
     words, folder = _versus_words(desk, run, models)
-    return {"found": _read(folder / "comparison.json"), "command": desk.command(words)}
+    pairs = [pair_of(desk, {"run": run, "model": model}) for model in models]
+    return {"found": _compared(pairs, folder / "comparison.json"), "command": desk.command(words)}
+
+
+def _compared(pairs: list[Pair], path: Path) -> Any:
+    """What the file says, if it is of these two in this order, and neither they nor the run have changed since."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        of = [
+            (each.desk.folder / named["file"]).resolve()
+            for each, named in zip(pairs, found["models"], strict=True)
+        ]
+        written = path.stat().st_mtime_ns
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    same = of == [pair.model for pair in pairs]
+    return found if same and all(pair.is_older_than(written) for pair in pairs) else None
 
 
 def _compare(desk: Desk, asked: dict[str, Any]) -> Any:

@@ -18,7 +18,7 @@ from labrig.contents import Summary
 from labrig.log import run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
-from labrig.workbench._fits import Names, effects_in, made_for, misfit, names_of
+from labrig.workbench._fits import Names, base_file, effects_in, made_for, misfit, names_of
 from labrig.workbench._held import Key, stamp
 from labrig.workbench._planned import planned_for
 
@@ -71,6 +71,13 @@ class Pair:
             raise LabrigError(f"{self.run_name} has no diagnosis.json with {self.model_name} yet")
         return json.loads((self.results / "diagnosis.json").read_text(encoding="utf-8"))
 
+    def is_older_than(self, written_ns: int) -> bool:
+        """Whether both are as they were when a result was written."""
+        own = [
+            path.stat().st_mtime_ns for path in (self.model, base_file(self.model)) if path and path.is_file()
+        ]
+        return written_ns >= max(*own, self._measured_ns)
+
     @cached_property
     def _measured_ns(self) -> int:
         """When the run was measured to its end, for one that was gone on with has other results; 0 while it goes on."""
@@ -86,7 +93,7 @@ class Pair:
             named = Path(content["model"])
         except (OSError, ValueError, KeyError, TypeError):
             return False
-        if run_id(self.run) not in runs or written < max(self.model.stat().st_mtime_ns, self._measured_ns):
+        if run_id(self.run) not in runs or not self.is_older_than(written):
             return False
         told = (named, self.desk.folder / named, path.parent / named)
         if self.model in {each.resolve() for each in told}:

@@ -1,5 +1,7 @@
 """What to measure next, and two models on one run: jobs whose results lie in files, read by the page."""
 
+import os
+import time
 from typing import Any
 
 import pytest
@@ -20,6 +22,12 @@ def test_two_models_on_one_run(asked: Any, until: Any) -> None:
     assert found["better"] == "better"
     assert found["difference"]["low"] > 0
     assert found["error"]["worse"] ** 2 == pytest.approx(found["error"]["better"] ** 2 + 81.0, rel=0.05)
+    assert (
+        asked.ask("/api/versus?run=runs/run&a=better.yaml&b=worse.yaml")[1]["found"] is None
+    )  # the other order
+    edited_ns = time.time_ns() + 10**9
+    os.utime(asked.folder / "better.py", ns=(edited_ns, edited_ns))
+    assert asked.ask(query)[1]["found"] is None  # of a model that is another one since
     status, content = asked.ask("/api/versus?run=runs/run&a=better.yaml&b=better.yaml")
     assert status == 400
     assert "two models" in content["error"]

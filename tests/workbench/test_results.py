@@ -38,6 +38,21 @@ def test_a_run_that_was_gone_on_with_is_looked_at_anew(bench: Any, make_run: Any
         going.close()
 
 
+def test_a_function_of_ones_own_that_was_edited_is_another_model(bench: Any, make_run: Any) -> None:
+    """What was found with the function of before is not what is found with it now, though model.yaml is the same."""
+    run, folder = make_run(), bench.desk.folder
+    own = folder / "own.py"
+    own.write_text("def predict(u):\n    return u\n", encoding="utf-8")
+    (folder / "model.yaml").write_text(
+        "base: {kind: python, file: own.py, function: predict}\n", encoding="utf-8"
+    )
+    _compared(bench, run)
+    assert _pair(bench, run).has("compare.json")
+    after_ns = own.stat().st_mtime_ns + 10**10
+    os.utime(own, ns=(after_ns, after_ns))
+    assert not _pair(bench, run).has("compare.json")
+
+
 def test_what_cannot_be_kept_is_shown_all_the_same(ask: Any, bench: Any, make_run: Any) -> None:
     """A folder that is only read, or a disk that is full, keeps no view: it is made for whoever asks."""
     run = make_run()
