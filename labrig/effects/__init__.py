@@ -12,6 +12,7 @@ from labrig.effects._family import (
     one_way,
     pattern,
     pressure,
+    wander,
 )
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._fitted import Fitted
@@ -100,6 +101,7 @@ __all__ = [
     "stretch_of",
     "term_of",
     "to_rows",
+    "wander",
     "weighable",
     "weighted",
     "without_failing",
