@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import FEW_OBSERVABLES, Context
+from labrig.effects._end_stops import end_stops
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, one_way
 from labrig.effects._rows import Rows
 
@@ -38,7 +38,7 @@ def obstacles(context: Context) -> Iterator[Space]:
     """Ends of the body's main motions; of the markers' travel; planes and posts in the way of markers."""
     if float(context.travel.max()) <= 0:
         return
-    yield from _ends(context)
+    yield from end_stops(context)
     rows = context.rows
     if (rows.axis >= 0).sum() < 3 or not (rows.marker >= 0).any():
         return
@@ -51,31 +51,6 @@ def obstacles(context: Context) -> Iterator[Space]:
     yield from places.cages()
     yield from places.planes()
     yield from places.posts()
-
-
-def _ends(context: Context) -> Iterator[Space]:
-    """The body as a whole, in one of its two main motions, runs against a stop."""
-    scale = motion_scale(context)
-    moved = context.displacement / scale
-    modes = context.yardstick("main ways", lambda: _main_ways(moved))
-    for j, mode in enumerate(modes):
-        for side in (1.0, -1.0):
-            along = side * (moved @ mode)
-            top = float(context.yardstick(f"farthest {side:+.0f} along way {j}", along.max))
-            if not context.shows(top >= 0.3 * np.abs(moved @ modes[0]).max()):
-                continue
-            past = [(level, np.maximum(along - level * top, 0.0)) for level in (0.35, 0.5, 0.65, 0.8, 0.9)]
-            out = [field(f"end {level}", -p[:, None] * side * mode * scale) for level, p in past]
-            key = f"end of motion {'+' if side > 0 else '-'}{j}"
-            yield one_way(Space(key, "contact end", acting(out)))
-
-
-def _main_ways(moved: Floats) -> Floats:
-    """The two ways that rows (F, K) go most, or one where they hardly go another, (n, K)."""
-    _, size, ways = svd(moved[:: max(1, len(moved) // 400)])
-    main = ways[:2][size[:2] >= 0.2 * size[0]]
-    most = np.take_along_axis(main, np.abs(main).argmax(axis=1)[:, None], axis=1)
-    return main * np.sign(most)  # whichever way they were found
 
 
 @dataclass(frozen=True)

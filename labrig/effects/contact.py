@@ -9,6 +9,7 @@ from labrig._text import listed, number, with_unit
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
+from labrig.effects._end_stops import STOP_OF, stopped_joints
 from labrig.effects._family import Space, acting, one_way, pressure
 from labrig.effects._fitted import Fitted
 from labrig.effects._inside import FORM, inside
@@ -59,6 +60,11 @@ class Contact(Effect):
             "felt",
             "sensor/mm",
             meaning="what a sensor has of it, for each mm that the markers together would go behind the plane",
+        ),
+        Parameter(
+            "shared",
+            "sensor/sensor",
+            meaning="what another sensor has of it, for each unit that the stopped one would go beyond the stop",
         ),
         Parameter(
             "pressed",
@@ -118,6 +124,7 @@ class Contact(Effect):
                     {"limit": limit},
                 )
         yield from self._positions(context)
+        yield from stopped_joints(context)
         for plane, back in planes(context):
             if context.shows((back != 0).any(axis=1).mean() >= 0.02):
                 stopped = Term.field("stopped", back)
@@ -183,7 +190,11 @@ class Contact(Effect):
         return "the places of the markers at rest" if form.startswith("plane") and unknown else ""
 
     def in_words(self, found: Fitted) -> str:
-        """From which pressure on something is met, of each chamber that is stopped."""
+        """From which pressure on something is met, of each chamber that is stopped; or where a sensor's motion ends."""
+        if found.form.startswith(STOP_OF) and (distance := found.numbers("distance")):
+            name, side = found.form.removeprefix(STOP_OF).split(", ")[:2]
+            way = with_unit(number(float(f"{side}1") * distance[0]), found.units.get(name, ""))
+            return f"{name} is stopped {way} from where it is vented."
         if found.form not in _BY_PRESSURE or not found.ranges or not (limit := found.numbers("limit")):
             return ""
         origin, span = ends(*np.array(list(found.ranges.values()), float).T)

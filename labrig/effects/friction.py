@@ -7,10 +7,12 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, pressure
+from labrig.effects._end_stops import joints
+from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
 from labrig.effects._skin import (
+    at_events,
     body_behind,
     by_itself,
     by_place,
@@ -19,6 +21,9 @@ from labrig.effects._skin import (
     per_sensor,
     play_behind,
 )
+
+_PRESLIDING = (0.02, 0.05, 0.12)
+"""Ways after a turn until something slides, shares of the whole motion."""
 
 
 class Friction(Effect):
@@ -34,6 +39,7 @@ class Friction(Effect):
         Parameter("loaded", "1", -1.0, 1.0, "chamber", "held back for each unit of pressure"),
         Parameter("force", "observable", meaning="held back, for each observable"),
         Parameter("force_loaded", "observable", meaning="held back at full pressure, for each observable"),
+        Parameter("presliding", "sensor", 0.0, meaning="way of a joint after a turn until it slides"),
         Parameter("full_speed", "motion/s", 0.0, meaning="speed at which three quarters of it are reached"),
     )
     reference = (
@@ -81,6 +87,12 @@ class Friction(Effect):
             )
         if len(chambers) <= 2:
             yield Variant("pattern", (Term.pattern("force", against),))
+        for k in joints(context):
+            way = at_events(context)[:, k]
+            for width in context.grid("presliding", [w * motion_scale(context)[k] for w in _PRESLIDING]):
+                behind = (context.played(width, way) - way[context.rows.event]) / width
+                term = Term.pattern("force", behind)
+                yield Variant(f"of {context.rows.observables[k]}", (term,), {"presliding": width})
 
     def family(self, context: Context) -> Iterator[Space]:
         """The sign of the last motion, constant or growing with the load; and very narrow play."""
@@ -103,12 +115,15 @@ class Friction(Effect):
         yield from by_itself(context, sliding)
         if forces := felt(context, {"turn": turn}):
             yield Space("as sensors feel it", "friction felt", acting(forces))
-        behind = [(f"skin {w}", play_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
+        behind = [(f"skin {w}", play_behind(context, w) / w) for w in _PRESLIDING]
         skin = [field(name, values, 0.5) for name, values in behind]
         yield Space("under the skin", "friction skin", acting(skin))
         places = [f for name, values in behind for f in by_place(context, name, values)]
         if places:
             yield Space("under the skin, by place", "friction skin by place", acting(skin + places))
+        for k in joints(context):
+            own = [pattern(name, values[:, k] / motion_scale(context)[k], 0.5) for name, values in behind]
+            yield Space(f"of {context.rows.observables[k]}", "friction joint", acting(own))
         if len(context.rows.chambers) < 2:
             return  # what a single chamber moves is held back as that chamber is
         if (context.rows.marker >= 0).any():
