@@ -18,6 +18,8 @@ from labrig.log._writer import to_ns
 _LONGEST_GAP_S = 1.5
 _NEAR_S = 0.1
 """Between sensor samples further apart than the longest gap, the pressure is known only near one of them."""
+_USUAL_WAY_S, _LAG_S = 0.6, 0.4
+"""A set-point is slewed to. What fits a hold leaves out its first second: that is such a way, and what lags behind."""
 
 Times = NDArray[np.int64]
 
@@ -132,8 +134,8 @@ def rig_arrays(segments: list[LoadedSegment]) -> CampaignArrays:
     event_times, event_setpoints, event_sessions = [], [], []
     captures: list[_Capture] = []
     for loaded in segments:
-        times, setpoints = _events(loaded)
-        captures += _captures(loaded, times, setpoints, len(event_times))
+        times, setpoints, held = _events(loaded)
+        captures += _captures(loaded, times, setpoints, held, len(event_times))
         event_times += [_seconds(time_ns, loaded) for time_ns in times]
         event_setpoints += setpoints
         event_sessions += [loaded.layout.session] * len(times)
@@ -160,23 +162,35 @@ def _seconds(time_ns: Any, loaded: LoadedSegment) -> Any:
     return (time_ns - to_ns(loaded.layout.start_s)) * 1e-9
 
 
-def _events(loaded: LoadedSegment) -> tuple[list[int], list[Floats]]:
+def _events(loaded: LoadedSegment) -> tuple[list[int], list[Floats], list[int]]:
+    """When each actuation began, ns, its set-point, and from when on the rows after it are of that set-point, ns."""
     from labrig_schema.pressure_pb2 import PressureCommand
 
     messages = loaded.messages(Topic.COMMAND)
-    times, setpoints = [], []
+    times, setpoints, held = [], [], []
+    on_the_way = False
     for time_ns, payload in zip(messages.time_ns, messages.payload, strict=True):
         command = PressureCommand.FromString(payload)
+        now = np.array(command.setpoint, float)
         if command.event:
             times.append(time_ns)
-            setpoints.append(np.array(command.setpoint, float))
-    return times, setpoints
+            setpoints.append(now)
+            held.append(time_ns)
+            on_the_way = True
+        elif on_the_way:
+            if time_ns - times[-1] > _USUAL_WAY_S * 1e9:
+                held[-1] = time_ns + int(_LAG_S * 1e9)
+            on_the_way = not np.array_equal(now, setpoints[-1])
+    return times, setpoints, held
 
 
 def _captures(
-    loaded: LoadedSegment, times: list[int], setpoints: list[Floats], first_event: int
+    loaded: LoadedSegment, times: list[int], setpoints: list[Floats], held: list[int], first_event: int
 ) -> list[_Capture]:
-    """Every completed recording, with everything since the actuation or the recording before it."""
+    """Every completed recording, with everything since the actuation or the recording before it.
+
+    Less a long way to the set-point, which is no hold.
+    """
     from labrig_schema.observation_pb2 import Environment
     from labrig_schema.step_pb2 import Step
 
@@ -196,7 +210,7 @@ def _captures(
         event = int(np.searchsorted(times, start_ns, side="right")) - 1
         if event < 0:
             continue
-        after = max(times[event], last_end if event == last_event else 0)
+        after = max(min(held[event], start_ns), last_end if event == last_event else 0)
         rows = (frames or pressures).between(after, end_ns)
         time_ns = (frames or pressures).time_ns[rows]
         captures.append(
