@@ -44,6 +44,7 @@ class InvestigationSettings(TypedDict):
     highest: float
     realtime: bool
     runs: list[str]
+    model_sha256: NotRequired[str]
 
 
 class Doing(TypedDict):

@@ -240,7 +240,8 @@ def investigate(
     from labrig import experiment, investigation
     from labrig.investigation import HIGHEST, Lines, Reporter
 
-    positive(budget_min, "budget_min", "in minutes")
+    if positive(budget_min, "budget_min", "in minutes") == float("inf"):
+        raise LabrigError("budget_min inf: the time on the rig has an end, in minutes")
     if highest is None:
         highest = investigation.highest_of(Path(out)) if resume else HIGHEST
     if not 0 < highest <= 1:

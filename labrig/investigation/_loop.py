@@ -1,5 +1,8 @@
 """The loop: measure, diagnose, settle the doubt, improve, and confirm, until settled or out of time."""
 
+import hashlib
+from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
@@ -53,7 +56,11 @@ def investigate(
         KeyboardInterrupt: somebody ended it; the chambers are vented. As after any other error, what is known by then
             is kept, and the message says how to go on; a folder in which nothing was measured is removed again.
     """
+    from labrig.model import model_text
+
     reporter = reporter or Reporter()
+    text = model_text(model.file).encode()
+    settings = replace(settings, model_sha256=hashlib.sha256(text).hexdigest())
     _check_base(model, settings.model)
     with (
         in_use(config, f"investigation {settings.out}", settings.out),
@@ -76,7 +83,8 @@ def _investigated(
         if state.discard(keep_folder=there):
             raise
         what = str(error) or "interrupted"
-        state.end("interrupted", f"Interrupted: {what}.")
+        with suppress(LabrigError, OSError):  # a disk that is full: how to go on is said all the same
+            state.end("interrupted", f"Interrupted: {what}.")
         kind = KeyboardInterrupt if isinstance(error, KeyboardInterrupt) else type(error)
         raise kind(
             f"{what}; {len(state.rounds)} rounds are in {settings.out}; to resume: {reporter.how_to_resume(settings)}"
@@ -122,7 +130,7 @@ def _loop(work: Work) -> None:
         if better is None:
             return state.end("open", f"Not settled: {_open(result)}; it can't be fitted.")
         held, again = confirmed(work, better, fresh)
-        same = names_left(again.summary) == names
+        same = set(names_left(again.summary)) == set(names)  # the likeliest comes first, which may change
         looked = sum(r["programme"] == "confirmation" for r in state.rounds)
         over = looked >= MOST_CONFIRMATIONS or budget_min - state.minutes < reserve_min
         if same and (held or over):

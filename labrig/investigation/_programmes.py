@@ -120,4 +120,4 @@ def _doubted(work: Work, summary: Summary) -> bool:
     found = work.state.confirmation
     if found is None or work.state.rounds[-1]["programme"] != "confirmation":
         return False
-    return found["drop"] < CONFIRMED and found["effects"] == names_left(summary)
+    return found["drop"] < CONFIRMED and set(found["effects"]) == set(names_left(summary))

@@ -41,12 +41,13 @@ def measured_round(work: Work, programme: str, procedure: Procedure) -> "Result"
     seed = state.settings.seed + number
     if started(folder):  # cut short the last time: the same programme goes on
         procedure, seed = procedure_of(folder)
-    plan = dry_run(procedure, work.bench.config, seed)
-    _check_highest(plan, work)
+    plan, whole = dry_run(procedure, work.bench.config, seed), complete(folder)
+    if not whole:
+        _check_highest(plan, work)
     minutes = plan.duration_s / 60
     work.reporter.round_started(number, programme, minutes)
     state.doing("measuring", programme, name, minutes, plan.captures)
-    if not complete(folder):
+    if not whole:
         with work.reporter.watching() as watching:
             work.bench.measure(procedure, folder, seed, watching)
     captures = summarise(folder).captures
@@ -124,7 +125,8 @@ def confirmed(work: Work, found: "Result", procedure: Procedure) -> "tuple[bool,
     runs = state.opened()
     before, after = (compare(runs, model, only_last=True).summary["error"] for model in (work.model, better))
     floor = max(float(again.summary["error"]["floor"]), 1e-12)
-    drop = (before["model"] - after["model"]) / max(before["model"] - floor, 1e-12)
+    above = before["model"] - floor  # not above it: these captures show nothing that could fall
+    drop = (before["model"] - after["model"]) / above if above > 0 else 0.0
     state.confirmation = {
         "effects": found.summary["effects"],
         "before": float(before["model"]),

@@ -31,7 +31,7 @@ class Settings:
 
     `rig` and `model` are what they are called in what is said, `budget_min` the time on the rig, `highest` the highest
     pressure of a campaign, as a share of the range. `runs` were measured before; without any the first round is a
-    campaign. `rig_file` is noted in each run, for `labrig run --resume`.
+    campaign. `rig_file` is noted in each run, for `labrig run --resume`; `model_sha256` is that of the model's text.
     """
 
     rig: str
@@ -43,6 +43,7 @@ class Settings:
     realtime: bool = False
     runs: tuple[Path, ...] = ()
     rig_file: Path | None = None
+    model_sha256: str = ""
 
     def content(self) -> InvestigationSettings:
         """The settings as plain values."""
@@ -55,6 +56,7 @@ class Settings:
             "highest": self.highest,
             "realtime": self.realtime,
             "runs": [run.as_posix() for run in self.runs],
+            "model_sha256": self.model_sha256,
         }
 
 
@@ -178,6 +180,16 @@ def highest_of(folder: Path) -> float:
         return HIGHEST
 
 
+def _finished(content: InvestigationContent) -> list[Round]:
+    """The rounds that were done with: what was measured in the one that was cut short is there, and is not again."""
+    rounds = content["rounds"]
+    last = rounds[-1] if rounds else None
+    if last is None or "given" in last:
+        return rounds
+    judged = last["programme"] != "confirmation" or (content["confirmation"] or {}).get("run") == last["run"]
+    return rounds if last["verdict"] and judged else rounds[:-1]
+
+
 def start_or_resume(settings: Settings, resume: bool) -> State:
     """A new state in a folder that is made, or the one that is gone on with; raises `LabrigError` for neither."""
     out = settings.out
@@ -202,10 +214,16 @@ def start_or_resume(settings: Settings, resume: bool) -> State:
         raise LabrigError(
             f"{out} is finished ({content['state']}): see {out / 'report.html'}, or begin anew in another folder"
         )
+    began = content["settings"].get("model_sha256")
+    if began and began != settings.model_sha256 and any(r["verdict"] for r in content["rounds"]):
+        raise LabrigError(
+            f"{settings.model} is not the model that {out} began with ({content['settings']['model']}), or was changed "
+            "since: give it as it was, or begin anew in another folder with the runs of this one"
+        )
     return State(
         settings,
         units=content["units"],
-        rounds=content["rounds"],
+        rounds=_finished(content),
         confirmation=content["confirmation"],
         waterfall=content["waterfall"],
         model=content["model"],

@@ -178,6 +178,7 @@ def test_no_round_goes_higher_than_it_was_allowed(tmp_path: Path) -> None:
     ("runs", "changes", "said"),
     [
         (None, {"budget_min": 0}, "budget_min 0: must be larger than 0"),
+        (None, {"budget_min": float("inf")}, "budget_min inf: the time on the rig has an end, in minutes"),
         (None, {"highest": 2}, "highest 2: a share of the limit is above 0 and at most 1"),
         (7, {}, "a run is needed, and a int was given: a run folder's path, or what labrig.open_run gives"),
         (None, {"rig": 3}, "a rig is needed, and a int was given: a rig.yaml's path, or what labrig.load_rig gives"),
