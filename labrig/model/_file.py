@@ -12,7 +12,8 @@ from labrig._durable import write_whole
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 
-Numbers = float | list[float] | list[list[float]]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Numbers = Number | list[Number] | list[list[Number]]
 
 
 class _Strict(BaseModel):
@@ -124,7 +125,7 @@ class Value(_Strict):
     """A fitted value: one number, or one for each chamber, pair or observable, and its standard deviation."""
 
     value: Numbers
-    sd: Numbers | None = None
+    sd: float | list[float] | list[list[float]] | None = None
     unit: str = "1"
     per: list[str] | None = None
 

@@ -41,6 +41,7 @@ from labrig.model._bases import (
 from labrig.model._beyond import beyond, beyond_base
 from labrig.model._file import EffectEntry, ModelFile, PythonBase, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
+from labrig.model._units import check_units
 
 _OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
 
@@ -330,6 +331,7 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
         return weighted(effect, context, entry.form or "", labels)
     if strange := sorted(linear - {p.name for p in effect.parameters}):
         raise LabrigError(f"effect {effect.name!r}: has no parameter {strange[0]!r}; {_OLDER}")
+    check_units(effect, entry, context.rows)
     unvalued: list[str] = []
     pinned = {
         name: float(np.asarray(p.value, dtype=float).reshape(-1)[0])

@@ -107,3 +107,15 @@ def test_what_is_no_set_point_is_said(lab: Path, given, more, said: str) -> None
     with pytest.raises(LabrigError) as caught:
         labrig.predict(lab / "first", lab / "model.yaml", given, **more)
     assert str(caught.value).startswith(said)
+
+
+def test_a_value_in_another_unit_predicts_nothing(lab: Path) -> None:
+    """A time constant of one minute is not taken for one second."""
+    leak = {"loss": Value(value=0.5), "tau_s": Value(value=1.0, unit="min")}
+    model = labrig.Model.load(lab / "model.yaml").with_effect(
+        EffectEntry(name="leak", form="exponential", parameters=leak)
+    )
+    with pytest.raises(
+        LabrigError, match="'leak': tau_s is stated in min, and this run takes it in s: convert"
+    ):
+        labrig.predict(lab / "first", model, [[30.0] * 4])

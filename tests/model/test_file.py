@@ -158,3 +158,11 @@ def test_paths_follow_a_model_to_another_folder(path: Path) -> None:
     path.write_text("base: {kind: python, file: lib/base.py}\n")
     Model.load(path).save("out/deep/model.yaml")
     assert read_model_file(Path("out/deep/model.yaml")).base.file == "../../lib/base.py"  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("written", [".nan", ".inf", "[1.0, .nan]"])
+def test_a_value_that_is_no_number_is_refused_where_it_stands(path: Path, written: str) -> None:
+    """Nothing could be predicted with it: the file, the line and the field are named."""
+    path.write_text(TEXT.replace("40.0", written))
+    assert refused(path).startswith("model.yaml, line 11: effects: leak: parameters: tau_s: value")
+    assert "finite number" in refused(path)
