@@ -5,6 +5,7 @@ The text is parsed as a Python expression and never run: what is not a compariso
 
 import ast
 import operator
+import re
 import warnings
 from collections.abc import Callable
 from functools import reduce
@@ -39,12 +40,20 @@ _WORDS = {
 }
 
 
+_MOMENT = "started"
+_WRITTEN = re.compile(r"\d{4}(-\d\d(-\d\d( \d\d(:\d\d(:\d\d)?)?)?)?)?")
+
+
 class _Part(NamedTuple):
-    """A part of a condition: what it is (a key of `_WORDS`), what it is of a row, and how it was written."""
+    """A part of a condition: what it is (a key of `_WORDS`), what it is of a row, and how it was written.
+
+    `text` is the text itself, where it is one that stands there.
+    """
 
     kind: str
     of: Value
     said: str
+    text: str | None = None
 
 
 class _WrongError(Exception):
@@ -93,7 +102,8 @@ def _part(node: ast.expr) -> _Part:
         case ast.Constant(value=bool(value)):
             return _Part("truth", lambda row: value, said)
         case ast.Constant(value=(str() | int() | float()) as value):
-            return _Part("text" if isinstance(value, str) else "number", lambda row: value, said)
+            text = value if isinstance(value, str) else None
+            return _Part("number" if text is None else "text", lambda row: value, said, text)
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return _number(operator.sub, [ast.Constant(0), operand], said)
         case ast.BinOp(op=op, left=left, right=right) if type(op) in _ARITHMETIC:
@@ -144,6 +154,8 @@ def _test(a: _Part, op: ast.cmpop, b: _Part) -> Callable[[Row], bool]:
         some = b.of if a.kind == "nothing" else a.of
         present = isinstance(op, ast.NotEq | ast.IsNot)
         return lambda row: (some(row) not in (None, "", ())) is present
+    if a.kind == b.kind == "text":
+        a, b = _moments(a, b), _moments(b, a)
     if a.kind != b.kind or a.kind not in ("text", "number") or isinstance(op, ast.Is | ast.IsNot):
         _cannot(a, b)
     if type(op) in _ORDER:
@@ -152,6 +164,25 @@ def _test(a: _Part, op: ast.cmpop, b: _Part) -> Callable[[Row], bool]:
     if isinstance(op, ast.Eq):
         return lambda row: a.of(row) == b.of(row)
     return lambda row: a.of(row) != b.of(row)
+
+
+def _moments(a: _Part, b: _Part) -> _Part:
+    """A text beside a moment, made one: of two, both are as exact as the less exact one is, `2026-07-30` a day."""
+    if a.said == _MOMENT and b.text:
+        exact = len(_moment(b.text))
+        return a._replace(of=lambda row: a.of(row)[:exact])
+    if b.said == _MOMENT and a.text:
+        moment = _moment(a.text)
+        return a._replace(of=lambda row: moment)
+    return a
+
+
+def _moment(text: str) -> str:
+    if not _WRITTEN.fullmatch(moment := text.strip().replace("T", " ").removesuffix("Z")):
+        raise _WrongError(
+            f"{text!r} is no moment: write it like '2026-07', '2026-07-30' or '2026-07-30 12:00', in UTC"
+        )
+    return moment
 
 
 def _known(value: Any) -> bool:

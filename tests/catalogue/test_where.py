@@ -168,3 +168,34 @@ def test_every_column_can_be_asked_for(shelf: Path) -> None:
     for name in COLUMNS:
         list_runs(shelf, f"{name} != None")
     assert list(runs(shelf, "captures > 2")["run"]) == ["tuesday"]
+
+
+@pytest.mark.parametrize(
+    ("text", "true"),
+    [
+        ("started == '2026-07-30'", True),
+        ("started == '2026-07'", True),
+        ("started != '2026-07-30'", False),
+        ("started <= '2026-07-30'", True),
+        ("started > '2026-07-30'", False),
+        ("started > '2026-07-29'", True),
+        ("started == '2026-07-30 12'", True),
+        ("'2026-07-30' < started", False),
+        ("'2026-07' <= started <= '2026-07'", True),
+        ("started >= '2026-07-30T12:00Z'", True),
+        ("started >= '2026-07-30T11:59:59'", True),
+        ("started > '2026-07-30 12:00'", False),
+        ("started < '2026-07-30T13:00'", True),
+    ],
+)
+def test_a_moment_is_as_exact_as_it_is_written(text: str, true: bool) -> None:
+    """A day is all of that day, however it is compared, and a moment may be written with its T."""
+    assert condition(text)(ROW) is true
+
+
+@pytest.mark.parametrize("moment", ["2026-7", "2026-7-3", "30.07.2026", "July", "30/07/2026"])
+def test_what_is_no_moment_is_refused(moment: str) -> None:
+    """Compared letter by letter it would list other runs than were meant, or none."""
+    with pytest.raises(LabrigError) as caught:
+        condition(f"started >= '{moment}'")
+    assert f"{moment!r} is no moment: write it like '2026-07', '2026-07-30' or" in str(caught.value)
