@@ -122,7 +122,12 @@ def _coordinates(arrays: CampaignArrays, layout: Layout) -> dict[str, Any]:
         coords["segment"] = ("capture", _strings(arrays.segment))
     if arrays.wall_s is not None and all(arrays.wall_s):
         wall = (np.array(list(arrays.wall_s), float) * 1e9).astype("datetime64[ns]")
-        coords["wall_time"] = ("capture", wall, {"long_name": "what the clock on the wall said (UTC)"})
+        said = {"long_name": "what the clock on the wall said (UTC)"}
+        kept = {
+            "units": "seconds since 1970-01-01",
+            "dtype": "float64",
+        }  # NetCDF 3 has no whole numbers of 64 bits
+        coords["wall_time"] = ("capture", wall, said, kept)
     return coords
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from labrig import LabrigError, open_run
 from labrig.campaign import Actuate, Interrupted, Procedure, Record, RigInfo, Settle, Steps, resume, run
@@ -79,6 +80,17 @@ def test_a_clock_that_is_set_back_during_a_run_changes_no_time(
     assert np.all(np.diff(rising[np.isfinite(rising)]) > 0)
     hours = np.diff(data["wall_time"].to_numpy()).astype("timedelta64[h]").astype(int)
     assert hours.tolist().count(-1) == 1
+
+
+def test_a_run_goes_to_netcdf_and_back(fake: Any, tmp_path: Path) -> None:
+    """As docs/reference/dataset.md writes it, with what every installation has; no time is lost."""
+    run(Four(), fake.rig, tmp_path / "run", fake.clock)
+    data = open_run(tmp_path / "run")
+    data.drop_attrs().to_netcdf(tmp_path / "run.nc")
+    with xr.open_dataset(tmp_path / "run.nc") as back:
+        assert set(back.variables) == set(data.variables)
+        apart = np.abs(back["wall_time"].to_numpy() - data["wall_time"].to_numpy())
+        assert apart.max() < np.timedelta64(1, "us")
 
 
 def test_a_folder_that_is_deleted_is_noticed_and_its_log_saved(fake: Any, tmp_path: Path) -> None:
