@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from numbers import Real
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -20,10 +21,13 @@ class Step:
     kind: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
-        """A time without an end would hold the pressures for ever: raises `LabrigError`."""
+        """A time without an end would hold the pressures for ever: raises `LabrigError`, as of what is no time."""
         for name in ("duration_s", "timeout_s"):
-            if not math.isfinite(time_s := getattr(self, name, 0.0)):
-                raise LabrigError(f"{type(self).__name__}({name}={time_s}): give a time in s that ends")
+            time_s = getattr(self, name, 0.0)
+            if not isinstance(time_s, Real) or not 0 <= float(time_s) < math.inf:
+                raise LabrigError(
+                    f"{type(self).__name__}({name}={time_s!r}): give a time in s that ends, 0 or more"
+                )
 
     def to_dict(self) -> dict[str, Any]:
         """The step as plain values, its kind first."""
@@ -42,7 +46,13 @@ class Actuate(Step):
     label: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pressure_kpa", tuple(float(value) for value in self.pressure_kpa))
+        try:
+            object.__setattr__(self, "pressure_kpa", tuple(float(value) for value in self.pressure_kpa))
+        except (TypeError, ValueError):
+            raise LabrigError(
+                f"Actuate({self.pressure_kpa!r}): give numbers in kPa in the rig's order of chambers; "
+                "rig.setpoint(c1=30) makes them of names"
+            ) from None
 
 
 @dataclass(frozen=True)

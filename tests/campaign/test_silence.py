@@ -161,18 +161,29 @@ def test_what_is_dated_by_another_clock_ends_the_run(
         lambda: Settle(float("nan")),
         lambda: Record(float("inf")),
         lambda: Scan(float("inf")),
+        lambda: Settle(-1),
+        lambda: Record("1"),  # type: ignore[arg-type]
     ],
 )
 def test_no_step_lasts_for_ever(config: Any, step: Callable[[], Step]) -> None:
-    """A time without an end is refused before anything moves, in a dry run, too."""
+    """A time without an end, or that is none, is refused before anything moves, in a dry run, too."""
 
     class Endless(Procedure):
         def steps(self, rig: RigInfo) -> Steps:
             yield Actuate((40.0, 30.0))
             yield step()
 
-    refusal = r"\((duration|timeout)_s=(inf|nan)\): give a time in s that ends$"
+    refusal = r"\((duration|timeout)_s=(inf|nan|-1|'1')\): give a time in s that ends, 0 or more$"
     with pytest.raises(LabrigError, match=refusal):
         step()
     with pytest.raises(LabrigError, match=refusal):
         dry_run(Endless(), config)
+
+
+@pytest.mark.parametrize("given", [{"c1": 20}, 20, ["a", "b"]])
+def test_a_set_point_that_is_none_says_how_one_is_written(given: Any) -> None:
+    """One line, for a person who writes a procedure."""
+    with pytest.raises(
+        LabrigError, match=r"^Actuate\(.*\): give numbers in kPa .*; rig.setpoint\(c1=30\) makes"
+    ):
+        Actuate(given)
