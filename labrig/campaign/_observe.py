@@ -28,6 +28,13 @@ class Progress:
     step: str
     paused: bool = False
 
+    def __str__(self) -> str:
+        """One line, for `progress=print`: "12 of 40 captures, 37 of 120 steps done (settle), 125 s left"."""
+        captures, steps = ("" if n is None else f" of {n}" for n in (self.captures, self.steps))
+        left = "" if self.remaining_s is None else f", {self.remaining_s:.0f} s left"
+        doing = "paused" if self.paused else self.step
+        return f"{self.captures_done}{captures} captures, {self.steps_done}{steps} steps done ({doing}){left}"
+
 
 class Observer:
     """Base of everything that watches a run; override what you need.

@@ -63,6 +63,11 @@ class Model:
     folder: Path
     path: Path | None = field(default=None, compare=False)
 
+    def __repr__(self) -> str:
+        """Its base, its effects and its file, in one line; the numbers are in `file.effects`."""
+        effects = " + ".join(["", *(entry.name for entry in self.file.effects)]) or ", no effects"
+        return f"Model: {self.file.base.kind}{effects}" + (f" ({self.path})" if self.path else "")
+
     @classmethod
     def load(cls, path: Path | str) -> "Model":
         """Read a model.yaml; raises `LabrigError` when it is not one, or names an unknown effect."""

@@ -203,6 +203,7 @@ def test_observers_hear_of_every_step_in_order(fake: Any, tmp_path: Path) -> Non
     last: Progress = progress[-1]
     assert (last.steps_done, last.steps, last.captures_done, last.captures) == (12, 12, 6, 6)
     assert last.remaining_s == pytest.approx(0.0, abs=0.1)
+    assert str(last) == "6 of 6 captures, 12 of 12 steps done (record), 0 s left"
     remaining = [item.remaining_s for item in progress]
     assert all(later <= earlier + 0.3 for earlier, later in pairwise(remaining))
 

@@ -49,6 +49,13 @@ def test_a_model_is_written_as_it_was_read(path: Path) -> None:
     assert sorted(p.name for p in Path().iterdir()) == ["again.yaml", "model.yaml"]
 
 
+def test_a_model_shows_itself_in_one_line(path: Path) -> None:
+    """In a notebook: base, effects and file, not every number of its family."""
+    path.write_text(TEXT)
+    assert repr(Model.load(path)) == "Model: static + leak (model.yaml)"
+    assert repr(Model.of(lambda u: u)) == "Model: python, no effects"
+
+
 def test_the_smallest_model(path: Path) -> None:
     """A base alone is a model; a static map is a straight line unless it says otherwise."""
     path.write_text("base: {kind: static}\n")
