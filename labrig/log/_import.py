@@ -60,9 +60,11 @@ def refuse(output: Path, replace: bool) -> None:
     """Raise `LabrigError` where a run folder is there and is not to be replaced, or is no imported run."""
     if not output.exists():
         return
+    imported = read_run_yaml(output).get("procedure") == "import"
     if not replace:
-        raise LabrigError(f"{output} exists already; choose another name or remove it")
-    if read_run_yaml(output).get("procedure") != "import":
+        how = ", or replace it (--replace, in Python replace=True)" if imported else ""
+        raise LabrigError(f"{output} exists already; choose another name{how}")
+    if not imported:
         raise LabrigError(f"{output} is no imported run, and is not replaced; choose another name")
 
 

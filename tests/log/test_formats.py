@@ -214,7 +214,8 @@ def test_the_command_prints_its_guess(desk: Path, labrig) -> None:
     assert sorted(p.name for p in Path().iterdir()) == ["t", "t.csv", "t.map.yaml"]
     assert labrig("import", "--mapping", "t.map.yaml", "-o", "again")[0] == 0
     code, out, err = labrig("import", "t.csv", "-o", "t")
-    assert (code, out, err) == (2, "", "labrig: t exists already; choose another name or remove it\n")
+    said = "t exists already; choose another name, or replace it (--replace, in Python replace=True)"
+    assert (code, out, err) == (2, "", f"labrig: {said}\n")
 
 
 def test_dates_are_a_clock(desk: Path) -> None:

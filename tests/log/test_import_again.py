@@ -15,7 +15,9 @@ def test_an_imported_run_is_replaced_when_asked(desk: Path, labrig) -> None:
     table().to_csv("t.csv", index=False)
     imported(MAP)
     corrected = {**MAP, "between_sessions": "vented"}
-    with pytest.raises(LabrigError, match="run exists already; choose another name or remove it"):
+    with pytest.raises(
+        LabrigError, match=r"run exists already; choose another name, or replace it \(--replace, "
+    ):
         imported(corrected)
     assert labrig("import", "--mapping", "map.yaml", "-o", "run", "--replace")[0] == 0
     assert open_run("run").attrs["between_sessions"] == "vented"

@@ -225,10 +225,10 @@ def test_a_table_without_observables(desk: Path, labrig: Run) -> None:
 
 
 def test_an_output_that_exists(desk: Path, labrig: Run) -> None:
-    """Nothing is ever overwritten: what is there stays as it is."""
+    """Nothing is ever overwritten: what is there stays as it is, and nobody is told to remove it."""
     Path("run").mkdir()
     Path("run/mine.txt").write_text("mine")
-    refuse(labrig, "run exists already; choose another name or remove it")
+    refuse(labrig, "run exists already; choose another name")
     assert Path("run/mine.txt").read_text() == "mine"
 
 
