@@ -7,6 +7,8 @@ import numpy as np
 from labrig.arrays import Floats
 
 _AGAIN_S = 10.0
+_OTHER_CLOCK_S = 1e6
+"""So far behind is no delay: it is the time of day, or since the computer's start."""
 
 
 class Silence:
@@ -67,4 +69,7 @@ class Gaps:
 
 def dated(behind_s: float) -> str:
     """What is wrong where things come in and are dated long ago."""
-    return f"what it measures is dated {behind_s:.4g} s before labrig's clock"
+    other = (
+        "; its driver takes times from another clock than it was given" if behind_s > _OTHER_CLOCK_S else ""
+    )
+    return f"what it measures is dated {behind_s:.4g} s before labrig's clock{other}"

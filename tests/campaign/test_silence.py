@@ -120,6 +120,12 @@ def test_a_short_gap_is_warned_of(fake: Any, meddle: Any, tmp_path: Path) -> Non
             r"mocap: fake_devices.py: FakeMocap.frames\(\) gave a time that is 3[56]\d\d s ahead of",
         ),
         ("pressure", "samples", -60.0, r"pressure: what it measures is dated 60.* s before labrig's clock"),
+        (
+            "pressure",
+            "samples",
+            -1.7e9,
+            r"pressure: what it measures is dated .*; its driver takes times from another clock than it was given",
+        ),
         ("mocap", "frames", -60.0, r"mocap: what it measures is dated 60.* s before labrig's clock"),
         (
             "mocap",
