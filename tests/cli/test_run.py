@@ -149,6 +149,15 @@ def test_a_users_procedure_has_its_parameters_as_options(lab: Path, labrig: Run)
         assert not (lab / "three").exists()
 
 
+def test_the_help_names_every_procedure(labrig: Run) -> None:
+    """But the one that has a command of its own."""
+    from labrig.api._procedures import shipped
+
+    said = " ".join(labrig("run", "--help")[1].split())
+    named = said.partition("on a rig: ")[2].partition(", or ")[0].split(", ")
+    assert set(named) == set(shipped()) - {"validate"}
+
+
 def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> None:
     """Steps with their times, the estimate, and where it would break limits; exit code 2 then."""
     code, out, _ = labrig("run", "mine.py", "--rig", "rig.yaml", "--dry-run")
