@@ -37,6 +37,8 @@ def _run(given: Any) -> "Dataset":
     from labrig.log import open_run
 
     if isinstance(given, str | Path):
+        if Path(given).suffix in (".yaml", ".yml") and Path(given).is_file():
+            raise LabrigError(f"{given} is no run: name the run's folder first, then the model")
         return open_run(given)
     if type(given).__name__ == "Dataset" and hasattr(given, "data_vars"):
         if "commanded" not in given:

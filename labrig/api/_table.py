@@ -57,7 +57,7 @@ def import_table(
             if several
             else []
         )
-        if mapping.suffix.lower() not in _MAPPINGS and mapping.exists():
+        if mapping.suffix.lower() not in _MAPPINGS:
             use = _use(output, frames, replace)
             return log.import_guessed([mapping, *given], output, replace=replace, use=use)[0]
         return log.import_table(mapping, output, given, replace=replace)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _WHOLE = ("captures", "planned", "warnings")
 
 
-def runs(folder: Path | str, where: str | None = None) -> "pd.DataFrame":
+def runs(folder: Path | str = "runs", where: str | None = None) -> "pd.DataFrame":
     """The runs below a folder as a table, one row each; `docs/how-to/find-your-runs.md` has the columns.
 
     `where` is a condition such as ``"verdict == 'identified' and captures > 20"``; it can only compare. Raises

@@ -72,6 +72,7 @@ def test_a_frame_that_is_refused_leaves_nothing() -> None:
         ((frame(2.0), "mine"), "^mine exists already"),
         ((frame()["p1_kPa"], "other"), "a pandas.Series was given: .* or a DataFrame"),
         ((frame(), "nowhere/other"), "the folder nowhere does not exist"),
+        (("none.csv", "other"), "^none.csv: there is no such table"),
     ]
     for arguments, text in wrong:
         with pytest.raises(LabrigError, match=text):

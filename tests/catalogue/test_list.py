@@ -37,6 +37,13 @@ def test_a_run_is_a_row(shelf: Path) -> None:
     assert list(table["tags"]) == [[], []]
 
 
+def test_runs_lie_in_the_folder_runs(shelf: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where labrig.run puts them, and where no folder is named."""
+    shelf.rename(shelf.with_name("runs"))
+    monkeypatch.chdir(shelf.parent)
+    assert list(runs()["run"]) == ["monday", "tuesday"]
+
+
 def test_nothing_is_read_twice(shelf: Path, opened: list[str]) -> None:
     """A second listing opens no log, and says the same."""
     first = list_runs(shelf)

@@ -45,6 +45,10 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             ("investigate", "--rig", "rig.yaml", "--model", "model.yaml", "--budget", "1", "--out", "new"),
             "a budget of 1 min is too little to begin with; give it ",
         ),
+        (
+            ("compare", "model.yaml", "--model", "empty"),
+            "model.yaml is no run: name the run's folder first, then the model",
+        ),
         (("ik", "target.ply", "--model", "model.yaml"), "target.ply has no complete PLY header"),
         (("ik", "none.ply", "none.ply", "--model", "model.yaml"), " (and 1 more)"),
         (("validate", "--resume", "none"), "none is no run folder; `labrig runs` lists those in ./runs"),
