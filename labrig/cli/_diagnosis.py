@@ -158,7 +158,8 @@ def show_effect(name: Annotated[str, typer.Argument(metavar="NAME", help="The ef
     _say(f"{effect.name} (acts on {effect.acts_on})\n\n{effect.meaning}\n")
     for p in effect.parameters:
         bounds = f"{p.low:g} .. {p.high:g}" if p.low > -1e300 or p.high < 1e300 else "any"
-        _say(f"  {p.name} [{p.unit}], {bounds}, per {p.per}: {p.meaning}")
+        each = "" if p.per == "one" else f", per {p.per}"
+        _say(f"  {p.name} [{p.unit}], {bounds}{each}: {p.meaning}")
     _say(f"\nsignature:  {effect.signature}\nexperiment: {effect.experiment}\nreference:  {effect.reference}")
 
 

@@ -166,7 +166,7 @@ def test_what_cannot_be_hidden_or_revealed_is_said(tmp_path: Path) -> None:
     (tmp_path / "sealed.json").write_text('{"sealed": "zzz"}', encoding="utf-8")
     with pytest.raises(DeviceError) as error:
         reveal(tmp_path)
-    assert str(error.value) == f"simulated: {tmp_path / 'sealed.json'} is damaged and cannot be opened"
+    assert str(error.value) == f"simulated: {tmp_path / 'sealed.json'} is no sealed file, or damaged"
 
 
 def test_pressures_do_not_wait_for_a_shape_that_is_worked_out() -> None:

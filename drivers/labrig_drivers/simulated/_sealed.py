@@ -109,4 +109,4 @@ def reveal(folder: Path) -> HiddenSetting:
     except FileNotFoundError:
         raise DeviceError(f"simulated: {path} does not exist: nothing was sealed there") from None
     except (KeyError, TypeError, ValueError, zlib.error):
-        raise DeviceError(f"simulated: {path} is damaged and cannot be opened") from None
+        raise DeviceError(f"simulated: {path} is no sealed file, or damaged") from None
