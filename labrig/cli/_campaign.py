@@ -75,7 +75,7 @@ def run(
     ] = False,
     help: Annotated[bool, typer.Option("--help", help="Show this, or a procedure's parameters.")] = False,
 ) -> None:
-    """Run a procedure on a rig: capture, check, hold, idle, pairs, programme, repeatability, survey, sweep, or your own.
+    """Run a procedure: capture, check, hold, idle, pairs, programme, repeatability, survey, sweep, or one of your own.
 
     A procedure's parameters are options that follow its name; `labrig run PROCEDURE --help` lists them. Every limit
     is checked before anything moves, and however the run ends, the chambers are vented first. While it goes on,

@@ -67,7 +67,8 @@ def ik(
     report = write_ik_report(solved, str(model), out)
     write_solved(solved, model, out / "ik.json")
     for one in failed:
-        typer.echo(f"labrig: {one.error}", err=True)
+        name = Path(one.job.target).name
+        typer.echo(f"labrig: {one.error}" if name in one.error else f"labrig: {name}: {one.error}", err=True)
     typer.echo(f"report: {report}{said}")
     if failed:
         raise typer.Exit(2)

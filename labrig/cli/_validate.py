@@ -107,9 +107,12 @@ def _print(summaries: Sequence[Realisation]) -> None:
     from labrig.cli._console import new_console
 
     table = Table(
-        "target", "model", title="mean distance from the target, mm; differ: realised from predicted"
+        "target",
+        "model",
+        title="mean distance, mm; best: the hardware's; differ: realised from predicted",
+        padding=(0, 0, 0, 1),
     )
-    for column in ("hardware", "predicted", "realised", "differ", "markers", "refined"):
+    for column in ("best", "predicted", "realised", "differ", "markers", "refined"):
         table.add_column(column, justify="right")
     for one in summaries:
         refined = [again["realised_mm"]["mean"] for again in one["refined"] if again["realised_mm"]]

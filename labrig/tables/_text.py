@@ -45,7 +45,8 @@ def find_encoding(path: Path) -> str:
             if max(zeros) > 0.4 * (len(head) / 2) and min(zeros) < 0.05 * (len(head) / 2):
                 return "utf-16-le" if zeros[0] > zeros[1] else "utf-16-be"
             raise LabrigError(
-                f"{path}: is no text and no table that labrig knows by its first bytes; save it as CSV, Excel, Parquet, HDF5, MAT or NPZ"
+                f"{path}: is no text and no table that labrig knows by its first bytes; "
+                "save it as CSV, Excel, Parquet, HDF5, MAT or NPZ"
             )
         decoder = codecs.getincrementaldecoder("utf-8")()
         sample = b""

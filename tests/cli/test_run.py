@@ -154,7 +154,7 @@ def test_the_help_names_every_procedure(labrig: Run) -> None:
     from labrig.api._procedures import shipped
 
     said = " ".join(labrig("run", "--help")[1].split())
-    named = said.partition("on a rig: ")[2].partition(", or ")[0].split(", ")
+    named = said.partition("a procedure: ")[2].partition(", or ")[0].split(", ")
     assert set(named) == set(shipped()) - {"validate"}
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from labrig.cli._diagnosis import _to_add
 from labrig.cli._tables import print_summary
+from labrig.cli._validate import _print as print_validation
 
 ROW = {"size": 2.0, "size_sd": 0.1, "size_floors": 20.0, "size_sd_floors": 1.0}
 NOWHERE = {"size": 0.0, "size_sd": 0.0, "size_floors": 0.0, "size_sd_floors": 0.0}
@@ -28,6 +29,19 @@ SUMMARY = {
     "ranking": [{"effect": "hysteresis", "form": "play", "heldout_error": 0.4, "drop": 0.9}],
     "warnings": [],
 }
+
+
+def test_a_validation_fits_a_narrow_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a scan and its refinement, every column has its whole name in 80 columns."""
+    monkeypatch.setenv("COLUMNS", "80")
+    found = {"mean": 0.173}
+    names = ("hardware", "predicted", "realised", "realised_against_predicted", "markers_against_predicted")
+    row = {"target": "body-2.ply", "model": "without the warp", **{f"{name}_mm": found for name in names}}
+    print_validation([{**row, "refined": [{"realised_mm": found}]}])
+    head = next(line for line in capsys.readouterr().out.splitlines() if "target" in line and "┃" in line)
+    assert [word for word in head.replace("┃", " ").split() if word.endswith("…")] == []
 
 
 def test_sure_possible_and_not_it(capsys: pytest.CaptureFixture[str]) -> None:

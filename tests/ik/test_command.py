@@ -81,6 +81,16 @@ def test_one_bad_target_spoils_nothing(desk, capsys):
     )
 
 
+def test_a_target_that_lies_elsewhere_is_named(desk, capsys):
+    """Among several nobody knows otherwise which one is meant."""
+    mesh = read_mesh(desk / "a.ply")
+    small = Scan(0.0, 0.1 * mesh.vertices_mm, mesh.triangles, (), "")
+    (desk / keep_scan(small, desk)[0]).rename(desk / "small.ply")
+    with pytest.raises(typer.Exit):
+        ask("a.ply", "small.ply", unit="mm")
+    assert capsys.readouterr().err.splitlines()[-1].startswith("labrig: small.ply: the target lies nowhere")
+
+
 def test_errors_for_people(desk):
     """No target of use, no model of use, a rig of other chambers: one line each, nothing written."""
     with pytest.raises(LabrigError) as error:
