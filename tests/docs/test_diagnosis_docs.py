@@ -37,6 +37,11 @@ def test_your_data(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
         "run: 12 captures, 1 actuated, 1 observables, 1 session(s)\n"
     )
     assert "error, N rms" in printed["labrig compare run --model model.yaml"]
+    errors = [
+        float(re.findall(r"│ +([\d.]+) │", printed[f"labrig compare run --model {model}.yaml"])[0])
+        for model in ("model", "lag")
+    ]
+    assert errors[1] < errors[0]  # a lag that is shorter than the wait before each row
 
 
 def test_an_effect_of_your_own(labrig: Run, monkeypatch: pytest.MonkeyPatch, make_lab) -> None:
