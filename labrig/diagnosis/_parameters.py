@@ -1,7 +1,6 @@
 """Fitted values with their uncertainty, as they go into a model file."""
 
 import re
-from collections.abc import Iterable
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._design_matrix import coefficients, columns_of, order_of
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.effects import Context, Effect, Term, Variant, centre_of, is_family, yardsticks_of
+from labrig.effects import Context, Effect, Term, Variant, centre_of, is_family, unit_on, yardsticks_of
 from labrig.model import EffectEntry, FittedOn, Value
 
 _ROUNDS = 9
@@ -54,7 +53,7 @@ def parameters_of(context: Context, chosen: Fit, i: int) -> dict[str, Value]:
         numbered = {"chamber": context.rows.chambers, "marker": context.rows.markers}
         called = numbered.get("marker" if re.fullmatch(r"marker_\d", name) else name)
         which = [called[int(value)]] if called else None
-        parameters[name] = Value(value=value, unit=_unit(context, own.unit), per=which)
+        parameters[name] = Value(value=value, unit=unit_on(context, own.unit), per=which)
     return parameters
 
 
@@ -75,28 +74,6 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
         lowest=rows.actuation.min(axis=0).tolist() if weights else None,
         highest=rows.actuation.max(axis=0).tolist() if weights else None,
     )
-
-
-def _either(units: Iterable[str]) -> str:
-    """The unit of what may have several, each of another kind."""
-    different = list(dict.fromkeys(units))
-    return f"({' or '.join(different)})" if len(different) > 1 else "".join(different)
-
-
-def _unit(context: Context, unit: str) -> str:
-    """The unit of a parameter with those of the run in it."""
-    rows = context.rows
-    place = [u for u, marker in zip(rows.unit, rows.marker, strict=True) if marker >= 0]
-    sensed = [u for u, marker in zip(rows.unit, rows.marker, strict=True) if marker < 0]
-    moving = [rows.covariates[name].unit for name in context.motion] if "motion" in unit else []
-    own = {
-        "actuation": _either(rows.actuation_unit.split(" or ")) or "1",
-        "observable": _either(rows.unit),
-        "place": _either(place or rows.unit),
-        "sensor": _either(sensed or rows.unit),
-        "motion": _either(moving) or "1",
-    }
-    return re.sub("|".join(own), lambda found: own[found[0]], unit)
 
 
 def refined(regression: Regression, context: Context, chosen: Fit, i: int) -> Fit:
@@ -148,7 +125,7 @@ def _own_order(chosen: Fit, i: int) -> Ints:
 
 
 def _value(context: Context, effect: Effect, term: Term, value: Floats, sd: Floats) -> Value:
-    unit = _unit(context, effect.parameter(term.parameter).unit)
+    unit = unit_on(context, effect.parameter(term.parameter).unit)
     per: list[str] | None = None
     if term.kind == "pattern":
         per = list(term.labels or context.rows.observables)

@@ -31,6 +31,7 @@ from labrig.effects._slips import errors_by_capture
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._stretches import Stretch, stretch_of
 from labrig.effects._template import write_template
+from labrig.effects._units import unit_on
 from labrig.effects._weights import (
     fields_of,
     form_of,
@@ -101,6 +102,7 @@ __all__ = [
     "stretch_of",
     "term_of",
     "to_rows",
+    "unit_on",
     "wander",
     "weighable",
     "weighted",

@@ -336,7 +336,7 @@ def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Varian
         return weighted(effect, context, entry.form or "", labels)
     if strange := sorted(linear - {p.name for p in effect.parameters}):
         raise LabrigError(f"effect {effect.name!r}: has no parameter {strange[0]!r}; {_OLDER}")
-    check_units(effect, entry, context.rows)
+    check_units(effect, entry, context)
     unvalued: list[str] = []
     pinned = {
         name: float(np.asarray(p.value, dtype=float).reshape(-1)[0])

@@ -13,7 +13,8 @@ from labrig.model._units import check_units
 
 def a_run(unit: str) -> Any:
     """What a run says of its units: two observables of a marker, and pressures in `unit`."""
-    return SimpleNamespace(actuation_unit=unit, unit=("mm", "mm"), marker=(0, 0))
+    rows = SimpleNamespace(actuation_unit=unit, unit=("mm", "mm"), marker=(0, 0), covariates={})
+    return SimpleNamespace(rows=rows, motion={})
 
 
 @pytest.mark.parametrize(
