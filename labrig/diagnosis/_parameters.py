@@ -68,6 +68,7 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
         chambers=list(rows.chambers),
         low=rows.low.tolist(),
         high=rows.high.tolist(),
+        unit=rows.actuation_unit,
         centre_mm=centre_of(context).tolist() if centred else None,
         start_s=rows.start_s if dated else None,
         yardsticks={name: value.tolist() for name, value in measures.items()} or None,

@@ -133,15 +133,17 @@ class Value(_Strict):
 class FittedOn(_Strict):
     """What an entry's values refer to, so that they mean the same on every run.
 
-    `low`, `high`: the range of each of `chambers` that fractions are of; `centre_mm`: the point that rotations and
-    scales are about, and a plane's distance is from; `start_s`: when the run began that moments are counted from, by
-    the rig's clock; `yardsticks`: what the functions of a family are measured by, such as how far the rig went;
-    `lowest`, `highest`: between which the run kept each chamber, where a family's weights are known from it.
+    `low`, `high`: the range of each of `chambers` that fractions are of, in `unit` (empty: not known); `centre_mm`: the
+    point that rotations and scales are about, and a plane's distance is from; `start_s`: when the run began that
+    moments are counted from, by the rig's clock; `yardsticks`: what the functions of a family are measured by, such as
+    how far the rig went; `lowest`, `highest`: between which the run kept each chamber, where a family's weights are
+    known from it.
     """
 
     chambers: list[str] = Field(default_factory=list)
     low: list[float] = Field(default_factory=list)
     high: list[float] = Field(default_factory=list)
+    unit: str = ""
     centre_mm: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
     start_s: float | None = None
     yardsticks: dict[str, Numbers] | None = None

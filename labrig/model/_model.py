@@ -41,7 +41,7 @@ from labrig.model._bases import (
 from labrig.model._beyond import beyond, beyond_base
 from labrig.model._file import EffectEntry, ModelFile, PythonBase, Value, read_model_file, write_model_file
 from labrig.model._memory import MemoryModel
-from labrig.model._units import check_units
+from labrig.model._units import check_ranges, check_units
 
 _OLDER = "an entry of an older labrig has to be fitted again: remove it, then labrig improve"
 
@@ -311,6 +311,7 @@ def as_fitted(context: Context, entry: EffectEntry) -> Context:
     on = entry.fitted_on
     if on is None:
         return context
+    check_ranges(entry, context.rows.actuation_unit)
     if on.centre_mm is not None:
         context = replace(context, centre=np.array(on.centre_mm, dtype=float))
     if on.start_s is not None:

@@ -20,12 +20,27 @@ def check_units(effect: Effect, entry: EffectEntry, context: Context) -> None:
         taken_in = unit_on(context, known.get(name, "1"))
         if value.unit in ("1", "", taken_in) or _SEVERAL.search(value.unit + taken_in):
             continue
-        where = f"effect {effect.name!r}: {name}"
-        try:
-            same = abs(factor(value.unit, taken_in, where) - 1.0) < 1e-9
-        except LabrigError:
-            same = False
-        if not same:
+        if not _same(value.unit, taken_in):
             raise LabrigError(
-                f"{where} is stated in {value.unit}, and this run takes it in {taken_in}: convert it, or fit it again"
+                f"effect {effect.name!r}: {name} is stated in {value.unit}, and this run takes it in {taken_in}: "
+                "convert it, or fit it again"
             )
+
+
+def check_ranges(entry: EffectEntry, unit: str) -> None:
+    """Raise `LabrigError` where the ranges that an entry's fractions are of are in another unit than a run's."""
+    fitted = entry.fitted_on.unit if entry.fitted_on else ""
+    if fitted and not _same(fitted, unit):
+        raise LabrigError(
+            f"effect {entry.name!r} was fitted to a run whose inputs are in {fitted}, and this run's are in {unit}: "
+            "import it in that unit, or fit the effect again"
+        )
+
+
+def _same(unit: str, other: str) -> bool:
+    if unit == other:
+        return True
+    try:
+        return abs(factor(unit, other, "unit") - 1.0) < 1e-9
+    except LabrigError:
+        return False

@@ -123,7 +123,11 @@ def _entry(context: Context, prior: Prior, value: Floats, sd: Floats) -> EffectE
         at += size
     rows = fitted.rows
     on = FittedOn(
-        chambers=list(rows.chambers), low=rows.low.tolist(), high=rows.high.tolist(), centre_mm=centre
+        chambers=list(rows.chambers),
+        low=rows.low.tolist(),
+        high=rows.high.tolist(),
+        unit=rows.actuation_unit,
+        centre_mm=centre,
     )
     return EffectEntry(name=prior.effect.name, form=prior.variant.form, fitted_on=on, parameters=parameters)
 

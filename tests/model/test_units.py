@@ -7,8 +7,8 @@ import pytest
 
 from labrig import LabrigError
 from labrig.effects import get
-from labrig.model import EffectEntry, Value
-from labrig.model._units import check_units
+from labrig.model import EffectEntry, FittedOn, Value
+from labrig.model._units import check_ranges, check_units
 
 
 def a_run(unit: str) -> Any:
@@ -44,3 +44,22 @@ def test_a_value_in_another_unit_is_refused(
         check_units(get(name), entry, a_run(run))
     assert str(caught.value).startswith(f"effect {said}")
     assert str(caught.value).endswith(": convert it, or fit it again")
+
+
+@pytest.mark.parametrize(
+    ("fitted", "run", "refused"),
+    [("kPa", "kPa", False), ("", "bar", False), ("hPa", "mbar", False), ("kPa", "bar", True)],
+)
+def test_fractions_of_ranges_in_another_unit_are_refused(fitted: str, run: str, refused: bool) -> None:
+    """A width of a tenth of 60 kPa is none of 0.6 bar: an effect says in which unit its ranges are."""
+    on = FittedOn(chambers=["c1"], low=[0.0], high=[60.0], unit=fitted)
+    entry = EffectEntry(name="hysteresis", fitted_on=on)
+    if not refused:
+        check_ranges(entry, run)
+        return
+    with pytest.raises(LabrigError) as caught:
+        check_ranges(entry, run)
+    assert str(caught.value) == (
+        "effect 'hysteresis' was fitted to a run whose inputs are in kPa, and this run's are in bar: import it in that "
+        "unit, or fit the effect again"
+    )
