@@ -46,11 +46,14 @@ def make_base(recipe: BaseRecipe) -> Predict:
 
 
 def own_error(recipe: BaseRecipe, pressure: Floats) -> float:
-    """Root mean square of what a recipe's base itself has wrong at pressures (F, C); no effect takes it away."""
+    """Root mean square of what a recipe's base itself has wrong at pressures (F, C), by how noisy each observable is; no
+    effect takes it away.
+    """
     pressure = np.asarray(pressure, dtype=float)
     if recipe["kind"] == "exact":
         return 0.0
-    return _rms(make_base(recipe)(pressure) - make_rig(recipe).settled(pressure))
+    rig = make_rig(recipe)
+    return _rms((make_base(recipe)(pressure) - rig.settled(pressure)) / rig.noisier)
 
 
 def draw_base(
@@ -81,7 +84,7 @@ def _draw_wrong(
     for _ in range(8):
         form, seed = str(random.choice(list(half_of(half).wrong))), int(random.integers(2**31))
         predict = _wrong(rig, half, form, seed)
-        scale = strength_for(lambda s: _rms(predict(pressure, s) - right), wanted, _MOST_WRONG)  # noqa: B023
+        scale = strength_for(lambda s: _rms((predict(pressure, s) - right) / rig.noisier), wanted, _MOST_WRONG)  # noqa: B023
         if scale is not None:
             return {**recipe, "kind": "wrong", "form": form, "seed": seed, "scale": scale}
     raise LabrigError(f"bench: no base of the rig {recipe['rig']} can be wrong by {wanted:.3g}")
@@ -94,11 +97,11 @@ def chambers_own_law(recipe: BaseRecipe, pressure: Floats) -> bool:
     """
     rig = make_rig(recipe)
     pressure = np.asarray(pressure, dtype=float)
-    left = make_base(recipe)(pressure) - rig.settled(pressure)
+    left = (make_base(recipe)(pressure) - rig.settled(pressure)) / rig.noisier
     high = np.asarray(rig.high_kpa, dtype=float)
     columns = []
     for c, step in enumerate(np.diag(1e-3 * high)):
-        slope = (rig.settled(pressure + step) - rig.settled(pressure - step)) / 2e-3
+        slope = (rig.settled(pressure + step) - rig.settled(pressure - step)) / 2e-3 / rig.noisier
         x = pressure[:, c] / high[c]
         columns += [(slope * (x**k)[:, None]).ravel() for k in (1, 2, 3, 4)]
     X = np.stack(columns, axis=1)

@@ -127,7 +127,7 @@ def draw(
         "strengths": {h.effect: h.strength for h in what.hidden},
         "floor": floor,
         "structural": structural * floor,
-        "unit": rig.observables[0].unit,
+        "unit": " and ".join(dict.fromkeys(o.unit for o in rig.observables)),
         "design": what.design,
         "captures": plan.captures,
         "spoil": what.how.as_dict(),

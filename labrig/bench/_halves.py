@@ -20,6 +20,7 @@ PORTIONS = {
     "ninth": "labrig.bench.development.ninth",
     "tenth": "labrig.bench.development.tenth",
     "eleventh": "labrig.bench.development.eleventh",
+    "twelfth": "labrig.bench.development.twelfth",
 }
 """Portions of a half that are drawn from apart, by name, and where they are."""
 DRAWN_FROM = (*HALVES, *PORTIONS)
@@ -54,7 +55,7 @@ class Linear(Rig):
         self.kind = rig.kind  # pyright: ignore[reportAttributeAccessIssue]
         self.chambers, self.high_kpa = rig.chambers, rig.high_kpa
         self.observables, self.marker_names = rig.observables, rig.marker_names
-        self.rest_mm, self.noise = rig.rest_mm, rig.noise
+        self.rest_mm, self.noise, self.noisier = rig.rest_mm, rig.noise, rig.noisier
         self._low_kpa = rig.low_kpa
         half = np.diag(0.5 * self.high_kpa)  # each chamber alone, half full
         walls = rig.deflection(half)

@@ -25,7 +25,8 @@ LONG_S = 15.0
 STRONGEST = 8.0
 """Laws keep their character up to several times their natural size; what needs more is drawn again."""
 _CURVED = 0.05
-_OF_RIGS = frozenset({"markers", "several", "curved"})
+_SENSED = {"angle": "deg", "force": "N"}
+_OF_RIGS = frozenset({"markers", "marker", "several", "curved", *_SENSED})
 FEW = 3  # observables: so few that their pattern tells nothing
 
 
@@ -33,6 +34,10 @@ def has(rig: Rig, path: Path | None = None) -> frozenset[str]:
     """What a rig, and the path that it is taken along, have of the things that laws may need."""
     axes = np.bincount([o.marker for o in rig.observables if o.marker >= 0], minlength=1)
     found = {"markers"} if np.sum(axes >= 2) >= 3 else set()
+    if rig.marker_names:
+        found.add("marker")
+    sensed = {o.unit for o in rig.observables if o.marker < 0}
+    found |= {name for name, unit in _SENSED.items() if unit in sensed}
     if len(rig.chambers) > 1:
         found.add("several")
     if _bend(rig) > _CURVED:
@@ -149,7 +154,8 @@ def hide(
 
             def size(strength: float, law: Law = law) -> float:
                 change = simulate(rig, [(law, strength)], path) - clean
-                return float(np.sqrt(np.mean(np.square(left(change) if left else change))))
+                change = (left(change) if left else change) / rig.noisier
+                return float(np.sqrt(np.mean(np.square(change))))
 
             strength = strength_for(size, floors * floor, STRONGEST)
             if strength is not None:

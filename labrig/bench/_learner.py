@@ -17,17 +17,19 @@ def _features(rows: Rows) -> Floats:
     return np.concatenate([rows.actuation, previous, rows.actuation - previous, clock], axis=1)
 
 
-def learned_error(rows: Rows, base: Floats, fresh: Rows, fresh_base: Floats) -> float | None:
+def learned_error(
+    rows: Rows, base: Floats, fresh: Rows, fresh_base: Floats, noisier: Floats | float = 1.0
+) -> float | None:
     """Error (rms over captures' means) on the fresh campaign after the residuals of the first were learned.
 
-    Extremely randomised trees on the leading principal components of the residuals. None without
-    scikit-learn.
+    Extremely randomised trees on the leading principal components of the residuals, each over how `noisier` its
+    observable (K,) is. None without scikit-learn.
     """
     try:
         from sklearn.ensemble import ExtraTreesRegressor
     except ImportError:
         return None
-    left = rows.values - base
+    left = (rows.values - base) / noisier
     seen = np.isfinite(left)
     middle = np.nanmedian(left, axis=0) if seen.all(axis=1).any() else np.zeros(left.shape[1])
     filled = np.where(seen, left, middle)
@@ -38,12 +40,14 @@ def learned_error(rows: Rows, base: Floats, fresh: Rows, fresh_base: Floats) -> 
     wanted = (filled - middle) @ directions.T
     trees.fit(_features(rows), wanted[:, 0] if wanted.shape[1] == 1 else wanted)
     score = trees.predict(_features(fresh)).reshape(len(fresh.values), -1)
-    return capture_error(fresh, fresh_base + middle + score @ directions)
+    return capture_error(fresh, fresh_base + (middle + score @ directions) * noisier, noisier)
 
 
-def capture_error(rows: Rows, predicted: Floats) -> float:
-    """Root mean square, over captures and observables, of the mean residual of each hold."""
-    left = rows.values - predicted
+def capture_error(rows: Rows, predicted: Floats, noisier: Floats | float = 1.0) -> float:
+    """Root mean square, over captures and observables, of the mean residual of each hold, each observable (K,) over how
+    `noisier` it is.
+    """
+    left = (rows.values - predicted) / noisier
     seen = np.isfinite(left)
     captures = int(rows.capture.max()) + 1
     total, count = np.zeros((captures, left.shape[1])), np.zeros((captures, left.shape[1]))

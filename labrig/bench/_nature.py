@@ -33,7 +33,7 @@ class Rig(ABC):
     A subclass draws its own proportions from `random`, and sets: `chambers`, `high_kpa` (C,) the upper limits (the
     lower ones, `low_kpa`, are zero unless it says otherwise), `observables`, `rest_mm` (M, 3) where the markers are at
     rest (None without markers), `marker_names`, and `noise`, the usual noise of one row in the units of the
-    observables. Observables of one rig share one unit.
+    observables. Observables may have several units; where some are measured better than others, `noisier` says so.
     """
 
     kind: ClassVar[str]
@@ -43,6 +43,8 @@ class Rig(ABC):
     marker_names: tuple[str, ...] = ()
     rest_mm: Floats | None = None
     noise: float
+    noisier: Floats | float = 1.0
+    """How many times the usual noise each observable (K,) has: root mean square 1."""
 
     @abstractmethod
     def __init__(self, random: np.random.Generator) -> None: ...
@@ -110,14 +112,15 @@ class Law(ABC):
     A subclass says in its docstring which law it is and where it is published; `effect` is the name by which it goes
     (one of EFFECTS, or, for what no list of usual suspects has, a name of its own). It changes one step or more of the
     simulation; `strength` multiplies what it changes: 0 nothing, 1 its natural size. The benchmark finds the strength
-    at which the change of the observables, root mean square over all rows, has the wanted size, so the change should
+    at which the change of the observables, each over its own noise and root mean square over all rows, has the wanted size, so the change should
     grow steadily with it, and keep its character up to several times 1.
     """
 
     effect: ClassVar[str]
     needs: ClassVar[frozenset[str]] = frozenset()
-    """What a rig must have: some of `markers` (three or more), `several` (chambers), `curved` (a deflection that is not
-    proportional to pressure, so that e.g. a tension is no mere gain), `holds` (long ones), `tilt`, `payload`."""
+    """What a rig must have: some of `markers` (three or more), `marker` (one at least), `angle`, `force` (a sensor in
+    deg, in N), `several` (chambers), `curved` (a deflection that is not proportional to pressure, so that e.g. a tension
+    is no mere gain), `holds` (long ones), `tilt`, `payload`."""
 
     def __init__(self, setting: Setting) -> None:
         self.rig = setting.rig

@@ -11,10 +11,11 @@ from labrig.bench._nature import Rig
 
 @dataclass(frozen=True)
 class Spoil:
-    """How a campaign is spoiled; lengths in the unit of the observables, the rest as parts of one.
+    """How a campaign is spoiled; sizes in the units of the observables, of which some are `noisier`, the rest as parts
+    of one.
 
     `row` and `capture`: standard deviations of independent noise of each row, and of each capture (kept
-    through its hold), per observable. `common`: of a slow offset, alike for all markers (one per axis),
+    through its hold), per observable. `common`: of a slow offset, alike for all markers (one per axis, of sensors one per unit),
     AR(0.9) from capture to capture. `uneven`: how much the row noise swells and shrinks over the campaign.
     """
 
@@ -54,20 +55,21 @@ def spoil(
     rows, observables = true.shape
     captures = int(capture.max()) + 1
     owner, of_marker = _owners(rig)
-    _, axis = np.unique([o.axis for o in rig.observables], return_inverse=True)
+    kinds = sorted({(o.axis, o.unit) for o in rig.observables})
+    axis = [kinds.index((o.axis, o.unit)) for o in rig.observables]
     owners = int(owner.max()) + 1
     swell = 1.0 + how.uneven * np.sin(
         2.0 * np.pi * (np.arange(rows) / rows * random.uniform(0.5, 2.0) + random.random())
     )
-    measured = true + how.row * swell[:, None] * random.normal(size=true.shape)
-    measured += (how.capture * random.normal(size=(captures, observables)))[capture]
+    measured = true + how.row * swell[:, None] * random.normal(size=true.shape) * rig.noisier
+    measured += (how.capture * random.normal(size=(captures, observables)) * rig.noisier)[capture]
     if how.common:
-        measured += how.common * _slow(random, captures, int(axis.max()) + 1)[capture][:, axis]
+        measured += how.common * _slow(random, captures, max(axis) + 1)[capture][:, axis] * rig.noisier
     if how.outliers:
         whole = random.random((captures, owners)) < 0.5 * how.outliers
         bad = whole[capture] | (random.random((rows, owners)) < 0.5 * how.outliers)
         size = max(how.capture, how.row) * random.uniform(20.0, 200.0, (captures, owners))
-        jump = size[:, owner] * random.normal(size=(captures, observables))
+        jump = size[:, owner] * random.normal(size=(captures, observables)) * rig.noisier
         measured += np.where(bad[:, owner], jump[capture], 0.0)
     if how.occlusion and of_marker.sum() > 1:
         share = random.uniform(0.2, 2.0, owners)

@@ -15,7 +15,7 @@ from labrig.bench._bases import own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
-from labrig.bench._halves import DRAWN_FROM
+from labrig.bench._halves import DRAWN_FROM, make_rig
 from labrig.bench._judge import is_false_alarm, is_near, is_right, wrongly_sure
 from labrig.bench._lines import adding_lines, read_lines
 from labrig.bench.records import Answer, Answered, Fresh, Judged, Record, Truth
@@ -142,10 +142,10 @@ def _fresh(campaign: Campaign, path: Path, improved: Any) -> Fresh | None:
     from labrig.effects import rows_of
     from labrig.model import Model
 
-    rows = rows_of(campaign.fresh)
+    rows, noisier = rows_of(campaign.fresh), make_rig(campaign.truth["base"]).noisier
     try:
-        base = capture_error(rows, Model.load(path).context(rows).base)
-        model = capture_error(rows, improved.context(rows).base)
+        base = capture_error(rows, Model.load(path).context(rows).base, noisier)
+        model = capture_error(rows, improved.context(rows).base, noisier)
     except LabrigError:
         return None
     how = campaign.truth["spoil"]
@@ -171,13 +171,14 @@ def _baselines(campaign: Campaign, path: Path, seed: int) -> dict[str, Answered]
     if campaign.base is not None:
         fresh = rows_of(campaign.fresh)
         fresh_base = model.context(fresh).base
-        learned = learned_error(rows, context.base, fresh, fresh_base)
+        noisier = make_rig(campaign.truth["base"]).noisier
+        learned = learned_error(rows, context.base, fresh, fresh_base, noisier)
         nothing: Answer = {
             "verdict": "unknown" if campaign.truth["effects"] else "nothing_missing",
             "effects": [],
         }
         if learned is not None:
-            drop = _drop(capture_error(fresh, fresh_base), learned, campaign.truth["floor"])
+            drop = _drop(capture_error(fresh, fresh_base, noisier), learned, campaign.truth["floor"])
             out["black box"] = {"answer": nothing, "fresh": {"drop": drop}, "names_nothing": True}
     return out
 

@@ -14,6 +14,7 @@ import numpy as np
 from labrig._executor import Executor
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
+from labrig.bench._halves import make_rig
 from labrig.bench._lines import adding_lines, read_lines
 from labrig.bench._run import key_of
 from labrig.bench.records import StoppingRecord
@@ -57,8 +58,9 @@ def first_captures(dataset: "xr.Dataset", captures: int) -> "xr.Dataset":
 def acted(campaign: Campaign, captures: int) -> dict[str, float]:
     """How large each hidden effect was in the first captures, root mean square, in floors."""
     counts = np.isfinite(campaign.dataset["hold_s"].values[:captures]).sum()
+    noisier = make_rig(campaign.truth["base"]).noisier
     return {
-        name: float(np.sqrt(np.mean(part[:counts] ** 2))) / campaign.truth["floor"]
+        name: float(np.sqrt(np.mean((part[:counts] / noisier) ** 2))) / campaign.truth["floor"]
         for name, part in campaign.parts.items()
     }
 

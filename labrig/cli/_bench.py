@@ -22,7 +22,7 @@ def draw_campaign(
     seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, or a portion, third to eleventh."),
+        typer.Option(help="Whose rigs and laws: development, exam, or a portion, third to twelfth."),
     ] = "development",
     captures: Annotated[int | None, typer.Option(min=8, help="About how many, else chance says.")] = None,
 ) -> None:
@@ -41,7 +41,7 @@ def blind(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for records and report.")],
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, both, or a portion, third to eleventh."),
+        typer.Option(help="Whose rigs and laws: development, exam, both, or a portion, third to twelfth."),
     ] = "development",
     classes: Annotated[str, typer.Option(help="Classes, with commas between them, or all.")] = "all",
     count: Annotated[
@@ -235,7 +235,7 @@ def stopping(
     count: Annotated[int, typer.Option("--n", min=1, help="Campaigns.")] = 200,
     half: Annotated[
         str,
-        typer.Option(help="Whose rigs and laws: development, exam, both, or a portion, third to eleventh."),
+        typer.Option(help="Whose rigs and laws: development, exam, both, or a portion, third to twelfth."),
     ] = "both",
     seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,

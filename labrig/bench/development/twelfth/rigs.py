@@ -5,6 +5,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers
+from labrig.bench.development.twelfth._sensors import noises
 
 
 def meets(over: Floats, soft: float) -> Floats:
@@ -31,7 +32,7 @@ class Elbow(Rig):
         self._told_pulls = count if joints == 1 or random.random() < 0.7 else 2
         told = [Observable(f"angle{j + 1}", "deg") for j in range(joints)]
         self.observables = (*told, *(Observable(f"pull{c + 1}", "N") for c in range(self._told_pulls)))
-        self.noise = float(random.uniform(0.06, 0.15))
+        self.noise, self.noisier = noises(random, self.observables, deg=(0.03, 0.12), N=(0.06, 0.2))
         self._full_n = random.uniform(25, 60) * random.uniform(0.92, 1.08, count)
         self._b = random.uniform(0.25, 0.4)  # of a; where it equals the square the muscle is at its shortest
         self._begins = random.uniform(0.85, 0.95)  # 1 - k e of the mounted muscle
@@ -78,7 +79,7 @@ class Fingertip(Rig):
         self.high_kpa = random.uniform(80, 300) * random.uniform(0.95, 1.05, count)
         told = [Observable("near", "deg"), Observable("far", "deg"), Observable("press", "N")]
         self.observables = (*told, *([Observable("travel", "mm")] if self._tendon else []))
-        self.noise = float(random.uniform(0.06, 0.14))
+        self.noise, self.noisier = noises(random, self.observables, deg=(0.05, 0.2), N=(0.03, 0.08), mm=(0.03, 0.1))
         self._long_mm = np.array([random.uniform(40, 55), random.uniform(28, 40)])
         self._free = np.deg2rad(random.uniform(40, 62, 2))  # how far each joint turns with nothing in the way
         self._stiff = random.uniform(400, 900, 2)  # N mm / rad
@@ -140,7 +141,7 @@ class Clasp(Rig):
         grips = [f"grip{c + 1}" for c in range(count)] if self._each else ["grip"]
         bends = [Observable(f"bend{c + 1}", "1/m") for c in range(count)]
         self.observables = (*bends, *(Observable(name, "N") for name in grips))
-        self.noise = float(random.uniform(0.05, 0.12))
+        self.noise, self.noisier = noises(random, self.observables, per_m=(0.04, 0.12), N=(0.02, 0.08))
         long_m = random.uniform(0.07, 0.1)
         self._most = random.uniform(13, 20) * random.uniform(0.93, 1.07, count)  # 1/m
         self._first = random.uniform(0.2, 1.5, count)

@@ -5,6 +5,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.bench._nature import Observable, Rig
 from labrig.bench.development.rigs._common import chambers, turns
+from labrig.bench.development.twelfth._sensors import noises
 
 
 class Thruster(Rig):
@@ -24,7 +25,7 @@ class Thruster(Rig):
         if count > 1:
             told += [Observable("tip", "deg"), *(Observable(f"foot{c + 1}", "N") for c in range(count - 1))]
         self.observables = tuple(told)
-        self.noise = float(random.uniform(0.05, 0.14))
+        self.noise, self.noisier = noises(random, self.observables, mm=(0.02, 0.08), N=(0.08, 0.25), deg=(0.04, 0.12))
         self._push_n = random.uniform(35, 80) / count**0.5 * random.uniform(0.93, 1.07, count)
         self._folds = random.uniform(0.3, 0.8) * random.uniform(0.9, 1.1, count)  # N / mm
         self._shrinks = random.uniform(0.003, 0.012)  # of the area, per mm
@@ -76,7 +77,7 @@ class Neck(Rig):
         seen = [Observable(f"m{k + 1}.{'xyz'[a]}", "mm", k, a) for k in range(balls) for a in self._axes]
         told = [Observable("pitch", "deg"), Observable("roll", "deg"), Observable("cord", "mm")]
         self.observables = (*told, *seen)
-        self.noise = float(random.uniform(0.06, 0.15))
+        self.noise, self.noisier = noises(random, self.observables, deg=(0.04, 0.15), mm=(0.06, 0.2))
         self._long_mm = random.uniform(70, 130)
         self._radius_mm = random.uniform(18, 30)
         self._around = random.uniform(0, 2 * np.pi) + 2 * np.pi * np.arange(count) / count
@@ -136,7 +137,7 @@ class Hoist(Rig):
         self._low_kpa = -(random.uniform(0.1, 0.25) if random.random() < 0.4 else 0.0) * self.high_kpa
         told = [Observable("height", "mm"), *(Observable(f"pull{c + 1}", "N") for c in range(count))]
         self.observables = (*told, *([Observable("slope", "deg")] if count > 1 else []))
-        self.noise = float(random.uniform(0.06, 0.15))
+        self.noise, self.noisier = noises(random, self.observables, mm=(0.05, 0.2), N=(0.05, 0.15), deg=(0.03, 0.1))
         self._way_mm = random.uniform(30, 60) * random.uniform(0.93, 1.07, count)
         self._stiff = random.uniform(0.4, 1.2) * random.uniform(0.9, 1.1, count)  # N / mm of a muscle
         self._band = random.uniform(0.2, 0.5) * count  # N / mm
