@@ -46,8 +46,9 @@ def make_base(recipe: BaseRecipe) -> Predict:
 
 
 def own_error(recipe: BaseRecipe, pressure: Floats) -> float:
-    """Root mean square of what a recipe's base itself has wrong at pressures (F, C), by how noisy each observable is; no
-    effect takes it away.
+    """Root mean square of what a recipe's base itself has wrong at pressures (F, C), which no effect takes away.
+
+    Each observable counts by how noisy it is.
     """
     pressure = np.asarray(pressure, dtype=float)
     if recipe["kind"] == "exact":
@@ -84,7 +85,11 @@ def _draw_wrong(
     for _ in range(8):
         form, seed = str(random.choice(list(half_of(half).wrong))), int(random.integers(2**31))
         predict = _wrong(rig, half, form, seed)
-        scale = strength_for(lambda s: _rms((predict(pressure, s) - right) / rig.noisier), wanted, _MOST_WRONG)  # noqa: B023
+
+        def error(scale: float, predict: Callable[[Floats, float], Floats] = predict) -> float:
+            return _rms((predict(pressure, scale) - right) / rig.noisier)
+
+        scale = strength_for(error, wanted, _MOST_WRONG)
         if scale is not None:
             return {**recipe, "kind": "wrong", "form": form, "seed": seed, "scale": scale}
     raise LabrigError(f"bench: no base of the rig {recipe['rig']} can be wrong by {wanted:.3g}")

@@ -112,15 +112,15 @@ class Law(ABC):
     A subclass says in its docstring which law it is and where it is published; `effect` is the name by which it goes
     (one of EFFECTS, or, for what no list of usual suspects has, a name of its own). It changes one step or more of the
     simulation; `strength` multiplies what it changes: 0 nothing, 1 its natural size. The benchmark finds the strength
-    at which the change of the observables, each over its own noise and root mean square over all rows, has the wanted size, so the change should
-    grow steadily with it, and keep its character up to several times 1.
+    at which the change of the observables, root mean square over all rows, each over its own noise, has the wanted
+    size, so the change should grow steadily with it, and keep its character up to several times 1.
     """
 
     effect: ClassVar[str]
     needs: ClassVar[frozenset[str]] = frozenset()
     """What a rig must have: some of `markers` (three or more), `marker` (one at least), `angle`, `force` (a sensor in
-    deg, in N), `several` (chambers), `curved` (a deflection that is not proportional to pressure, so that e.g. a tension
-    is no mere gain), `holds` (long ones), `tilt`, `payload`."""
+    deg, in N), `several` (chambers), `curved` (a deflection that is not proportional to pressure, so that e.g. a
+    tension is no mere gain), `holds` (long ones), `tilt`, `payload`."""
 
     def __init__(self, setting: Setting) -> None:
         self.rig = setting.rig

@@ -15,8 +15,9 @@ class Spoil:
     of one.
 
     `row` and `capture`: standard deviations of independent noise of each row, and of each capture (kept
-    through its hold), per observable. `common`: of a slow offset, alike for all markers (one per axis, of sensors one per unit),
-    AR(0.9) from capture to capture. `uneven`: how much the row noise swells and shrinks over the campaign.
+    through its hold), per observable. `common`: of a slow offset, alike for all markers (one per axis, of
+    sensors one per unit), AR(0.9) from capture to capture. `uneven`: how much the row noise swells and shrinks
+    over the campaign.
     """
 
     row: float = 0.1

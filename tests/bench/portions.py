@@ -30,11 +30,14 @@ _KINDS = {
     "ninth": ("blown_dome", "two_segment_arm", "blown_dome", "two_segment_arm"),
     "tenth": ("wheel", "fan", "cilia", "fan"),
     "eleventh": ("truss", "honeycomb", "lantern", "lantern"),
+    "twelfth": ("elbow", "clasp", "hoist", "fingertip"),
 }
 SEVERAL, OTHER, BENT, RUBS = ({half: kinds[i] for half, kinds in _KINDS.items()} for i in range(4))
-"""Rigs of each portion: one with six chambers or more, and markers; another one; one whose walls are bent; one for
-friction.
+"""Rigs of each portion: one with six chambers or more, and markers (if it has such); another one; one whose walls are
+bent; one for friction.
 """
+WITH_A_MARKER = {"twelfth": "neck"}
+"""Rigs of portions in which hardly any have one."""
 
 
 def named(effect: str) -> list[str]:

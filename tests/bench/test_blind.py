@@ -69,7 +69,7 @@ def test_plans_name_what_they_do_not_know() -> None:
     with pytest.raises(
         LabrigError,
         match=r"^bench: there is no half 'all' \(known: development, exam, third, fourth, fifth, sixth, "
-        r"seventh, eighth, ninth, tenth, eleventh\)$",
+        r"seventh, eighth, ninth, tenth, eleventh, twelfth\)$",
     ):
         plan(["pair"], 1, 0, ["all"])
 

@@ -129,13 +129,13 @@ def test_what_a_rig_and_a_path_have() -> None:
     """Markers, several chambers and a curve are the rig's; long holds, tilts and weights the programme's."""
     random = np.random.default_rng(0)
     pads, cell = make_rig(PADS), make_rig({**PADS, "rig": "cell"})
-    assert has(pads) == {"markers", "several", "curved"}
-    assert has(cell) == {"curved"}
-    assert has(make_rig({**PADS, "linear": True})) == {"markers", "several"}
+    assert has(pads) == {"markers", "marker", "several", "curved"}
+    assert has(cell) == {"curved", "force"}
+    assert has(make_rig({**PADS, "linear": True})) == {"markers", "marker", "several"}
     plain = make_plan("holds", random, pads.high_kpa, 10, False, long_share=0.0)
     rich = make_plan("walk", random, pads.high_kpa, 40, False, True, long_share=0.5, loaded=True)
-    assert has(cell, make_path(plain)) == {"curved"}
-    assert has(cell, make_path(rich)) == {"curved", "holds", "tilt", "payload"}
+    assert has(cell, make_path(plain)) == {"curved", "force"}
+    assert has(cell, make_path(rich)) == {"curved", "force", "holds", "tilt", "payload"}
 
 
 def test_a_path_is_fine_where_things_move() -> None:
@@ -233,10 +233,10 @@ def test_names_that_do_not_exist() -> None:
         draw("force", 0)
     with pytest.raises(
         LabrigError,
-        match=r"^bench: there is no half 'twelfth' \(known: development, exam, third, fourth, fifth, sixth, "
-        r"seventh, eighth, ninth, tenth, eleventh\)",
+        match=r"^bench: there is no half 'thirteenth' \(known: development, exam, third, fourth, fifth, sixth, "
+        r"seventh, eighth, ninth, tenth, eleventh, twelfth\)",
     ):
-        draw("null", 0, "twelfth")
+        draw("null", 0, "thirteenth")
 
 
 def test_only_what_is_plain_is_pickled() -> None:

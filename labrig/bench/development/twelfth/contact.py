@@ -12,7 +12,7 @@ class EndStopOfOneJoint(Law):
     """End stop of one joint: its angle, or its slide, goes no further, or hardly; the load cells feel what it holds.
 
     P. Flores, H. M. Lankarani, Contact Force Models for Multibody Dynamics, Springer, 2016: a one-sided spring, hard or
-    soft. Any other joint goes on as if nothing had been met. It stands nearer than the joint came by a share of the way.
+    soft. Any other joint goes on as if nothing had been met. It stands nearer than the joint would come.
     """
 
     effect = "contact"
@@ -44,7 +44,7 @@ class EndStopOfOneJoint(Law):
 
 
 class SoftBallInTheWay(Law):
-    """Tatara: a rubber ball that is pressed resists by a power 1.5 at first, and by a third and a fifth power farther on.
+    """Tatara: a pressed rubber ball resists by a power 1.5 at first, and by a third and a fifth power farther on.
 
     Y. Tatara, On compression of rubber elastic sphere over a large range of displacements, J. Engineering Materials and
     Technology 113, 1991. Some walls meet it on their way.

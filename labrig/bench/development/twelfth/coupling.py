@@ -31,7 +31,7 @@ class FrameFlexes(Law):
 
 
 class WhiffleTree(Law):
-    """Whiffletree: chambers pull at the ends of bars that tip, so that what one has too much another one gets, to a stop.
+    """Whiffletree: chambers pull at the ends of bars that tip, so that what one has too much another gets, to a stop.
 
     S. Hirose, Y. Umetani, The development of soft gripper for the versatile robot hand, Mechanism and Machine Theory
     13, 1978, on sharing pulls out. As far as the bars may tip all differences are evened out by a share; beyond, they

@@ -62,7 +62,7 @@ class LoadCellCreeps(Law):
 
 
 class TendonStretches(Law):
-    """Wilding-Ward: polymer cords stretch by two processes at once, one that comes back and one that flows, ever slower.
+    """Wilding-Ward: polymer cords stretch by two processes, one that comes back and one that flows, ever slower.
 
     M. P. Wilding, I. M. Ward, Tensile creep and recovery in ultra-high modulus linear polyethylenes, Polymer 19, 1978:
     flow goes with the hyperbolic sine of the load. What angles and ways are told of is behind such cords, force is not.

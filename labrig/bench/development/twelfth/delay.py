@@ -64,8 +64,6 @@ class OldReadings(Law):
         told = values[:, self._which]
         now = [
             np.interp(path.time_s - strength * old_s, path.time_s, told[:, k], left=float(rest))
-            for k, (old_s, rest) in enumerate(
-                zip(self._old_s, self.rig.at_rest[self._which], strict=True)
-            )
+            for k, (old_s, rest) in enumerate(zip(self._old_s, self.rig.at_rest[self._which], strict=True))
         ]
         return added(values, self._which, np.stack(now, axis=1) - told)

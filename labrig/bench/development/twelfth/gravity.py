@@ -1,4 +1,4 @@
-"""Gravity of the twelfth portion: links that turn, and what hangs on load cells and springs when the base is inclined."""
+"""Gravity of the twelfth portion: links that turn, and slides and load cells on a base that is inclined."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ class LinksTurn(Law):
     """Links that turn: each joint bears the moment of all links beyond it, by the sines of how they stand to the plumb.
 
     B. Siciliano, L. Sciavicco, L. Villani, G. Oriolo, Robotics: Modelling, Planning and Control, Springer, 2009,
-    chapter 7. A payload hangs on the last link. What the model lacks is all of the weight, at every pose and every tilt.
+    chapter 7. A payload hangs on the last link. The model lacks all of the weight, at every pose and tilt.
     """
 
     effect = "gravity"
@@ -44,8 +44,9 @@ class LinksTurn(Law):
 class SlidesOnItsSlope(Law):
     """Slope: on an inclined base a part of the weight acts along each slide and each load cell, as the sine has it.
 
-    S. Stevin, De Beghinselen der Weeghconst, 1586. Load cells were tared while it stood level; slides, rules and cords
-    give way by the part along them over their stiffness, softest first. What hangs on it counts as well.
+    J. L. Meriam, L. G. Kraige, Engineering Mechanics: Statics, Wiley, 2012, after S. Stevin. Load cells were tared
+    while it stood level; slides, rules and cords give way by the part along them over their stiffness. What hangs on
+    the rig counts as well.
     """
 
     effect = "gravity"

@@ -1,5 +1,4 @@
-"""Hysteresis of the twelfth portion: walls that aim at their peak, a regulator's own, Rayleigh's loops, an encoder's gear.
-"""
+"""Hysteresis of the twelfth portion: aiming at a peak, a regulator's own, Rayleigh's loops, a gear."""
 
 import numpy as np
 
@@ -103,7 +102,9 @@ class RayleighsLoops(Law):
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         way = (values[:, [self._which]] - self.rig.at_rest[self._which]) / self._far
         part = plays(way, self._half).mean(axis=1)[:, 0]
-        line = float(part @ way[:, 0] / max(float(way[:, 0] @ way[:, 0]), 1e-12))  # the calibration took it out
+        line = float(
+            part @ way[:, 0] / max(float(way[:, 0] @ way[:, 0]), 1e-12)
+        )  # the calibration took it out
         return added(values, self._which, strength * self._share * self._far * (part - line * way[:, 0]))
 
 

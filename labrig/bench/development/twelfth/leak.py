@@ -22,7 +22,9 @@ class SlipsThroughPores(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
-        self._per_s = random.uniform(0.002, 0.006) * random.lognormal(0.0, 0.4, count)  # of a pressure far below 1 atm
+        self._per_s = random.uniform(0.002, 0.006) * random.lognormal(
+            0.0, 0.4, count
+        )  # of a pressure far below 1 atm
         self._slips = random.uniform(0.2, 2.0)  # atm
 
     def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:

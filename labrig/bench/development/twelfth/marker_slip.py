@@ -46,7 +46,7 @@ class SlipsAtEachRecord(_OfOneBall):
 
 
 class ScrewedOnAnew(_OfOneBall):
-    """Screwed on anew: a ball is taken off after each session, so that it is not lost, and never comes back quite alike.
+    """Screwed on anew: a ball is taken off after each session, not to be lost, and never comes back quite alike.
 
     U. Della Croce et al., Human movement analysis using stereophotogrammetry: Part 4, Gait and Posture 21, 2005, on how
     well markers are put back. In a single session it fell off and was put back once.

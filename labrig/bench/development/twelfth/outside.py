@@ -77,7 +77,7 @@ class EncoderWraps(Law):
         self._which = any_sensor(setting, "deg")
         shown = self.rig.settled(path.kpa[path.row])[:, self._which]
         self._ends = float(np.quantile(shown, random.uniform(0.2, 0.8)))
-        self._turn = random.uniform(0.2, 0.5) * float(usual(self.rig, path)[self._which])
+        self._turn = float(random.uniform(0.2, 0.5) * usual(self.rig, path)[self._which])
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         past = values[:, self._which] > self._ends
@@ -101,7 +101,7 @@ class LampWarmsTheAir(Law):
         self._on_s = np.quantile(rows_s, random.uniform(0.02, 0.9, count))
         self._off_s = self._on_s + random.uniform(20.0, 120.0, count)
         self._warms_s = random.uniform(8.0, 40.0)
-        self._size = random.uniform(0.01, 0.03) * random.uniform(0.3, 1.0, len(self.rig.chambers))
+        self._size = random.uniform(0.02, 0.05) * random.uniform(0.3, 1.0, len(self.rig.chambers))
 
     def pressure(self, path: Path, kpa: Floats, strength: float) -> Floats:
         def reached(since_s: Floats) -> Floats:
@@ -191,8 +191,8 @@ class MainsHum(Law):
     """Mains hum: load cells pick up the mains, which rows far apart show as a slow wave that never ends.
 
     H. W. Ott, Electromagnetic Compatibility Engineering, Wiley, 2009; C. E. Shannon, Communication in the presence of
-    noise, Proceedings of the IRE 37, 1949, on what is sampled too seldom. Cells differ in size, and the mains' frequency
-    wanders a little.
+    noise, Proceedings of the IRE 37, 1949, on what is sampled too seldom. Its size is a cell's own, and the frequency of the
+    mains wanders a little.
     """
 
     effect = "mains_hum"

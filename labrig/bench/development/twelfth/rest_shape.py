@@ -1,7 +1,5 @@
 """Rest shapes of the twelfth portion: chambers that were cut too long, and the tolerances of all parts."""
 
-import numpy as np
-
 from labrig.arrays import Floats
 from labrig.bench._nature import Law, Path, Setting
 from labrig.bench.development._places import either_way
@@ -29,7 +27,7 @@ class CutTooLong(Law):
 class PartsHaveTolerances(Law):
     """Tolerances: links, pins and springs are a little off, each by itself, and so is where each sensor rests.
 
-    ISO 2768-1, General tolerances, 1989. Of two sensors that are fixed to one part both are off, one more than the other.
+    ISO 2768-1, General tolerances, 1989. Of two sensors that are fixed to one part both are off, not quite alike.
     """
 
     effect = "rest_shape"

@@ -79,7 +79,9 @@ class Fingertip(Rig):
         self.high_kpa = random.uniform(80, 300) * random.uniform(0.95, 1.05, count)
         told = [Observable("near", "deg"), Observable("far", "deg"), Observable("press", "N")]
         self.observables = (*told, *([Observable("travel", "mm")] if self._tendon else []))
-        self.noise, self.noisier = noises(random, self.observables, deg=(0.05, 0.2), N=(0.03, 0.08), mm=(0.03, 0.1))
+        self.noise, self.noisier = noises(
+            random, self.observables, deg=(0.05, 0.2), N=(0.03, 0.08), mm=(0.03, 0.1)
+        )
         self._long_mm = np.array([random.uniform(40, 55), random.uniform(28, 40)])
         self._free = np.deg2rad(random.uniform(40, 62, 2))  # how far each joint turns with nothing in the way
         self._stiff = random.uniform(400, 900, 2)  # N mm / rad
@@ -124,7 +126,7 @@ class Fingertip(Rig):
 
 
 class Clasp(Rig):
-    """A clasp: two to four soft fingers bend around an object; a sensor in each tells its curvature, load cells the grip.
+    """A clasp: two to four soft fingers bend around an object; sensors tell their curvatures, load cells the grip.
 
     P. Polygerinos et al., Modeling of soft fiber-reinforced bending actuators, IEEE Trans. Robotics 31, 2015: the free
     curvature goes ever faster, as rubber gets thin. The tip that is held is bent back as that of a beam (S. Timoshenko,
@@ -137,7 +139,9 @@ class Clasp(Rig):
         count = int(random.integers(2, 5))
         self.chambers = chambers(count)
         self.high_kpa = random.uniform(40, 120) * random.uniform(0.95, 1.05, count)
-        self._each = bool(count == 2 or random.random() < 0.5)  # a load cell under each finger, or one in the wrist
+        self._each = bool(
+            count == 2 or random.random() < 0.5
+        )  # a load cell under each finger, or one in the wrist
         grips = [f"grip{c + 1}" for c in range(count)] if self._each else ["grip"]
         bends = [Observable(f"bend{c + 1}", "1/m") for c in range(count)]
         self.observables = (*bends, *(Observable(name, "N") for name in grips))
@@ -151,7 +155,9 @@ class Clasp(Rig):
         self._meets_mm = random.uniform(0.3, 0.55) * far_mm.mean() * random.uniform(0.9, 1.1, count)
         self._hard = np.exp(random.uniform(np.log(0.2), np.log(2.0)))  # N / mm
         self._soft_mm = random.uniform(0.7, 1.5)
-        self._shares = random.uniform(0.0, 0.25)  # of the push of the others that moves the object to a finger
+        self._shares = random.uniform(
+            0.0, 0.25
+        )  # of the push of the others that moves the object to a finger
         self._thins = random.uniform(0.4, 1.4) * random.uniform(0.95, 1.05, count)
 
     def deflection(self, kpa: Floats) -> Floats:
@@ -163,7 +169,9 @@ class Clasp(Rig):
         back_mm = self._yields * self._reach_mm
         aim_mm = self._reach_mm * free - self._meets_mm
         tip_mm = aim_mm.copy()
-        for _ in range(40):  # a push grows with the way, and its bending back is a convex function: this comes down
+        for _ in range(
+            40
+        ):  # a push grows with the way, and its bending back is a convex function: this comes down
             push = self._hard * meets(tip_mm, self._soft_mm)
             slope = self._hard / (1 + np.exp(-np.clip(tip_mm / self._soft_mm, -500, 500)))
             tip_mm = tip_mm - (tip_mm + back_mm * push - aim_mm) / (1 + back_mm * slope)

@@ -25,7 +25,9 @@ class Thruster(Rig):
         if count > 1:
             told += [Observable("tip", "deg"), *(Observable(f"foot{c + 1}", "N") for c in range(count - 1))]
         self.observables = tuple(told)
-        self.noise, self.noisier = noises(random, self.observables, mm=(0.02, 0.08), N=(0.08, 0.25), deg=(0.04, 0.12))
+        self.noise, self.noisier = noises(
+            random, self.observables, mm=(0.02, 0.08), N=(0.08, 0.25), deg=(0.04, 0.12)
+        )
         self._push_n = random.uniform(35, 80) / count**0.5 * random.uniform(0.93, 1.07, count)
         self._folds = random.uniform(0.3, 0.8) * random.uniform(0.9, 1.1, count)  # N / mm
         self._shrinks = random.uniform(0.003, 0.012)  # of the area, per mm
@@ -137,7 +139,9 @@ class Hoist(Rig):
         self._low_kpa = -(random.uniform(0.1, 0.25) if random.random() < 0.4 else 0.0) * self.high_kpa
         told = [Observable("height", "mm"), *(Observable(f"pull{c + 1}", "N") for c in range(count))]
         self.observables = (*told, *([Observable("slope", "deg")] if count > 1 else []))
-        self.noise, self.noisier = noises(random, self.observables, mm=(0.05, 0.2), N=(0.05, 0.15), deg=(0.03, 0.1))
+        self.noise, self.noisier = noises(
+            random, self.observables, mm=(0.05, 0.2), N=(0.05, 0.15), deg=(0.03, 0.1)
+        )
         self._way_mm = random.uniform(30, 60) * random.uniform(0.93, 1.07, count)
         self._stiff = random.uniform(0.4, 1.2) * random.uniform(0.9, 1.1, count)  # N / mm of a muscle
         self._band = random.uniform(0.2, 0.5) * count  # N / mm
@@ -145,7 +149,9 @@ class Hoist(Rig):
         wide_mm = random.uniform(60, 120)
         self._place_mm = np.linspace(-wide_mm, wide_mm, count) if count > 1 else np.zeros(1)
         self._upright = random.uniform(0.05, 0.25) * wide_mm**2
-        self._folds = random.uniform(0.35, 1.1)  # the half angle at which they are flat, less that at rest, in rad
+        self._folds = random.uniform(
+            0.35, 1.1
+        )  # the half angle at which they are flat, less that at rest, in rad
         self._lever = random.uniform(0.3, 0.8)
 
     @property

@@ -15,7 +15,7 @@ class _Rubber(Law):
     def __init__(self, setting: Setting) -> None:
         super().__init__(setting)
         random, count = setting.random, len(self.rig.chambers)
-        self._strain = random.uniform(0.4, 1.1) * random.uniform(0.9, 1.1, count)  # at full deflection
+        self._strain = random.uniform(0.35, 0.8) * random.uniform(0.9, 1.1, count)  # at full deflection
         self._right = random.uniform(0.3, 1.0)
 
     def _stress(self, stretch: Floats) -> Floats:
@@ -95,7 +95,9 @@ class Ligaments(Law):
         low, high = self._ends
         for _ in range(30):  # Newton's method on a sum of exponentials, which is all convex from outside
             up = strength * self._size[1] * np.exp(np.clip(self._steep[1] * (at - high) / self._far, -60, 12))
-            down = strength * self._size[0] * np.exp(np.clip(self._steep[0] * (low - at) / self._far, -60, 12))
+            down = (
+                strength * self._size[0] * np.exp(np.clip(self._steep[0] * (low - at) / self._far, -60, 12))
+            )
             slope = 1 + self._steep[1] * up + self._steep[0] * down
             at = at - np.clip((at + self._far * (up - down) - free) / slope, -self._far, self._far)
         return added(values, self._angles, at - free)

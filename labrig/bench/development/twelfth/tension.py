@@ -30,7 +30,7 @@ class ConstantForceSpring(Law):
 
 
 class CloseWoundSpring(Law):
-    """Initial tension: the coils of a close-wound spring press on each other, and open one after another as it is pulled.
+    """Initial tension: coils of a close-wound spring press on each other, and open one after another when pulled.
 
     A. M. Wahl, Mechanical Springs, Penton, 1944. Until they are all open it gives next to nothing; then its rate adds
     to that of the wall, from the initial tension up.
