@@ -81,7 +81,7 @@ class EncoderWraps(Law):
 
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         past = values[:, self._which] > self._ends
-        return added(values, self._which, -strength * self._turn * past)
+        return added(values, self._which, np.where(past, -strength * self._turn, 0.0))
 
 
 class LampWarmsTheAir(Law):
@@ -191,8 +191,8 @@ class MainsHum(Law):
     """Mains hum: load cells pick up the mains, which rows far apart show as a slow wave that never ends.
 
     H. W. Ott, Electromagnetic Compatibility Engineering, Wiley, 2009; C. E. Shannon, Communication in the presence of
-    noise, Proceedings of the IRE 37, 1949, on what is sampled too seldom. Its size is a cell's own, and the frequency of the
-    mains wanders a little.
+    noise, Proceedings of the IRE 37, 1949, on what is sampled too seldom. Its size is a cell's own, and the mains'
+    frequency wanders a little.
     """
 
     effect = "mains_hum"

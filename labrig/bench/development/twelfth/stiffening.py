@@ -89,15 +89,22 @@ class Ligaments(Law):
         self._steep = random.uniform(1.5, 4.0, (2, count))  # per usual way
         self._size = random.uniform(0.08, 0.25, (2, count))  # of the usual way, at the ends
 
+    def _moment(self, past: Floats, end: int) -> tuple[Floats, Floats]:
+        """The moment of one end at angles (T, A) past it, and its slope: a straight line from far beyond it on."""
+        x = self._steep[end] * past
+        near = np.clip(x, -60.0, 1.5)
+        grows = np.exp(near)
+        moment = self._size[end] * grows * (1 + np.maximum(x - near, 0.0))
+        return moment, self._size[end] * self._steep[end] * grows
+
     def seen(self, path: Path, deflection: Floats, values: Floats, strength: float) -> Floats:
         free = values[:, self._angles]
         at = free.copy()
         low, high = self._ends
-        for _ in range(30):  # Newton's method on a sum of exponentials, which is all convex from outside
-            up = strength * self._size[1] * np.exp(np.clip(self._steep[1] * (at - high) / self._far, -60, 12))
-            down = (
-                strength * self._size[0] * np.exp(np.clip(self._steep[0] * (low - at) / self._far, -60, 12))
-            )
-            slope = 1 + self._steep[1] * up + self._steep[0] * down
-            at = at - np.clip((at + self._far * (up - down) - free) / slope, -self._far, self._far)
+        for _ in range(30):  # by Newton's method
+            up, up_by = self._moment((at - high) / self._far, 1)
+            down, down_by = self._moment((low - at) / self._far, 0)
+            slope = 1 + strength * (up_by + down_by)
+            off = at + strength * self._far * (up - down) - free
+            at = at - np.clip(off / slope, -self._far, self._far)
         return added(values, self._angles, at - free)
