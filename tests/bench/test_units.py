@@ -79,11 +79,16 @@ def test_wrong_bases_are_wrong_by_each_numbers_own_floor() -> None:
     assert own_error(truth["base"], kpa) == pytest.approx(truth["structural"], rel=0.05)
     kinds = [draw_base(truth["base"], kpa, truth["floor"], np.random.default_rng(s), 0.0) for s in range(20)]
     assert max(own_error(recipe, kpa) for recipe in kinds) < 0.5 * truth["floor"]
-    rows = rows_of(campaign.fresh)
-    error = capture_error(rows, rig.settled(rows.actuation) + 3.0 * np.asarray(rig.noisier), rig.noisier)
-    again = capture_error(rows, rig.settled(rows.actuation) - 3.0 * np.asarray(rig.noisier), rig.noisier)
-    level = capture_error(rows, rig.settled(rows.actuation), rig.noisier)
-    assert 0.5 * (error**2 + again**2) == pytest.approx(9.0 + level**2, rel=1e-6)
+
+
+def test_errors_on_fresh_campaigns_are_in_each_numbers_own_noise() -> None:
+    """The noisiest sensor that is wrong by three of its own noises adds nine over the number of sensors, squared."""
+    campaign = _campaign()
+    rig, rows = make_rig(campaign.truth["base"]), rows_of(campaign.fresh)
+    right, own = rig.settled(rows.actuation), np.asarray(rig.noisier)
+    off = np.where(np.arange(len(own)) == np.argmax(own), 3.0 * own, 0.0)
+    level, up, down = (capture_error(rows, right + d, rig.noisier) ** 2 for d in (0.0, off, -off))
+    assert 0.5 * (up + down) - level == pytest.approx(9.0 / len(own), rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", half_of("twelfth").rigs)
