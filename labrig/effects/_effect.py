@@ -127,7 +127,7 @@ class Effect(ABC):
     signature: ClassVar[str]
     experiment: ClassVar[str]
     needs: ClassVar[str] = ""
-    """What a run must have for this effect to show, if not every run has it: `four markers or more`."""
+    """What a run must have for this effect to show, if not every run has it: `two markers or more`."""
     scans: ClassVar[bool] = False
     """Whether its forms are found by looking at the residuals, so that it must look again when they change."""
     remembers: ClassVar[bool] = False

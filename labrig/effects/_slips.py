@@ -13,7 +13,7 @@ from labrig.effects._spectrum import fill
 
 _ON_A_PLATE = 4
 _MOST_OF_ALL = 0.6
-"""Share of all observables from which on a group is no few against the others."""
+"""Share of all markers and sensors from which on a group is no few against the others."""
 _ALONE = 2
 """How many single markers are asked about: the clearest."""
 _DEARER = 2.0
@@ -93,7 +93,7 @@ class _Look:
 def _looked_at(rows: Rows, error: Floats, group: tuple[int, ...], among: int) -> _Look | None:
     """A group beside all others; None where it is most of all that is seen."""
     own = np.isin(rows.marker, group)
-    if own.mean() > _MOST_OF_ALL:
+    if len(group) > _MOST_OF_ALL * (len(np.unique(rows.marker[rows.marker >= 0])) + (rows.marker < 0).sum()):
         return None
     e = _beside_others(error, own)
     return _Look(group, e, step_gain(e), _DEARER * float(own.sum()), among)

@@ -101,6 +101,7 @@ class Frame(Effect):
             return
         scale, whole = motion_scale(context), list(affine(context))
         yield Space("always", "frame", acting(whole))
+        yield Space("shifted", "frame shifted", acting(whole[:3]))
         yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
         if bent:

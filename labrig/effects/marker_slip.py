@@ -16,6 +16,8 @@ _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
 _FORMS = ("step", "two steps", "three steps")
 """Forms by how many markers slipped, each once; more of them, or one that slips again, is the family's."""
+_FEWEST = 2
+"""Markers from which on one that slipped is another thing than a camera that was moved."""
 _SLOW = 7
 """Slow motions over the run, cosines, that a loose marker may make beside its steps: a grid."""
 _OF_WHICH = ("", ", of a second marker", ", of a third one")
@@ -52,7 +54,7 @@ class MarkerSlip(Effect):
     )
     signature = "one marker's error steps at one capture and stays; its neighbours see nothing"
     experiment = "look at the marker; repeat one early capture"
-    needs = "four markers or more"
+    needs = "two markers or more"
     by_hand = "look at the marker, and press it on again"
     of_one_rig = "it says which marker slipped and when"
     scans = True
@@ -99,12 +101,12 @@ class MarkerSlip(Effect):
         rows = context.rows
         captures = np.unique(rows.capture)
         markers = np.unique(rows.marker[rows.marker >= 0])
-        if len(captures) < 8 or len(markers) < 4:
+        if len(captures) < 8 or len(markers) < _FEWEST:
             return []
         error = np.stack([_mean(context.residual[rows.capture == c]) for c in captures])
         for a in range(3):
             own = rows.axis == a
-            if own.any():
+            if own.sum() > 2:
                 error[:, own] -= _median(error[:, own])[:, None]
         out = []
         for m in markers:
@@ -126,11 +128,8 @@ class MarkerSlip(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """A step of one marker at one moment: the three clearest steps that a scan over markers and moments finds."""
         rows = context.rows
-        markers = np.unique(rows.marker[rows.marker >= 0])
-        captures = np.unique(rows.capture)
-        if len(captures) < 8 or len(markers) < 4:
+        if len(np.unique(rows.capture)) < 8 or len(np.unique(rows.marker[rows.marker >= 0])) < _FEWEST:
             return
-
         captures, error = errors_by_capture(context)
         for slip in slips(rows, error):
             group, since = slip.group, int(captures[slip.first])

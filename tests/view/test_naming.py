@@ -168,7 +168,7 @@ def test_what_could_not_be_seen_is_not_said_to_be_absent(make_summary):
     summary = make_summary("identified", 0.9, creep=0.95, marker_slip=0.0, contact=0.0)
     assert unseen_words(summary) == ""
     summary["effects_considered"][1]["seen"] = False
-    assert unseen_words(summary) == "can't be seen in these runs: marker slip (needs four markers or more)"
+    assert unseen_words(summary) == "can't be seen in these runs: marker slip (needs two markers or more)"
     assert [row[:3] for row in effect_rows(summary)] == [
         ("creep", "sure", "95 %"),
         ("marker slip", UNSEEN, "–"),
