@@ -10,6 +10,8 @@ from labrig.arrays import Floats, Ints
 from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale, one_way
+from labrig.effects._sign import ABOVE, BELOW, Part, Sign, along_own
+from labrig.effects._skin import at_events
 from labrig.effects._speeds import LENGTHS
 
 _LEVELS = (0.35, 0.5, 0.65, 0.8, 0.9)
@@ -92,6 +94,26 @@ class _Joint:
             return float(past @ against) / max(float(np.linalg.norm(past)), 1e-300)
 
         return max((level * self.top for level in _FINE), key=gain)
+
+
+def sensor_of(form: str) -> str:
+    """Which sensor a form is about: `stop of elbow, +, felt` about `elbow`, whose name may have a comma in it."""
+    return form.removesuffix(", felt").removeprefix(STOP_OF)[: -len(", +")]
+
+
+def by_joint(context: Context, part: Part, name: str, *, strokes: bool = False) -> Sign:
+    """What gives such a part away: its size against how far the joint has come, by the model, that sensor `name`
+    follows; `strokes` tells apart from where it came last.
+    """
+    rows = context.rows
+    k = rows.observables.index(name)
+    group = None
+    if strokes:
+        way, before = at_events(context)[:, k], context.started
+        came = way - np.where(before >= 0, way[before], 0.0)
+        first = np.unique(rows.capture, return_index=True)[1]
+        group = np.where(came[rows.event][first] > 0, BELOW, ABOVE)
+    return along_own(context, part, context.base[:, k], f"{name}, by the model", rows.unit[k], group)
 
 
 def joints(context: Context) -> Ints:

@@ -9,7 +9,7 @@ from labrig._text import listed, number, with_unit
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._end_stops import STOP_OF, stopped_joints
+from labrig.effects._end_stops import STOP_OF, by_joint, sensor_of, stopped_joints
 from labrig.effects._family import Space, acting, one_way, pressure
 from labrig.effects._fitted import Fitted
 from labrig.effects._inside import FORM, inside
@@ -192,8 +192,9 @@ class Contact(Effect):
     def in_words(self, found: Fitted) -> str:
         """From which pressure on something is met, of each chamber that is stopped; or where a sensor's motion ends."""
         if found.form.startswith(STOP_OF) and (distance := found.numbers("distance")):
-            name, side = found.form.removeprefix(STOP_OF).split(", ")[:2]
-            way = with_unit(number(float(f"{side}1") * distance[0]), found.units.get(name, ""))
+            name = sensor_of(found.form)
+            way = distance[0] if f"{STOP_OF}{name}, +" in found.form else -distance[0]
+            way = with_unit(number(way), found.units.get(name, ""))
             return f"{name} is stopped {way} from where it is vented."
         if found.form not in _BY_PRESSURE or not found.ranges or not (limit := found.numbers("limit")):
             return ""
@@ -216,6 +217,8 @@ class Contact(Effect):
             return by_marker(context, part, "xyz".index(letter), 1.0 if part.form[-2] == "+" else -1.0)
         if part.form in ("travel", "plane", "plane, felt", FORM):
             return by_marker(context, part)
+        if part.form.startswith(STOP_OF):
+            return by_joint(context, part, sensor_of(part.form))
         return by_chamber(context, part, named=True)
 
 

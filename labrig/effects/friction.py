@@ -7,7 +7,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._end_stops import joints
+from labrig.effects._end_stops import by_joint, joints
 from labrig.effects._family import Space, acting, field, motion_scale, pattern, pressure
 from labrig.effects._memory import memory
 from labrig.effects._sign import Part, Sign, along_own, by_chamber
@@ -22,6 +22,7 @@ from labrig.effects._skin import (
     play_behind,
 )
 
+_OF = "of "
 _PRESLIDING = (0.02, 0.05, 0.12)
 """Ways after a turn until something slides, shares of the whole motion."""
 
@@ -92,7 +93,7 @@ class Friction(Effect):
             for width in context.grid("presliding", [w * motion_scale(context)[k] for w in _PRESLIDING]):
                 behind = (context.played(width, way) - way[context.rows.event]) / width
                 term = Term.pattern("force", behind)
-                yield Variant(f"of {context.rows.observables[k]}", (term,), {"presliding": width})
+                yield Variant(f"{_OF}{context.rows.observables[k]}", (term,), {"presliding": width})
 
     def family(self, context: Context) -> Iterator[Space]:
         """The sign of the last motion, constant or growing with the load; and very narrow play."""
@@ -144,6 +145,8 @@ class Friction(Effect):
                 return along_own(
                     context, part, speed, f"speed of {name}", f"{context.rows.covariates[name].unit}/s"
                 )
+        if part.form.startswith(_OF):
+            return by_joint(context, part, part.form.removeprefix(_OF), strokes=True)
         return by_chamber(context, part, strokes=True)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:

@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 import labrig
-from labrig.effects import Fitted, get
+from labrig.diagnosis import rows_from
+from labrig.effects import Fitted, Part, get
 from labrig.model import Model
 from tests.naming import calls_of, verdict_of
 
@@ -97,6 +98,23 @@ def test_where_a_joint_is_stopped_is_said_in_its_unit() -> None:
     """In words: which sensor, and how far from where it is vented."""
     found = Fitted("contact", "stop of angle, -, felt", {"distance": {"value": 31.2}}, units={"angle": "deg"})
     assert get("contact").in_words(found) == "angle is stopped -31.2\u00a0deg from where it is vented."
+
+
+def sign_of(law, effect: str, form: str):
+    """What the report draws of such a part, for a law that is followed exactly."""
+    context = Model.of(elbow).context(rows_from(campaign(law, 7, effect)))
+    own = np.array([1.0, 0.0])
+    change = (law(context.base[:, 0]) - context.base[:, 0])[:, None] * own
+    return get(effect).sign(context, Part(form, change, 0.0 * change, np.array([0.08, 0.08])))
+
+
+def test_what_a_joint_does_is_drawn_against_where_it_is() -> None:
+    """No pressure orders it: against the angle friction is two levels, by where it came from, and a stop is a kink."""
+    rubs, stops = sign_of(bearing, "friction", "of angle"), sign_of(buffer, "contact", "stop of angle, +")
+    assert (rubs.x_name, rubs.x_unit) == ("angle, by the model", "deg") == (stops.x_name, stops.x_unit)
+    levels = [np.median(rubs.fitted[rubs.group == came]) for came in ("from above", "from below")]
+    assert abs(levels[1] - levels[0]) > 1.0
+    assert np.abs(stops.fitted[stops.x < 30.0]).max() < 1e-6 < np.abs(stops.fitted[stops.x > 33.0]).min()
 
 
 def test_the_elbow_alone_misses_nothing() -> None:
