@@ -46,15 +46,20 @@ def parameters_of(context: Context, chosen: Fit, i: int) -> dict[str, Value]:
             value, spread = term.basis @ value, spread @ term.basis.T
         n = len(spread)
         sd = np.sqrt((n - 1) / n * ((spread - spread.mean(axis=0)) ** 2).sum(axis=0))
-        parameters[term.parameter] = _value(context, part.effect, term, value, sd)
+        unit = _unit(context, part, term.parameter)
+        parameters[term.parameter] = _value(context, unit, term, value, sd)
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
         value = value if own.given or own.per != "one" else _round(value)
         numbered = {"chamber": context.rows.chambers, "marker": context.rows.markers}
         called = numbered.get("marker" if re.fullmatch(r"marker_\d", name) else name)
         which = [called[int(value)]] if called else None
-        parameters[name] = Value(value=value, unit=unit_on(context, own.unit), per=which)
+        parameters[name] = Value(value=value, unit=_unit(context, part, name), per=which)
     return parameters
+
+
+def _unit(context: Context, part: Candidate, parameter: str) -> str:
+    return part.variant.units.get(parameter) or unit_on(context, part.effect.parameter(parameter).unit)
 
 
 def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
@@ -125,8 +130,7 @@ def _own_order(chosen: Fit, i: int) -> Ints:
     return order_of([p.columns for p in chosen.parts])[i]
 
 
-def _value(context: Context, effect: Effect, term: Term, value: Floats, sd: Floats) -> Value:
-    unit = unit_on(context, effect.parameter(term.parameter).unit)
+def _value(context: Context, unit: str, term: Term, value: Floats, sd: Floats) -> Value:
     per: list[str] | None = None
     if term.kind == "pattern":
         per = list(term.labels or context.rows.observables)

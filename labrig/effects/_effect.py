@@ -98,13 +98,15 @@ class Term:
 class Variant:
     """One form that an effect may take: its terms, and the values of what is not linear in it.
 
-    `centred`: its values refer to the middle of the markers at rest, which is saved with them.
+    `centred`: its values refer to the middle of the markers at rest, which is saved with them. `units`: of parameters
+    that are about one sensor, whose own unit they have.
     """
 
     form: str
     terms: tuple[Term, ...]
     shape: dict[str, float] = field(default_factory=dict)
     centred: bool = False
+    units: dict[str, str] = field(default_factory=dict)
 
     @property
     def key(self) -> str:

@@ -44,18 +44,21 @@ def stopped_joints(context: Context) -> Iterator[Variant]:
     """The same of one sensor as a formula: where the residuals speak most for a stop, how much of the motion beyond it
     is lost, and what other sensors have of that.
     """
+    rows = context.rows
     for joint in _joints(context):
+        own = rows.unit[rows.observables.index(joint.name)]
+        others = np.flatnonzero(joint.beside)
+        names, kinds = tuple(rows.observables[k] for k in others), {rows.unit[k] for k in others}
+        units = {"distance": own} | ({"shared": f"{kinds.pop()}/{own}"} if len(kinds) == 1 else {})
         for distance in context.grid("distance", (joint.likeliest(context),)):
             past = np.maximum(joint.way - distance, 0.0)
             stopped = Term.field("stopped", -joint.side * past[:, None] * joint.own)
-            form = f"{STOP_OF}{joint.name}, {_sign(joint.side)}"
-            yield Variant(form, (stopped,), {"distance": distance})
-            if len(others := np.flatnonzero(joint.beside)):
-                names = tuple(context.rows.observables[k] for k in others)
+            form, shape = f"{STOP_OF}{joint.name}, {_sign(joint.side)}", {"distance": distance}
+            yield Variant(form, (stopped,), shape, units=units)
+            if names:
                 change = past[:, None, None] * np.eye(len(joint.own))[:, others]
-                yield Variant(
-                    f"{form}, felt", (stopped, Term.field("shared", change, names)), {"distance": distance}
-                )
+                shared = Term.field("shared", change, names)
+                yield Variant(f"{form}, felt", (stopped, shared), shape, units=units)
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,8 @@ class Friction(Effect):
             for width in context.grid("presliding", [w * motion_scale(context)[k] for w in _PRESLIDING]):
                 behind = (context.played(width, way) - way[context.rows.event]) / width
                 term = Term.pattern("force", behind)
-                yield Variant(f"{_OF}{context.rows.observables[k]}", (term,), {"presliding": width})
+                shape, unit = {"presliding": width}, {"presliding": context.rows.unit[k]}
+                yield Variant(f"{_OF}{context.rows.observables[k]}", (term,), shape, units=unit)
 
     def family(self, context: Context) -> Iterator[Space]:
         """The sign of the last motion, constant or growing with the load; and very narrow play."""

@@ -90,6 +90,7 @@ def test_their_formulas_hold_on_another_run(law, effect: str, parameter: str, va
     entry = better.file.effects[0]
     assert entry.form.startswith(("stop of angle, +", "of angle"))
     assert entry.parameters[parameter].value == pytest.approx(value, rel=0.05)
+    assert entry.parameters[parameter].unit == "deg"
     error = labrig.compare(campaign(law, 4, "again"), [elbow, better]).error
     assert error["second"] - error["floor"] < 0.1 * (error["first"] - error["floor"])
 
