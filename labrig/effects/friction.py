@@ -90,7 +90,9 @@ class Friction(Effect):
             yield Variant("pattern", (Term.pattern("force", against),))
         for k in joints(context):
             way = at_events(context)[:, k]
-            for width in context.grid("presliding", [w * motion_scale(context)[k] for w in _PRESLIDING]):
+            for width in context.grid(
+                "presliding", [w * float(motion_scale(context)[k]) for w in _PRESLIDING]
+            ):
                 behind = (context.played(width, way) - way[context.rows.event]) / width
                 term = Term.pattern("force", behind)
                 shape, unit = {"presliding": width}, {"presliding": context.rows.unit[k]}
