@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from labrig.diagnosis._parameters import _unit
+from labrig.effects import unit_on
 from labrig.diagnosis._problem import prepared, rows_from
 
 
@@ -21,4 +21,4 @@ def test_of_markers_in_pixels_it_is_pixels(make_lab, effect: str, parameter: str
     lab = make_lab(captures=12)
     context = prepared(rows_from(lab.dataset(lab.predict(lab.u))), lab.model()).context
     on_screen = replace(context, rows=replace(context.rows, unit=("px",) * len(context.rows.unit)))
-    assert _unit(on_screen, lab.model().library()[effect].parameter(parameter).unit) == unit
+    assert unit_on(on_screen, lab.model().library()[effect].parameter(parameter).unit) == unit
