@@ -18,8 +18,8 @@ from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._one_sensor import SENSOR, of_one_sensor
 from labrig.diagnosis._ripple import RIPPLE, ripple
 from labrig.diagnosis._spectra import factor, prior_of
-from labrig.diagnosis._unnamed import unnamed
-from labrig.effects import Effect, Feature, Space, motion_scale, wander
+from labrig.diagnosis._unnamed import slow_noise, unnamed
+from labrig.effects import Effect, Feature, Space, motion_scale
 
 SLOW = "slow noise"
 DECLARED = "declared"
@@ -380,7 +380,7 @@ class _Layout:
     def slow(self) -> Floats:
         """Slow noise along each axis (of unmarked observables: of all together), one floor."""
         rows = self.observations.context.rows
-        series = wander(self.observations.context).astype(self.dtype)
+        series = slow_noise(self.observations.context, self.observations.index).astype(self.dtype)
         axes = [rows.axis == a for a in (-1, 0, 1, 2) if (rows.axis == a).any()]
         raw = np.concatenate(
             [series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2

@@ -252,3 +252,12 @@ def _switches(context: Context) -> Iterator[np.ndarray]:
             before = state[b] if b >= 0 else 0.0
             state[e] = 1.0 if load[e] >= over else 0.0 if load[e] <= back else before
         yield state
+
+
+def slow_noise(context: Context, index: np.ndarray) -> Floats:
+    """Slow noise that all captures share with their neighbours, AR(1) of 0.9 a capture, (F, q) of unit variance."""
+    n = int(index.max()) + 1
+    knots = np.linspace(0, n - 1, int(np.clip(n // 6, 4, 45)))
+    hats = np.clip(1 - np.abs(np.arange(n)[:, None] - knots) / max(knots[1] - knots[0], 1e-9), 0, None)
+    memory = np.exp(-np.abs(knots[:, None] - knots) / 9.5)
+    return (hats @ np.linalg.cholesky(memory + 1e-9 * np.eye(len(knots))))[index]

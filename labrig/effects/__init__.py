@@ -12,7 +12,6 @@ from labrig.effects._family import (
     one_way,
     pattern,
     pressure,
-    wander,
 )
 from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
 from labrig.effects._fitted import Fitted
@@ -103,7 +102,6 @@ __all__ = [
     "term_of",
     "to_rows",
     "unit_on",
-    "wander",
     "weighable",
     "weighted",
     "without_failing",

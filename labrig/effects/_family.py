@@ -145,16 +145,6 @@ def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
         yield "temperature", warmer, 1.0
 
 
-def wander(context: Context) -> Floats:
-    """What all captures share with their neighbours, AR(1) of 0.9 a capture, (F, q): each a part of unit variance."""
-    _, index = np.unique(context.rows.capture, return_inverse=True)
-    n = int(index.max()) + 1
-    knots = np.linspace(0, n - 1, int(np.clip(n // 6, 4, 45)))
-    hats = np.clip(1 - np.abs(np.arange(n)[:, None] - knots) / max(knots[1] - knots[0], 1e-9), 0, None)
-    memory = np.exp(-np.abs(knots[:, None] - knots) / 9.5)
-    return (hats @ np.linalg.cholesky(memory + 1e-9 * np.eye(len(knots))))[index]
-
-
 def temperatures(context: Context) -> Iterator[tuple[str, Floats]]:
     """Of each temperature that was logged its name, and by how much it is warmer than at first, share of its range."""
     for name, cov in context.rows.covariates.items():

@@ -8,7 +8,6 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import (
-    Feature,
     Space,
     acting,
     by_covariate,
@@ -18,7 +17,6 @@ from labrig.effects._family import (
     pattern,
     pressure,
     temperatures,
-    wander,
 )
 from labrig.effects._fields import frame_modes, scale_mode, strain_modes
 from labrig.effects._logged import is_temperature
@@ -135,7 +133,6 @@ class Drift(Effect):
             out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
             yield Space("zero", "drift zero", acting(out), 0.5, absolute=False)
         yield Space("pattern", "drift pattern", acting([pattern(n, q, w) for n, q, w in ticks]))
-        yield Space("wander", "drift wander", acting(list(_wander(context))), absolute=False)
         for name, warmer in temperatures(context):  # what it was when the model was right is not known
             for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
                 yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))
@@ -164,14 +161,3 @@ class Drift(Effect):
         by_time = clock in _BY_TIME or not any(name.endswith("_per_k") for name in parameters)
         missing = by_time and not np.isfinite(context.rows.time_s).all()
         return "the moments of its rows" if missing else "" if by_time else clock
-
-
-def _wander(context: Context) -> Iterator[Feature]:
-    """Zeros that wander at random: of all markers along each axis, and of all other sensors of each unit."""
-    rows, series = context.rows, wander(context)
-    scale, unit = motion_scale(context), np.array(rows.unit)
-    alike = [(rows.marker >= 0) & (rows.axis == a) for a in range(3)]
-    alike += [(rows.axis < 0) & (unit == u) for u in dict.fromkeys(unit[rows.axis < 0])]
-    for i, own in enumerate(alike):
-        for j, values in enumerate(series.T):
-            yield field(f"wander {i} {j}", values[:, None] * np.where(own, scale, 0.0))

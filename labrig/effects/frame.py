@@ -101,7 +101,10 @@ class Frame(Effect):
             return
         scale, whole = motion_scale(context), list(affine(context))
         yield Space("always", "frame", acting(whole))
-        yield Space("shifted", "frame shifted", acting(whole[:3]))
+        if (
+            len(np.unique(rows.marker[rows.axis >= 0])) < 3
+        ):  # any offset of one is a shift, and a shape's space is smaller
+            yield Space("shifted", "frame shifted", acting(whole[:3]))
         yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
         if bent:

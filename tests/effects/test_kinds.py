@@ -295,16 +295,6 @@ def shrunk_in_its_mould(context: Context) -> np.ndarray:
 TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
 
 
-def wanders_at_random(context: Context) -> np.ndarray:
-    """All zeros go one way at random and come back: an Ornstein-Uhlenbeck process of ten captures, for each axis."""
-    random, axis = np.random.default_rng(5), context.rows.axis
-    captures, index = np.unique(context.rows.capture, return_inverse=True)
-    at = np.zeros((len(captures), 3))
-    for n in range(1, len(captures)):
-        at[n] = at[n - 1] * np.exp(-0.1) + np.sqrt(1 - np.exp(-0.2)) * random.normal(size=3)
-    return at[index][:, axis]
-
-
 @pytest.mark.parametrize(
     ("effect", "change", "kind", "least", "extra"),
     [
@@ -333,7 +323,6 @@ def wanders_at_random(context: Context) -> np.ndarray:
         ("friction", back_to_the_other_branch, "sliding", 0.997, {}),
         ("friction", let_go_at_once, "sliding", 0.995, {}),
         ("delay", through_a_narrow_hole, "late", 0.99, {}),
-        ("drift", wanders_at_random, "wander", 0.85, {}),
     ],
 )
 def test_a_law_of_the_kind_lies_in_a_space(make_lab, effect, change, kind, least, extra) -> None:
