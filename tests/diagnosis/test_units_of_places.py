@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from labrig.effects import unit_on
 from labrig.diagnosis._problem import prepared, rows_from
+from labrig.effects import unit_on
 
 
 @pytest.mark.parametrize(
