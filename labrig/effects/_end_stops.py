@@ -11,7 +11,7 @@ from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale, one_way
 from labrig.effects._sign import ABOVE, BELOW, Part, Sign, along_own
-from labrig.effects._skin import at_events
+from labrig.effects._skin import at_events, seen_alone
 from labrig.effects._speeds import LENGTHS
 
 _LEVELS = (0.35, 0.5, 0.65, 0.8, 0.9)
@@ -124,7 +124,7 @@ def joints(context: Context) -> Ints:
     is a single one: its motion is the body's.
     """
     rows = context.rows
-    alone = np.flatnonzero((np.array(rows.marker) < 0) & np.isfinite(rows.values).any(axis=0))
+    alone = np.flatnonzero(seen_alone(rows))
     if len(rows.unit) < 2 or len(alone) > FEW_OBSERVABLES:
         return alone[:0]
     return alone[[rows.unit[k] in LENGTHS for k in alone]]
@@ -133,13 +133,14 @@ def joints(context: Context) -> Ints:
 def _joints(context: Context) -> Iterator[_Joint]:
     """The motions of joints to either side."""
     rows, scale = context.rows, motion_scale(context)
-    alone = (np.array(rows.marker) < 0) & np.isfinite(rows.values).any(axis=0)
+    alone = seen_alone(rows)
+    most = np.abs(context.displacement / scale).max()
     for k in joints(context):
         own = np.eye(len(alone))[k]
         for side in (1.0, -1.0):
             way = side * context.displacement[:, k]
             top = float(context.yardstick(f"farthest {side:+.0f} of {rows.observables[k]}", way.max))
-            if context.shows(top / scale[k] >= _FAR * np.abs(context.displacement / scale).max()):
+            if context.shows(top / scale[k] >= _FAR * most):
                 yield _Joint(rows.observables[k], own, alone * (1 - own), side, way, top)
 
 

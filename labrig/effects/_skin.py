@@ -105,7 +105,7 @@ def felt(context: Context, changes: dict[str, Floats]) -> list[Feature]:
     """What few sensors feel of each input, (F, C) by name, as so much of what they measure, however far that input
     moves them there: a seal rubs as hard where a lever is short. None of sensors that inputs move alike all over.
     """
-    slopes, alone = context.jacobian * context.span, np.flatnonzero(_seen_alone(context.rows))
+    slopes, alone = context.jacobian * context.span, np.flatnonzero(seen_alone(context.rows))
     if not len(alone) or len(alone) > FEW_OBSERVABLES:
         return []
     even = np.ptp(slopes[:, alone], axis=0).max() <= _EVEN * np.abs(slopes[:, alone]).max()
@@ -137,7 +137,7 @@ def touched_term(context: Context, parameter: str, change: Floats) -> Term | Non
 def _unsaid(context: Context) -> Ints:
     """Which few sensors the base says nothing of, (n,)."""
     still = np.ptp(context.displacement, axis=0) == 0
-    own = np.flatnonzero(_seen_alone(context.rows) & still)
+    own = np.flatnonzero(seen_alone(context.rows) & still)
     return own[: len(own) if len(own) <= FEW_OBSERVABLES else 0]
 
 
@@ -165,7 +165,7 @@ def per_sensor(context: Context, parameter: str, change: Floats) -> Iterator[Ter
 
 def _groups(rows: Rows) -> tuple[Floats, tuple[str, ...]]:
     """Each of few sensors, and all markers together, (n, K), 1 or 0, and their names; of a single group none."""
-    alone = [int(k) for k in np.flatnonzero(_seen_alone(rows))]
+    alone = [int(k) for k in np.flatnonzero(seen_alone(rows))]
     which = np.eye(len(rows.marker))[alone]
     names = tuple(rows.observables[k] for k in alone)
     if (rows.marker >= 0).any():
@@ -183,14 +183,14 @@ def _places(context: Context) -> Floats:
 
 def _which(rows: Rows) -> Floats:
     """Each of few sensors that were seen, and are no marker's, against all of them, (n, K), of unit spread."""
-    alone = np.flatnonzero(_seen_alone(rows))
+    alone = np.flatnonzero(seen_alone(rows))
     out = np.zeros((len(alone) if 1 < len(alone) <= FEW_OBSERVABLES else 0, len(rows.marker)))
     if len(out):
         out[:, alone] = (np.eye(len(alone)) - 1 / len(alone)) * np.sqrt(len(rows.marker))
     return out
 
 
-def _seen_alone(rows: Rows) -> NDArray[np.bool_]:
+def seen_alone(rows: Rows) -> NDArray[np.bool_]:
     """Which observables were seen at all and are no marker's, (K,)."""
     return (rows.marker < 0) & np.isfinite(rows.values).any(axis=0)
 

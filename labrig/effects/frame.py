@@ -19,6 +19,9 @@ from labrig.effects._turn import carried, turn_of, turned
 SMALL_RAD = 0.05
 """Up to here a rotation is taken as small: what that leaves is half its square, a thousandth of the body's size."""
 
+_FEW = 3
+"""Markers below which a shift of the frame stands by itself: there are no three points that say a turn."""
+
 
 class Frame(Effect):
     name = "frame"
@@ -101,9 +104,10 @@ class Frame(Effect):
             return
         scale, whole = motion_scale(context), list(affine(context))
         yield Space("always", "frame", acting(whole))
+        few = len(np.unique(rows.marker[rows.axis >= 0])) < _FEW
         if (
-            len(np.unique(rows.marker[rows.axis >= 0])) < 3
-        ):  # any offset of one is a shift, and a shape's space is smaller
+            few
+        ):  # any offset of one is a shift, too, and a shape has fewer functions than all motions of a frame
             yield Space("shifted", "frame shifted", acting(whole[:3]))
         yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]

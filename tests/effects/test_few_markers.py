@@ -50,11 +50,10 @@ def shifted(count: int) -> np.ndarray:
 
 
 def peeled(count: int) -> np.ndarray:
-    """A ball on a thread of glue: after capture 33 it swings to a place of its own, and later once more."""
-    at = np.zeros((count, 3))
-    at[33:] += [0.5, 0.2, -0.4]
-    at[52:] += [0.2, 0.1, -0.1]
-    return at
+    """A ball on a thread of glue that gives way at capture 33, most of it at once, the rest as an exponential."""
+    since = np.arange(count) - 33
+    gone = np.where(since >= 0, 1 - 0.4 * np.exp(-np.maximum(since, 0) / 6.0), 0.0)
+    return gone[:, None] * np.array([0.7, 0.3, -0.5])
 
 
 def test_one_ball_that_is_off_may_be_the_frame() -> None:

@@ -1,5 +1,7 @@
 """Stiffening of the twelfth portion: two laws of rubber, and ligaments at both ends of a joint."""
 
+from abc import abstractmethod
+
 import numpy as np
 
 from labrig.arrays import Floats
@@ -18,9 +20,9 @@ class _Rubber(Law):
         self._strain = random.uniform(0.35, 0.8) * random.uniform(0.9, 1.1, count)  # at full deflection
         self._right = random.uniform(0.3, 1.0)
 
+    @abstractmethod
     def _stress(self, stretch: Floats) -> Floats:
         """The stress at stretches (..., C)."""
-        raise NotImplementedError
 
     def _secant(self, deflection: Floats) -> Floats:
         strain = self._strain * np.clip(np.abs(deflection), 1e-3, 6.0)
