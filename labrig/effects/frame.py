@@ -104,10 +104,8 @@ class Frame(Effect):
             return
         scale, whole = motion_scale(context), list(affine(context))
         yield Space("always", "frame", acting(whole))
-        few = len(np.unique(rows.marker[rows.axis >= 0])) < _FEW
-        if (
-            few
-        ):  # any offset of one is a shift, too, and a shape has fewer functions than all motions of a frame
+        # any offset of one marker is a shift, too, and a shape has fewer functions than all motions of a frame
+        if len(np.unique(rows.marker[rows.axis >= 0])) < _FEW:
             yield Space("shifted", "frame shifted", acting(whole[:3]))
         yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]

@@ -8,6 +8,7 @@ import labrig
 from labrig.diagnosis import rows_from
 from labrig.effects import Fitted, Part, get
 from labrig.model import Model
+from tests.effects.test_family import followed
 from tests.naming import calls_of, verdict_of
 
 P_BAR = 3.0
@@ -76,6 +77,17 @@ def test_a_joint_that_meets_a_buffer_is_in_contact() -> None:
 def test_a_bearing_that_rubs_is_friction() -> None:
     """It holds an angle back where that turns, whichever of two chambers turned: friction, not a loop of the walls."""
     assert verdict_of(campaign(bearing, 2), Model.of(elbow)).effects == ("friction",)
+
+
+def test_a_bearing_takes_few_functions_of_friction() -> None:
+    """Three ways after a turn, each shared by the sensors: no memory of each chamber is needed to say what rubs there."""
+    context = Model.of(elbow).context(rows_from(campaign(bearing, 2)))
+    u = context.rows.actuation
+    turn = bearing(elbow(u)[:, 0])
+    change = np.stack([turn, tendon(u, turn)], axis=1) - elbow(u)
+    (space,) = (s for s in get("friction").family(context) if s.key == "of angle")
+    assert len(space.features) == 3
+    assert followed(context, space, change) > 0.95
 
 
 @pytest.mark.parametrize(
