@@ -80,7 +80,7 @@ def test_a_bearing_that_rubs_is_friction() -> None:
 
 
 def test_a_bearing_takes_few_functions_of_friction() -> None:
-    """Three ways after a turn, each shared by the sensors: no memory of each chamber is needed to say what rubs there."""
+    """Three ways after a turn, which the sensors share: what rubs there needs no memory of each chamber."""
     context = Model.of(elbow).context(rows_from(campaign(bearing, 2)))
     u = context.rows.actuation
     turn = bearing(elbow(u)[:, 0])
