@@ -23,10 +23,11 @@ class LookContent(TypedDict):
 
 
 class RangeContent(TypedDict):
-    """The pressures that what is proposed keeps to, (C,) kPa."""
+    """The pressures that what is proposed keeps to, (C,) kPa, and how fast the rig changes them, (C,) kPa/s."""
 
     low_kpa: Sequence[float]
     high_kpa: Sequence[float]
+    slew_kpa_s: Sequence[float]
 
 
 class LiveQuestion(TypedDict):

@@ -11,11 +11,8 @@ from labrig._ranges import within
 from labrig.arrays import Floats
 from labrig.effects import TRANSIENT_S, Covariate, Rows, ends
 
-SLEW_PER_S = 100.0
-"""What a rig's chamber may change by where its file states no other, kPa/s."""
-
 WHOLE_WAY_S = 0.6
-"""How long a chamber takes over its range where nobody states its rate, s, in whatever unit: 60 kPa at that rate."""
+"""How long a chamber takes over its range where nobody states its rate, s, in whatever unit: 60 kPa at 100 kPa/s."""
 
 SETTLE_S = 1.0
 PAUSE_S = 600.0

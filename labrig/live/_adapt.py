@@ -22,10 +22,14 @@ _NARROW = 0.05
 
 @dataclass(frozen=True)
 class Range:
-    """The pressures that a plan uses, (C,) kPa: what is proposed in its place keeps to them."""
+    """The pressures that a plan uses, (C,) kPa, and how fast the rig changes them, (C,) kPa/s.
+
+    What is proposed in the plan's place keeps to them.
+    """
 
     low_kpa: tuple[float, ...]
     high_kpa: tuple[float, ...]
+    slew_kpa_s: tuple[float, ...]
 
     @classmethod
     def of(cls, plan: "Plan", info: "RigInfo") -> "Range":
@@ -37,7 +41,8 @@ class Range:
         rest = np.clip(0.0, info.min_kpa, info.max_kpa)
         low = np.maximum(np.minimum(used.min(axis=0, initial=np.inf), rest), info.min_kpa)
         high = np.minimum(np.maximum(used.max(axis=0, initial=-np.inf), low + span), info.max_kpa)
-        return cls(tuple(low.tolist()), tuple(high.tolist()))
+        slew = tuple(channel.slew_kpa_s for channel in info.channels)
+        return cls(tuple(low.tolist()), tuple(high.tolist()), slew)
 
 
 def propose(
@@ -46,16 +51,15 @@ def propose(
     summary: Summary,
     low_kpa: Sequence[float],
     high_kpa: Sequence[float],
+    slew_kpa_s: Sequence[float],
 ) -> list[ProgrammePoint]:
     """The points, as the `programme` procedure takes them, that settle best what a diagnosis leaves open.
 
     Empty where nothing is open, or no programme would tell.
     """
     from labrig.experiment import Limits, propose_experiment
-    from labrig.experiment._plan import SLEW_PER_S
 
-    low, high = np.asarray(low_kpa, float), np.asarray(high_kpa, float)
-    limits = Limits(low, high, np.full(len(low), SLEW_PER_S))
+    limits = Limits(np.asarray(low_kpa, float), np.asarray(high_kpa, float), np.asarray(slew_kpa_s, float))
     try:
         found = propose_experiment(run, model, summary=summary, limits=limits, minutes=MINUTES)
     except LabrigError:

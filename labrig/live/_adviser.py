@@ -122,7 +122,12 @@ class LiveDiagnosis:
         """A look and, when what was proposed before is nearly done, the next set-points within the plan's range."""
         if self._range is None or left > self.settings.every:
             return {"captures": ask.captures}
-        adapt: RangeContent = {"low_kpa": self._range.low_kpa, "high_kpa": self._range.high_kpa}
+        within = self._range
+        adapt: RangeContent = {
+            "low_kpa": within.low_kpa,
+            "high_kpa": within.high_kpa,
+            "slew_kpa_s": within.slew_kpa_s,
+        }
         return {"captures": ask.captures, "adapt": adapt}
 
     def _due(self, ask: Ask) -> bool:

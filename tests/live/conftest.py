@@ -38,6 +38,7 @@ class Told:
     def __init__(self, answer: Callable[[int], dict[str, Any] | None]) -> None:
         self._answer, self._now = answer, None
         self.asked: list[int] = []
+        self.questions: list[dict[str, Any]] = []
         self.busy = False
 
     @property
@@ -48,6 +49,7 @@ class Told:
     def ask(self, question: dict[str, Any]) -> None:
         """Ask for a look."""
         self.asked.append(question["captures"])
+        self.questions.append(question)
         self._now = self._answer(question["captures"])
         self.busy = True
 

@@ -8,7 +8,9 @@ import pytest
 
 from labrig import LabrigError, open_run
 from labrig.campaign import Ask, Control, Interrupted, Watching, dry_run, resume, rig_info, run
+from labrig.experiment import Limits
 from labrig.live import LiveDiagnosis, Range, Settings
+from labrig.live._adapt import propose
 from labrig.rig import RigConfig, connect
 from labrig_drivers import SimulatedClock
 from labrig_procedures import Capture
@@ -106,7 +108,7 @@ def test_a_late_answer_is_not_asked_for_twice() -> None:
         wait = found
 
     looker = Late()
-    within = Range((0.0,), (60.0,))
+    within = Range((0.0,), (60.0,), (100.0,))
     adviser = LiveDiagnosis(ASKED, 100, looker, waits=False, range_kpa=within)  # type: ignore[arg-type]
     for now in range(12, 34):
         adviser._learn(adviser.advise(Ask(now), 0.0))
@@ -117,19 +119,35 @@ def test_a_late_answer_is_not_asked_for_twice() -> None:
 
 def test_the_range_is_that_of_the_plan(config: RigConfig, tmp_path: Path) -> None:
     """What is asked for stays between vented and the plan's highest, whatever the rig would allow."""
-    questions: list[dict[str, Any]] = []
-
-    class Kept(Told):
-        def ask(self, question: dict[str, Any]) -> None:
-            questions.append(question)
-            super().ask(question)
-
+    looker = Told(answer)
     with connect(config, SimulatedClock()) as rig:
-        run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, Kept(answer))))
+        run(PLAN, rig, tmp_path / "run", watching=Watching(adviser=adviser(config, looker)))
     highest = open_run(tmp_path / "run")["commanded"].values[:12].max(axis=0)
-    assert questions[0]["adapt"]["low_kpa"] == (0.0,) * 4
-    assert (np.array(questions[0]["adapt"]["high_kpa"]) >= highest).all()
-    assert max(questions[0]["adapt"]["high_kpa"]) <= 30.0
+    asked = looker.questions[0]["adapt"]
+    assert asked["low_kpa"] == (0.0,) * 4
+    assert (np.array(asked["high_kpa"]) >= highest).all()
+    assert max(asked["high_kpa"]) <= 30.0
+
+
+def test_what_is_proposed_knows_how_fast_the_rig_is(
+    config: RigConfig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A slow rig's way to a set-point is part of what a programme takes: its rate goes with the range."""
+    chambers = [c.model_copy(update={"slew_kpa_s": 5.0 + k}) for k, c in enumerate(config.chambers)]
+    slow = config.model_copy(update={"chambers": chambers})
+    looker = Told(answer)
+    LiveDiagnosis(
+        ASKED, 24, looker, waits=True, range_kpa=Range.of(dry_run(PLAN, slow), rig_info(slow))
+    ).advise(Ask(12), 0.0)
+    asked: list[Limits] = []
+
+    def proposed(*_: Any, limits: Limits, **__: Any) -> None:
+        asked.append(limits)
+        raise LabrigError("nothing")
+
+    monkeypatch.setattr("labrig.experiment.propose_experiment", proposed)
+    assert propose(open_run, None, {}, **looker.questions[0]["adapt"]) == []  # type: ignore[arg-type]
+    np.testing.assert_allclose(asked[0].slew_per_s, [5.0, 6.0, 7.0, 8.0])
 
 
 def test_a_resumed_campaign_takes_the_logged_set_points(config: RigConfig, tmp_path: Path) -> None:
