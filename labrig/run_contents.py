@@ -64,6 +64,7 @@ class StepResult(TypedDict, total=False):
     pressure_error_kpa: float
     frames: int
     frame_ns: list[int] | None
+    frames_lost: int
     samples: int
     sample_ns: list[int] | None
     seen: float | None

@@ -18,6 +18,7 @@ from labrig_drivers._protocols import (
     Scanner,
     VentNotConfirmedError,
     VentReport,
+    frames_missing,
 )
 from labrig_drivers._recording import RecordingError
 from labrig_drivers._settings import SETTINGS
@@ -46,6 +47,7 @@ __all__ = [
     "VentReport",
     "build_device",
     "check_devices",
+    "frames_missing",
     "register_maps",
     "serial_ports",
     "set_together",

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from labrig_drivers._protocols import DeviceError, MarkerStatus
+from labrig_drivers._protocols import DeviceError, MarkerStatus, frames_missing
 
 MAX_UNSEEN = 0.25  # the part of the markers that may be covered in a rig that is well
 
@@ -114,8 +114,7 @@ def _look_at_mocap(device: Any, read_s: float) -> list[Finding]:
     frames = [frame for frame in device.frames() if not np.all(frame.status == MarkerStatus.STALE)]
     if not frames:
         return [Finding("mocap", "readings", "bad", f"no frame in {read_s:g} s: is the capture live?")]
-    numbers = np.array([frame.number for frame in frames])
-    lost = int(np.sum(np.maximum(np.diff(numbers) - 1, 0)))
+    lost = frames_missing(frames)
     text = f"{len(frames) / read_s:.0f} Hz" + (f", {lost} frames missing" if lost else ", no frame missing")
     findings = [Finding("mocap", "readings", "look" if lost else "well", text)]
     status = np.array([frame.status for frame in frames])

@@ -71,6 +71,12 @@ class MarkerFrame:
     status: NDArray[np.int8]
 
 
+def frames_missing(frames: Sequence[MarkerFrame]) -> int:
+    """How many frames were taken between these, by their numbers, and did not arrive."""
+    numbers = np.array([frame.number for frame in frames])
+    return int(np.maximum(np.diff(numbers) - 1, 0).sum())
+
+
 @dataclass(frozen=True)
 class VentReport:
     """A confirmed vent: the last pressures read, kPa, shape (C,), and how long it took."""

@@ -157,6 +157,7 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepR
     return result, {
         "frames": len(frames),
         "frame_ns": _span(frames),
+        "frames_lost": session.count_lost(frames),
         "samples": len(samples),
         "sample_ns": _span(samples),
         "seen": seen,

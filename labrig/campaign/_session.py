@@ -17,9 +17,11 @@ from labrig.campaign._steps import Ask, Completed, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import PressureWatch, Rig, Silence, dated
 from labrig.run_contents import Advice, StepResult
-from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample
+from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSample, frames_missing
 
 _LOG_THERE_S = 1.0
+_MANY_LOST = 0.1
+"""The share of a recording's frames that may be lost unsaid."""
 
 TICK_S = 0.05
 """How often devices are asked what is new while the run waits, s."""
@@ -103,6 +105,7 @@ class Session:
         self._order, self._frame_order = Order(), Order()
         self._pressures = PressureWatch(rig.config, rig.pressure.name, now_s)
         self._frames, self._seen = Silence(now_s), Silence(now_s)
+        self._said_lost = False
         self.on_tick: Callable[[], None] = _nothing
         self.advise: Callable[[Ask], Advice] = _no_advice
 
@@ -194,6 +197,18 @@ class Session:
         if self.log.gone:
             self._log_seen_s = math.inf  # said once; what comes now is the vent and the end
             raise LogGoneError(f"{self.log.path} was deleted or moved while the run went on")
+
+    def count_lost(self, frames: list[MarkerFrame]) -> int:
+        """How many frames of a recording did not arrive; where they are many that is said, once."""
+        lost = frames_missing(frames)
+        if lost > _MANY_LOST * (len(frames) + lost) and not self._said_lost:
+            self._said_lost = True
+            self.event(
+                f"{lost} of {len(frames) + lost} frames were lost while recording; look at the network and at what "
+                "else this computer does (said once; the log counts them in every recording)",
+                "WARNING",
+            )
+        return lost
 
     def forget_silence(self) -> None:
         """Begin the staleness checks anew, after something that did not poll."""

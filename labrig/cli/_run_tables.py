@@ -153,6 +153,7 @@ def _facts(summary: RunSummary) -> list[tuple[str, str]]:
         ("length", duration_text(summary.duration_s)),
         ("stillness", _stillness(summary.stillness_mm_s)),
         ("pressures", _followed(summary.off_kpa)),
+        ("frames lost", _lost(summary.frames_lost, summary.frames)),
         ("messages", messages),
         ("size", f"{summary.size_bytes / 1e6:.1f} MB"),
     ]
@@ -161,6 +162,10 @@ def _facts(summary: RunSummary) -> list[tuple[str, str]]:
 
 def _missed(count: int) -> str:
     return f", and {count} whose pressures did not follow" if count else ""
+
+
+def _lost(lost: int, arrived: int) -> str:
+    return f"{lost:,} of {lost + arrived:,} in the recordings" if lost else ""
 
 
 def _followed(off_kpa: dict[str, float]) -> str:

@@ -18,7 +18,7 @@ class RunSummary:
     """A run in short. `state` is `completed`, why it stopped, or that it was not closed; times in s.
 
     `missed` captures do not count because their pressures did not follow; `off_kpa` is how far each chamber was from
-    its set-point at worst in those that do.
+    its set-point at worst in those that do. `frames` arrived in all recordings, `frames_lost` were taken and did not.
     """
 
     folder: Path
@@ -34,6 +34,8 @@ class RunSummary:
     stillness_mm_s: list[float] = field(default_factory=list)
     missed: int = 0
     off_kpa: dict[str, float] = field(default_factory=dict)
+    frames: int = 0
+    frames_lost: int = 0
     messages: dict[str, int] = field(default_factory=dict)
     events: list[tuple[float, str]] = field(default_factory=list)
 
@@ -65,6 +67,8 @@ def summarise(folder: Path) -> RunSummary:
         stillness_mm_s=[values["speed_mm_s"] for _, kind, values in steps if kind == "settle"],
         missed=sum(kind == "record" and bool(values.get("missed")) for _, kind, values in steps),
         off_kpa=_off_kpa(segments[0].layout.chambers, [values for _, _, values in steps]),
+        frames=sum(values.get("frames", 0) for _, _, values in steps),
+        frames_lost=sum(values.get("frames_lost", 0) for _, _, values in steps),
         messages=dict(messages),
         events=[event for loaded in segments for event in _events(loaded)],
     )

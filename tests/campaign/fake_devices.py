@@ -148,7 +148,7 @@ class FakePressure(_Fake):
 
 
 class FakeMocap(_Fake):
-    """Motion capture; `faults`: lost (no frames), nan."""
+    """Motion capture; `faults`: lost (no frames), thinned (only one of so many arrives)."""
 
     def __init__(self, name: str, clock: Clock, marker_names: tuple[str, ...]) -> None:
         super().__init__(name, clock)
@@ -157,7 +157,8 @@ class FakeMocap(_Fake):
         self.number = 0
 
     def frames(self) -> list[MarkerFrame]:
-        return [] if self.faults.get("lost") else [self._frame(time_s) for time_s in self._ticks()]
+        taken = [] if self.faults.get("lost") else [self._frame(time_s) for time_s in self._ticks()]
+        return [frame for frame in taken if frame.number % self.faults.get("thinned", 1) == 0]
 
     def _frame(self, time_s: float) -> MarkerFrame:
         self.number += 1

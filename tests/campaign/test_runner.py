@@ -30,6 +30,7 @@ from labrig.campaign import (
     read_completed,
     run,
 )
+from labrig.log import summarise
 
 
 class Three(Procedure):
@@ -291,6 +292,18 @@ def test_a_gap_in_motion_capture_repeats_the_recording(fake: Any, tmp_path: Path
     assert settled.sum(axis=1).min() >= 9
     recordings = [done.result for done in read_completed(tmp_path / "run") if isinstance(done.step, Record)]
     assert all(len(recording.time_s) >= 9 for recording in recordings)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(("thinned", "lost"), [(1, 0.0), (4, 0.75)])
+def test_frames_that_are_lost_are_counted(thinned: int, lost: float, fake: Any, tmp_path: Path) -> None:
+    """A network that loses frames is seen by their numbers: in each recording, and in words, once."""
+    log = _Log()
+    fake.mocap.faults["thinned"] = thinned
+    run(Three(), fake.rig, tmp_path / "run", fake.clock, watching=Watching([log]))
+    summary = summarise(tmp_path / "run")
+    assert summary.frames_lost / (summary.frames + summary.frames_lost) == pytest.approx(lost, abs=0.1)
+    said = [text for level, text in log.calls if level == "WARNING"]
+    assert [text.partition(" frames were")[0] for text in said] == (["6 of 9"] if lost else [])
 
 
 def test_a_run_needs_a_folder_of_its_own(fake: Any, tmp_path: Path) -> None:
