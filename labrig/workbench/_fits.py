@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
+from labrig.effects import USER_FOLDER
 from labrig.log import read_run_yaml
 from labrig.rig import RigConfig
 
@@ -106,6 +107,11 @@ def base_file(model: Path) -> Path | None:
         return model.parent / str(base["file"]) if base.get("file") else None
     except _WRONG:
         return None
+
+
+def own_effects(*folders: Path) -> list[Path]:
+    """The files with effects of people's own that are known beside a model in, and to commands of, these folders."""
+    return [file for folder in folders for file in (folder / USER_FOLDER).glob("*.py")]
 
 
 def made_for(model: Path) -> str:

@@ -40,9 +40,11 @@ def _words(pair: Pair, minutes: float) -> list[str]:
 
 
 def _next(desk: Desk, asked: Any) -> Any:
-    """The programme that was found for a run and a model, as next.json has it; None where none was looked for."""
+    """The programme that was found for a run and a model, as next.json has it; None where none was looked for as they
+    are now.
+    """
     pair = pair_of(desk, asked)
-    found = _read(pair.results / "next" / "next.json")
+    found = _current(pair, pair.results / "next" / "next.json")
     procedure = pair.results / "next.yaml"
     words = [] if desk.rig_file is None else _words(pair, _minutes(asked))
     return {
@@ -54,10 +56,12 @@ def _next(desk: Desk, asked: Any) -> Any:
 
 
 def _settled(pair: Pair) -> str:
-    """Why nothing is left to measure, where the last look at this run and model said so."""
+    """Why nothing is left to measure, where the last look at this run and model, as they are now, said so."""
     asked = ("next", pair.run_name, "--model", pair.model_name)
     last = next((job for job in pair.desk.jobs.all() if job.words[: len(asked)] == asked), None)
-    if last is None or not last.had_nothing_to_do:
+    if last is None or last.ended is None or not last.had_nothing_to_do:
+        return ""
+    if not pair.is_older_than(round(last.ended["ended_s"] * 1e9)):
         return ""
     return last.facts()["last"].removeprefix("labrig: ")
 
@@ -146,8 +150,11 @@ def both(first: Key, second: Key) -> str:
     )
 
 
-def _read(path: Path) -> Any:
+def _current(pair: Pair, path: Path) -> Any:
+    """What a file of results says; None where there is none, or the run or the model has changed since."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(path.read_text(encoding="utf-8"))
+        written = path.stat().st_mtime_ns
     except (OSError, ValueError):
         return None
+    return found if pair.is_older_than(written) else None

@@ -18,7 +18,7 @@ from labrig.contents import Summary
 from labrig.log import run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
-from labrig.workbench._fits import Names, base_file, effects_in, made_for, misfit, names_of
+from labrig.workbench._fits import Names, base_file, effects_in, made_for, misfit, names_of, own_effects
 from labrig.workbench._held import Key, stamp
 from labrig.workbench._planned import planned_for
 
@@ -72,10 +72,9 @@ class Pair:
         return json.loads((self.results / "diagnosis.json").read_text(encoding="utf-8"))
 
     def is_older_than(self, written_ns: int) -> bool:
-        """Whether both are as they were when a result was written."""
-        own = [
-            path.stat().st_mtime_ns for path in (self.model, base_file(self.model)) if path and path.is_file()
-        ]
+        """Whether the run, the model, its base and effects of people's own are as when a result was written."""
+        files = [self.model, base_file(self.model), *own_effects(self.model.parent, self.desk.folder)]
+        own = [path.stat().st_mtime_ns for path in files if path and path.is_file()]
         return written_ns >= max(*own, self._measured_ns)
 
     @cached_property

@@ -1,6 +1,7 @@
 """What Watch offers first, and where it leads: models before and after, procedures, a run that nobody could watch."""
 
 import json
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -78,13 +79,17 @@ def test_nothing_to_settle_is_said_to_stay(asked: Any, page: Any) -> None:
     (job / "job.json").write_text(json.dumps(about), encoding="utf-8")
     said = "labrig: the verdict is nothing_missing: it leaves nothing to settle"
     (job / "output.txt").write_text(said, encoding="utf-8")
-    (job / "ended.json").write_text(json.dumps({"code": 4, "ended_s": 2.0}), encoding="utf-8")
+    (job / "ended.json").write_text(json.dumps({"code": 4, "ended_s": time.time()}), encoding="utf-8")
     _at(page, "#/run/runs/run/watch?model=better.yaml")
     assert "the verdict is nothing_missing" in page.inner_text("#settled-already")
     page.fill("#minutes", "2")
     assert "--minutes 2 " in page.inner_text("#next .command code")
     page.fill("#minutes", "-5")
     assert page.is_disabled("#propose")
+    query = "/api/next?run=runs/run&model=better.yaml&minutes=10"
+    assert asked.ask(query)[1]["settled"] == said.removeprefix("labrig: ")
+    (asked.folder / "better.py").touch()
+    assert asked.ask(query)[1]["settled"] == ""  # of another model
 
 
 def test_a_rig_file_that_was_broken_is_said_and_vent_stays(asked: Any, page: Any) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 from typing import Any
 
 import pytest
@@ -51,6 +52,40 @@ def test_a_function_of_ones_own_that_was_edited_is_another_model(bench: Any, mak
     after_ns = own.stat().st_mtime_ns + 10**10
     os.utime(own, ns=(after_ns, after_ns))
     assert not _pair(bench, run).has("compare.json")
+
+
+@pytest.mark.parametrize("place", [".", "models"])
+def test_an_effect_of_ones_own_that_was_edited_is_another_effect(
+    bench: Any, make_run: Any, place: str
+) -> None:
+    """What was found with the file of before, beside the model or in the desk's folder, is not what is found now."""
+    run, folder = make_run(), bench.desk.folder
+    (folder / place).mkdir(exist_ok=True)
+    (folder / "model.yaml").rename(folder / place / "model.yaml")
+    pair = pair_of(bench.desk, {"run": run, "model": f"{place}/model.yaml"})
+    written_ns = time.time_ns() + 10**9
+    assert pair.is_older_than(written_ns)
+    for where in {".", place}:
+        own = folder / where / "effects" / "mine.py"
+        own.parent.mkdir()
+        own.write_text("", encoding="utf-8")
+        assert pair.is_older_than(written_ns)
+        os.utime(own, ns=(written_ns + 1, written_ns + 1))
+        assert not pair.is_older_than(written_ns)
+        own.unlink()
+
+
+def test_a_proposal_for_a_model_that_was_edited_is_none(ask: Any, bench: Any, make_run: Any) -> None:
+    """A programme that would settle what the model of before left open is not offered for the one of now."""
+    run = make_run()
+    found = bench.desk.folder / run / "model" / "next" / "next.json"
+    found.parent.mkdir(parents=True)
+    found.write_text(json.dumps({"minutes": 3.0}), encoding="utf-8")
+    query = f"/api/next?run={run}&model=model.yaml"
+    assert ask(query)[1]["found"] == {"minutes": 3.0}
+    after_ns = found.stat().st_mtime_ns + 10**9
+    os.utime(bench.desk.folder / "model.yaml", ns=(after_ns, after_ns))
+    assert ask(query)[1]["found"] is None
 
 
 def test_what_cannot_be_kept_is_shown_all_the_same(ask: Any, bench: Any, make_run: Any) -> None:
