@@ -17,10 +17,11 @@ class Errors(TypedDict, total=False):
 
 
 class RunNamed(TypedDict):
-    """A run that a result is about: its path, and what it is recognised by."""
+    """A run that a result is about: its path, what it is recognised by, and how many captures it had then."""
 
     run: str
     id: str
+    captures: NotRequired[int]
 
 
 class About(TypedDict):

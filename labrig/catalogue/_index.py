@@ -22,7 +22,7 @@ from labrig.catalogue._row import Row
 
 INDEX = ".labrig-runs.sqlite"
 _OURS = 0x6C616272
-_VERSION = 1
+_VERSION = 2
 _MARKS = {"application_id": _OURS, "user_version": _VERSION}
 _PARTIAL = ".partial"
 _LEFT_OVER_S = 3600.0
@@ -136,7 +136,8 @@ def _rows(connection: sqlite3.Connection, table: str, names: Sequence[str]) -> I
     at = _LISTS[table]
     for *values, checksum in connection.execute(f"SELECT {_quoted(names)}, checksum FROM {table}"):
         if zlib.crc32(repr(tuple(values)).encode()) == checksum:
-            values[at] = tuple(json.loads(values[at])) if values[at] else ()
+            listed = json.loads(values[at]) if values[at] else ()
+            values[at] = tuple(tuple(each) if isinstance(each, list) else each for each in listed)
             yield tuple(values)
 
 

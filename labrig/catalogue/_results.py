@@ -1,6 +1,7 @@
 """What compare and diagnose found, and which runs it is about."""
 
 import json
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +10,8 @@ from labrig.catalogue._row import Row, finite
 
 
 class Result(NamedTuple):
-    """A compare.json or diagnosis.json in short; `runs` is what its runs are recognised by.
+    """A compare.json or diagnosis.json in short; `runs` is what its runs are recognised by, and how many captures each
+    had (None: not said).
 
     `error` is that of the model as it stands: of a diagnosis, of its base.
     """
@@ -17,7 +19,7 @@ class Result(NamedTuple):
     path: str
     size: int
     written_ns: int
-    runs: tuple[str, ...] = ()
+    runs: tuple[tuple[str, int | None], ...] = ()
     model: str = ""
     verdict: str = ""
     error: float | None = None
@@ -41,7 +43,7 @@ def read_result(path: Path, name: str, size: int, written_ns: int) -> Result:
         return blank
     error, verdict = content["error"], content.get("verdict")
     return blank._replace(
-        runs=tuple(_ids(content.get("runs"))),
+        runs=tuple(_runs(content.get("runs"))),
         model=_text(content.get("model")),
         verdict=_text(verdict),
         error=finite(error.get("model" if verdict is None else "base")),
@@ -50,19 +52,25 @@ def read_result(path: Path, name: str, size: int, written_ns: int) -> Result:
     )
 
 
-def by_run(results: Iterable[Result]) -> dict[str, Result]:
-    """The result that counts for each run."""
-    best: dict[str, Result] = {}
-    for result in results:
-        for run in result.runs:
-            if run not in best or result.rank > best[run].rank:
-                best[run] = result
-    return best
+Known = Mapping[str, list[tuple[Result, int | None]]]
+"""The results of each run, and of how many captures of it, the one that counts most first."""
 
 
-def with_result(row: Row, best: Mapping[str, Result]) -> Row:
-    """A row with what its result says; nothing where there is none."""
-    result = best.get(row.id, _NOTHING) if row.id else _NOTHING
+def by_run(results: Iterable[Result]) -> Known:
+    """The results of each run."""
+    found: dict[str, list[tuple[Result, int | None]]] = defaultdict(list)
+    for result in sorted(results, key=lambda each: each.rank, reverse=True):
+        for run, captures in result.runs:
+            found[run].append((result, captures))
+    return found
+
+
+def with_result(row: Row, known: Known) -> Row:
+    """A row with what its result says; nothing where there is none of all its captures."""
+    own = known.get(row.id, []) if row.id else []
+    result = next(
+        (result for result, captures in own if captures is None or captures >= (row.captures or 0)), _NOTHING
+    )
     return row._replace(
         model=result.model,
         verdict=result.verdict,
@@ -76,10 +84,11 @@ def with_result(row: Row, best: Mapping[str, Result]) -> Row:
 _NOTHING = Result("", 0, 0)
 
 
-def _ids(runs: Any) -> Iterable[str]:
+def _runs(runs: Any) -> Iterable[tuple[str, int | None]]:
     for run in runs if isinstance(runs, list) else []:
         if isinstance(run, dict) and isinstance(run.get("id"), str) and run["id"]:
-            yield run["id"]
+            captures = run.get("captures")
+            yield run["id"], captures if isinstance(captures, int) else None
 
 
 def _text(value: Any) -> str:

@@ -12,10 +12,19 @@ if TYPE_CHECKING:
 
 
 def about(runs: "Sequence[Dataset] | Dataset", model: Model) -> About:
-    """The fields `runs` and `model` of a result: paths as they were given, and what each run is recognised by."""
+    """The fields `runs` and `model` of a result: paths as they were given, what each run is recognised by, and how many
+    captures it had: a run that was gone on with has more.
+    """
     many = list(runs) if isinstance(runs, list | tuple) else [runs]
-    named = [run.attrs for run in many if "run_id" in run.attrs]  # type: ignore[union-attr]
     return {
-        "runs": [{"run": Path(each["run"]).as_posix(), "id": each["run_id"]} for each in named],
+        "runs": [
+            {
+                "run": Path(run.attrs["run"]).as_posix(),
+                "id": run.attrs["run_id"],
+                "captures": run.sizes["capture"],
+            }
+            for run in many
+            if "run_id" in run.attrs
+        ],
         "model": None if model.path is None else model.path.as_posix(),
     }

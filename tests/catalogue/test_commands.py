@@ -130,7 +130,7 @@ def test_compare_writes_what_its_run_is_found_by(labrig: Run, make_lab, tmp_path
     lab.model()
     assert labrig("compare", str(run), "--model", "model.yaml")[0] == 0
     said = json.loads(Path("compare/compare.json").read_text())
-    assert said["runs"] == [{"run": "runs/mine", "id": open_run(run).attrs["run_id"]}]
+    assert said["runs"] == [{"run": "runs/mine", "id": open_run(run).attrs["run_id"], "captures": 20}]
     assert said["model"] == "model.yaml"
     run.rename("runs/yours")
     (row,) = list_runs("runs", "run == 'yours'")

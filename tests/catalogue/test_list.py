@@ -3,13 +3,14 @@
 import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
 
 from labrig import LabrigError
 from labrig.catalogue import list_runs, note, runs, tag, write_parquet
-from labrig.log import find_runs
+from labrig.log import find_runs, run_id
 
 
 def named(folder: Path) -> list[str]:
@@ -162,6 +163,17 @@ def test_the_newest_diagnosis_counts(shelf: Path, make_result) -> None:
     assert list_runs(shelf)[0].result == "a/compare.json"
     kept.unlink()
     assert list_runs(shelf)[0].result == ""
+
+
+@pytest.mark.parametrize(("captures", "verdict"), [(5, "identified"), (4, ""), ("five", "identified")])
+def test_what_was_found_of_the_first_captures_is_not_listed(
+    shelf: Path, captures: Any, verdict: str, make_result
+) -> None:
+    """A run that was gone on with has captures that its diagnosis knows nothing of; also from the index."""
+    about = [{"run": "tuesday", "id": run_id(shelf / "tuesday"), "captures": captures}]
+    make_result(shelf / "diagnosis.json", shelf / "tuesday", runs=about)
+    for _ in range(2):
+        assert list_runs(shelf)[1].verdict == verdict
 
 
 def test_a_copy_of_a_run_has_its_results(shelf: Path, make_result) -> None:
