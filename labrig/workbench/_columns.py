@@ -61,8 +61,8 @@ def meanings(mapping: dict[str, Any], columns: list[str]) -> list[Meaning]:
             unit = entry.get("unit") if isinstance(entry, dict) else None
             found[column] = {"column": column, "part": part, "unit": unit if isinstance(unit, str) else ""}
     for part in SEVERAL:
-        for entry in mapping.get(part) or []:
-            if isinstance(entry, dict) and "column" in entry:
+        for entry in _entries(mapping, part):
+            if "column" in entry:
                 known = {k: str(entry[k]) for k in _HAVE[part] if entry.get(k) is not None}
                 found[entry["column"]] = {"column": entry["column"], "part": part, **known}  # type: ignore[typeddict-item]
     by_number = columns and columns[0] not in found and 0 in found
@@ -75,7 +75,19 @@ def meanings(mapping: dict[str, Any], columns: list[str]) -> list[Meaning]:
 def _columns(entry: Any) -> list[str | int]:
     """The columns that a part is, none or several."""
     column = entry.get("column") if isinstance(entry, dict) else None
-    return column if isinstance(column, list) else [] if column is None else [column]
+    return [
+        each for each in (column if isinstance(column, list) else [column]) if isinstance(each, str | int)
+    ]
+
+
+def _entries(mapping: dict[str, Any], part: str) -> list[dict[str, Any]]:
+    """The entries of a part that is a list; what is half typed yet, or no entry, is none."""
+    listed = mapping.get(part)
+    return [
+        entry
+        for entry in (listed if isinstance(listed, list) else [])
+        if isinstance(entry, dict) and isinstance(entry.get("column", ""), str | int)
+    ]
 
 
 def changed(mapping: dict[str, Any], chosen: list[Meaning]) -> dict[str, Any]:
@@ -96,7 +108,7 @@ def changed(mapping: dict[str, Any], chosen: list[Meaning]) -> dict[str, Any]:
         if own:
             _with_unit(out, part, chosen)
     for part in SEVERAL:
-        before_it = [e for e in mapping.get(part) or [] if isinstance(e, dict)]
+        before_it = _entries(mapping, part)
         known = {e["column"]: e for e in before_it if "column" in e}
         kept = [e for e in before_it if e.get("column") not in about]
         out[part] = kept + [

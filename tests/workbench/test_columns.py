@@ -122,6 +122,23 @@ def test_what_a_run_still_lacks_is_said(other, said):
     assert fault_of(changed(MAPPING, chosen(**other))).startswith(said)
 
 
+@pytest.mark.parametrize(
+    "typed", [3, "p1", {"column": "valve"}, [3], [["valve"]], [{"column": ["a", "b"]}], [None]]
+)
+@pytest.mark.parametrize("part", ["time", "actuation", "observables"])
+def test_what_is_half_typed_is_told_and_the_page_goes_on(part: str, typed: Any):
+    """A part that is not what it is to be, yet, has no columns; a column can be chosen into it all the same."""
+    mapping = {**MAPPING, part: typed}
+    shown = meanings(mapping, HEADER)
+    assert [m["column"] for m in shown] == HEADER
+    if part != "time" or typed != {"column": "valve"}:
+        assert not any(m["part"] == part for m in shown)
+        assert fault_of(mapping).startswith("the mapping: ")
+    valve = next(m for m in shown if m["column"] == "valve")
+    again = meanings(changed(mapping, [{**valve, "part": part}]), HEADER)
+    assert [m["column"] for m in again if m["part"] == part] == ["valve"]
+
+
 def test_a_limit_that_is_no_number_is_refused():
     """By its column and what was typed."""
     with pytest.raises(LabrigError, match=r"^gauge: max: 'high' is no number$"):
