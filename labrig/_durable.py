@@ -1,6 +1,6 @@
-"""Files that are whole or not there, and files that survive a power cut.
+"""Files that are whole or not there, also after a power cut.
 
-For the latter their content is asked for with `os.fsync`, their names with `sync_folder`.
+Their content is made durable with `os.fsync`, their names with `sync_folder`.
 """
 
 import os
@@ -21,12 +21,19 @@ def naming(path: Path) -> Iterator[None]:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write a text file, in one piece or not at all; an `OSError` names it, and nothing of it is left."""
+    """Write a text file durably, in one piece or not at all; an `OSError` names it, and nothing of it is left.
+
+    After a power cut there is the file of before or the new one, never an empty one with its name.
+    """
     partial = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with naming(path):
-            partial.write_text(text, encoding="utf-8")
+            with partial.open("w", encoding="utf-8") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
             partial.replace(path)
+            sync_folder(path.parent)
     finally:
         partial.unlink(missing_ok=True)
 

@@ -1,7 +1,6 @@
 """run.yaml: what a run is, written before anything moves, and compared before a run is resumed."""
 
 import getpass
-import os
 import platform
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any, TypedDict
 import yaml
 
 from labrig import __version__
-from labrig._durable import sync_folder
+from labrig._durable import sync_folder, write_whole
 from labrig._errors import LabrigError
 from labrig._git import git_commit
 from labrig.campaign._plan import Plan, plan_facts, sha256_of
@@ -78,13 +77,7 @@ def _operator() -> str:
 
 def write_run_yaml(folder: Path, facts: dict[str, Any]) -> None:
     """Write run.yaml, whole or not at all, and durably."""
-    partial = folder / "run.yaml.partial"
-    with partial.open("w", encoding="utf-8") as file:
-        yaml.safe_dump(facts, file, sort_keys=False, allow_unicode=True)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(folder / "run.yaml")
-    sync_folder(folder)
+    write_whole(folder / "run.yaml", yaml.safe_dump(facts, sort_keys=False, allow_unicode=True))
     sync_folder(folder.parent)
 
 
