@@ -32,17 +32,17 @@ def followed(
 ) -> Iterator["LiveDiagnosis | None"]:
     """The adviser of a run with a live diagnosis, None without; its process ends with the context.
 
-    Raises `LabrigError` for a model that cannot be read, before anything moves.
+    Raises `LabrigError` for a model that cannot be read, or whose base is not there, before anything moves.
     """
     if settings is None:
         yield None
         return
     from labrig.campaign import dry_run, rig_info
     from labrig.live import LiveDiagnosis, Looker, Range
-    from labrig.model import Model
+    from labrig.model import Model, check_base
     from labrig_drivers import RealClock
 
-    Model.load(settings.model)
+    check_base(Model.load(settings.model), settings.model)
     if settings.adapt and procedure.closed_loop:
         raise LabrigError(f"--adapt: {procedure.procedure_name()} chooses its own set-points")
     plan = dry_run(procedure, config, seed)

@@ -20,7 +20,7 @@ from labrig.bench._lines import adding_lines, read_lines
 from labrig.diagnosis import Calibration, considered, log_odds
 from labrig.model import Model
 
-UNLEARNT = ("eighth", "ninth", "tenth", "eleventh")
+UNLEARNT = ("eighth", "ninth", "tenth", "eleventh", "twelfth")
 """The portions whose laws are in no spectrum (`labrig bench learn`)."""
 MIX = (
     *("single", "pair", "single", "structural", "single", "outside"),

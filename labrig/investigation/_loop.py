@@ -56,12 +56,12 @@ def investigate(
         KeyboardInterrupt: somebody ended it; the chambers are vented. As after any other error, what is known by then
             is kept, and the message says how to go on; a folder in which nothing was measured is removed again.
     """
-    from labrig.model import model_text
+    from labrig.model import check_base, model_text
 
     reporter = reporter or Reporter()
     text = model_text(model.file).encode()
     settings = replace(settings, model_sha256=hashlib.sha256(text).hexdigest())
-    _check_base(model, settings.model)
+    check_base(model, settings.model)
     with (
         in_use(config, f"investigation {settings.out}", settings.out),
         Endable(config, settings.out) as endable,
@@ -90,14 +90,6 @@ def _investigated(
             f"{what}; {len(state.rounds)} rounds are in {settings.out}; to resume: {reporter.how_to_resume(settings)}"
         ) from error
     return state
-
-
-def _check_base(model: "Model", name: str) -> None:
-    """Raise `LabrigError` for a model whose base could not be evaluated, before anything is measured for it."""
-    for field in ("file", "rig"):
-        file = getattr(model.file.base, field, None)
-        if file is not None and not (model.folder / file).is_file():
-            raise LabrigError(f"{name}: base: {field}: there is no file {model.folder / file}")
 
 
 def _loop(work: Work) -> None:

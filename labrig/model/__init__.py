@@ -2,6 +2,7 @@
 
 from labrig.model._at_rest import transients
 from labrig.model._bases import BaseModel, build_base, jacobian, solo_deflection
+from labrig.model._check import check_base
 from labrig.model._file import (
     EffectEntry,
     FittedOn,
@@ -25,6 +26,7 @@ __all__ = [
     "as_fitted",
     "base_context",
     "build_base",
+    "check_base",
     "evaluate",
     "find_variant",
     "jacobian",

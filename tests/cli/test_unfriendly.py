@@ -1,5 +1,6 @@
 """What a newcomer gets wrong, one command each: a line that helps, and nothing left behind."""
 
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -76,16 +77,24 @@ def test_a_mistake_is_one_helpful_line(desk: Path, labrig: Run, words: tuple[str
     [
         ("{kind: python, file: none.py}", "model.yaml: base: file: there is no file none.py"),
         ("{kind: simulator, rig: none.yaml}", "model.yaml: base: rig: there is no file none.yaml"),
+        ("{kind: python, file: own.py}", "own.py: has no function 'predict'"),
+        ("{kind: ode, file: own.py, state: [0]}", "own.py: has no function 'output'"),
         ("simulator", "model.yaml, line 1: base: should hold fields (name: value), not 'simulator'"),
     ],
 )
+@pytest.mark.parametrize(
+    "words",
+    [("investigate", "--model", "model.yaml"), ("run", "capture", "--diagnose", "model.yaml")],
+    ids=["investigate", "run"],
+)
 def test_nothing_is_measured_for_a_model_that_cannot_be(
-    desk: Path, labrig: Run, base: str, said: str
+    desk: Path, labrig: Run, words: tuple[str, ...], base: str, said: str
 ) -> None:
-    """An investigation looks at its model before the rig moves, and leaves nothing."""
+    """An investigation, and a run that is diagnosed, look at the model before the rig moves, and leave nothing."""
     (desk / "model.yaml").write_text(f"base: {base}\n")
-    words = ("investigate", "--rig", "rig.yaml", "--model", "model.yaml", "--out", "new")
-    assert labrig(*words) == (2, "", f"labrig: {said}\n")
+    (desk / "own.py").write_text("def rate(t, x, u):\n    return -x\n")
+    code, out, err = labrig(*words, "--rig", "rig.yaml", "--out", "new")
+    assert (code, out, err.replace(f"{desk}{os.sep}", "")) == (2, "", f"labrig: {said}\n")
     assert not (desk / "new").exists()
 
 
