@@ -31,7 +31,7 @@ class Friction(Effect):
     name = "friction"
     meaning = (
         "Sliding parts hold back whatever moves: a jump of constant size when the direction turns,\n"
-        "which may grow with the load."
+        "which may grow with the load. A narrow play, of a gear or of a valve, does the same: look for both."
     )
     acts_on = "mechanics"
     remembers = True
