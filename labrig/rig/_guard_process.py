@@ -247,25 +247,26 @@ def _answer_last(guard: Guard) -> None:
             guard.vent_for(asked)
 
 
-def main() -> int:
-    """Run the guard: the first line of the input is the rig, the others are requests."""
+def main(lines: TextIO, output: TextIO) -> int:
+    """Run the guard: the first of the lines is the rig, the others are requests; the answers go to the output."""
     requests: queue.SimpleQueue[str | Asked | None] = queue.SimpleQueue()  # a signal may put into it
     for name in _SIGNALS:
         number = getattr(signal, name, None)
         if number is not None:
             signal.signal(number, signal.SIG_IGN if name == "SIGINT" else lambda *_: requests.put(None))
-    line = sys.stdin.readline()
+    line = lines.readline()
     setup: Setup = json.loads(line)
     config = RigConfig.model_validate({**setup["rig"], "folder": setup["folder"]})
     log = Path(setup["log"]) if setup["log"] else None
     try:
         guard = Guard(config, log, RealClock(setup["offset_s"]), setup["armed"])
     except (DeviceError, LabrigError) as error:
-        print(json.dumps({"id": 0, "error": type(error).__name__, "message": str(error)}), flush=True)
+        refusal = {"id": 0, "error": type(error).__name__, "message": str(error)}
+        print(json.dumps(refusal), file=output, flush=True)
         return 1
-    print(json.dumps({"id": 0, "value": None}), flush=True)
+    print(json.dumps({"id": 0, "value": None}), file=output, flush=True)
     ended = threading.Event()
-    threading.Thread(target=_read, args=(requests, ended), daemon=True).start()
+    threading.Thread(target=_read, args=(lines, requests, ended), daemon=True).start()
     threading.Thread(target=_watch, args=(guard, ended, line), daemon=True).start()
 
     def ask(asked: Asked) -> None:
@@ -274,7 +275,7 @@ def main() -> int:
 
     reception = receive(config, log, ask)
     try:
-        serve(guard, requests, Answers(sys.stdout))
+        serve(guard, requests, Answers(output))
     finally:
         guard.stopping = True
         if reception is not None:
@@ -282,8 +283,19 @@ def main() -> int:
     return 0
 
 
-def _read(requests: "queue.SimpleQueue[str | Asked | None]", ended: threading.Event) -> None:
-    for line in sys.stdin:
+def _to_itself() -> tuple[TextIO, TextIO]:
+    """The runner's requests and the answers to it, where a driver that prints, or asks somebody, reaches neither."""
+    lines = os.fdopen(os.dup(sys.stdin.fileno()), encoding="utf-8")
+    output = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8")
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nowhere, sys.stdin.fileno())
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+    return lines, output
+
+
+def _read(lines: TextIO, requests: "queue.SimpleQueue[str | Asked | None]", ended: threading.Event) -> None:
+    for line in lines:
         requests.put(line)
     ended.set()
     requests.put(None)
@@ -322,4 +334,4 @@ def _hand_over(setup: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(*_to_itself()))

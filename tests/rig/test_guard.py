@@ -171,3 +171,36 @@ def test_a_simulated_rig_has_no_guard(tmp_path: Path) -> None:
     with pytest.raises(LabrigError) as caught:
         connect(load_rig(path), SimulatedClock(), guard=True)
     assert str(caught.value) == "rig s: a simulated pressure controller cannot be guarded"
+
+
+def test_a_driver_that_prints_or_asks_somebody_does_not_disturb_the_guard(
+    valves: Any, write_rig: Any, tmp_path: Path
+) -> None:
+    """What it writes is no answer of the guard's, and what it reads no request: it vents as any other."""
+    (tmp_path / "talks.py").write_text(
+        f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from valves import ValveClient
+
+class Talks(ValveClient):
+    def __init__(self, name, clock, channels, port):
+        print("made")
+        super().__init__(name, clock, channels, port)
+
+    def set(self, pressure_kpa):
+        print("set", pressure_kpa, flush=True)
+        try:
+            input("go on? ")
+        except EOFError:
+            pass
+        super().set(pressure_kpa)
+""",
+        encoding="utf-8",
+    )
+    pressure = {"kind": "python", "file": "talks.py", "class": "Talks", "port": valves.port}
+    with connect(load_rig(write_rig(pressure=pressure)), RealClock()) as rig:
+        rig.pressure.set(np.array([40.0, 30.0]))
+        valves.wait_for(35.0, 45.0, SLOW_S)
+        rig.pressure.samples()
+    assert valves.pressure_kpa < 0.5

@@ -148,8 +148,7 @@ def guard(
         fake = SimpleNamespace(SimpleQueue=lambda: requests, Empty=queue.Empty)
         monkeypatch.setattr("labrig.rig._guard_process.queue", fake)
         monkeypatch.setattr("labrig.rig._guard_process.signal", SimpleNamespace())
-        monkeypatch.setattr("sys.stdin", io.StringIO(json.dumps(setup) + "\n"))
-        assert main() == 0
+        assert main(io.StringIO(json.dumps(setup) + "\n"), io.StringIO()) == 0
         lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
         return [line.split(" ", 1)[1] for line in lines]
 
